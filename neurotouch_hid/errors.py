@@ -1,0 +1,52 @@
+"""Every error a user can meet, with the exit code the command line ends with.
+
+NeuroTouchError            1   anything else that we can explain
+├── SourceError            3   a source cannot be opened or has failed
+│   └── GelNotFoundError   5   the source works, but no gel is in the picture
+├── RecordingError         4   a recording or its labels cannot be read or written
+├── ProfileError           6   a profile says something we cannot do (file, line, column)
+└── DeviceError            7   the virtual gamepad cannot be made or written
+
+The command line adds 0 (done), 2 (wrong usage) and 130 (Ctrl-C before the work was done).
+"""
+
+
+class NeuroTouchError(Exception):
+    """A failure with one clear sentence for the user and, if there is one, the way out."""
+
+    exit_code = 1
+
+    def __init__(self, message: str, *, hint: str | None = None) -> None:
+        super().__init__(message)
+        self.message = message
+        self.hint = hint
+
+
+class SourceError(NeuroTouchError):
+    """A source of events cannot be opened or has failed."""
+
+    exit_code = 3
+
+
+class GelNotFoundError(SourceError):
+    """Frames arrive, but the gel's markers are not in them."""
+
+    exit_code = 5
+
+
+class RecordingError(NeuroTouchError):
+    """A recording, its labels or its rig file cannot be read or written."""
+
+    exit_code = 4
+
+
+class ProfileError(NeuroTouchError):
+    """A profile cannot be loaded; the message holds ``file:line:column`` and the marked line."""
+
+    exit_code = 6
+
+
+class DeviceError(NeuroTouchError):
+    """The virtual gamepad cannot be created or written."""
+
+    exit_code = 7

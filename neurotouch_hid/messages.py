@@ -1,0 +1,219 @@
+"""The records that cross a stage border, with shapes and units; nothing else does.
+
+Image coordinates are pixels, origin at the top left pixel's centre, x right, y down. Gel
+coordinates are millimetres in the plane the camera sees, origin at the gel's centre, x and y along
+the marker lattice, x right, y down, as the user sees the gel. All stamps are signed µs of sensor
+time.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import IntEnum, StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+SENSOR_WIDTH_PX = 346
+SENSOR_HEIGHT_PX = 260
+
+EVENT_DTYPE = np.dtype([("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "?")], align=True)
+"""One event, 16 bytes: ``t`` µs, ``x`` and ``y`` px, ``p`` True for ON. The AEDAT4 event struct."""
+
+
+class GestureKind(IntEnum):
+    """What the user does. Clockwise is as seen by the user. The label is the lower-case name."""
+
+    NONE = 0
+    PUSH = 1
+    PINCH = 2
+    ZOOM = 3
+    TWIST_CW = 4
+    TWIST_CCW = 5
+
+    @property
+    def label(self) -> str:
+        """The name used in labels, traces and profiles, for example ``twist_cw``."""
+        return self.name.lower()
+
+
+class Button(StrEnum):
+    """The buttons of the pad, by the words printed on it.
+
+    Not the kernel's names: there ``BTN_NORTH`` is the button labelled X, which lies west.
+    """
+
+    A = "a"
+    B = "b"
+    X = "x"
+    Y = "y"
+    LB = "lb"
+    RB = "rb"
+    BACK = "back"
+    START = "start"
+    GUIDE = "guide"
+    LS = "ls"
+    RS = "rs"
+
+
+class Axis(StrEnum):
+    """The axes of the pad: sticks and D-pad -1..1 (right and down are positive), triggers 0..1."""
+
+    LEFT_X = "left_x"
+    LEFT_Y = "left_y"
+    RIGHT_X = "right_x"
+    RIGHT_Y = "right_y"
+    LEFT_TRIGGER = "left_trigger"
+    RIGHT_TRIGGER = "right_trigger"
+    DPAD_X = "dpad_x"
+    DPAD_Y = "dpad_y"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frame:
+    """One APS frame.
+
+    Attributes:
+        pixels: (260, 346) uint8, index [y, x].
+        exposure_begin_us: start of the exposure.
+        exposure_end_us: end of the exposure; equal to the start where a recording does not say.
+    """
+
+    pixels: NDArray[np.uint8]
+    exposure_begin_us: int
+    exposure_end_us: int
+
+    @property
+    def t_us(self) -> int:
+        """The moment the picture stands for: the middle of the exposure."""
+        return (self.exposure_begin_us + self.exposure_end_us) // 2
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EventPacket:
+    """A slice of sensor time with everything that happened in it.
+
+    Attributes:
+        t_begin_us: first moment of the slice.
+        t_end_us: first moment after the slice.
+        events: (n,) EVENT_DTYPE, ascending in ``t``, all in [t_begin_us, t_end_us).
+        frames: frames whose exposure ended in the slice, oldest first.
+        gap: events lost since the packet before, as far as the source knows.
+    """
+
+    t_begin_us: int
+    t_end_us: int
+    events: NDArray[np.void]
+    frames: tuple[Frame, ...] = ()
+    gap: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RestField:
+    """Where every marker was in a frame that shows the gel at rest.
+
+    Attributes:
+        t_us: the moment of the frame (middle of its exposure).
+        position_px: (177, 2) float32, columns x, y, in the order of ``geometry.LATTICE_MM``.
+    """
+
+    t_us: int
+    position_px: NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MarkerField:
+    """All markers at one moment, in the order of ``geometry.LATTICE_MM``.
+
+    Attributes:
+        t_us: the end of the slice.
+        rest_px: (177, 2) float32, columns x, y: where each marker lies while the gel is
+            undeformed. The same array object until it changes; all NaN before the gel is found.
+        position_px: (177, 2) float32: where each marker is now.
+        valid: (177,) bool: the position is measured, not a guess from the neighbours.
+    """
+
+    t_us: int
+    rest_px: NDArray[np.float32]
+    position_px: NDArray[np.float32]
+    valid: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Gesture:
+    """What the hand does at one moment.
+
+    Attributes:
+        t_us: the moment.
+        kind: the type; NONE at rest.
+        contacts_mm: (K, 2) float64, gel coordinates of the contact points, columns x, y.
+        contacts_px: (K, 2) float64, the same points in the image.
+        intensity_mm: mean displacement of the gel around the contacts, >= 0.
+        translation_mm: the common motion (x, y) of the markers around the contacts since rest.
+        rotation_rad: their rotation about the mean contact, clockwise for the user is positive.
+        scale: their scaling about the mean contact, 1 at rest, below 1 for a pinch.
+        confidence: 0..1.
+    """
+
+    t_us: int
+    kind: GestureKind
+    contacts_mm: NDArray[np.float64]
+    contacts_px: NDArray[np.float64]
+    intensity_mm: float
+    translation_mm: tuple[float, float] = (0.0, 0.0)
+    rotation_rad: float = 0.0
+    scale: float = 1.0
+    confidence: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class GamepadState:
+    """The whole pad at one moment.
+
+    Attributes:
+        t_us: the moment.
+        buttons: the buttons that are down.
+        axes: axis values; an axis that is not named is at rest (0).
+    """
+
+    t_us: int
+    buttons: frozenset[Button] = frozenset()
+    axes: Mapping[Axis, float] = field(default_factory=dict)
+
+    @property
+    def is_neutral(self) -> bool:
+        """True if nothing is pressed and every axis is at rest."""
+        return not self.buttons and not any(self.axes.values())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Truth:
+    """What the simulator meant, or what a data set's label says, at one moment.
+
+    Attributes:
+        t_us: the moment.
+        kind: the gesture type.
+        contacts_px: (K, 2) float64, image points of the contacts, columns x, y.
+        intensity_mm: mean displacement of the contact points since the gesture began.
+        markers_px: (177, 2) float32, true marker positions, or None where nobody knows them.
+    """
+
+    t_us: int
+    kind: GestureKind
+    contacts_px: NDArray[np.float64]
+    intensity_mm: float
+    markers_px: NDArray[np.float32] | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Step:
+    """One turn of the line: what went in, what each stage said.
+
+    It holds no host time, so that two runs can be compared bit by bit. ``rest`` is the anchor taken
+    in this turn, or None.
+    """
+
+    packet: EventPacket
+    rest: RestField | None
+    markers: MarkerField
+    gesture: Gesture
+    pad: GamepadState
