@@ -1,0 +1,83 @@
+"""Which gesture it is: the dominant part of a similarity fitted to the markers at the fingers."""
+
+import math
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.messages import GestureKind
+
+_MIN_POINTS = 2  # a similarity has four degrees of freedom
+
+
+class Similarity(NamedTuple):
+    """Scale, rotation (clockwise positive: image y points down) and translation in px."""
+
+    scale: float = 1.0
+    rotation_rad: float = 0.0
+    translation_px: tuple[float, float] = (0.0, 0.0)
+
+
+def fit_similarity(
+    rest_px: NDArray[np.float64],
+    position_px: NDArray[np.float64],
+    origin_px: NDArray[np.float64],
+    threshold_px: float,
+) -> Similarity | None:
+    """The four-degree-of-freedom motion of the markers about an origin, by RANSAC.
+
+    [NT, "Gesture Classification and Intensity Prediction"].
+    Open in the paper: RANSAC's threshold; see ``GestureConfig.similarity_threshold_px``.
+
+    Args:
+        rest_px: (n, 2) float64 px, columns x, y.
+        position_px: (n, 2) float64 px, the same markers now.
+        origin_px: (2,) px: rotation and scale are about this point.
+        threshold_px: distance beyond which a marker is an outlier.
+
+    Returns:
+        The motion, or None where the markers do not determine one.
+    """
+    if len(rest_px) < _MIN_POINTS:
+        return None
+    matrix, _ = cv2.estimateAffinePartial2D(
+        rest_px - origin_px,
+        position_px - origin_px,
+        method=cv2.RANSAC,
+        ransacReprojThreshold=threshold_px,
+    )
+    if matrix is None:
+        return None
+    a, b = float(matrix[0, 0]), float(matrix[1, 0])
+    return Similarity(
+        math.hypot(a, b), math.atan2(b, a), (float(matrix[0, 2]), float(matrix[1, 2]))
+    )
+
+
+def classify(motion: Similarity, gel_radius_px: float) -> tuple[GestureKind, float]:
+    """The gesture type and how far it stands out.
+
+    Open in the paper: the unit of t, which is compared with pure numbers. Here t is divided by the
+    gel's radius, the paper's own scale for intensity ("scaled by the radius of the gel").
+    Differs: the paper calls a clockwise turn negative; ours are positive, as image y points down.
+
+    Args:
+        motion: the similarity about the mean contact.
+        gel_radius_px: radius of the gel in the image, px.
+
+    Returns:
+        The type, and 1 - runner-up/winner in 0..1.
+    """
+    turn = GestureKind.TWIST_CW if motion.rotation_rad > 0 else GestureKind.TWIST_CCW
+    zoom = GestureKind.ZOOM if motion.scale > 1 else GestureKind.PINCH
+    parts = [
+        (math.hypot(*motion.translation_px) / gel_radius_px, GestureKind.PUSH),
+        (abs(motion.scale - 1), zoom),
+        (abs(motion.rotation_rad), turn),
+    ]
+    (most, kind), (second, _), _ = sorted(parts, key=lambda part: -part[0])
+    if most == 0:
+        return GestureKind.NONE, 1.0
+    return kind, 1 - second / most

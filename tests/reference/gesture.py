@@ -1,0 +1,17 @@
+"""Slow plain twins of the kernels of the gesture stage."""
+
+import math
+
+
+def find_peaks(position, magnitude, candidate, radius, min_neighbours):
+    subset = [i for i in range(len(magnitude)) if candidate[i]]
+    peaks = []
+    for i in range(len(magnitude)):
+        around = [j for j in subset if math.dist(position[i], position[j]) <= radius]
+        highest = all(magnitude[i] >= magnitude[j] for j in around)
+        peaks.append(i in subset and highest and len(around) >= min_neighbours)
+    return peaks
+
+
+def find_near(position, points, radius):
+    return [any(math.dist(p, q) < radius for q in points) for p in position]
