@@ -1,0 +1,1 @@
+"""The ``neurotouch`` command: one module a sub-command, which parses, calls and prints."""

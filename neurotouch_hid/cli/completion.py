@@ -1,0 +1,19 @@
+"""``neurotouch completion``: the tab completion of a shell."""
+
+import click
+from click.shell_completion import BashComplete, FishComplete, ZshComplete
+
+from neurotouch_hid.cli.main import cli
+
+_SHELLS = {"bash": BashComplete, "zsh": ZshComplete, "fish": FishComplete}
+
+
+@click.command(
+    epilog="\b\nExamples:\n"
+    '  eval "$(neurotouch completion bash)"      in ~/.bashrc\n'
+    "  neurotouch completion fish > ~/.config/fish/completions/neurotouch.fish"
+)
+@click.argument("shell", type=click.Choice(list(_SHELLS)))
+def command(shell: str) -> None:
+    """Print the tab completion for SHELL."""
+    click.echo(_SHELLS[shell](cli, {}, "neurotouch", "_NEUROTOUCH_COMPLETE").source())

@@ -1,0 +1,47 @@
+"""``neurotouch demo``: the simulated gel drives the pad."""
+
+import click
+
+
+@click.command(
+    epilog="\b\nExamples:\n"
+    "  neurotouch demo                      all gestures in turn, until Ctrl-C\n"
+    "  neurotouch demo --scene pinch --seconds 10\n"
+    "  neurotouch demo --show lines         plain lines, for screen readers"
+)
+@click.option("--scene", default="tour", show_default=True, help="What the simulated hand does.")
+@click.option("--profile", default="spacecraft", show_default=True, help="Name or path.")
+@click.option("--seconds", type=click.FloatRange(min=0.1), help="End by itself after so long.")
+@click.option(
+    "--show",
+    type=click.Choice(["auto", "picture", "lines"]),
+    default="auto",
+    show_default=True,
+    help="auto: a picture on a terminal, else lines.",
+)
+def command(scene: str, profile: str, seconds: float | None, show: str) -> None:
+    """Let a simulated gel drive the pad: no camera needed.
+
+    Where this machine allows it, the pad is a real game controller that every program sees.
+    """
+    from neurotouch_hid.cli.play import play, prepare_kernels
+    from neurotouch_hid.device import open_device
+    from neurotouch_hid.errors import DeviceError
+    from neurotouch_hid.gesture import GestureConfig
+    from neurotouch_hid.profile import load_profile
+    from neurotouch_hid.runtime import Pipeline
+    from neurotouch_hid.source import open_source
+
+    mapping = load_profile(profile)
+    gesture = GestureConfig()
+    with open_source(f"sim:{scene}") as packets:
+        prepare_kernels(mapping, gesture)
+        try:
+            pad = open_device("uinput")
+        except DeviceError as error:
+            click.echo(f"No real controller this time: {error.message} Going on without.", err=True)
+            pad = open_device("memory")
+        with pad:
+            pipeline = Pipeline.build(mapping, gesture, rig=packets.rig, live=packets.live)
+            title = f"SIMULATED {packets.name} → {pad.name}, profile {mapping.name}"
+            play(packets, pipeline, pad, title=title, show=show, seconds=seconds)

@@ -1,0 +1,86 @@
+"""The ``neurotouch`` command itself: finds a sub-command, prints errors, sets the exit code.
+
+Only ``click`` is imported before a sub-command is chosen, so that ``neurotouch --help`` is instant.
+"""
+
+import importlib
+import signal
+import sys
+
+import click
+
+from neurotouch_hid import __version__
+from neurotouch_hid.errors import NeuroTouchError
+
+_SUMMARIES = {
+    "run": "Drive the virtual gamepad from a camera, a recording or the simulator.",
+    "demo": "Try it without a camera: a simulated gel drives the pad.",
+    "simulate": "Write a simulated data set, recordings with labels.",
+    "evaluate": "Measure the recognition on labelled recordings, as the paper does.",
+    "bench": "Measure the speed of every stage on this machine.",
+    "doctor": "Check this machine and say how to fix what is missing.",
+    "completion": "Print the tab completion for bash, zsh or fish.",
+}
+_EXIT_INTERRUPTED = 130
+
+
+class _LazyGroup(click.Group):
+    """Knows the names of its sub-commands and imports only the one that is used."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(_SUMMARIES)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in _SUMMARIES:
+            return None
+        module = importlib.import_module(f"neurotouch_hid.cli.{cmd_name}")
+        command: click.Command = module.command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(list(_SUMMARIES.items()))
+
+
+@click.group(
+    cls=_LazyGroup,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    epilog="\b\nExamples:\n"
+    "  neurotouch demo                                  see it work, no camera needed\n"
+    "  neurotouch run --profile spacecraft --source file:play.aedat4\n"
+    "  neurotouch doctor                                what is missing on this machine",
+)
+@click.version_option(__version__, prog_name="neurotouch")
+def cli() -> None:
+    """A soft gel that every program sees as a standard game controller.
+
+    Exit codes: 0 done, 1 other failure, 2 wrong usage, 3 source, 4 recording or labels, 5 no gel in
+    the picture, 6 profile, 7 virtual gamepad, 130 interrupted.
+    """
+
+
+def main() -> None:
+    """Runs the command line and ends the process with the documented exit code."""
+    signal.signal(signal.SIGTERM, _interrupt)
+    try:
+        code = cli.main(standalone_mode=False)
+    except NeuroTouchError as error:
+        click.echo(f"Error: {error.message}", err=True)
+        if error.hint:
+            click.echo(f"Fix: {error.hint}", err=True)
+        code = error.exit_code
+    except click.ClickException as error:
+        error.show()
+        code = error.exit_code
+    except (KeyboardInterrupt, click.Abort):
+        click.echo("Stopped.", err=True)
+        code = _EXIT_INTERRUPTED
+    except BrokenPipeError:
+        # The reader of our output is gone, as in `neurotouch demo | head`: nothing is wrong.
+        sys.stdout = None  # type: ignore[assignment]  # nothing left to flush at exit
+        code = 0
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+def _interrupt(*_: object) -> None:
+    raise KeyboardInterrupt

@@ -1,0 +1,91 @@
+"""What ``run`` and ``demo`` share: prepare the line, play it, say what happened."""
+
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+
+import click
+
+from neurotouch_hid.device import Device
+from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.messages import EventPacket
+from neurotouch_hid.monitor import LinesMonitor, PictureMonitor, TraceWriter
+from neurotouch_hid.profile import Profile
+from neurotouch_hid.runtime import Pipeline, run_line, stop_on_signals, warm_up
+from neurotouch_hid.source import Source
+
+_PATIENCE_S = 1.0
+
+
+def prepare_kernels(profile: Profile, gesture: GestureConfig) -> None:
+    """Loads the compiled kernels; says so if they have to be compiled first."""
+    with _notice("Compiling for this processor (only the first time, about half a minute) ..."):
+        warm_up(Pipeline.build(profile, gesture))
+
+
+def play(
+    source: Source,
+    pipeline: Pipeline,
+    device: Device,
+    *,
+    title: str,
+    show: str,
+    trace: Path | None = None,
+    seconds: float | None = None,
+) -> None:
+    """Runs the line with the chosen taps until the source ends, a signal comes or time is up.
+
+    Args:
+        source: what to play.
+        pipeline: the line.
+        device: the pad.
+        title: the first line of the picture.
+        show: ``picture``, ``lines``, ``nothing``, or ``auto``: a picture on a terminal, else lines.
+        trace: file for one JSON line per slice.
+        seconds: end after so much sensor time.
+    """
+    if show == "auto":
+        show = "picture" if sys.stdout.isatty() else "lines"
+    packets = source if seconds is None else _for_seconds(source, seconds)
+    with ExitStack() as stack:
+        taps = []
+        if trace is not None:
+            writer = TraceWriter(trace)
+            stack.callback(writer.close)
+            taps.append(writer)
+        if show != "nothing":
+            monitor = (
+                PictureMonitor(sys.stdout, title) if show == "picture" else LinesMonitor(sys.stdout)
+            )
+            stack.callback(monitor.close)
+            taps.append(monitor)
+        stop = stack.enter_context(stop_on_signals())
+        stats = run_line(packets, pipeline, device, taps, stop=stop)
+    speed = f", {stats.sensor_s / stats.host_s:.1f} times real time" if stats.host_s else ""
+    click.echo(
+        f"Played {stats.sensor_s:.1f} s of sensor time, {stats.events:,} events{speed}. "
+        "The pad is neutral.",
+        err=True,
+    )
+
+
+def _for_seconds(packets: Source, seconds: float) -> Iterator[EventPacket]:
+    begin_us: int | None = None
+    for packet in packets:
+        begin_us = packet.t_begin_us if begin_us is None else begin_us
+        yield packet
+        if packet.t_end_us - begin_us >= seconds * 1e6:
+            return
+
+
+@contextmanager
+def _notice(text: str) -> Iterator[None]:
+    timer = threading.Timer(_PATIENCE_S, click.echo, (text,), {"err": True})
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()

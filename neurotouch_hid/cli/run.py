@@ -1,0 +1,81 @@
+"""``neurotouch run``: the driver."""
+
+from pathlib import Path
+
+import click
+
+
+@click.command(
+    epilog="\b\nExamples:\n"
+    "  neurotouch run --source sim:tour --profile spacecraft\n"
+    "  neurotouch run --source file:play.aedat4 --speed max --device memory --trace play.jsonl\n\n"
+    "Ctrl-C ends; the pad goes neutral first."
+)
+@click.option("--profile", default="default", show_default=True, help="Name or path of a profile.")
+@click.option(
+    "--source",
+    default="davis:",
+    show_default=True,
+    help="davis: (the camera), file:NAME.aedat4 (a recording) or sim:NAME (the simulator).",
+)
+@click.option(
+    "--device",
+    type=click.Choice(["uinput", "memory"]),
+    default="uinput",
+    show_default=True,
+    help="uinput makes a gamepad that every program sees; memory makes none.",
+)
+@click.option(
+    "--speed",
+    type=click.Choice(["recorded", "max"]),
+    default="recorded",
+    show_default=True,
+    help="As recorded, or as fast as possible.",
+)
+@click.option(
+    "--method",
+    type=click.Choice(["paper"]),
+    default="paper",
+    show_default=True,
+    help="How gestures are recognised.",
+)
+@click.option("--seed", default=0, show_default=True, help="Seed of the simulator.")
+@click.option(
+    "--trace",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Write one JSON line per slice to this file.",
+)
+@click.option(
+    "--show",
+    type=click.Choice(["auto", "picture", "lines", "nothing"]),
+    default="auto",
+    show_default=True,
+    help="What to print while playing; auto: a picture on a terminal, else lines.",
+)
+def command(
+    profile: str,
+    source: str,
+    device: str,
+    speed: str,
+    method: str,
+    seed: int,
+    trace: Path | None,
+    show: str,
+) -> None:
+    """Drive the virtual gamepad from the gel until the source ends or Ctrl-C."""
+    from neurotouch_hid.cli.play import play, prepare_kernels
+    from neurotouch_hid.device import open_device
+    from neurotouch_hid.gesture import GestureConfig
+    from neurotouch_hid.profile import load_profile
+    from neurotouch_hid.runtime import Pipeline
+    from neurotouch_hid.source import open_source
+
+    mapping = load_profile(profile)
+    gesture = GestureConfig(method=method)
+    with open_source(source, speed=speed, seed=seed) as packets:
+        prepare_kernels(mapping, gesture)
+        live = packets.live and speed == "recorded"
+        pipeline = Pipeline.build(mapping, gesture, rig=packets.rig, live=live)
+        with open_device(device) as pad:
+            title = f"{packets.name} → {pad.name}, profile {mapping.name}"
+            play(packets, pipeline, pad, title=title, show=show, trace=trace)

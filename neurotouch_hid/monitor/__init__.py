@@ -1,0 +1,7 @@
+"""Taps that show or write down what the line does, and never hold it up."""
+
+from neurotouch_hid.monitor.sentence import describe_gesture, describe_pad
+from neurotouch_hid.monitor.terminal import LinesMonitor, PictureMonitor
+from neurotouch_hid.monitor.trace import TraceWriter
+
+__all__ = ["LinesMonitor", "PictureMonitor", "TraceWriter", "describe_gesture", "describe_pad"]

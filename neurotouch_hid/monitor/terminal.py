@@ -1,0 +1,141 @@
+"""The gel, the gesture and the pad in a terminal: a live picture, or plain lines."""
+
+import threading
+from typing import TextIO
+
+import numpy as np
+
+from neurotouch_hid.geometry import LATTICE_MM, PITCH_MM, fit_rig
+from neurotouch_hid.messages import Axis, Button, GestureKind, Step
+from neurotouch_hid.monitor.sentence import describe_gesture, describe_pad
+
+PICTURE_HZ = 12.0
+"""Redraws per second: smooth to the eye, a few percent of a core."""
+LINE_INTERVAL_S = 0.3
+"""Shortest time between two plain lines, so that a screen reader can follow."""
+_ARROWS = "→↘↓↙←↖↑↗"
+_BAR = 24
+
+
+class LinesMonitor:
+    """A tap that prints a line whenever the gesture or the pressed controls change."""
+
+    def __init__(self, out: TextIO) -> None:
+        self._out = out
+        self._said = ""
+        self._due_us = -(1 << 62)
+
+    def __call__(self, step: Step) -> None:
+        """Prints what is new in ``step``, if anything is."""
+        if step.gesture.t_us < self._due_us:
+            return
+        pressed = ", ".join(str(control) for control in sorted(_pressed(step)))
+        said = f"{step.gesture.kind.label} {pressed}"
+        if said != self._said:
+            self._said = said
+            self._due_us = step.gesture.t_us + int(LINE_INTERVAL_S * 1e6)
+            words = f"{describe_gesture(step.gesture)}; pad {describe_pad(step.pad)}"
+            self._out.write(f"{step.gesture.t_us / 1e6:8.2f} s  {words}\n")
+            self._out.flush()
+
+    def close(self) -> None:
+        """Nothing to put back."""
+
+
+class PictureMonitor:
+    """A tap that keeps the newest Step; a thread of its own draws it, so the line never waits.
+
+    Args:
+        out: a terminal that understands ANSI escapes.
+        title: what is being watched, first line of the picture.
+    """
+
+    def __init__(self, out: TextIO, title: str) -> None:
+        self._out = out
+        self._title = title
+        self._step: Step | None = None
+        self._height = 0
+        self._done = threading.Event()
+        self._thread = threading.Thread(target=self._draw_on, name="monitor", daemon=True)
+        self._out.write("\x1b[?25l")
+        self._thread.start()
+
+    def __call__(self, step: Step) -> None:
+        """Leaves ``step`` for the drawing thread."""
+        self._step = step
+
+    def close(self) -> None:
+        """Leaves the last picture and gives the cursor back."""
+        self._done.set()
+        self._thread.join(timeout=1.0)
+        self._out.write("\x1b[?25h")
+        self._out.flush()
+
+    def _draw_on(self) -> None:
+        while not self._done.wait(1 / PICTURE_HZ):
+            self._draw()
+        self._draw()
+
+    def _draw(self) -> None:
+        if self._step is None:
+            return
+        lines = draw(self._step, self._title)
+        up = f"\x1b[{self._height}A" if self._height else ""
+        self._height = len(lines)
+        self._out.write(up + "".join(f"\r{line}\x1b[K\n" for line in lines))
+        self._out.flush()
+
+
+def draw(step: Step, title: str) -> list[str]:
+    """The picture of one Step as lines of text, 15 rows of gel with the readings beside it."""
+    gesture, pad = step.gesture, step.pad
+    tracked = int(step.markers.valid.sum())
+    right = [
+        f"gesture    {describe_gesture(gesture)}",
+        f"intensity  {_bar(gesture.intensity_mm / 18)} {gesture.intensity_mm:5.1f} mm",
+        f"markers    {tracked} of {len(LATTICE_MM)} tracked",
+        "",
+        *(f"{axis:<14} {_axis(axis, pad.axes.get(axis, 0.0))}" for axis in Axis),
+        "",
+        "buttons    " + " ".join(b.upper() if b in pad.buttons else "·" * len(b) for b in Button),
+    ]
+    gel = _gel(step)
+    right += [""] * (len(gel) - len(right))
+    head = f"NeuroTouch  {title}  {gesture.t_us / 1e6:.2f} s"
+    return [head, "", *(f"{g}   {r}" for g, r in zip(gel, right, strict=True))]
+
+
+def _gel(step: Step) -> list[str]:
+    columns = np.rint(LATTICE_MM / PITCH_MM).astype(int)
+    size = int(columns.max())
+    grid = [[" "] * (4 * size + 1) for _ in range(2 * size + 1)]
+    moved = step.markers.position_px - step.markers.rest_px
+    for (cx, cy), (dx, dy), valid in zip(columns, moved, step.markers.valid, strict=True):
+        far = bool(np.hypot(dx, dy) > 2.0)
+        sign = _ARROWS[round(np.degrees(np.arctan2(dy, dx)) / 45) % 8] if far else "·"
+        grid[cy + size][2 * (cx + size)] = sign if valid else "?"
+    if step.gesture.kind is not GestureKind.NONE and np.isfinite(step.markers.rest_px).any():
+        rig = fit_rig(step.markers.rest_px)
+        for x, y in np.rint(rig.to_mm(step.gesture.contacts_px) / PITCH_MM).astype(int):
+            if abs(x) <= size and abs(y) <= size:
+                grid[y + size][2 * (x + size)] = "●"
+    return ["".join(row) for row in grid]
+
+
+def _bar(share: float) -> str:
+    filled = round(min(max(share, 0.0), 1.0) * _BAR)
+    return "█" * filled + "░" * (_BAR - filled)
+
+
+def _axis(axis: Axis, value: float) -> str:
+    if axis in (Axis.LEFT_TRIGGER, Axis.RIGHT_TRIGGER):
+        return _bar(value)
+    line = ["─"] * (_BAR + 1)
+    line[_BAR // 2] = "┼"
+    line[round((min(max(value, -1.0), 1.0) + 1) / 2 * _BAR)] = "●" if value else "┼"
+    return "".join(line)
+
+
+def _pressed(step: Step) -> set[str]:
+    axes = {str(axis) for axis, value in step.pad.axes.items() if value}
+    return axes | {str(button) for button in step.pad.buttons}

@@ -1,0 +1,48 @@
+"""Compiles, or loads from the cache, every kernel of the line before a gamepad appears."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.geometry import LATTICE_MM, NOMINAL_PX_PER_MM, Rig
+from neurotouch_hid.messages import (
+    EVENT_DTYPE,
+    SENSOR_HEIGHT_PX,
+    SENSOR_WIDTH_PX,
+    EventPacket,
+    Frame,
+)
+from neurotouch_hid.runtime.pipeline import Pipeline
+
+_RIG = Rig((SENSOR_WIDTH_PX / 2, SENSOR_HEIGHT_PX / 2), NOMINAL_PX_PER_MM)
+_SLICE_US = 10_000
+
+
+def warm_up(pipeline: Pipeline) -> None:
+    """Takes a few drawn slices through ``pipeline``: gel at rest, then pushed to the right.
+
+    Use a pipeline of its own for this and throw it away: it remembers what it saw.
+    """
+    still = _RIG.to_px(LATTICE_MM)
+    pushed = still + np.exp(-((LATTICE_MM / 12) ** 2).sum(1, keepdims=True)) * (10.0, 0.0)
+    for k, position_px in enumerate((still, still, pushed, pushed)):
+        t_us = k * _SLICE_US
+        frame = Frame(_draw(position_px), t_us, t_us + _SLICE_US // 2)
+        events = _spread(position_px, t_us)
+        pipeline.advance(EventPacket(t_us, t_us + _SLICE_US, events, (frame,)))
+    pipeline.close()
+
+
+def _draw(position_px: NDArray[np.float64]) -> NDArray[np.uint8]:
+    y, x = np.mgrid[:SENSOR_HEIGHT_PX, :SENSOR_WIDTH_PX]
+    picture = np.full(y.shape, 20.0)
+    for cx, cy in position_px:
+        near = np.s_[max(int(cy) - 4, 0) : int(cy) + 6, max(int(cx) - 4, 0) : int(cx) + 6]
+        picture[near] += 180 * np.exp(-((x[near] - cx) ** 2 + (y[near] - cy) ** 2) / 2)
+    return np.clip(picture, 0, 255).astype(np.uint8)
+
+
+def _spread(position_px: NDArray[np.float64], t_us: int) -> NDArray[np.void]:
+    events = np.zeros(len(position_px), EVENT_DTYPE)
+    events["t"] = t_us + np.arange(len(events))
+    events["x"], events["y"] = np.rint(position_px).T
+    return events
