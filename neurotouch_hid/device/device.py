@@ -1,0 +1,50 @@
+"""What every device can do, and the way to get one by its name."""
+
+from types import TracebackType
+from typing import Protocol, Self
+
+from neurotouch_hid.device.memory import MemoryDevice
+from neurotouch_hid.device.uinput import UinputDevice, open_uinput
+from neurotouch_hid.errors import DeviceError
+from neurotouch_hid.messages import GamepadState
+
+
+class Device(Protocol):
+    """A pad that can be pressed. All calls may come from any thread."""
+
+    def write(self, state: GamepadState) -> None:
+        """Show the pad in this state; a state equal to the one before costs nothing.
+
+        Raises:
+            DeviceError: the state cannot be written.
+        """
+
+    def neutral(self) -> None:
+        """Release everything now. Harmless when nothing is pressed or the device is closed."""
+
+    def close(self) -> None:
+        """Release everything and take the pad away. Harmless when repeated."""
+
+    def __enter__(self) -> Self:
+        """Return the device itself."""
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close the device."""
+
+
+def open_device(kind: str) -> Device:
+    """Return a new, neutral device of a kind: ``uinput`` (a real one) or ``memory``.
+
+    Raises:
+        DeviceError: the kind is unknown, or ``/dev/uinput`` cannot be used.
+    """
+    if kind == "memory":
+        return MemoryDevice()
+    if kind == "uinput":
+        return UinputDevice(open_uinput())
+    raise DeviceError(f"There is no device called {kind!r}.", hint="Use uinput or memory.")
