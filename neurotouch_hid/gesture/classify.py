@@ -29,7 +29,10 @@ def fit_similarity(
     """The four-degree-of-freedom motion of the markers about an origin, by RANSAC.
 
     [NT, "Gesture Classification and Intensity Prediction"].
-    Open in the paper: RANSAC's threshold; see ``GestureConfig.similarity_threshold_px``.
+    Open in the paper: RANSAC's threshold. The callers pass r: a marker that lies a fingertip away
+    from where the fit puts it is mistracked, everything nearer belongs to the hand. With a few
+    pixels instead RANSAC keeps the strongest finger alone, whose own motion is a pure translation,
+    and calls most pinches a push.
 
     Args:
         rest_px: (n, 2) float64 px, columns x, y.

@@ -1,12 +1,11 @@
 """Where the fingers are: homography outliers, then local maxima of the displacement."""
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.gesture.kernels import find_peaks
+from neurotouch_hid.gesture.kernels import find_homography_outliers, find_peaks
 
-_MIN_POINTS = 4  # a homography has eight degrees of freedom
+_CONFIDENCE, _MAX_ROUNDS = 0.995, 2000  # OpenCV's defaults, which the paper does not change
 _NO_POINTS = np.zeros((0, 2))
 
 
@@ -17,23 +16,24 @@ def find_outliers(
 ) -> NDArray[np.bool_]:
     """Markers that leave the global pattern: S(t_k) [NT, "Contact Point Detection"].
 
-    RANSAC fits a homography from rest to now with OpenCV's fixed seed, so equal markers give equal
-    answers, bit for bit.
-
     Args:
-        rest_px: (n, 2) float64 px, columns x, y.
+        rest_px: (n, 2) float64 px, columns x, y, n >= 1.
         position_px: (n, 2) float64 px, the same markers now.
-        threshold_px: reprojThreshold, > 0 (OpenCV silently takes 3 px for 0).
+        threshold_px: reprojThreshold, > 0.
 
     Returns:
-        (n,) bool; all False where no homography can be found.
+        (n,) bool; equal markers give equal answers, bit for bit.
     """
-    if len(rest_px) < _MIN_POINTS:
-        return np.zeros(len(rest_px), bool)
-    _, inlier = cv2.findHomography(rest_px, position_px, cv2.RANSAC, threshold_px)
-    if inlier is None:
-        return np.zeros(len(rest_px), bool)
-    return np.asarray(inlier.ravel() == 0)
+    centre = rest_px.mean(axis=0)
+    scale = 1 / max(float(np.abs(rest_px - centre).max()), 1.0)
+    outlier: NDArray[np.bool_] = find_homography_outliers(
+        (rest_px - centre) * scale,
+        (position_px - centre) * scale,
+        threshold_px * scale,
+        _CONFIDENCE,
+        _MAX_ROUNDS,
+    )
+    return outlier
 
 
 def find_contacts(
@@ -63,9 +63,9 @@ def find_contacts(
     Returns:
         (k, 2) float64 px, columns x, y, the strongest displacement first.
     """
-    magnitude = np.linalg.norm(position_px - rest_px, axis=1)
-    if not len(magnitude):
+    if not len(rest_px):
         return _NO_POINTS
+    magnitude = np.linalg.norm(position_px - rest_px, axis=1)
     threshold = max(threshold_ratio * float(magnitude.mean()), threshold_floor_px)
     outlier = find_outliers(rest_px, position_px, threshold)
     peak = np.flatnonzero(find_peaks(position_px, magnitude, outlier, radius_px, min_neighbours))

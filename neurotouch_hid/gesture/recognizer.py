@@ -25,7 +25,6 @@ class GestureConfig:
         min_neighbours: N_min, outliers a local maximum must have around it [NT, "Results"].
         threshold_floor_px: least reprojection threshold: 3 sigma of tracking noise of 0.3 px.
         rest_gate_mm: displacement that ``min_neighbours`` markers must exceed to leave rest.
-        similarity_threshold_px: RANSAC threshold of the similarity.
     """
 
     method: Literal["paper"] = "paper"
@@ -34,7 +33,6 @@ class GestureConfig:
     min_neighbours: int = 4
     threshold_floor_px: float = 0.9
     rest_gate_mm: float = 0.5
-    similarity_threshold_px: float = 10.0
 
 
 class GestureRecognizer:
@@ -96,9 +94,7 @@ def _recognize_paper(
         return _no_gesture(t_us)
     around = find_near(position_px, contacts, config.radius_px)
     rest_px, position_px = rest_px[around], position_px[around]
-    motion = fit_similarity(
-        rest_px, position_px, contacts.mean(axis=0), config.similarity_threshold_px
-    )
+    motion = fit_similarity(rest_px, position_px, contacts.mean(axis=0), config.radius_px)
     if motion is None:
         return _no_gesture(t_us)
     kind, confidence = classify(motion, GEL_RADIUS_MM * rig.px_per_mm)
