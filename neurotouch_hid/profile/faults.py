@@ -1,0 +1,77 @@
+"""A mistake in a profile, with its place, and how a list of them is shown."""
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Final
+
+SHOWN_FAULTS: Final = 20
+SHOWN_COLUMNS: Final = 100
+_LINE_BREAK: Final = re.compile("\r\n|[\r\n\x85\u2028\u2029]")  # what the YAML reader counts
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Mark:
+    """A stretch of one line: ``line`` and ``column`` count from 0, ``length`` is in characters."""
+
+    line: int
+    column: int
+    length: int = 1
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Fault:
+    """One mistake.
+
+    Attributes:
+        mark: where it stands.
+        path: the keys that lead to it, ``bindings[0].do.axis``; empty at the top.
+        sentence: what is wrong.
+        hint: what stands beside the caret, or empty.
+    """
+
+    mark: Mark
+    path: str
+    sentence: str
+    hint: str = ""
+
+
+def format_path(keys: Iterable[str | int]) -> str:
+    """The keys that lead to a place, ``("bindings", 0, "do")`` as ``bindings[0].do``."""
+    path = "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in keys)
+    return make_printable(path.removeprefix("."))
+
+
+def make_printable(text: str) -> str:
+    """The text in one line, with nothing in it that could move a terminal's cursor."""
+    return "".join(char if char.isprintable() else " " for char in text)
+
+
+def suggest(word: str, known: Sequence[str]) -> str:
+    """``did you mean 'zoom'?``, or empty if no known word is near."""
+    near = get_close_matches(word.lower()[:SHOWN_COLUMNS], known, n=1)
+    return f"did you mean '{near[0]}'?" if near else ""
+
+
+def format_faults(faults: Iterable[Fault], name: str, text: str) -> str:
+    """Every fault as ``name:line:column: error: path: sentence`` with the marked line below."""
+    ordered = sorted(set(faults))
+    lines = _LINE_BREAK.split(text)
+    blocks = [_format_fault(fault, name, lines) for fault in ordered[:SHOWN_FAULTS]]
+    if len(ordered) > SHOWN_FAULTS:
+        blocks.append(f"{name}: {len(ordered) - SHOWN_FAULTS} more errors")
+    return "\n".join(blocks)
+
+
+def _format_fault(fault: Fault, name: str, lines: Sequence[str]) -> str:
+    mark = fault.mark
+    place = f"{name}:{mark.line + 1}:{mark.column + 1}: error: "
+    header = place + (f"{fault.path}: " if fault.path else "") + fault.sentence
+    line = lines[mark.line] if mark.line < len(lines) else ""
+    first = max(0, mark.column - SHOWN_COLUMNS // 2)
+    excerpt = make_printable(line[first : first + SHOWN_COLUMNS]).rstrip()
+    column = mark.column - first
+    carets = "^" * max(1, min(mark.length, len(excerpt) - column))
+    hint = f" {fault.hint}" if fault.hint else ""
+    return f"{header}\n{mark.line + 1:>6} | {excerpt}\n{'':>6} | {'':>{column}}{carets}{hint}"

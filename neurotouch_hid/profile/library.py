@@ -1,0 +1,63 @@
+"""Where profiles lie: the user's own folder first, then those shipped with the program."""
+
+import os
+import re
+from pathlib import Path
+from typing import Final
+
+import neurotouch_hid
+from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.profile.faults import make_printable, suggest
+from neurotouch_hid.profile.schema import NAME_PATTERN
+
+PACKAGE_FOLDER: Final = Path(neurotouch_hid.__file__).parent
+
+
+def find_shipped_folder(package: Path = PACKAGE_FOLDER) -> Path:
+    """The folder of the shipped profiles: inside an installed package, beside it in a checkout."""
+    packaged = package / "data" / "profiles"
+    return packaged if packaged.is_dir() else package.parent / "profiles"
+
+
+def find_user_folder() -> Path:
+    """The folder for the user's own profiles; it need not exist."""
+    config = Path(os.environ.get("XDG_CONFIG_HOME", ""))
+    if not config.is_absolute():  # the XDG specification: a relative path is to be ignored
+        config = Path("~/.config").expanduser()
+    return config / "neurotouch" / "profiles"
+
+
+def list_profiles() -> dict[str, Path]:
+    """Every profile that can be loaded by name, sorted; a user's own hides a shipped one."""
+    found = {
+        path.stem: path
+        for folder in (find_shipped_folder(), find_user_folder())
+        if folder.is_dir()
+        for path in folder.glob("*.yaml")
+        if re.fullmatch(NAME_PATTERN, path.stem) and path.is_file()
+    }
+    return dict(sorted(found.items()))
+
+
+def find_profile(name_or_path: str | Path) -> Path:
+    """The file of a profile.
+
+    Args:
+        name_or_path: a path (it has a ``/`` or ends in ``.yaml`` or ``.yml``) or a name, which is
+            looked for in the user's folder, then among the shipped ones.
+
+    Raises:
+        ProfileError: no profile has this name.
+    """
+    if isinstance(name_or_path, Path):
+        return name_or_path
+    if "/" in name_or_path or name_or_path.endswith((".yaml", ".yml")):
+        return Path(name_or_path)
+    known = list_profiles()
+    if name_or_path in known:
+        return known[name_or_path]
+    near = suggest(name_or_path, list(known))
+    raise ProfileError(
+        f"no profile is called '{make_printable(name_or_path[:64])}'{near and ': ' + near}",
+        hint=f"Profiles: {', '.join(known) or 'none'}. Your own go to {find_user_folder()}.",
+    )
