@@ -10,7 +10,13 @@ from neurotouch_hid.messages import GamepadState
 
 
 class Device(Protocol):
-    """A pad that can be pressed. All calls may come from any thread."""
+    """A pad that can be pressed. All calls may come from any thread.
+
+    Attributes:
+        name: what the user is told it is.
+    """
+
+    name: str
 
     def write(self, state: GamepadState) -> None:
         """Show the pad in this state; a state equal to the one before costs nothing.

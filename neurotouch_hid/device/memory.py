@@ -14,9 +14,12 @@ class MemoryDevice:
     """Keeps the states that a real pad would have shown as a change, oldest first.
 
     Attributes:
+        name: what the user is told it is.
         states: the changes; the newest 10 000 (100 s of ceaseless motion), so that a dry run of
             days does not grow.
     """
+
+    name = "memory"
 
     def __init__(self) -> None:
         self.states: deque[GamepadState] = deque(maxlen=10_000)

@@ -73,7 +73,12 @@ class UinputDevice:
 
     No force feedback is declared: a pad that declares it and does not answer freezes games for
     half a minute.
+
+    Attributes:
+        name: what the user is told it is, and what games show.
     """
+
+    name = gamepad.NAME
 
     def __init__(self, descriptor: int, *, ioctl: Ioctl = _ioctl) -> None:
         """Create the pad, at rest.
