@@ -1,0 +1,87 @@
+"""How the camera under the gel sees a marker: perspective of the dome, lens, rig, brightness."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.geometry import GEL_RADIUS_MM, MARKER_DIAMETER_MM, Rig
+
+RING_MM = 31.5  # the housing hides what lies further out
+
+
+@dataclass(frozen=True, slots=True)
+class CameraConfig:
+    """Where the camera stands and what its lens does.
+
+    Attributes:
+        rig: the image of the gel's plane; the centre of the 346x260 sensor, nearly.
+        distance_mm: from the lens to the plane of the rim.
+        height_mm: of the dome over that plane.
+        barrel: radial distortion of the lens in 1/mm² at the gel; nearly undoes the dome's.
+        falloff: how fast a tilted marker loses brightness (power of the cosine).
+    """
+
+    rig: Rig = Rig((172.5, 129.5), 2.5)  # [NT, "Results"]: r = 30 px is about 12 mm
+    distance_mm: float = 90.0
+    height_mm: float = 15.0
+    barrel: float = 9e-5
+    falloff: float = 0.7
+
+
+class Camera:
+    """Maps points of the gel to the image."""
+
+    def __init__(self, config: CameraConfig) -> None:
+        self._config = config
+        self._sphere_mm = (GEL_RADIUS_MM**2 + config.height_mm**2) / (2.0 * config.height_mm)
+
+    def project(self, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Image points (n, 2) in px of gel points (n, 3): x, y and depth below the dome in mm."""
+        _, magnified = self._magnify(points_mm)
+        return self._config.rig.to_px(magnified)
+
+    def outline(self, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How markers look.
+
+        Args:
+            points_mm: (n, 3) x, y and depth below the dome in mm.
+
+        Returns:
+            (n, 6) float64: x, y px, the quadratic form (xx, xy, yy) of the outline in 1/px²,
+            brightness 0..1.
+        """
+        scale, magnified = self._magnify(points_mm)
+        r = np.hypot(points_mm[:, 0], points_mm[:, 1])
+        height = self._dome(r) - points_mm[:, 2]
+        tilt = np.arcsin(np.clip(r / self._sphere_mm, 0.0, 1.0))
+        view = np.arctan2(r, self._config.distance_mm + height)
+        facing = np.maximum(np.cos(tilt - view), 0.05)
+        angle = np.arctan2(points_mm[:, 1], points_mm[:, 0]) + self._config.rig.rotation_rad
+        cos, sin = np.cos(angle), np.sin(angle)
+        across = 1.0 / (0.5 * MARKER_DIAMETER_MM * self._config.rig.px_per_mm * scale) ** 2
+        along = across / facing**2
+        hidden = np.clip((RING_MM - r) / 1.0, 0.0, 1.0)
+        return np.column_stack(
+            [
+                self._config.rig.to_px(magnified),
+                along * cos**2 + across * sin**2,
+                (along - across) * cos * sin,
+                along * sin**2 + across * cos**2,
+                facing**self._config.falloff * hidden,
+            ]
+        )
+
+    def _magnify(
+        self, points_mm: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        config = self._config
+        r = np.hypot(points_mm[:, 0], points_mm[:, 1])
+        depth = config.distance_mm + self._dome(r) - points_mm[:, 2]
+        scale = (config.distance_mm + config.height_mm) / depth
+        scale *= 1.0 - config.barrel * (r * scale) ** 2
+        return scale, points_mm[:, :2] * scale[:, None]
+
+    def _dome(self, r: NDArray[np.float64]) -> NDArray[np.float64]:
+        sagitta = self._sphere_mm - self._config.height_mm
+        return np.sqrt(np.maximum(self._sphere_mm**2 - r**2, 0.0)) - sagitta

@@ -1,0 +1,142 @@
+"""Where every marker is, over time: the script's fingers through the gel's elasticity."""
+
+import math
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.geometry import LATTICE_MM, N_MARKERS
+from neurotouch_hid.messages import GestureKind, Truth
+from neurotouch_hid.source.simulator.camera import Camera
+from neurotouch_hid.source.simulator.gel.kernels import deform
+from neurotouch_hid.source.simulator.script import Script, Stroke, motion_at
+
+KNOT_US = 4_000  # fast enough for the quickest hand: 210 mm/s is 0.84 mm a knot
+LABEL_FLOOR_MM = 0.3  # below it a person labels no gesture
+PROBE_REACH = 0.7  # where in a patch its deformation is probed, share of its radius
+N_HISTORY = 1024  # knots kept, about four seconds
+
+
+@dataclass(frozen=True, slots=True)
+class GelConfig:
+    """How the gel follows the fingers.
+
+    Attributes:
+        lag: share of the motion that follows late; silicone loses about a tenth of its work.
+        lag_us: time constant of that share.
+    """
+
+    lag: float = 0.1
+    lag_us: int = 120_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Knot:
+    """The gel at one of the equally spaced moments.
+
+    Attributes:
+        outline: (177, 6) float64, see ``Camera.outline``.
+        kind: of the stroke at work, NONE at rest.
+        contacts_px: (k, 2) float64, place of the largest deformation of each finger.
+        moved_mm: (k,) float64, how far that place has moved in the image since rest.
+    """
+
+    outline: NDArray[np.float64]
+    kind: GestureKind
+    contacts_px: NDArray[np.float64]
+    moved_mm: NDArray[np.float64]
+
+
+class Motion:
+    """Knots of a script, computed in order and remembered for a few seconds.
+
+    The state at any moment is the same however it is asked for; asking for a moment that is long
+    gone starts the script again.
+    """
+
+    def __init__(self, script: Script, camera: Camera, px_per_mm: float, gel: GelConfig) -> None:
+        self._script, self._camera, self._gel = script, camera, gel
+        self._px_per_mm = px_per_mm
+        self._rest = self._knot(np.column_stack([LATTICE_MM, np.zeros(N_MARKERS)]), None, ())
+        self._restart()
+
+    def knot(self, index: int) -> Knot:
+        """The gel at ``index * KNOT_US``; negative indices are at rest."""
+        if index < 0:
+            return self._rest
+        if index < self._next - len(self._history):
+            self._restart()
+        while index >= self._next:
+            self._history.append(self._compute(self._next))
+            self._next += 1
+        return self._history[index - self._next]
+
+    def truth(self, t_us: int) -> Truth:
+        """The truth at ``t_us``."""
+        index, rest_us = divmod(t_us, KNOT_US)
+        u = rest_us / KNOT_US
+        weights = np.array(
+            [-(u**3) + 2 * u**2 - u, 3 * u**3 - 5 * u**2 + 2, -3 * u**3 + 4 * u**2 + u, u**3 - u**2]
+        )
+        knots = [self.knot(index + k) for k in (-1, 0, 1, 2)]
+        markers = np.tensordot(0.5 * weights, [knot.outline[:, :2] for knot in knots], 1)
+        here, after = knots[1], knots[2]
+        contacts, moved = here.contacts_px, here.moved_mm
+        if len(after.contacts_px) == len(contacts):
+            contacts = (1 - u) * contacts + u * after.contacts_px
+            moved = (1 - u) * moved + u * after.moved_mm
+        felt = moved >= LABEL_FLOOR_MM
+        return Truth(
+            t_us,
+            here.kind if felt.any() else GestureKind.NONE,
+            contacts[felt],
+            float(moved[felt].mean()) if felt.any() else 0.0,
+            markers.astype(np.float32),
+        )
+
+    def _restart(self) -> None:
+        self._history: deque[Knot] = deque(maxlen=N_HISTORY)
+        self._next = 0
+        self._late: NDArray[np.float64] | None = None
+        self._stroke: Stroke | None = None
+
+    def _compute(self, index: int) -> Knot:
+        found = self._script.find(index * KNOT_US)
+        if found is None:
+            self._stroke = None
+            return self._rest
+        stroke, t_us = found
+        points = np.concatenate([LATTICE_MM, *(_probes(f.contact_mm, f.radius_mm) for f in stroke.fingers)])
+        centres = np.array([finger.contact_mm for finger in stroke.fingers])
+        radii = np.array([finger.radius_mm for finger in stroke.fingers])
+        state = np.array([motion_at(stroke, finger, t_us) for finger in stroke.fingers])
+        moved = np.empty((len(points), 3))
+        deform(points, centres, radii, np.ascontiguousarray(state[:, :3]), state[:, 3].copy(), moved)
+        if self._stroke is not stroke:
+            self._stroke, self._late = stroke, np.column_stack([points, np.zeros(len(points))])
+        assert self._late is not None
+        self._late += (moved - self._late) * (1.0 - math.exp(-KNOT_US / self._gel.lag_us))
+        moved += self._gel.lag * (self._late - moved)
+        return self._knot(moved, stroke, points)
+
+    def _knot(self, moved: NDArray[np.float64], stroke: Stroke | None, points) -> Knot:
+        outline = self._camera.outline(moved[:N_MARKERS])
+        if stroke is None:
+            return Knot(outline, GestureKind.NONE, np.empty((0, 2)), np.empty(0))
+        probes = self._camera.project(moved[N_MARKERS:])
+        rest = np.column_stack([points[N_MARKERS:], np.zeros(len(probes))])
+        far_mm = np.linalg.norm(probes - self._camera.project(rest), axis=1) / self._px_per_mm
+        shape = (len(stroke.fingers), -1)
+        # A soft maximum: the patch's centre where it moves as one, its outer side where it turns.
+        weights = (far_mm.reshape(shape) + 1e-6) ** 8
+        weights /= weights.sum(axis=1, keepdims=True)
+        contacts = (weights[:, :, None] * probes.reshape(*shape, 2)).sum(axis=1)
+        return Knot(outline, stroke.kind, contacts, (weights * far_mm.reshape(shape)).sum(axis=1))
+
+
+def _probes(contact_mm: tuple[float, float], radius_mm: float) -> NDArray[np.float64]:
+    angles = np.arange(6) * math.pi / 3.0
+    ring = PROBE_REACH * radius_mm * np.column_stack([np.cos(angles), np.sin(angles)])
+    return contact_mm + np.concatenate([np.zeros((1, 2)), ring])

@@ -1,0 +1,56 @@
+"""The light in the picture: uneven, with bright spots beside the gel."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.geometry import GEL_RADIUS_MM, Rig
+from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+
+
+@dataclass(frozen=True, slots=True)
+class LightConfig:
+    """What the LED ring makes of the scene; levels in DN of an 8-bit frame.
+
+    Attributes:
+        white_dn: a marker at full light.
+        black_dn: the gel's surface.
+        uneven: relative difference of light from one side of the gel to the other.
+        uneven_rad: direction of the brighter side.
+        n_spots: bright spots (reflections, LEDs) outside the gel.
+        spot_dn: their brightness.
+        seed: where the spots are.
+    """
+
+    white_dn: float = 190.0
+    black_dn: float = 22.0
+    uneven: float = 0.3
+    uneven_rad: float = 0.6
+    n_spots: int = 5
+    spot_dn: float = 220.0
+    seed: int = 0
+
+
+def paint(config: LightConfig, rig: Rig) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The picture without markers and the brightness of a marker everywhere.
+
+    Returns:
+        Two (260, 346) float64 in DN.
+    """
+    y, x = np.mgrid[:SENSOR_HEIGHT_PX, :SENSOR_WIDTH_PX].astype(np.float64)
+    dx, dy = x - rig.centre_px[0], y - rig.centre_px[1]
+    radius_px = GEL_RADIUS_MM * rig.px_per_mm
+    r = np.hypot(dx, dy) / radius_px
+    slope = (dx * np.cos(config.uneven_rad) + dy * np.sin(config.uneven_rad)) / radius_px
+    light = (1.0 + 0.5 * config.uneven * slope) * np.exp(-0.15 * r**2)
+    light = np.clip(light, 0.2, 1.3)
+    outside = 1.0 / (1.0 + np.exp(-(r - 1.12) * 40.0))
+    base = config.black_dn * light * (1.0 - 0.5 * outside)
+    rng = np.random.default_rng((config.seed, 3))
+    for _ in range(config.n_spots):
+        angle, far = rng.uniform(0, 2 * np.pi), rng.uniform(1.18, 1.7) * radius_px
+        size = rng.uniform(0.8, 2.5)
+        d2 = (dx - far * np.cos(angle)) ** 2 + (dy - far * np.sin(angle)) ** 2
+        base += config.spot_dn * np.exp(-((d2 / (2 * size**2)) ** 2))
+    return np.minimum(base, 255.0), config.white_dn * light

@@ -1,0 +1,226 @@
+"""The sensor's pixels: events and frames of a picture of moving markers."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.geometry import MARKER_DIAMETER_MM, NOMINAL_PX_PER_MM, Rig
+from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
+from neurotouch_hid.source.simulator.sensor.kernels import Events, Picture, Pixels, advance
+from neurotouch_hid.source.simulator.sensor.light import LightConfig, paint
+
+TICK_US = 500  # the picture is rendered at 2 kHz: a marker at 525 px/s moves 0.26 px
+WINDOW_US = 20_000  # how often leaking pixels are looked for
+N_EVENTS = 1 << 19  # room for one call
+LEVEL_SCALE = 8.0  # table entries per DN
+LINEAR_DN = 20.0  # below it the photoreceptor's response is linear (v2e's lin-log)
+PROFILE_REACH = 3.2  # markers are drawn out to this multiple of their radius
+PROFILE_STEPS = 512
+
+
+@dataclass(frozen=True, slots=True)
+class SensorConfig:
+    """The pixels of one camera; defaults from v2e's model of a DAVIS346 unless said otherwise.
+
+    Attributes:
+        contrast: mean threshold of both polarities, log units.
+        contrast_spread: its standard deviation over pixels.
+        cutoff_hz: bandwidth of the photoreceptor at white, 255 DN; less in the dark.
+        refractory_us: dead time after an event.
+        leak_hz: rate of ON events from the leak.
+        shot_hz: rate of noise events of a dark pixel.
+        n_hot: pixels that fire by themselves.
+        hot_hz: their rate.
+        row_us: period of the row-wise readout; 0 stamps every event exactly.
+        blur_px: standard deviation of the lens's point spread.
+        frame_us: frame period; 40 ms [NT, "System Overview"].
+        exposure_us: exposure of a frame, a multiple of 500 µs.
+        read_noise_dn, gain_spread, offset_spread_dn: of the frame's pixels.
+    """
+
+    contrast: float = 0.2
+    contrast_spread: float = 0.03
+    cutoff_hz: float = 300.0
+    refractory_us: float = 500.0
+    leak_hz: float = 0.1
+    shot_hz: float = 1.0
+    n_hot: int = 0
+    hot_hz: float = 200.0
+    row_us: int = 0
+    blur_px: float = 0.6
+    frame_us: int = 40_000
+    exposure_us: int = 10_000
+    read_noise_dn: float = 1.5
+    gain_spread: float = 0.015
+    offset_spread_dn: float = 1.5
+
+
+class Sensor:
+    """Events and frames of one camera that looks at one gel."""
+
+    def __init__(self, config: SensorConfig, light: LightConfig, rig: Rig, seed: int) -> None:
+        self._config, self._seed = config, seed
+        rng = np.random.default_rng((seed, 1))
+        n = SENSOR_WIDTH_PX * SENSOR_HEIGHT_PX
+        base, white = (image.ravel().astype(np.float32) for image in paint(light, rig))
+        profile = marker_profile(config.blur_px)
+        self._picture = Picture(
+            SENSOR_WIDTH_PX,
+            SENSOR_HEIGHT_PX,
+            base,
+            white,
+            base.copy(),
+            np.zeros(n, np.int32),
+            np.zeros(n, np.bool_),
+            np.zeros(n, np.float32),
+            profile,
+            PROFILE_STEPS / PROFILE_REACH**2,
+            np.zeros(1, np.int64),
+        )
+        thresholds = rng.normal(config.contrast, config.contrast_spread, (2, n))
+        thresholds = np.maximum(thresholds, 0.05).astype(np.float32)
+        leak = config.leak_hz * config.contrast * rng.lognormal(0.0, 0.23, n) * 1e-6
+        levels, gains = response_tables(config.cutoff_hz)
+        signal = np.interp(base * LEVEL_SCALE, np.arange(len(levels)), levels).astype(np.float32)
+        self._pixels = Pixels(
+            signal,
+            (signal - thresholds[0] * rng.random(n)).astype(np.float32),
+            np.full(n, -1e9),
+            np.zeros(n),
+            thresholds[0],
+            thresholds[1],
+            leak.astype(np.float32),
+            np.zeros(n, np.int32),
+            np.zeros(n, np.bool_),
+            np.zeros(1, np.int64),
+            levels,
+            gains,
+            LEVEL_SCALE,
+            rng.choice(n, config.n_hot, replace=False).astype(np.int32),
+            rng.integers(0, 1 << 63, 1).astype(np.uint64),
+        )
+        self._events = Events(
+            np.zeros(N_EVENTS, np.int64),
+            np.zeros(N_EVENTS, np.int16),
+            np.zeros(N_EVENTS, np.int16),
+            np.zeros(N_EVENTS, np.bool_),
+            np.zeros(2, np.int64),
+        )
+        self._gain = rng.normal(1.0, config.gain_spread, n)
+        self._offset = rng.normal(0.0, config.offset_spread_dn, n)
+        self._n_exposed = 0
+        self._is_drawn = False
+
+    def run(
+        self, knots: NDArray[np.float64], knot_us: int, begin_us: int, end_us: int
+    ) -> tuple[NDArray[np.void], list[Frame]]:
+        """Events and frames of a stretch of time within one knot interval.
+
+        Args:
+            knots: (4, 177, 6) float64, see ``kernels.draw``.
+            knot_us: length of the interval; it begins at a multiple of it.
+            begin_us, end_us: the stretch, multiples of 500 µs.
+
+        Returns:
+            (n,) EVENT_DTYPE ascending in time, and the frames whose exposure ended in the stretch.
+        """
+        self._events.count[0] = 0
+        frames = []
+        t_us = begin_us
+        moving = not self._is_drawn or not all(np.array_equal(knots[0], k) for k in knots[1:])
+        self._is_drawn = True
+        while t_us < end_us:
+            phase = t_us % self._config.frame_us
+            exposing = phase < self._config.exposure_us
+            edge = self._config.exposure_us if exposing else self._config.frame_us
+            stop_us = min(end_us, t_us - phase + edge)
+            self._advance(knots, moving, knot_us, t_us, stop_us, exposing)
+            if exposing and stop_us - t_us + phase == self._config.exposure_us:
+                frames.append(self._take_frame(stop_us))
+            t_us = stop_us
+        n = self._events.count[0]
+        events = np.empty(n, EVENT_DTYPE)
+        events["t"], events["x"] = self._events.t[:n], self._events.x[:n]
+        events["y"], events["p"] = self._events.y[:n], self._events.p[:n]
+        return events, frames
+
+    def _advance(
+        self,
+        knots: NDArray[np.float64],
+        moving: bool,
+        knot_us: int,
+        begin_us: int,
+        end_us: int,
+        exposing: bool,
+    ) -> None:
+        config = self._config
+        n_ticks = (end_us - begin_us) // TICK_US
+        advance(
+            knots,
+            moving,
+            begin_us % knot_us // TICK_US,
+            n_ticks,
+            knot_us // TICK_US,
+            begin_us,
+            TICK_US,
+            exposing,
+            config.shot_hz,
+            config.hot_hz,
+            config.refractory_us,
+            config.row_us,
+            WINDOW_US,
+            self._picture,
+            self._pixels,
+            self._events,
+        )
+        self._n_exposed += n_ticks * exposing
+
+    def _take_frame(self, end_us: int) -> Frame:
+        config, picture = self._config, self._picture
+        mean = picture.base + picture.exposed / self._n_exposed
+        picture.exposed[:] = 0.0
+        self._n_exposed = 0
+        noise = np.random.default_rng((self._seed, 2, end_us)).standard_normal(len(mean), np.float32)
+        # Photon noise grows with the root of the light; 255 DN is about 20,000 electrons.
+        sigma = np.sqrt(config.read_noise_dn**2 + mean / 80.0)
+        pixels = mean * self._gain + self._offset + sigma * noise
+        shape = (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
+        pixels = np.clip(np.rint(pixels), 0, 255).astype(np.uint8).reshape(shape)
+        return Frame(pixels, end_us - config.exposure_us, end_us)
+
+
+def marker_profile(blur_px: float) -> NDArray[np.float32]:
+    """Brightness of a blurred white disc over its squared relative radius, 0 at the last entry.
+
+    Returns:
+        (PROFILE_STEPS + 1,) float32.
+    """
+    radius_px = 0.5 * MARKER_DIAMETER_MM * NOMINAL_PX_PER_MM
+    sigma = math.hypot(blur_px, 12**-0.5) / radius_px  # the pixel's own width blurs as well
+    axis = np.linspace(-1.0, 1.0, 161)
+    x, y = np.meshgrid(axis, axis)
+    inside = np.hypot(x, y) <= 1.0
+    radius = PROFILE_REACH * np.sqrt(np.linspace(0.0, 1.0, PROFILE_STEPS + 1))
+    d2 = (x[inside] - radius[:, None]) ** 2 + y[inside] ** 2
+    area = (axis[1] - axis[0]) ** 2
+    profile = np.exp(-d2 / (2 * sigma**2)).sum(axis=1) * area / (2 * np.pi * sigma**2)
+    return (profile - profile[-1]).astype(np.float32)
+
+
+def response_tables(cutoff_hz: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """The photoreceptor over intensity: lin-log level, and how far its low pass goes in a tick.
+
+    The corner of the low pass grows with intensity, from a thirteenth in the dark to ``cutoff_hz``.
+
+    Returns:
+        Two (m,) float32; index is intensity in DN times LEVEL_SCALE.
+    """
+    dn = np.arange(int(300 * LEVEL_SCALE)) / LEVEL_SCALE
+    levels = np.where(
+        dn < LINEAR_DN, dn * math.log(LINEAR_DN) / LINEAR_DN, np.log(np.maximum(dn, LINEAR_DN))
+    )
+    corner_hz = cutoff_hz * (dn + 20.0) / 275.0
+    gains = 1.0 - np.exp(-2e-6 * np.pi * corner_hz * TICK_US)
+    return levels.astype(np.float32), gains.astype(np.float32)
