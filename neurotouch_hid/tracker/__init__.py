@@ -1,0 +1,13 @@
+"""Stage 2: where the markers are, from events and frames."""
+
+from neurotouch_hid.tracker.markers import MarkerTracker, TrackerConfig, TrackerStats
+from neurotouch_hid.tracker.rest import RestConfig, RestDetector, RestStats
+
+__all__ = [
+    "MarkerTracker",
+    "RestConfig",
+    "RestDetector",
+    "RestStats",
+    "TrackerConfig",
+    "TrackerStats",
+]

@@ -1,0 +1,234 @@
+"""The known lattice of 177 markers among the blobs of a frame that shows the gel at rest."""
+
+import cmath
+import math
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.geometry import GEL_RADIUS_MM, LATTICE_MM, N_MARKERS, PITCH_MM, Rig
+from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+
+_SITES = np.rint(LATTICE_MM / PITCH_MM).astype(np.intp)
+_REACH = int(GEL_RADIUS_MM // PITCH_MM)  # sites are -7..7
+_DISC = np.zeros((2 * _REACH + 1, 2 * _REACH + 1), dtype=np.bool_)
+_DISC[_SITES[:, 1] + _REACH, _SITES[:, 0] + _REACH] = True
+
+
+@dataclass(frozen=True, slots=True)
+class LatticeConfig:
+    """What is accepted as the gel.
+
+    Attributes:
+        min_px_per_mm, max_px_per_mm: range of scales searched; nominal 2.5 [NT, "Results"].
+        min_found: markers that must be seen; the rest is filled in from the fitted model.
+        max_residual_px: RMS deviation of the seen markers from the smooth model. Measured on
+            simulated gels: 0.08 at rest, 0.35 for a print tolerance of 0.1 mm, 0.4 for one finger
+            that pushes by 1 mm, 0.7 for 2 mm.
+        max_displaced: markers that are not at their place but for which a blob lies near it.
+    """
+
+    min_px_per_mm: float = 1.8
+    max_px_per_mm: float = 3.2
+    min_found: int = 160
+    max_residual_px: float = 0.45
+    max_displaced: int = 4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lattice:
+    """What was found.
+
+    Attributes:
+        position_px: (177, 2) float64, columns x, y, in the order of ``geometry.LATTICE_MM``;
+            markers that were not seen are filled in from the model.
+        blob: (177,) intp, the blob of each marker, -1 where none was seen.
+        residual_px: RMS deviation of the seen markers from the model.
+        n_displaced: markers not seen at their place with a blob near it that is no other marker.
+    """
+
+    position_px: NDArray[np.float64]
+    blob: NDArray[np.intp]
+    residual_px: float
+    n_displaced: int
+
+    @property
+    def n_found(self) -> int:
+        """The number of markers that were seen."""
+        return int((self.blob >= 0).sum())
+
+
+def find_lattice(
+    centroid_px: NDArray[np.float64], config: LatticeConfig, rig: Rig | None = None
+) -> Lattice | None:
+    """The lattice among blobs, or None if nothing there looks like one.
+
+    Scale and rotation come from the most frequent vector between neighbours, the rotation being
+    the smallest of the four that a square lattice allows; then the lattice grows from blob to
+    blob, is laid on the disc of 177 sites where most of them are taken, and a smooth model
+    (similarity, perspective and dome to third order) decides what belongs to it.
+
+    Args:
+        centroid_px: (n, 2) float64.
+        config: the ranges searched.
+        rig: where the gel is known to be, or None.
+    """
+    if len(centroid_px) < N_MARKERS // 4:
+        return None
+    if rig is None:
+        basis = _find_basis(centroid_px, config)
+        if basis is None:
+            return None
+        sites = _grow(centroid_px, basis)
+        model = _place(centroid_px, sites)
+    else:
+        model = rig.to_px(LATTICE_MM)
+        basis = cmath.rect(rig.px_per_mm * PITCH_MM, rig.rotation_rad)
+    if model is None:
+        return None
+    blob = _assign(model, centroid_px, 0.4 * abs(basis))
+    for _ in range(3):
+        if (blob >= 0).sum() < N_MARKERS // 3:
+            return None
+        model = _fit_model(centroid_px, blob)
+        blob = _assign(model, centroid_px, 0.3 * abs(basis))
+    found = blob >= 0
+    if found.sum() < N_MARKERS // 3:
+        return None
+    position = model.copy()
+    position[found] = centroid_px[blob[found]]
+    residual = float(np.sqrt(np.square(position - model)[found].sum(axis=1).mean()))
+    free = np.setdiff1d(np.arange(len(centroid_px)), blob[found])
+    displaced = _assign(model[~found], centroid_px[free], abs(basis)) >= 0
+    return Lattice(position, blob, residual, int(displaced.sum()))
+
+
+def _find_basis(points: NDArray[np.float64], config: LatticeConfig) -> complex | None:
+    """The lattice vector (x + iy, px) that turns least, from a vote of all close pairs."""
+    z = points @ (1, 1j)
+    vectors = (z[:, None] - z[None, :]).ravel()
+    length = np.abs(vectors)
+    low, high = config.min_px_per_mm * PITCH_MM, config.max_px_per_mm * PITCH_MM
+    near = (length > low) & (length < high)
+    length, angle = length[near], np.angle(vectors[near] ** 4) / 4
+    n_lengths, n_angles = 24, 30
+    vote, edges, _ = np.histogram2d(
+        length, angle, (n_lengths, n_angles), ((low, high), (-math.pi / 4, math.pi / 4))
+    )
+    vote += np.roll(vote, 1, axis=1) + np.roll(vote, -1, axis=1)
+    vote[1:-1] += vote[:-2] + vote[2:]
+    best = vote.max()
+    if best < N_MARKERS:
+        return None
+    # The diagonal of a small lattice can be as frequent as its side: the shortest wins.
+    row = int(np.flatnonzero(vote.max(axis=1) > 0.7 * best)[0])
+    row += int(np.argmax(vote[row : row + 3].max(axis=1)))
+    column = int(np.argmax(vote[row]))
+    centre_length = (edges[row] + edges[row + 1]) / 2
+    centre_angle = (column + 0.5) * math.pi / 2 / n_angles - math.pi / 4
+    turn = np.angle(np.exp(4j * (angle - centre_angle))) / 4
+    members = (np.abs(length - centre_length) < 1.0) & (np.abs(turn) < 0.12)
+    rotation = centre_angle + float(np.median(turn[members]))
+    return cmath.rect(float(np.median(length[members])), rotation)
+
+
+def _grow(points: NDArray[np.float64], basis: complex) -> dict[tuple[int, int], int]:
+    """Lattice site -> blob, grown from neighbour to neighbour with a basis that bends along."""
+    z = points @ (1, 1j)
+    best: dict[tuple[int, int], int] = {}
+    seeds = np.argsort(np.abs(z - np.median(z.real) - 1j * np.median(z.imag)))[:12]
+    steps = ((1, 0), (0, 1), (-1, 0), (0, -1))
+    for seed in seeds:
+        if int(seed) in best.values():
+            continue
+        sites = {(0, 0): int(seed)}
+        taken = {int(seed)}
+        queue = deque([((0, 0), basis)])
+        while queue:
+            (column, row), local = queue.popleft()
+            origin = z[sites[column, row]]
+            for dx, dy in steps:
+                site = (column + dx, row + dy)
+                if site in sites or max(map(abs, site)) > 2 * _REACH:
+                    continue
+                step = local * complex(dx, dy)
+                distance = np.abs(z - (origin + step))
+                j = int(np.argmin(distance))
+                if distance[j] > 0.3 * abs(basis) or j in taken:
+                    continue
+                sites[site] = j
+                taken.add(j)
+                seen = (z[j] - origin) / complex(dx, dy)
+                queue.append((site, 0.7 * local + 0.3 * seen))
+        if len(sites) > len(best):
+            best = sites
+        if len(best) > N_MARKERS // 2:
+            break
+    return best
+
+
+def _place(
+    points: NDArray[np.float64], sites: dict[tuple[int, int], int]
+) -> NDArray[np.float64] | None:
+    """Lay the grown lattice on the disc of sites: a first model (177, 2) px of every marker."""
+    if len(sites) < N_MARKERS // 3:
+        return None
+    where = np.array(list(sites))
+    blob = np.array(list(sites.values()))
+    margin = 3 * _REACH
+    grid = np.zeros((2 * margin + 1, 2 * margin + 1), dtype=np.bool_)
+    grid[where[:, 1] + margin, where[:, 0] + margin] = True
+    size = 2 * _REACH + 1
+    centre = np.array((SENSOR_WIDTH_PX / 2, SENSOR_HEIGHT_PX / 2))
+    best_score, best_model = (-1, -math.inf), None
+    windows = np.lib.stride_tricks.sliding_window_view(grid, (size, size))
+    hits = (windows & _DISC).sum(axis=(2, 3))
+    for row, column in np.argwhere(hits >= hits.max()):
+        shift = np.array((column, row)) + _REACH - margin
+        inside = np.abs(where - shift).max(axis=1) <= _REACH
+        inside[inside] = _DISC[tuple((where[inside] - shift + _REACH).T[::-1])]
+        lookup = {
+            tuple(site): b for site, b in zip(where[inside] - shift, blob[inside], strict=True)
+        }
+        assigned = np.array([lookup.get((int(x), int(y)), -1) for x, y in _SITES], dtype=np.intp)
+        model = _fit_model(points, assigned)
+        score = (int(hits[row, column]), -float(np.hypot(*(model.mean(axis=0) - centre))))
+        if score > best_score:
+            best_score, best_model = score, model
+    return best_model
+
+
+def _fit_model(points: NDArray[np.float64], blob: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Every marker (177, 2) px by a smooth map of the lattice, fitted robustly to seen markers."""
+    u = LATTICE_MM / GEL_RADIUS_MM
+    x, y = u[:, 0], u[:, 1]
+    r2 = x * x + y * y
+    design = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y, x * r2, y * r2], axis=1)
+    use = np.flatnonzero(blob >= 0)
+    target = points[blob[use]]
+    model: NDArray[np.float64] = LATTICE_MM
+    for _ in range(3):
+        solution = np.linalg.lstsq(design[use], target, rcond=None)[0]
+        model = design @ solution
+        error = np.hypot(*(target - model[use]).T)
+        keep = error <= max(3.0 * float(np.median(error)), 0.5)
+        if keep.all() or keep.sum() < N_MARKERS // 4:
+            break
+        use, target = use[keep], target[keep]
+    return model
+
+
+def _assign(
+    model: NDArray[np.float64], points: NDArray[np.float64], gate_px: float
+) -> NDArray[np.intp]:
+    """The blob of each marker: nearest to the model within the gate, each blob once, else -1."""
+    if not len(model) or not len(points):
+        return np.full(len(model), -1, dtype=np.intp)
+    distance = np.hypot(*(model[:, None, :] - points[None, :, :]).transpose(2, 0, 1))
+    blob = distance.argmin(axis=1)
+    marker = distance.argmin(axis=0)
+    rows = np.arange(len(model))
+    good = (marker[blob] == rows) & (distance[rows, blob] < gate_px)
+    return np.where(good, blob, -1).astype(np.intp)
