@@ -1,0 +1,177 @@
+"""The labels beside a recording: one CSV row for each labelled moment."""
+
+import csv
+import difflib
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from neurotouch_hid.errors import RecordingError
+from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, GestureKind, Truth
+from neurotouch_hid.recording.partial import PartialFile
+
+if TYPE_CHECKING:
+    import _csv
+
+MAX_CONTACTS = 3
+POINT_COLUMNS = tuple(f"{axis}{i}_px" for i in range(1, MAX_CONTACTS + 1) for axis in "xy")
+COLUMNS = ("timestamp_us", "gesture", "intensity_mm", "contacts", *POINT_COLUMNS)
+_KINDS = {kind.label: kind for kind in GestureKind}
+_DECIMALS = 3  # a thousandth of a pixel or millimetre
+
+
+def labels_path(recording: Path | str) -> Path:
+    """Where the labels of a recording lie: ``NAME.labels.csv`` beside ``NAME.aedat4``."""
+    return Path(recording).with_suffix(".labels.csv")
+
+
+def write_labels(path: Path | str, truths: Iterable[Truth]) -> None:
+    """Write labels, complete or not at all.
+
+    Args:
+        path: the CSV file; an existing one is replaced.
+        truths: one for each labelled moment, in order of time; marker positions are not written.
+
+    Raises:
+        RecordingError: the file cannot be written, or a truth cannot be said in a row.
+    """
+    file = PartialFile(Path(path))
+    try:
+        with file.partial.open("w", encoding="utf-8", newline="") as stream:
+            writer = csv.writer(stream, lineterminator="\n")
+            writer.writerow(COLUMNS)
+            writer.writerows(_row(truth) for truth in truths)
+    except OSError as error:
+        raise RecordingError(f"{path} cannot be written: {error.strerror}") from error
+    else:
+        file.commit()
+    finally:
+        file.discard()
+
+
+def _row(truth: Truth) -> list[str]:
+    points = np.asarray(truth.contacts_px, np.float64).reshape(-1)
+    if len(points) > len(POINT_COLUMNS):
+        raise RecordingError(f"a label has at most {MAX_CONTACTS} contacts, not {len(points) // 2}")
+    numbers = [f"{value:.{_DECIMALS}f}" for value in points]
+    return [
+        str(truth.t_us),
+        truth.kind.label,
+        f"{truth.intensity_mm:.{_DECIMALS}f}",
+        str(len(points) // 2),
+        *numbers,
+        *[""] * (len(POINT_COLUMNS) - len(numbers)),
+    ]
+
+
+def read_labels(path: Path | str) -> list[Truth]:
+    """The labels of a recording, ascending in time; ``markers_px`` is None.
+
+    Raises:
+        RecordingError: the file is missing or says something it should not; the message starts
+            with ``file:line`` and names the column and what is expected there.
+    """
+    path = Path(path)
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as stream:
+            truths = list(_parse(path, csv.reader(stream, strict=True)))
+    except FileNotFoundError as error:
+        raise RecordingError(
+            f"{path} does not exist", hint="labels lie beside their recording as NAME.labels.csv"
+        ) from error
+    except OSError as error:
+        raise RecordingError(f"{path} cannot be read: {error.strerror}") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise RecordingError(f"{path} is not a CSV file in UTF-8: {error}") from error
+    if not truths:
+        raise RecordingError(f"{path} holds no labels", hint="one row for each labelled moment")
+    return truths
+
+
+@dataclass(frozen=True, slots=True)
+class _Row:
+    """One row and its place, so that every complaint can name it."""
+
+    place: str
+    values: dict[str, str]
+
+    def error(self, column: str, expected: str) -> RecordingError:
+        found = self.values[column]
+        return RecordingError(
+            f"{self.place}: column {column}: expected {expected}, found "
+            + (f"{found!r}" if found else "nothing")
+        )
+
+    def integer(self, column: str, expected: str) -> int:
+        try:
+            return int(self.values[column])
+        except ValueError:
+            raise self.error(column, expected) from None
+
+    def number(self, column: str, expected: str) -> float:
+        try:
+            value = float(self.values[column])
+        except ValueError:
+            raise self.error(column, expected) from None
+        if not math.isfinite(value):
+            raise self.error(column, expected)
+        return value
+
+
+def _parse(path: Path, reader: "_csv.Reader") -> Iterator[Truth]:
+    header = [name.strip() for name in next(reader, [])]
+    if tuple(header) != COLUMNS:
+        raise RecordingError(
+            f"{path}:1: {_header_fault(header)}", hint="the header is " + ",".join(COLUMNS)
+        )
+    before_us: int | None = None
+    for cells in reader:
+        if not cells:
+            continue
+        place = f"{path}:{reader.line_num}"
+        if len(cells) != len(COLUMNS):
+            raise RecordingError(f"{place}: expected {len(COLUMNS)} columns, found {len(cells)}")
+        row = _Row(place, {name: cell.strip() for name, cell in zip(COLUMNS, cells, strict=True)})
+        truth = _truth(row)
+        if before_us is not None and truth.t_us <= before_us:
+            raise row.error("timestamp_us", f"a time after the row before ({before_us})")
+        before_us = truth.t_us
+        yield truth
+
+
+def _header_fault(header: list[str]) -> str:
+    missing = [name for name in COLUMNS if name not in header]
+    unknown = [name for name in header if name not in COLUMNS]
+    if missing:
+        return f"column {missing[0]} is missing"
+    if unknown:
+        return f"unknown column {unknown[0]!r}"
+    return "the columns are in another order or appear twice"
+
+
+def _truth(row: _Row) -> Truth:
+    t_us = row.integer("timestamp_us", "a whole number of microseconds")
+    label = row.values["gesture"]
+    if label not in _KINDS:
+        close = difflib.get_close_matches(label.lower(), _KINDS, n=1)
+        meant = f" (did you mean {close[0]}?)" if close else ""
+        raise row.error("gesture", f"one of {' '.join(_KINDS)}{meant}")
+    intensity_mm = row.number("intensity_mm", "a number of millimetres, 0 or more")
+    if intensity_mm < 0:
+        raise row.error("intensity_mm", "a number of millimetres, 0 or more")
+    n = row.integer("contacts", f"a whole number from 0 to {MAX_CONTACTS}")
+    if not 0 <= n <= MAX_CONTACTS:
+        raise row.error("contacts", f"a whole number from 0 to {MAX_CONTACTS}")
+    for column in POINT_COLUMNS[2 * n :]:
+        if row.values[column]:
+            raise row.error(column, f"nothing, since contacts is {n}")
+    points = [row.number(column, "a number of pixels") for column in POINT_COLUMNS[: 2 * n]]
+    limits = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX) * n
+    for column, value, limit in zip(POINT_COLUMNS, points, limits, strict=False):
+        if not -limit <= value <= 2 * limit:  # a contact may lie beyond the picture's edge
+            raise row.error(column, f"a pixel in or near the picture (0 to {limit - 1})")
+    return Truth(t_us, _KINDS[label], np.array(points).reshape(-1, 2), intensity_mm)
