@@ -101,8 +101,8 @@ def parse_document(text: str) -> tuple[Node | None, list[Fault]]:
 
 def _explain_syntax(error: MarkedYAMLError) -> tuple[str, str]:
     problem = str(error.problem or error.context or "this is not YAML")
-    if "sequence entries are not allowed" in problem:
-        return "a '-' with nothing before it begins a list", 'write "-" for a minus'
+    if "sequence entries are not allowed" in problem or "found '-'" in problem:
+        return "a '-' begins a list, which cannot stand here", 'write "-" for a minus'
     if "'\\t'" in problem:
         return "a tab cannot indent or begin a value", "use spaces"
     return f"this is not YAML: {problem}", ""
@@ -118,6 +118,7 @@ class _Builder:
         self._stack: list[Node] = []
         self._path: list[str | int] = []
         self._key: str | None = None
+        self._key_mark = self.last
         self._n_nodes = 0
         self._n_documents = 0
 
@@ -162,7 +163,7 @@ class _Builder:
     def _take_key(self, event: NodeEvent, mark: Mark) -> None:
         if not isinstance(event, ScalarEvent):
             raise _RefusalError(mark, "a key must be a word")
-        self._key = str(event.value)
+        self._key, self._key_mark = str(event.value), mark
         self._path.append(self._key)
         first = self._stack[-1].keys.setdefault(self._key, mark)
         if first is not mark:
@@ -171,6 +172,8 @@ class _Builder:
 
     def _take_value(self, event: NodeEvent, mark: Mark) -> None:
         parent = self._stack[-1] if self._stack else None
+        if event.start_mark.index == event.end_mark.index and self._key is not None:
+            mark = self._key_mark  # nothing stands there: show the key
         if parent is not None and isinstance(parent.value, list):
             self._path.append(len(parent.value))
         node = Node(self._make_value(event, mark), mark)

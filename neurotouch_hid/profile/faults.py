@@ -69,7 +69,7 @@ def _format_fault(fault: Fault, name: str, lines: Sequence[str]) -> str:
     place = f"{name}:{mark.line + 1}:{mark.column + 1}: error: "
     header = place + (f"{fault.path}: " if fault.path else "") + fault.sentence
     line = lines[mark.line] if mark.line < len(lines) else ""
-    first = max(0, mark.column - SHOWN_COLUMNS // 2)
+    first = max(0, mark.column - SHOWN_COLUMNS // 2) if len(line) > SHOWN_COLUMNS else 0
     excerpt = make_printable(line[first : first + SHOWN_COLUMNS]).rstrip()
     column = mark.column - first
     carets = "^" * max(1, min(mark.length, len(excerpt) - column))

@@ -54,7 +54,8 @@ def parse_profile(content: bytes, name: str) -> Profile:
         try:
             profile = Profile.model_validate(root.value)
         except ValidationError as error:
-            faults += locate_faults(error, root)
+            known = {fault.mark for fault in faults}
+            faults += [fault for fault in locate_faults(error, root) if fault.mark not in known]
         else:
             if not faults:
                 return profile

@@ -4,6 +4,7 @@ A profile is a list of bindings. Each binding says *when* (a gesture, perhaps na
 number of fingers and thresholds) and what to *do* (exactly one output of the pad).
 """
 
+from collections.abc import Callable
 from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import (
@@ -15,7 +16,6 @@ from pydantic import (
     Tag,
     model_validator,
 )
-from pydantic.json_schema import SkipJsonSchema
 from pydantic_core import PydanticCustomError
 
 from neurotouch_hid.messages import Button, GestureKind
@@ -53,6 +53,18 @@ def _unit(unit: str) -> dict[str, Any]:
     return {"x-unit": unit}
 
 
+def _optional(unit: str | None = None) -> Callable[[dict[str, Any]], None]:
+    """A key that may be left out but not be empty; a document's null never gets this far."""
+
+    def describe(schema: dict[str, Any]) -> None:
+        schema.pop("default")
+        schema.update(schema.pop("anyOf")[0])
+        if unit is not None:
+            schema["x-unit"] = unit
+
+    return describe
+
+
 def _known_version(version: int) -> int:
     if version != 1:
         raise PydanticCustomError("version", "this program reads version 1 of the format")
@@ -76,27 +88,28 @@ class Condition(_Strict):
         description="The gesture. Clockwise and counter-clockwise are as seen by the user. "
         "No default."
     )
-    direction: Direction | SkipJsonSchema[None] = Field(
+    direction: Direction | None = Field(
         default=None,
         description="Only a push this way, within 45° to either side; down is towards the user. "
         "Default: any direction.",
+        json_schema_extra=_optional(),
     )
-    contacts: Annotated[int, Field(ge=1, le=3)] | SkipJsonSchema[None] = Field(
+    contacts: Annotated[int, Field(ge=1, le=3)] | None = Field(
         default=None,
         description="Only with this many fingers. Counting is right in 90 % of cases from 7 mm on, "
         "so do not let it alone guard anything important. Default: any number.",
-        json_schema_extra=_unit("fingers"),
+        json_schema_extra=_optional("fingers"),
     )
-    on_mm: Annotated[float, Field(ge=1.0, le=18.0)] | SkipJsonSchema[None] = Field(
+    on_mm: Annotated[float, Field(ge=1.0, le=18.0)] | None = Field(
         default=None,
         description="Act from this intensity on, in mm. Default: 2.5 mm for buttons and the D-pad, "
         "no threshold for sticks, axes and triggers (their range does it).",
-        json_schema_extra=_unit("mm"),
+        json_schema_extra=_optional("mm"),
     )
-    off_mm: Annotated[float, Field(ge=0.5, le=17.0)] | SkipJsonSchema[None] = Field(
+    off_mm: Annotated[float, Field(ge=0.5, le=17.0)] | None = Field(
         default=None,
         description="Let go below this intensity, in mm. Default: 0.6 of on_mm, so 1.5 mm.",
-        json_schema_extra=_unit("mm"),
+        json_schema_extra=_optional("mm"),
     )
 
     @property
@@ -150,13 +163,15 @@ class Power(_Strict):
     )
 
 
+CURVES: Final[dict[str, type[_Strict]]] = {"expo": Expo, "power": Power}
+
+
 def _tag_curve(value: object) -> str | None:
     if isinstance(value, dict):
-        forms = [key for key in ("expo", "power") if key in value]
+        forms = [key for key in CURVES if key in value]
         return f"<{forms[0]}>" if len(forms) == 1 else None
-    if isinstance(value, Expo):
-        return "<expo>"
-    return "<power>" if isinstance(value, Power) else "<word>"
+    tags = (f"<{key}>" for key, model in CURVES.items() if type(value) is model)
+    return next(tags, "<word>" if value == "linear" else None)
 
 
 Curve = Annotated[
@@ -166,7 +181,7 @@ Curve = Annotated[
     Discriminator(
         _tag_curve,
         custom_error_type="one_of",
-        custom_error_message="needs exactly one of: expo, power",
+        custom_error_message="needs exactly one of: linear, expo, power",
     ),
 ]
 
@@ -179,11 +194,11 @@ RangeMm = tuple[
 class _Shaped(_Strict):
     """How an intensity becomes a value of 0..1: range, then dead zone, then curve, then sign."""
 
-    range_mm: Annotated[RangeMm, Field(strict=False)] | SkipJsonSchema[None] = Field(
+    range_mm: Annotated[RangeMm, Field(strict=False)] | None = Field(
         default=None,
         description="[rest, full]: the intensities, in mm, where the output begins to move and "
         "where it reaches its end. Default: 1 mm to 8 (push), 7 (pinch, twist) or 4.5 mm (zoom).",
-        json_schema_extra=_unit("mm"),
+        json_schema_extra=_optional("mm"),
     )
     deadzone: float = Field(
         default=0.05,
@@ -317,8 +332,8 @@ class Binding(_Strict):
         if isinstance(self.do, StickTarget) and self.condition.gesture != "push":
             raise PydanticCustomError(
                 "stick",
-                "a whole stick needs the direction of a push; for a {gesture} name one axis: "
-                "axis: {stick}_x",
+                "a whole stick follows the direction of a push; a {gesture} moves one axis, "
+                "'axis: {stick}_x'",
                 {
                     "at": ("do", "stick"),
                     "gesture": self.condition.gesture,

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ValidationError
 
 from neurotouch_hid.profile.document import Node
 from neurotouch_hid.profile.faults import Fault, Mark, format_path, make_printable, suggest
-from neurotouch_hid.profile.schema import TARGETS, Binding, Condition, Expo, Power, Profile
+from neurotouch_hid.profile.schema import CURVES, TARGETS, Binding, Condition, Profile
 
 Keys = tuple[str | int, ...]
 
@@ -16,9 +16,7 @@ _MODELS: Final[Mapping[str, type[BaseModel]]] = {
     "": Profile,
     "bindings": Binding,
     "<pattern>": Condition,
-    "<expo>": Expo,
-    "<power>": Power,
-    **{f"<{key}>": model for key, model in TARGETS.items()},
+    **{f"<{key}>": model for key, model in (TARGETS | CURVES).items()},
 }
 """The model whose keys stand at a place, by the last name (or union tag) on the way to it."""
 
@@ -39,43 +37,51 @@ _NEEDS: Final = {
 def locate_faults(error: ValidationError, root: Node) -> list[Fault]:
     """Every error of the validation as a fault at its place in the document."""
     details = error.errors(include_url=False, include_input=False)
-    return [_locate_fault(detail, root) for detail in details]
+    faults = (_locate_fault(detail, root) for detail in details)
+    return [fault for fault in faults if fault is not None]
 
 
-def _locate_fault(detail: Mapping[str, Any], root: Node) -> Fault:
-    context = detail.get("ctx", {})
+def _locate_fault(detail: Mapping[str, Any], root: Node) -> Fault | None:
+    """The fault, or None for a missing key that stands there with a slip in it."""
+    kind, context = detail["type"], detail.get("ctx", {})
     loc: Keys = (*detail["loc"], *context.get("at", ()))
     keys = tuple(key for key in loc[:-1] if key not in _TAGS) + loc[-1:]
-    if keys and keys[-1] in _TAGS and detail["type"] != "extra_forbidden":
-        keys = keys[:-1]
-    node, found = _walk(root, keys)
-    known = _known_keys(loc[:-1])
-    match detail["type"]:
-        case "extra_forbidden":
-            word = str(keys[-1])
-            listed = ", ".join(known)
-            return Fault(
-                _key_mark(root, keys),
-                format_path(keys),
-                f"unknown key; known here: {listed}",
-                suggest(word, known),
-            )
-        case "missing" if isinstance(keys[-1], int):
-            sentence, hint = "needs two numbers, [rest, full]", ""
-            keys = keys[:-1]
-        case "missing":
-            sentence = f"the key '{keys[-1]}' is missing"
-            hint = _suggest_slip(node, str(keys[-1]), known)
-            keys = keys[:-1]
-        case "one_of":
-            sentence = detail["msg"]
-            hint = _suggest_among(node, sentence.partition(": ")[2].split(", "))
-        case _:
-            sentence, hint = _word(detail, loc, node if found else None)
-    return Fault(_value_mark(root, keys), format_path(keys), sentence, hint)
+    known = tuple(_model(loc[:-1]).model_fields)
+    if kind == "extra_forbidden":
+        sentence = f"unknown key; known here: {', '.join(known)}"
+        hint = suggest(str(keys[-1]), known)
+        return Fault(_key_mark(root, keys), format_path(keys), sentence, hint)
+    keys = tuple(key for key in keys if key not in _TAGS)
+    mark = _value_mark(root, keys)
+    if kind == "missing" and isinstance(keys[-1], str):
+        parent, _ = _walk(root, keys[:-1])
+        if any(suggest(key, known) == suggest(keys[-1], known) for key in parent.keys):
+            return None  # the unknown key is reported, with this one as its suggestion
+        return Fault(mark, format_path(keys[:-1]), f"the key '{keys[-1]}' is missing")
+    if kind == "missing":
+        keys, sentence, hint = keys[:-1], "needs two numbers, [rest, full]", ""
+    elif kind == "one_of":
+        node, _ = _walk(root, keys)
+        mark, hint = _point_at_choice(node, mark, detail["msg"].partition(": ")[2].split(", "))
+        sentence = detail["msg"]
+    else:
+        node, found = _walk(root, keys)
+        sentence, hint = _word(detail, keys, node if found else None)
+    return Fault(mark, format_path(keys), sentence, hint)
 
 
-def _word(detail: Mapping[str, Any], loc: Keys, node: Node | None) -> tuple[str, str]:
+def _point_at_choice(node: Node, mark: Mark, forms: Sequence[str]) -> tuple[Mark, str]:
+    """Where exactly one of some keys must stand: the one too many, or the one with a slip."""
+    if isinstance(node.value, str):
+        return mark, suggest(node.value, forms)
+    present = [key for key in node.keys if key in forms]
+    if len(present) > 1:
+        return node.keys[present[1]], f"beside '{present[0]}'"
+    slips = ((place, suggest(key, forms)) for key, place in node.keys.items())
+    return next((slip for slip in slips if slip[1]), (mark, ""))
+
+
+def _word(detail: Mapping[str, Any], keys: Keys, node: Node | None) -> tuple[str, str]:
     """The sentence and the hint for an error in a value."""
     kind, context, value = detail["type"], detail.get("ctx", {}), _show(node)
     hint = ""
@@ -86,9 +92,9 @@ def _word(detail: Mapping[str, Any], loc: Keys, node: Node | None) -> tuple[str,
             if node is not None and isinstance(node.value, str):
                 hint = suggest(node.value, allowed)
         case "greater_than_equal":
-            sentence = f"{value} is too small, at least {context['ge']:g}{_unit(loc)}"
+            sentence = f"{value} is too small, at least {context['ge']:g}{_unit(keys)}"
         case "less_than_equal":
-            sentence = f"{value} is too large, at most {context['le']:g}{_unit(loc)}"
+            sentence = f"{value} is too large, at most {context['le']:g}{_unit(keys)}"
         case "finite_number":
             sentence = f"needs a finite number, not {value}"
         case "string_pattern_mismatch":
@@ -118,39 +124,17 @@ def _show(node: Node | None) -> str:
     if isinstance(node.value, str):
         text = make_printable(node.value)
         return f"'{text[:40]}…'" if len(text) > 40 else f"'{text}'"
-    return f"{node.value:g}" if isinstance(node.value, float) else str(node.value)
+    return str(node.value)
 
 
-def _unit(loc: Keys) -> str:
-    names = [key for key in loc if isinstance(key, str) and key not in _TAGS]
-    place = next((i for i in reversed(range(len(loc))) if loc[i] == names[-1]), 0) if names else 0
-    model = _model(loc[:place])
-    info = model.model_fields.get(names[-1]) if names else None
-    extra = info.json_schema_extra if info is not None else None
-    unit = extra.get("x-unit", "1") if isinstance(extra, dict) else "1"
-    return "" if unit == "1" else f" {unit}"
+def _unit(keys: Keys) -> str:
+    names = [key for key in keys if isinstance(key, str)]
+    return " mm" if names and names[-1].endswith("_mm") else ""
 
 
 def _model(parent: Keys) -> type[BaseModel]:
     names = [key for key in parent if isinstance(key, str)]
     return _MODELS.get(names[-1] if names else "", Profile)
-
-
-def _known_keys(parent: Keys) -> tuple[str, ...]:
-    return tuple(_model(parent).model_fields)
-
-
-def _suggest_slip(node: Node, key: str, known: Sequence[str]) -> str:
-    """Where a key is missing, one that is nearly it may be there."""
-    slips = (stray for stray in node.keys if stray not in known and suggest(stray, [key]))
-    return next((f"is '{make_printable(slip)}' meant to be '{key}'?" for slip in slips), "")
-
-
-def _suggest_among(node: Node, forms: Sequence[str]) -> str:
-    present = [key for key in node.keys if key in forms]
-    if len(present) > 1:
-        return f"here are {' and '.join(present)}"
-    return next((hint for key in node.keys if (hint := suggest(key, forms))), "")
 
 
 def _walk(root: Node, keys: Keys) -> tuple[Node, bool]:

@@ -1,0 +1,82 @@
+"""Where profiles are found: installed, in a checkout, in the user's folder."""
+
+from pathlib import Path
+
+import pytest
+
+from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.profile import list_profiles, load_profile
+from neurotouch_hid.profile.library import find_profile, find_shipped_folder, find_user_folder
+
+TEXT = "version: 1\nname: {}\nbindings:\n  - {{when: push, do: {{stick: left}}}}\n"
+
+
+@pytest.fixture(autouse=True)
+def user_folder(tmp_path, monkeypatch) -> Path:
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+    folder = tmp_path / "config" / "neurotouch" / "profiles"
+    folder.mkdir(parents=True)
+    return folder
+
+
+def test_in_a_checkout_they_lie_beside_the_package() -> None:
+    assert (find_shipped_folder() / "default.yaml").is_file()
+
+
+def test_an_installed_package_carries_them(tmp_path) -> None:
+    package = tmp_path / "site-packages" / "neurotouch_hid"
+    (tmp_path / "site-packages" / "profiles").mkdir(parents=True)  # somebody else's
+    packaged = package / "data" / "profiles"
+    packaged.mkdir(parents=True)
+    assert find_shipped_folder(package) == packaged
+
+
+def test_a_checkout_is_told_from_an_installation(tmp_path) -> None:
+    assert find_shipped_folder(tmp_path / "neurotouch_hid") == tmp_path / "profiles"
+
+
+def test_the_users_own_hides_the_shipped_one(user_folder: Path) -> None:
+    assert find_profile("default") == find_shipped_folder() / "default.yaml"
+    (user_folder / "default.yaml").write_text(TEXT.format("mine"))
+    assert load_profile("default").name == "mine"
+
+
+def test_the_list_is_sorted_and_skips_what_cannot_be_named(user_folder: Path) -> None:
+    for name in ("zeta", "alpha", "Not A Name", ".hidden"):
+        (user_folder / f"{name}.yaml").write_text(TEXT.format("x"))
+    (user_folder / "folder.yaml").mkdir()
+    names = list(list_profiles())
+    assert names == sorted({"alpha", "zeta", "default", "spacecraft"} | set(names))
+    assert not {"Not A Name", ".hidden", "folder"} & set(names)
+
+
+def test_a_name_that_is_nearly_right(user_folder: Path) -> None:
+    with pytest.raises(ProfileError) as caught:
+        load_profile("spacecaft")
+    message = "no profile is called 'spacecaft': did you mean 'spacecraft'?"
+    assert caught.value.message == message
+    assert "default, spacecraft" in str(caught.value.hint)
+    assert str(user_folder) in str(caught.value.hint)
+
+
+@pytest.mark.parametrize("name", ["", ".", "..", "Default", "default\n", "a" * 65, "\x1b[31m"])
+def test_what_is_no_name(name: str) -> None:
+    with pytest.raises(ProfileError, match="no profile is called") as caught:
+        load_profile(name)
+    assert "\x1b" not in caught.value.message
+
+
+def test_a_slash_or_a_suffix_makes_a_path(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("default.yaml").write_text(TEXT.format("here"))
+    assert load_profile("default.yaml").name == "here"
+    assert load_profile("./default.yaml").name == "here"
+    assert load_profile(tmp_path / "default.yaml").name == "here"
+    with pytest.raises(ProfileError, match="does not exist"):
+        load_profile("./default")
+
+
+def test_a_relative_configuration_folder_is_ignored(monkeypatch) -> None:
+    monkeypatch.setenv("XDG_CONFIG_HOME", "relative")
+    monkeypatch.setenv("HOME", "/home/somebody")
+    assert find_user_folder() == Path("/home/somebody/.config/neurotouch/profiles")

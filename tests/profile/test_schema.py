@@ -1,0 +1,76 @@
+"""The schema that editors read."""
+
+import json
+
+import pytest
+from pydantic import TypeAdapter
+
+from neurotouch_hid.messages import Button, GestureKind
+from neurotouch_hid.profile import profile_schema
+from neurotouch_hid.profile.library import find_shipped_folder
+from neurotouch_hid.profile.schema import Curve, GestureName
+
+SCHEMA = profile_schema()
+MODELS = {"Profile": SCHEMA, **SCHEMA["$defs"]}
+FIELDS = [
+    (name, key, field)
+    for name, model in MODELS.items()
+    for key, field in model.get("properties", {}).items()
+]
+
+
+def test_the_shipped_schema_is_current() -> None:
+    shipped = find_shipped_folder() / "schema" / "profile-1.json"
+    assert json.loads(shipped.read_text(encoding="utf-8")) == SCHEMA, (
+        "write it anew: json.dumps(profile_schema(), indent=2, ensure_ascii=False)"
+    )
+
+
+@pytest.mark.parametrize(("model", "key", "field"), FIELDS)
+def test_every_key_says_what_it_is(model: str, key: str, field: dict) -> None:
+    assert field["description"].endswith(".")
+    assert "efault: " in field["description"] or "No default." in field["description"]
+    assert ("No default." in field["description"]) == (key in MODELS[model].get("required", []))
+    if key.endswith("_mm"):
+        assert field["x-unit"] == "mm"
+        assert "mm" in field["description"]
+
+
+@pytest.mark.parametrize("model", [name for name, m in MODELS.items() if "properties" in m])
+def test_nothing_else_is_allowed(model: str) -> None:
+    assert MODELS[model]["additionalProperties"] is False
+
+
+def test_every_number_has_bounds_and_nothing_may_be_empty() -> None:
+    def walk(node: object) -> None:
+        if isinstance(node, dict):
+            if node.get("type") in ("number", "integer") and "const" not in node:
+                assert "minimum" in node, node
+                assert "maximum" in node, node
+            assert node.get("type") != "null"
+            for child in node.values():
+                walk(child)
+        elif isinstance(node, list):
+            for child in node:
+                walk(child)
+
+    walk(SCHEMA)
+
+
+def test_no_key_or_value_reads_as_true_or_false_in_yaml_1_1() -> None:
+    words = {field for _, field, _ in FIELDS}
+    words |= {value for _, _, field in FIELDS for value in field.get("enum", [])}
+    assert not words & {"on", "off", "yes", "no"}
+
+
+def test_it_covers_the_records() -> None:
+    assert MODELS["Button"]["enum"] == [button.value for button in Button]
+    gestures = TypeAdapter(GestureName).json_schema()["enum"]
+    assert gestures == [kind.label for kind in GestureKind if kind != GestureKind.NONE]
+
+
+def test_models_survive_a_round_trip() -> None:
+    curves: TypeAdapter[Curve] = TypeAdapter(Curve)
+    for value in ("linear", {"expo": 0.5}, {"power": 2.0}):
+        model = curves.validate_python(value)
+        assert curves.validate_python(model) == model
