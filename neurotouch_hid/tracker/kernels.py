@@ -1,14 +1,7 @@
-"""The compiled loops of the tracker: the event filter and the neighbour check.
-
-State: one row of 8 float64 (64 bytes, one cache line) per marker. Columns: position X, Y (px),
-velocity VX, VY (px/s), the covariance A = var(position) (px²), B = cov(position, velocity) (px²/s),
-C = var(velocity) (px²/s²), the same for x and y, and the moment T (µs) they all belong to.
-
-Grid: square cells of ``CELL_PX`` with a border of one cell; each marker hangs in the doubly linked
-list of its cell (``head`` per cell, ``link[:, 0]`` next, ``link[:, 1]`` previous, ``cell`` index).
-"""
+"""The compiled loops of the tracker: the event filter and the neighbour check."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -21,6 +14,51 @@ GRID_ROWS = 24  # 260 px in cells, and a border on both sides
 SECOND = 1e-6  # in µs
 
 
+class Tracks(NamedTuple):
+    """All that is known about n markers.
+
+    Attributes:
+        state: (n, 8) float64, a cache line each. Columns: position X, Y (px), velocity VX, VY
+            (px/s), the covariance A = var(position) (px²), B = cov(position, velocity) (px²/s),
+            C = var(velocity) (px²/s²), the same for x and y, and the moment T (µs) of all these.
+        head: (cells,) int16, the first marker in each cell of the grid, or -1.
+        link: (n, 2) int16, the next and the previous marker in the same cell, or -1.
+        cell: (n,) int16, the cell a marker hangs in, or -1.
+        lost: (n,) bool, the position is a guess.
+        rest_px: (n, 2) float64, positions while the gel is undeformed.
+        neighbours: (n, 8) intp, -1 where there is none.
+        past_px: (k, n, 2) float64, ring of the positions at the last k checks.
+        past_us: (k,) int64, the moments of these checks, -1 where there is none.
+        clock: (3,) int64: moment of the next check (µs), checks done, markers seated anew.
+    """
+
+    state: NDArray[np.float64]
+    head: NDArray[np.int16]
+    link: NDArray[np.int16]
+    cell: NDArray[np.int16]
+    lost: NDArray[np.bool_]
+    rest_px: NDArray[np.float64]
+    neighbours: NDArray[np.intp]
+    past_px: NDArray[np.float64]
+    past_us: NDArray[np.int64]
+    clock: NDArray[np.int64]
+
+
+class Tuning(NamedTuple):
+    """Constants of the filter and the check; ``TrackerConfig`` says what they are and why."""
+
+    gate_px: float
+    r_px2: float
+    spread_px: float
+    q_x: float
+    q_v: float
+    memory_s: float
+    quiet_s: float
+    check_us: int
+    max_stray_px: float
+    max_stray_ratio: float
+
+
 @njit(cache=True, nogil=True, inline="always")
 def _cell_of(x: float, y: float) -> int:
     column = min(max(int(math.floor(x / CELL_PX)) + 1, 0), GRID_COLUMNS - 1)
@@ -29,15 +67,10 @@ def _cell_of(x: float, y: float) -> int:
 
 
 @njit(cache=True, nogil=True)
-def seat(
-    i: int,
-    state: NDArray[np.float64],
-    head: NDArray[np.int16],
-    link: NDArray[np.int16],
-    cell: NDArray[np.int16],
-) -> None:
-    """Hang marker ``i`` in the cell of its position; a marker that is in no cell has ``cell`` -1."""
-    new, old = _cell_of(state[i, X], state[i, Y]), cell[i]
+def seat(i: int, tracks: Tracks) -> None:
+    """Hang marker ``i`` in the list of the cell in which it lies now."""
+    head, link = tracks.head, tracks.link
+    new, old = _cell_of(tracks.state[i, X], tracks.state[i, Y]), tracks.cell[i]
     if new == old:
         return
     after, before = link[i, 0], link[i, 1]
@@ -53,49 +86,29 @@ def seat(
     if first >= 0:
         link[first, 1] = i
     head[new] = i
-    cell[i] = new
+    tracks.cell[i] = new
 
 
 @njit(cache=True, nogil=True)
-def nearest(
-    x: int,
-    y: int,
-    gate_px2: float,
-    state: NDArray[np.float64],
-    head: NDArray[np.int16],
-    link: NDArray[np.int16],
-) -> int:
+def nearest(x: int, y: int, gate_px2: float, tracks: Tracks) -> int:
     """The marker nearest to pixel (x, y) among those nearer than the gate, or -1."""
+    state = tracks.state
     corner = (y + CELL_PX // 2) // CELL_PX * GRID_COLUMNS + (x + CELL_PX // 2) // CELL_PX
     best, best_px2 = -1, gate_px2
     for offset in (0, 1, GRID_COLUMNS, GRID_COLUMNS + 1):
-        i = head[corner + offset]
+        i = tracks.head[corner + offset]
         while i >= 0:
             dx, dy = x - state[i, X], y - state[i, Y]
             px2 = dx * dx + dy * dy
             if px2 < best_px2:
                 best, best_px2 = i, px2
-            i = link[i, 0]
+            i = tracks.link[i, 0]
     return best
 
 
 @njit(cache=True, nogil=True)
 def filter_events(
-    events: NDArray[np.void],
-    start: int,
-    until_us: int,
-    state: NDArray[np.float64],
-    head: NDArray[np.int16],
-    link: NDArray[np.int16],
-    cell: NDArray[np.int16],
-    hits: NDArray[np.int32],
-    gate_px: float,
-    r_px2: float,
-    spread_px: float,
-    q_x: float,
-    q_v: float,
-    memory_s: float,
-    quiet_s: float,
+    events: NDArray[np.void], start: int, until_us: int, tracks: Tracks, tuning: Tuning
 ) -> int:
     """Give each event before ``until_us`` to the nearest marker in the gate, one by one.
 
@@ -106,237 +119,175 @@ def filter_events(
         The index of the first event at or after ``until_us``.
     """
     n = len(events)
-    gate_px2 = gate_px * gate_px
-    forget = 1.0 / memory_s
-    tail = 1.0 / (spread_px * spread_px)
+    state = tracks.state
+    gate_px2 = tuning.gate_px * tuning.gate_px
+    forget = 1.0 / tuning.memory_s
+    tail = 1.0 / (tuning.spread_px * tuning.spread_px)
     while start < n and events[start].t < until_us:
         e = events[start]
         start += 1
         x, y = int(e.x), int(e.y)
-        i = nearest(x, y, gate_px2, state, head, link)
+        i = nearest(x, y, gate_px2, tracks)
         if i < 0:
             continue
         s = state[i]
-        t = float(e.t)
-        elapsed = (t - s[T]) * SECOND
-        dt = min(elapsed, memory_s)
+        elapsed = (e.t - s[T]) * SECOND
+        dt = min(elapsed, tuning.memory_s)
         keep = 1.0 - dt * forget
         step = 0.5 * dt * (1.0 + keep)
-        # What makes no events does not move: uncertainty stops growing when a marker is quiet.
-        dt = min(elapsed, quiet_s)
+        # What makes no events does not move, and a lone event is likely noise: uncertainty grows
+        # less, not more, when a marker has been quiet.
+        dt = elapsed
+        if dt > tuning.quiet_s:
+            dt = tuning.quiet_s * tuning.quiet_s / dt
         b = s[B] + dt * s[C]
-        a = s[A] + dt * (s[B] + b) + q_x * dt
-        c = s[C] + q_v * dt
+        a = s[A] + dt * (s[B] + b) + tuning.q_x * dt
+        c = s[C] + tuning.q_v * dt
         px, py = s[X] + s[VX] * step, s[Y] + s[VY] * step
         dx, dy = x - px, y - py
         # Heavy-tailed noise: an event far from the marker is more likely to be nobody's.
         far = (dx * dx + dy * dy) * tail
-        inverse = 1.0 / (a + r_px2 * (1.0 + far * far))
+        inverse = 1.0 / (a + tuning.r_px2 * (1.0 + far * far))
         k1, k2 = a * inverse, b * inverse
         s[X], s[Y] = px + k1 * dx, py + k1 * dy
         s[VX], s[VY] = s[VX] * keep + k2 * dx, s[VY] * keep + k2 * dy
         s[A], s[B], s[C] = a - k1 * a, b - k1 * b, c - k2 * b
-        s[T] = t
-        hits[i] += 1
-        seat(i, state, head, link, cell)
+        s[T] = e.t
+        seat(i, tracks)
     return start
 
 
 @njit(cache=True, nogil=True)
-def advance(
-    events: NDArray[np.void],
-    start: int,
-    until_us: int,
-    state: NDArray[np.float64],
-    head: NDArray[np.int16],
-    link: NDArray[np.int16],
-    cell: NDArray[np.int16],
-    hits: NDArray[np.int32],
-    rest_px: NDArray[np.float64],
-    neighbours: NDArray[np.intp],
-    lost: NDArray[np.bool_],
-    past_px: NDArray[np.float64],
-    past_us: NDArray[np.int64],
-    check_us: int,
-    clock: NDArray[np.int64],
-    gate_px: float,
-    r_px2: float,
-    spread_px: float,
-    q_x: float,
-    q_v: float,
-    memory_s: float,
-    quiet_s: float,
-    max_stray_px: float,
-    max_stray_ratio: float,
-) -> int:
-    """Filter the events before ``until_us`` and check the neighbours every ``check_us``.
+def predict(t_us: float, memory_s: float, tracks: Tracks, out_px: NDArray[np.float64]) -> None:
+    """Where every marker is at ``t_us``: a velocity fades with ``memory_s`` since the last event."""
+    for i in range(len(tracks.state)):
+        s = tracks.state[i]
+        dt = min((t_us - s[T]) * SECOND, memory_s)
+        step = dt * (1.0 - 0.5 * dt / memory_s)
+        out_px[i, 0] = s[X] + s[VX] * step
+        out_px[i, 1] = s[Y] + s[VY] * step
 
-    Checks happen at multiples of ``check_us``, however the stream is cut into slices. Each leaves
-    the positions in the ring ``past_px`` (k, n, 2) with their moments in ``past_us`` (k,).
 
-    Args:
-        clock: (2,) int64: moment of the next check, number of checks done.
+@njit(cache=True, nogil=True)
+def place(i: int, x: float, y: float, variance_px2: float, t_us: float, tracks: Tracks) -> None:
+    """Put marker ``i``, at rest, where it is known to be."""
+    s = tracks.state[i]
+    s[X], s[Y], s[VX], s[VY], s[T] = x, y, 0.0, 0.0, t_us
+    s[A], s[B], s[C] = variance_px2, 0.0, 100.0
+    seat(i, tracks)
 
-    Returns:
-        The index of the first event at or after ``until_us``.
-    """
-    while clock[0] <= until_us:
-        start = filter_events(
-            events,
-            start,
-            clock[0],
-            state,
-            head,
-            link,
-            cell,
-            hits,
-            gate_px,
-            r_px2,
-            spread_px,
-            q_x,
-            q_v,
-            memory_s,
-            quiet_s,
-        )
-        slot = clock[1] % len(past_us)
-        past_us[slot] = clock[0]
-        predict(float(clock[0]), memory_s, state, past_px[slot])
-        check_neighbours(
-            float(clock[0]),
-            past_px[slot],
-            rest_px,
-            neighbours,
-            max_stray_px,
-            max_stray_ratio,
-            state,
-            head,
-            link,
-            cell,
-            lost,
-            hits,
-        )
-        clock[0] += check_us
-        clock[1] += 1
-    return filter_events(
-        events,
-        start,
-        until_us,
-        state,
-        head,
-        link,
-        cell,
-        hits,
-        gate_px,
-        r_px2,
-        spread_px,
-        q_x,
-        q_v,
-        memory_s,
-        quiet_s,
-    )
+
+@njit(cache=True, nogil=True)
+def _sort_rows(v: NDArray[np.float64]) -> None:
+    """Sort the 8 rows of ``v`` (8, n) column by column: a network of 19 vector comparisons."""
+    for p, q in (
+        (0, 1), (2, 3), (4, 5), (6, 7), (0, 2), (1, 3), (4, 6), (5, 7), (1, 2), (5, 6),
+        (0, 4), (3, 7), (1, 5), (2, 6), (1, 4), (3, 6), (2, 4), (3, 5), (3, 4),
+    ):  # fmt: skip
+        low, high = v[p], v[q]
+        for i in range(v.shape[1]):
+            a, b = low[i], high[i]
+            low[i] = a if a < b else b
+            high[i] = b if a < b else a
 
 
 @njit(cache=True, nogil=True)
 def expect(
     position_px: NDArray[np.float64],
-    rest_px: NDArray[np.float64],
-    neighbours: NDArray[np.intp],
     usable: NDArray[np.bool_],
+    tracks: Tracks,
     expected_px: NDArray[np.float64],
-    stray_px: NDArray[np.float64],
     spread_px: NDArray[np.float64],
 ) -> None:
     """Where each marker should be by its neighbours: rest plus their median displacement.
 
     Args:
-        position_px, rest_px: (n, 2) float64.
-        neighbours: (n, 8) intp, -1 where there is none.
+        position_px: (n, 2) float64, columns x, y.
         usable: (n,) bool: neighbours that have a say.
-        expected_px: (n, 2), filled in.
-        stray_px: (n,), filled in: distance of the marker from there (largest component).
-        spread_px: (n,), filled in: median deviation of the neighbours (largest component); -1 if
-            fewer than three have a say.
+        tracks: rest positions and neighbours.
+        expected_px: (n, 2), filled in; NaN where fewer than three neighbours have a say.
+        spread_px: (n,), filled in: half the distance between the quartiles of the neighbours'
+            displacements, the larger one of x and y.
     """
-    values = np.empty(8)
-    for i in range(len(position_px)):
-        stray_px[i], spread_px[i] = 0.0, -1.0
-        for axis in range(2):
-            n = 0
-            for j in neighbours[i]:
+    n = len(position_px)
+    sorted_px = np.empty((8, n))
+    count = np.zeros(n, np.int64)
+    for axis in range(2):
+        for i in range(n):
+            n_used, n_padded = 0, 0
+            for k in range(8):
+                j = tracks.neighbours[i, k]
                 if j >= 0 and usable[j]:
-                    v = position_px[j, axis] - rest_px[j, axis]
-                    k = n
-                    while k > 0 and values[k - 1] > v:
-                        values[k] = values[k - 1]
-                        k -= 1
-                    values[k] = v
-                    n += 1
-            if n < 3:
-                expected_px[i, axis] = position_px[i, axis]
+                    sorted_px[k, i] = position_px[j, axis] - tracks.rest_px[j, axis]
+                    n_used += 1
+                else:  # infinities at both ends keep the median in the middle
+                    sorted_px[k, i] = np.inf if n_padded % 2 == 0 else -np.inf
+                    n_padded += 1
+            count[i] = n_used
+        _sort_rows(sorted_px)
+        for i in range(n):
+            m = count[i]
+            if m < 3:
+                expected_px[i, axis], spread_px[i] = np.nan, 0.0
                 continue
-            median = 0.5 * (values[(n - 1) // 2] + values[n // 2])
-            expected_px[i, axis] = rest_px[i, axis] + median
-            stray_px[i] = max(stray_px[i], abs(position_px[i, axis] - expected_px[i, axis]))
-            # Half the distance between the quartiles stands for the median deviation.
-            spread_px[i] = max(spread_px[i], 0.5 * (values[n - 1 - n // 4] - values[n // 4]))
+            first = (8 - m) // 2
+            last = first + m - 1
+            median = 0.5 * (sorted_px[(first + last) // 2, i] + sorted_px[(first + last + 1) // 2, i])
+            expected_px[i, axis] = tracks.rest_px[i, axis] + median
+            spread = 0.5 * (sorted_px[last - m // 4, i] - sorted_px[first + m // 4, i])
+            spread_px[i] = spread if axis == 0 else max(spread_px[i], spread)
 
 
 @njit(cache=True, nogil=True)
-def check_neighbours(
-    t_us: float,
+def strays(
     position_px: NDArray[np.float64],
-    rest_px: NDArray[np.float64],
-    neighbours: NDArray[np.intp],
-    max_stray_px: float,
-    max_stray_ratio: float,
-    state: NDArray[np.float64],
-    head: NDArray[np.int16],
-    link: NDArray[np.int16],
-    cell: NDArray[np.int16],
-    lost: NDArray[np.bool_],
-    hits: NDArray[np.int32],
+    expected_px: NDArray[np.float64],
+    spread_px: NDArray[np.float64],
+    tuning: Tuning,
+    out: NDArray[np.bool_],
 ) -> None:
-    """Seat anew what strays from its neighbours; ``position_px`` is corrected along."""
-    n = len(state)
-    expected = np.empty((n, 2))
-    stray, spread = np.empty(n), np.empty(n)
-    expect(position_px, rest_px, neighbours, ~lost, expected, stray, spread)
+    """Which markers are not where their neighbours say: out (n,) bool, filled in."""
+    for i in range(len(position_px)):
+        off = max(
+            abs(position_px[i, 0] - expected_px[i, 0]), abs(position_px[i, 1] - expected_px[i, 1])
+        )
+        out[i] = off > tuning.max_stray_px + tuning.max_stray_ratio * spread_px[i]
+
+
+@njit(cache=True, nogil=True)
+def check_neighbours(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
+    """Note all positions at ``t_us`` and seat anew what strays from its neighbours."""
+    n = len(tracks.state)
+    slot = tracks.clock[1] % len(tracks.past_us)
+    position = tracks.past_px[slot]
+    predict(float(t_us), tuning.memory_s, tracks, position)
+    expected, spread, stray = np.empty((n, 2)), np.empty(n), np.empty(n, np.bool_)
+    expect(position, ~tracks.lost, tracks, expected, spread)
+    strays(position, expected, spread, tuning, stray)
     for i in range(n):
-        if spread[i] >= 0.0 and stray[i] > max_stray_px + max_stray_ratio * spread[i]:
-            place(i, expected[i, 0], expected[i, 1], 0.0, 0.0, 4.0, t_us, state, head, link, cell)
-            position_px[i] = expected[i]
-            lost[i] = True
-            hits[i] = 0
+        if stray[i]:
+            position[i] = expected[i]
+            place(i, position[i, 0], position[i, 1], 4.0, float(t_us), tracks)
+            tracks.lost[i] = True
+            tracks.clock[2] += 1
+    tracks.past_us[slot] = t_us
+    tracks.clock[1] += 1
 
 
 @njit(cache=True, nogil=True)
-def place(
-    i: int,
-    x: float,
-    y: float,
-    vx: float,
-    vy: float,
-    variance_px2: float,
-    t_us: float,
-    state: NDArray[np.float64],
-    head: NDArray[np.int16],
-    link: NDArray[np.int16],
-    cell: NDArray[np.int16],
-) -> None:
-    """Put marker ``i`` where it is known to be, with what is known about its motion."""
-    s = state[i]
-    s[X], s[Y], s[VX], s[VY], s[T] = x, y, vx, vy, t_us
-    s[A], s[B], s[C] = variance_px2, 0.0, 100.0
-    seat(i, state, head, link, cell)
+def advance(
+    events: NDArray[np.void], start: int, until_us: int, tracks: Tracks, tuning: Tuning
+) -> int:
+    """Filter the events before ``until_us`` and check the neighbours every ``check_us``.
 
+    Checks happen at multiples of ``check_us``, however the stream is cut into slices.
 
-@njit(cache=True, nogil=True)
-def predict(
-    t_us: float, memory_s: float, state: NDArray[np.float64], out_px: NDArray[np.float64]
-) -> None:
-    """Where every marker is at ``t_us``: the velocity fades with ``memory_s`` since its last event."""
-    for i in range(len(state)):
-        dt = min((t_us - state[i, T]) * SECOND, memory_s)
-        step = dt * (1.0 - 0.5 * dt / memory_s)
-        out_px[i, 0] = state[i, X] + state[i, VX] * step
-        out_px[i, 1] = state[i, Y] + state[i, VY] * step
+    Returns:
+        The index of the first event at or after ``until_us``.
+    """
+    clock = tracks.clock
+    while clock[0] <= until_us:
+        start = filter_events(events, start, clock[0], tracks, tuning)
+        check_neighbours(clock[0], tracks, tuning)
+        clock[0] += tuning.check_us
+    return filter_events(events, start, until_us, tracks, tuning)

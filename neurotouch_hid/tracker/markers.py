@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from neurotouch_hid.geometry import N_MARKERS, NEIGHBOURS
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, MarkerField, RestField
 from neurotouch_hid.tracker import kernels
-from neurotouch_hid.tracker.image import BlobFinder
-from neurotouch_hid.tracker.image import kernels as image_kernels
+from neurotouch_hid.tracker.correction import FrameCorrection
 
 _PAST = 64  # checks remembered: 128 ms, longer than any exposure and its way to us
 
@@ -27,10 +26,11 @@ class TrackerConfig:
         q_x: growth of a position's variance, px²/s.
         q_v: growth of a velocity's variance, px²/s³.
         memory_us: a velocity fades within this time when a marker makes no events.
-        quiet_us: variances grow for this long after a marker's last event, then stop.
+        quiet_us: events that come in longer intervals than this are more and more likely noise.
         check_us: time between two neighbour checks.
         max_stray_px: a marker may be off the median of its neighbours' displacements by this ...
-        max_stray_ratio: ... plus so many times the spread of these displacements.
+        max_stray_ratio: ... plus so many times the spread of these displacements: near the edge
+            of a finger they differ by many pixels.
     """
 
     gate_px: float = 4.0
@@ -44,6 +44,21 @@ class TrackerConfig:
     max_stray_px: float = 3.0
     max_stray_ratio: float = 1.5
 
+    def tuning(self) -> kernels.Tuning:
+        """The same as the kernels take it."""
+        return kernels.Tuning(
+            self.gate_px,
+            self.r_px2,
+            self.spread_px,
+            self.q_x,
+            self.q_v,
+            self.memory_us * kernels.SECOND,
+            self.quiet_us * kernels.SECOND,
+            self.check_us,
+            self.max_stray_px,
+            self.max_stray_ratio,
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class TrackerStats:
@@ -51,9 +66,9 @@ class TrackerStats:
 
     Attributes:
         n_events: events looked at.
-        n_anchors: times the rest position was taken.
+        n_anchors: rest positions taken.
         n_gaps: times events were missing.
-        n_repairs: markers seated anew by their neighbours or by a frame.
+        n_repairs: markers seated anew because their neighbours said so.
         n_valid: markers that are measured now.
     """
 
@@ -70,98 +85,86 @@ class MarkerTracker:
     def __init__(self, config: TrackerConfig | None = None) -> None:
         """Start without a gel; the first ``anchor`` gives one."""
         self._config = config or TrackerConfig()
+        self._tuning = self._config.tuning()
         n = N_MARKERS
-        self._rest_px = np.full((n, 2), np.nan)
-        self._shown_rest_px = np.full((n, 2), np.nan, np.float32)
-        self._state = np.zeros((n, 8))
-        self._head = np.full(kernels.GRID_ROWS * kernels.GRID_COLUMNS, -1, np.int16)
-        self._link = np.full((n, 2), -1, np.int16)
-        self._cell = np.full(n, -1, np.int16)
-        self._hits = np.zeros(n, np.int32)
-        self._lost = np.zeros(n, np.bool_)
-        self._past_px = np.zeros((_PAST, n, 2))
-        self._past_us = np.full(_PAST, -1, np.int64)
-        self._clock = np.zeros(2, np.int64)
+        self._tracks = kernels.Tracks(
+            state=np.zeros((n, 8)),
+            head=np.full(kernels.GRID_ROWS * kernels.GRID_COLUMNS, -1, np.int16),
+            link=np.full((n, 2), -1, np.int16),
+            cell=np.full(n, -1, np.int16),
+            lost=np.zeros(n, np.bool_),
+            rest_px=np.full((n, 2), np.nan),
+            neighbours=NEIGHBOURS.copy(),  # writeable: kernels are compiled for one type only
+            past_px=np.zeros((_PAST, n, 2)),
+            past_us=np.full(_PAST, -1, np.int64),
+            clock=np.zeros(3, np.int64),
+        )
+        self._correction = FrameCorrection(self._tracks, self._tuning)
+        self._rest_px = np.full((n, 2), np.nan, np.float32)
         self._now_px = np.empty((n, 2))
-        self._finder = BlobFinder()
-        self._match = np.empty(n, np.int32)
         self._anchored = False
         self._end_us: int | None = None
-        self._n_events = self._n_anchors = self._n_gaps = self._n_repairs = 0
+        self._n_events = self._n_anchors = self._n_gaps = 0
 
     def anchor(self, rest: RestField) -> None:
         """Take the rest position."""
         self._n_anchors += 1
         measured = rest.position_px.astype(np.float64)
         if not self._anchored:
-            self._rest_px = measured
-            self._shown_rest_px = measured.astype(np.float32)
+            self._tracks.rest_px[:] = measured
+            self._rest_px = measured.astype(np.float32)
             t_us = rest.t_us if self._end_us is None else self._end_us
             for i, (x, y) in enumerate(measured):
-                kernels.place(
-                    i,
-                    x,
-                    y,
-                    0.0,
-                    0.0,
-                    1.0,
-                    float(t_us),
-                    self._state,
-                    self._head,
-                    self._link,
-                    self._cell,
-                )
+                kernels.place(i, x, y, 1.0, float(t_us), self._tracks)
             self._anchored = True
 
     def update(self, packet: EventPacket) -> MarkerField:
         """All markers at the end of a slice."""
-        events = packet.events
-        if not (events.flags.writeable and events.flags.c_contiguous):
-            events = np.array(events, EVENT_DTYPE)  # the kernels are compiled for one type only
         if not self._anchored:
             return self._unknown(packet.t_end_us)
-        if packet.gap or self._end_us != packet.t_begin_us:
+        if packet.gap or self._end_us != packet.t_begin_us or not self._tracks.clock[1]:
             self._restart(packet.t_begin_us)
+        events = packet.events
+        if not (events.flags.writeable and events.flags.c_contiguous):
+            events = np.array(events, EVENT_DTYPE)
         start = 0
         for frame in packet.frames:
-            start = self._advance(events, start, min(frame.exposure_end_us, packet.t_end_us))
+            start = self._advance(events, start, frame.exposure_end_us)
+            self._correction.apply(frame)
         self._advance(events, start, packet.t_end_us)
         self._end_us = packet.t_end_us
         self._n_events += len(events)
         kernels.predict(
-            float(packet.t_end_us), self._config.memory_us * 1e-6, self._state, self._now_px
+            float(packet.t_end_us), self._tuning.memory_s, self._tracks, self._now_px
         )
         return MarkerField(
-            packet.t_end_us, self._shown_rest_px, self._now_px.astype(np.float32), ~self._lost
+            packet.t_end_us, self._rest_px, self._now_px.astype(np.float32), ~self._tracks.lost
         )
 
     def stats(self) -> TrackerStats:
         """What was done so far."""
-        n_valid = int((~self._lost).sum()) if self._anchored else 0
-        return TrackerStats(self._n_events, self._n_anchors, self._n_gaps, self._n_repairs, n_valid)
+        return TrackerStats(
+            self._n_events,
+            self._n_anchors,
+            self._n_gaps,
+            int(self._tracks.clock[2]),
+            int((~self._tracks.lost).sum()) if self._anchored else 0,
+        )
 
     def _unknown(self, t_us: int) -> MarkerField:
         self._end_us = t_us
         nowhere = np.full((N_MARKERS, 2), np.nan, np.float32)
-        return MarkerField(t_us, self._shown_rest_px, nowhere, np.zeros(N_MARKERS, np.bool_))
+        return MarkerField(t_us, self._rest_px, nowhere, np.zeros(N_MARKERS, np.bool_))
 
     def _restart(self, t_us: int) -> None:
+        """Events are missing: forget velocities and the past, keep positions."""
         self._n_gaps += 1
-        self._state[:, kernels.VX : kernels.VY + 1] = 0.0
-        self._state[:, kernels.T] = t_us
-        self._state[:, kernels.A : kernels.C + 1] = (1.0, 0.0, 100.0)
-        self._past_us[:] = -1
-        self._clock[0] = -(-t_us // self._config.check_us) * self._config.check_us
+        tracks = self._tracks
+        tracks.state[:, kernels.VX : kernels.VY + 1] = 0.0
+        tracks.state[:, kernels.A : kernels.C + 1] = (1.0, 0.0, 100.0)
+        tracks.state[:, kernels.T] = t_us
+        tracks.past_us[:] = -1
+        tracks.clock[0] = -(-t_us // self._config.check_us) * self._config.check_us
 
     def _advance(self, events: NDArray[np.void], start: int, until_us: int) -> int:
-        c = self._config
-        return int(
-            kernels.advance(
-                events, start, until_us,
-                self._state, self._head, self._link, self._cell, self._hits,
-                self._rest_px, NEIGHBOURS, self._lost, self._past_px, self._past_us,
-                c.check_us, self._clock,
-                c.gate_px, c.r_px2, c.spread_px, c.q_x, c.q_v,
-                c.memory_us * 1e-6, c.quiet_us * 1e-6, c.max_stray_px, c.max_stray_ratio,
-            )
-        )  # fmt: skip
+        return int(kernels.advance(events, start, until_us, self._tracks, self._tuning))

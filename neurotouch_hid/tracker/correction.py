@@ -1,0 +1,93 @@
+"""Frames correct what events have let drift: blobs of a picture, given to the tracks of its time."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.geometry import N_MARKERS
+from neurotouch_hid.messages import Frame
+from neurotouch_hid.tracker import kernels
+from neurotouch_hid.tracker.image import BlobFinder
+from neurotouch_hid.tracker.image import kernels as image_kernels
+
+_GATE_PX = 3.5  # a third of the pitch: nobody else's blob
+_MIN_MATCHED = 90  # half of the markers; with fewer the picture or all tracks are wrong
+
+
+class FrameCorrection:
+    """Moves tracks to the blobs of a frame, as they lay in the middle of its exposure."""
+
+    def __init__(self, tracks: kernels.Tracks, tuning: kernels.Tuning) -> None:
+        self._tracks, self._tuning = tracks, tuning
+        self._finder = BlobFinder()
+        self._match = np.empty(N_MARKERS, np.int32)
+        self._expected_px = np.empty((N_MARKERS, 2))
+        self._spread_px = np.empty(N_MARKERS)
+        self._stray = np.empty(N_MARKERS, np.bool_)
+        self._missed = np.zeros(N_MARKERS, np.intp)
+
+    def apply(self, frame: Frame) -> None:
+        """Correct all tracks by a frame whose exposure ends now."""
+        then_px = self._positions_at(frame.t_us)
+        if then_px is None:
+            return
+        points = self._finder.find(frame.pixels).centroid_px
+        blob = self._assign(then_px, points)
+        seen = blob >= 0
+        if seen.sum() < _MIN_MATCHED:
+            return
+        error = points[blob[seen]] - then_px[seen]
+        begin, end = self._positions_at(frame.exposure_begin_us), self._positions_at(frame.exposure_end_us)
+        shift = np.zeros((N_MARKERS, 2))
+        shift[seen] = error
+        state = self._tracks.state
+        state[:, kernels.X : kernels.Y + 1] += shift
+        for i in np.flatnonzero(seen):
+            kernels.seat(i, self._tracks)
+        self._tracks.lost[seen] = False
+        self._missed[seen] = 0
+        self._missed[~seen] += 1
+        self._tracks.lost[self._missed >= 2] = True
+
+    def _positions_at(self, t_us: int) -> NDArray[np.float64] | None:
+        """All positions (177, 2) px at a moment of the last checks, or None if it is not covered."""
+        times = self._tracks.past_us
+        step = self._tuning.check_us
+        before, after = t_us // step * step, -(-t_us // step) * step
+        i, j = np.flatnonzero(times == before), np.flatnonzero(times == after)
+        if not len(i):
+            return None
+        px = self._tracks.past_px
+        if not len(j):
+            return px[i[0]].copy()
+        part = (t_us - before) / step
+        return px[i[0]] * (1.0 - part) + px[j[0]] * part
+
+    def _assign(
+        self, then_px: NDArray[np.float64], points: NDArray[np.float64]
+    ) -> NDArray[np.int32]:
+        """The blob of each track, -1 where none is certain.
+
+        First each to the nearest, if both agree. Pairs whose place does not fit their neighbours
+        are undone; then markers without a blob look around the place the neighbours give them.
+        """
+        blob = self._match.copy()
+        image_kernels.match_points(then_px, points, _GATE_PX, blob)
+        for _ in range(3):
+            seen = blob >= 0
+            position = then_px.copy()
+            position[seen] = points[blob[seen]]
+            kernels.expect(position, seen, self._tracks, self._expected_px, self._spread_px)
+            kernels.strays(
+                position, self._expected_px, self._spread_px, self._tuning, self._stray
+            )
+            blob[self._stray & seen] = -1
+            open_ = np.flatnonzero((blob < 0) & np.isfinite(self._expected_px[:, 0]))
+            free = np.setdiff1d(np.arange(len(points)), blob[blob >= 0])
+            if not len(open_) or not len(free):
+                break
+            match = np.empty(len(open_), np.int32)
+            image_kernels.match_points(self._expected_px[open_], points[free], _GATE_PX, match)
+            if (match < 0).all():
+                break
+            blob[open_[match >= 0]] = free[match[match >= 0]]
+        return blob
