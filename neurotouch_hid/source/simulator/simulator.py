@@ -49,6 +49,7 @@ class Simulator:
         rig = config.camera.rig
         self._motion = Motion(script, Camera(config.camera), rig.px_per_mm, config.gel)
         self._sensor = Sensor(config.sensor, config.light, rig, seed)
+        self._sensor.settle(self._motion.knot(-1).outline)
         self._packets = self._run()
 
     def __iter__(self) -> Iterator[EventPacket]:

@@ -11,7 +11,9 @@ Floats = NDArray[np.float64]
 POISSON_RATIO = 0.47  # silicone, nearly incompressible; the value of the finite-element check
 CLAMP_RADIUS_MM = 31.0  # where the rim holds the gel; fitted to finite elements
 CLAMP_EXPONENT = 0.37  # fitted to finite elements
-BULGE = 0.09  # sideways motion at the edge of a press, share of its depth; finite elements: 0.03-0.09
+BULGE = (
+    0.09  # sideways motion at the edge of a press, share of its depth; finite elements: 0.03-0.09
+)
 STEP_MM = 1.5  # longest step of a drag, so that the field can follow the patch
 STEP_RAD = 0.08  # longest step of a turn
 
@@ -167,7 +169,12 @@ def deform(
             ux = uy = 0.0
             for k in range(n_patches):
                 vx, vy = patch_field(
-                    x - centre[k, 0], y - centre[k, 1], radii[k], loads[k, 0], loads[k, 1], loads[k, 2]
+                    x - centre[k, 0],
+                    y - centre[k, 1],
+                    radii[k],
+                    loads[k, 0],
+                    loads[k, 1],
+                    loads[k, 2],
                 )
                 ux += vx
                 uy += vy
@@ -185,5 +192,3 @@ def deform(
             bulge = depth * BULGE * 2.0 * radii[k] / (a2 + r2)
             out[i, 0] += bulge * x
             out[i, 1] += bulge * y
-
-

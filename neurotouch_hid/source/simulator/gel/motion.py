@@ -108,12 +108,16 @@ class Motion:
             self._stroke = None
             return self._rest
         stroke, t_us = found
-        points = np.concatenate([LATTICE_MM, *(_probes(f.contact_mm, f.radius_mm) for f in stroke.fingers)])
+        points = np.concatenate(
+            [LATTICE_MM, *(_probes(f.contact_mm, f.radius_mm) for f in stroke.fingers)]
+        )
         centres = np.array([finger.contact_mm for finger in stroke.fingers])
         radii = np.array([finger.radius_mm for finger in stroke.fingers])
         state = np.array([motion_at(stroke, finger, t_us) for finger in stroke.fingers])
         moved = np.empty((len(points), 3))
-        deform(points, centres, radii, np.ascontiguousarray(state[:, :3]), state[:, 3].copy(), moved)
+        deform(
+            points, centres, radii, np.ascontiguousarray(state[:, :3]), state[:, 3].copy(), moved
+        )
         if self._stroke is not stroke:
             self._stroke, self._late = stroke, np.column_stack([points, np.zeros(len(points))])
         assert self._late is not None

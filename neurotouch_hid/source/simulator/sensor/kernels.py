@@ -1,97 +1,46 @@
 """The compiled loops of the sensor: markers to a picture, the picture to events."""
 
 import math
-from typing import NamedTuple
 
 import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
+Records = NDArray[np.void]
 
+SETTLED = 1e-3  # log units: a pixel this close to its input rests
+LEVEL_SCALE = 8.0  # entries of the photoreceptor's tables per DN
 
-class Picture(NamedTuple):
-    """The irradiance picture; every image is flat, row by row, in DN of an 8-bit frame.
+POINT_DTYPE = np.dtype(
+    [("base", "<f4"), ("light", "<f4"), ("image", "<f4"), ("exposed", "<f4"), ("is_touched", "?")],
+    align=True,
+)
+"""The picture at one pixel, in DN of an 8-bit frame: ``base`` without markers, ``light`` under a
+white marker, ``image`` now, ``exposed`` sum of ``image - base`` over the ticks of the exposure,
+``is_touched`` whether a marker is drawn here."""
 
-    Attributes:
-        width, height: px.
-        base: (n,) float32, the picture without markers.
-        light: (n,) float32, how bright a white marker is at each pixel.
-        image: (n,) float32, the picture now.
-        touched: (n,) int32, the pixels where a marker is drawn.
-        is_touched: (n,) bool.
-        exposed: (n,) float32, sum of ``image - base`` over the ticks of the exposure.
-        profile: (m,) float32, brightness of a marker over its squared relative radius.
-        profile_scale: entries of ``profile`` per unit of squared relative radius.
-        n_touched: (1,) int64, how many of ``touched`` are set.
-    """
+PIXEL_DTYPE = np.dtype(
+    [
+        ("signal", "<f4"),
+        ("reference", "<f4"),
+        ("on", "<f4"),
+        ("off", "<f4"),
+        ("leak", "<f4"),
+        ("is_active", "?"),
+        ("free_us", "<f8"),
+        ("seen_us", "<f8"),
+    ],
+    align=True,
+)
+"""One event pixel: ``signal`` log intensity behind the photoreceptor's low pass, ``reference`` at
+the last reset minus the leak up to ``seen_us``, thresholds ``on`` and ``off``, ``leak`` in log units
+per µs, ``is_active`` whether the signal may change, ``free_us`` end of the refractory period."""
 
-    width: int
-    height: int
-    base: Singles
-    light: Singles
-    image: Singles
-    touched: NDArray[np.int32]
-    is_touched: NDArray[np.bool_]
-    exposed: Singles
-    profile: Singles
-    profile_scale: float
-    n_touched: NDArray[np.int64]
-
-
-class Pixels(NamedTuple):
-    """The state of all event pixels, flat, row by row.
-
-    Attributes:
-        signal: (n,) float32, log intensity behind the photoreceptor's low pass.
-        reference: (n,) float32, log intensity at the last reset, minus the leak up to ``seen_us``.
-        free_us: (n,) float64, end of the refractory period after the last event.
-        seen_us: (n,) float64, the moment up to which the leak is in ``reference``.
-        on, off: (n,) float32, contrast thresholds.
-        leak: (n,) float32, drift of the reference in log units per µs.
-        active: (n,) int32, pixels whose signal may change.
-        is_active: (n,) bool.
-        n_active: (1,) int64, how many of ``active`` are set.
-        levels: (m,) float32, lin-log of the intensity; index is intensity times ``level_scale``.
-        gains: (m,) float32, share of the way to its input that the low pass goes in one tick.
-        level_scale: entries of ``levels`` and ``gains`` per DN.
-        hot: (h,) int32, pixels that fire by themselves.
-        random: (1,) uint64, counter of the random generator.
-    """
-
-    signal: Singles
-    reference: Singles
-    free_us: Floats
-    seen_us: Floats
-    on: Singles
-    off: Singles
-    leak: Singles
-    active: NDArray[np.int32]
-    is_active: NDArray[np.bool_]
-    n_active: NDArray[np.int64]
-    levels: Singles
-    gains: Singles
-    level_scale: float
-    hot: NDArray[np.int32]
-    random: NDArray[np.uint64]
-
-
-class Events(NamedTuple):
-    """A buffer of events; what does not fit is counted and lost.
-
-    Attributes:
-        t: (n,) int64 µs.
-        x, y: (n,) int16 px.
-        p: (n,) bool, True for ON.
-        count: (2,) int64, events held and events lost.
-    """
-
-    t: NDArray[np.int64]
-    x: NDArray[np.int16]
-    y: NDArray[np.int16]
-    p: NDArray[np.bool_]
-    count: NDArray[np.int64]
+N_TOUCHED, N_ACTIVE, N_EVENTS, N_LOST = range(4)  # places in ``counts``
 
 
 @nb.njit(cache=True, nogil=True)
@@ -116,27 +65,38 @@ def random_poisson(mean: float, state: NDArray[np.uint64]) -> int:
     return n
 
 
-@nb.njit(cache=True, nogil=True)
-def draw(knots: Floats, u: float, picture: Picture) -> None:
+@nb.njit(cache=True, nogil=True, error_model="numpy")
+def draw(
+    knots: Floats,
+    u: float,
+    profile: Singles,
+    profile_scale: float,
+    canvas: Records,
+    touched: NDArray[np.int32],
+    counts: NDArray[np.int64],
+) -> None:
     """Redraw all markers at share ``u`` of the way from the second to the third knot.
 
     Args:
         knots: (4, n, 6) float64, four equally spaced moments: x, y px, the quadratic form (xx, xy,
             yy) of the marker's outline in 1/px², brightness 0..1.
         u: 0..1.
-        picture: updated.
+        profile: (m,) float32, brightness of a marker over its squared relative radius.
+        profile_scale: entries of ``profile`` per unit of squared relative radius.
+        canvas: (260 * 346,) POINT_DTYPE, updated.
+        touched: (260 * 346,) int32, the pixels where a marker is drawn, updated.
+        counts: (4,) int64, N_TOUCHED updated.
     """
-    base, light, image, profile = picture.base, picture.light, picture.image, picture.profile
-    touched, is_touched = picture.touched, picture.is_touched
-    for i in range(picture.n_touched[0]):
-        image[touched[i]] = base[touched[i]]
-        is_touched[touched[i]] = False
+    for slot in range(counts[N_TOUCHED]):
+        point = canvas[touched[slot]]
+        point["image"] = point["base"]
+        point["is_touched"] = False
     n = 0
     u2, u3 = u * u, u * u * u
     w0, w1 = 0.5 * (-u3 + 2.0 * u2 - u), 0.5 * (3.0 * u3 - 5.0 * u2 + 2.0)
     w2, w3 = 0.5 * (-3.0 * u3 + 4.0 * u2 + u), 0.5 * (u3 - u2)
     last = len(profile) - 1
-    reach2 = last / picture.profile_scale
+    reach2 = last / profile_scale
     for i in range(knots.shape[1]):
         gain = (1.0 - u) * knots[1, i, 5] + u * knots[2, i, 5]
         if gain <= 0.0:
@@ -148,176 +108,274 @@ def draw(knots: Floats, u: float, picture: Picture) -> None:
         yy = (1.0 - u) * knots[1, i, 4] + u * knots[2, i, 4]
         det = xx * yy - xy * xy
         half_x, half_y = math.sqrt(reach2 * yy / det), math.sqrt(reach2 * xx / det)
-        top, bottom = max(0, math.ceil(y - half_y)), min(picture.height - 1, math.floor(y + half_y))
-        left, right = max(0, math.ceil(x - half_x)), min(picture.width - 1, math.floor(x + half_x))
+        top, bottom = max(0, math.ceil(y - half_y)), min(SENSOR_HEIGHT_PX - 1, int(y + half_y))
+        left, right = max(0, math.ceil(x - half_x)), min(SENSOR_WIDTH_PX - 1, int(x + half_x))
         for row in range(top, bottom + 1):
             dy = row - y
             for col in range(left, right + 1):
                 dx = col - x
-                q = (xx * dx * dx + 2.0 * xy * dx * dy + yy * dy * dy) * picture.profile_scale
+                q = (xx * dx * dx + 2.0 * xy * dx * dy + yy * dy * dy) * profile_scale
                 k = int(q)
                 if k >= last:
                     continue
-                pixel = row * picture.width + col
-                if not is_touched[pixel]:
-                    is_touched[pixel] = True
+                pixel = row * SENSOR_WIDTH_PX + col
+                point = canvas[pixel]
+                if not point["is_touched"]:
+                    point["is_touched"] = True
                     touched[n] = pixel
                     n += 1
                 cover = gain * (profile[k] + (q - k) * (profile[k + 1] - profile[k]))
-                white = max(light[pixel], base[pixel])
-                image[pixel] = min(image[pixel] + cover * (white - base[pixel]), white)
-    picture.n_touched[0] = n
+                white = max(point["light"], point["base"])
+                point["image"] = min(point["image"] + cover * (white - point["base"]), white)
+    counts[N_TOUCHED] = n
 
 
 @nb.njit(cache=True, nogil=True)
-def _wake(pixel: int, pixels: Pixels) -> None:
-    if not pixels.is_active[pixel]:
-        pixels.is_active[pixel] = True
-        pixels.active[pixels.n_active[0]] = pixel
-        pixels.n_active[0] += 1
+def wake_touched(
+    touched: NDArray[np.int32],
+    pixels: Records,
+    active: NDArray[np.int32],
+    counts: NDArray[np.int64],
+) -> None:
+    """Make the pixels in ``touched`` active; arguments as in ``sense``."""
+    n = counts[N_ACTIVE]
+    for slot in range(counts[N_TOUCHED]):
+        pixel = pixels[touched[slot]]
+        if not pixel["is_active"]:
+            pixel["is_active"] = True
+            active[n] = touched[slot]
+            n += 1
+    counts[N_ACTIVE] = n
 
 
 @nb.njit(cache=True, nogil=True)
-def wake_leaking(pixels: Pixels, end_us: float) -> None:
+def wake_leaking(
+    end_us: float, pixels: Records, active: NDArray[np.int32], counts: NDArray[np.int64]
+) -> None:
     """Make every pixel active whose leak alone fires it before ``end_us``."""
-    for i in range(len(pixels.signal)):
-        if not pixels.is_active[i]:
-            drift = pixels.leak[i] * (end_us - pixels.seen_us[i])
-            if pixels.signal[i] - pixels.reference[i] + drift >= pixels.on[i]:
-                _wake(i, pixels)
+    n = counts[N_ACTIVE]
+    for i in range(len(pixels)):
+        pixel = pixels[i]
+        distance = pixel["signal"] - pixel["reference"]
+        distance += pixel["leak"] * (end_us - pixel["seen_us"])
+        if distance >= pixel["on"] and not pixel["is_active"]:
+            pixel["is_active"] = True
+            active[n] = i
+            n += 1
+    counts[N_ACTIVE] = n
 
 
 @nb.njit(cache=True, nogil=True)
-def _emit(t: float, pixel: int, polarity: bool, width: int, events: Events) -> None:
-    n = events.count[0]
-    if n >= len(events.t):
-        events.count[1] += 1
+def _emit(t: float, i: int, polarity: bool, events: Records, counts: NDArray[np.int64]) -> None:
+    n = counts[N_EVENTS]
+    if n >= len(events):
+        counts[N_LOST] += 1
         return
-    events.t[n] = int(t)
-    events.x[n] = pixel % width
-    events.y[n] = pixel // width
-    events.p[n] = polarity
-    events.count[0] = n + 1
+    event = events[n]
+    event["t"], event["x"], event["y"] = int(t), i % SENSOR_WIDTH_PX, i // SENSOR_WIDTH_PX
+    event["p"] = polarity
+    counts[N_EVENTS] = n + 1
+
+
+@nb.njit(cache=True, nogil=True, error_model="numpy")
+def _fire(
+    i: int,
+    before: float,
+    after: float,
+    begin: float,
+    end: float,
+    refractory_us: float,
+    pixels: Records,
+    events: Records,
+    counts: NDArray[np.int64],
+) -> float:
+    """Let pixel ``i`` fire in a tick in which its signal runs from ``before`` to ``after``.
+
+    Returns:
+        How far the signal is above the reference at the end.
+    """
+    pixel = pixels[i]
+    on, off = float(pixel["on"]), float(pixel["off"])
+    slope = (after - before) / (end - begin) + pixel["leak"]
+    free, start = pixel["free_us"], begin
+    if free >= begin:
+        start, distance = free, 0.0
+    else:
+        distance = before - pixel["reference"] + pixel["leak"] * (begin - pixel["seen_us"])
+    while start < end:
+        final = distance + slope * (end - start)
+        if -off < final < on:
+            distance = final
+            break
+        wait = ((on if final > 0.0 else -off) - distance) / slope
+        moment = start + wait if wait > 0.0 else start
+        _emit(min(moment, end - 1.0), i, final > 0.0, events, counts)
+        free = start = moment + refractory_us
+        distance = 0.0
+    pixel["free_us"], pixel["reference"], pixel["seen_us"] = free, after - distance, end
+    return distance
 
 
 @nb.njit(cache=True, nogil=True)
 def sense(
-    image: Singles, width: int, t_us: int, tick_us: int, rest_us: float, refractory_us: float,
-    pixels: Pixels, events: Events,
+    t_us: int,
+    tick_us: int,
+    rest_us: int,
+    refractory_us: float,
+    levels: Singles,
+    gains: Singles,
+    canvas: Records,
+    pixels: Records,
+    active: NDArray[np.int32],
+    events: Records,
+    counts: NDArray[np.int64],
 ) -> None:
     """Let all active pixels see one tick of the picture and fire where they cross a threshold.
 
     The signal runs linearly from its value at the begin of the tick to that at its end, so crossing
     times are exact to the µs. In the refractory period the pixel is held in reset, as the circuit
-    does: its reference is the signal when the period ends. Pixels that have settled leave ``active``.
+    does: its reference is the signal when the period ends. Pixels that have settled go to sleep.
 
     Args:
-        image: (n,) float32 DN at the end of the tick.
-        width: px of a row.
         t_us: begin of the tick.
         tick_us: its length.
         rest_us: a pixel stays active if its leak can fire it within this time.
         refractory_us: dead time after an event.
-        pixels: updated.
-        events: appended to, not sorted.
+        levels: (m,) float32, lin-log of the intensity; index is DN times LEVEL_SCALE.
+        gains: (m,) float32, share of the way to its input that the low pass goes in one tick.
+        canvas: (n,) POINT_DTYPE, the picture at the end of the tick.
+        pixels: (n,) PIXEL_DTYPE, updated.
+        active: (n,) int32, the active pixels, updated.
+        events: (m,) EVENT_DTYPE, appended to, not sorted.
+        counts: (4,) int64, N_ACTIVE, N_EVENTS and N_LOST updated.
     """
     begin, end = float(t_us), float(t_us + tick_us)
     n_kept = 0
-    for slot in range(pixels.n_active[0]):
-        i = pixels.active[slot]
-        level_at = min(image[i] * pixels.level_scale, len(pixels.levels) - 1.001)
-        k = int(level_at)
-        goal = pixels.levels[k] + (level_at - k) * (pixels.levels[k + 1] - pixels.levels[k])
-        before = pixels.signal[i]
-        after = before + pixels.gains[k] * (goal - before)
-        slope = (after - before) / tick_us + pixels.leak[i]
-        free, start = pixels.free_us[i], begin
-        if free >= begin:
-            start, distance = free, 0.0
-        else:
-            distance = before - pixels.reference[i] + pixels.leak[i] * (begin - pixels.seen_us[i])
-        while start < end:
-            final = distance + slope * (end - start)
-            if final >= pixels.on[i]:
-                fire = start + max(0.0, pixels.on[i] - distance) / slope if slope > 0 else start
-            elif final <= -pixels.off[i]:
-                fire = start + max(0.0, pixels.off[i] + distance) / -slope if slope < 0 else start
-            else:
-                distance = final
-                break
-            _emit(min(fire, end - 1.0), i, final > 0.0, width, events)
-            free = start = fire + refractory_us
-            distance = 0.0
-        pixels.free_us[i] = free
-        pixels.signal[i] = after
-        pixels.reference[i] = after - distance
-        pixels.seen_us[i] = end
+    for slot in range(counts[N_ACTIVE]):
+        i = active[slot]
+        pixel = pixels[i]
+        place = canvas[i]["image"] * LEVEL_SCALE
+        k = int(place)
+        goal = levels[k] + (place - k) * (levels[k + 1] - levels[k])
+        before = pixel["signal"]
+        after = before + gains[k] * (goal - before)
+        pixel["signal"] = after
+        distance = after - pixel["reference"] + pixel["leak"] * (end - pixel["seen_us"])
+        if pixel["free_us"] >= begin or not -pixel["off"] < distance < pixel["on"]:
+            distance = _fire(i, before, after, begin, end, refractory_us, pixels, events, counts)
         if (
-            abs(goal - after) > 1e-3
-            or free >= end
-            or distance + pixels.leak[i] * rest_us >= pixels.on[i]
+            abs(goal - after) > SETTLED
+            or pixel["free_us"] >= end
+            or distance + pixel["leak"] * rest_us >= pixel["on"]
         ):
-            pixels.active[n_kept] = i
+            active[n_kept] = i
             n_kept += 1
         else:
-            pixels.is_active[i] = False
-    pixels.n_active[0] = n_kept
+            pixel["is_active"] = False
+    counts[N_ACTIVE] = n_kept
 
 
 @nb.njit(cache=True, nogil=True)
 def add_noise(
-    image: Singles, width: int, t_us: int, tick_us: int, shot_hz: float, hot_hz: float,
-    refractory_us: float, pixels: Pixels, events: Events,
+    t_us: int,
+    tick_us: int,
+    shot_hz: float,
+    hot_hz: float,
+    refractory_us: float,
+    hot: NDArray[np.int32],
+    random: NDArray[np.uint64],
+    canvas: Records,
+    pixels: Records,
+    events: Records,
+    counts: NDArray[np.int64],
 ) -> None:
-    """Add shot noise (full rate in the dark, a quarter at white) and hot pixels for one tick."""
-    n_pixels, n_hot = len(image), len(pixels.hot)
-    n_shot = random_poisson(shot_hz * n_pixels * tick_us * 1e-6, pixels.random)
-    n_fire = random_poisson(hot_hz * n_hot * tick_us * 1e-6, pixels.random) if n_hot else 0
-    for k in range(n_shot + n_fire):
+    """Add shot noise (full rate in the dark, a quarter at white) and hot pixels for one tick.
+
+    Args:
+        t_us, tick_us, refractory_us, canvas, pixels, events, counts: see ``sense``.
+        shot_hz: rate of noise events of a dark pixel.
+        hot_hz: rate of noise events of a hot pixel.
+        hot: (h,) int32, the hot pixels.
+        random: (1,) uint64, counter of the random generator, updated.
+    """
+    n_shot = random_poisson(shot_hz * len(pixels) * tick_us * 1e-6, random)
+    n_hot = random_poisson(hot_hz * len(hot) * tick_us * 1e-6, random)
+    for k in range(n_shot + n_hot):
+        t = t_us + random_uniform(random) * tick_us
+        polarity = random_uniform(random) < 0.5
         if k < n_shot:
-            i = int(random_uniform(pixels.random) * n_pixels)
-            keep = random_uniform(pixels.random) >= 0.75 * min(image[i] / 255.0, 1.0)
+            i = int(random_uniform(random) * len(pixels))
+            if random_uniform(random) < 0.75 / 255.0 * canvas[i]["image"]:
+                continue
         else:
-            i = pixels.hot[int(random_uniform(pixels.random) * n_hot)]
-            keep = True
-        t = t_us + random_uniform(pixels.random) * tick_us
-        polarity = random_uniform(pixels.random) < 0.5
-        if keep and t >= pixels.free_us[i]:
-            _emit(t, i, polarity, width, events)
-            pixels.free_us[i] = t + refractory_us
-            pixels.reference[i] = pixels.signal[i]
-            pixels.seen_us[i] = float(t_us + tick_us)
+            i = int(hot[int(random_uniform(random) * len(hot))])
+        pixel = pixels[i]
+        if t >= pixel["free_us"]:
+            _emit(t, i, polarity, events, counts)
+            pixel["free_us"] = t + refractory_us
+            pixel["reference"] = pixel["signal"]
+            pixel["seen_us"] = float(t_us + tick_us)
 
 
 @nb.njit(cache=True, nogil=True)
-def sort_tick(first: int, t_us: int, tick_us: int, row_us: int, events: Events) -> None:
-    """Sort the events from ``first`` on, all of one tick, by time (stable counting sort).
+def sort_tick(first: int, t_us: int, tick_us: int, row_us: int, events: Records, end: int) -> None:
+    """Sort the events from ``first`` to ``end``, all of one tick, by time (stable counting sort).
 
     With ``row_us`` > 0 the events of a row wait for the row's turn, which comes every ``row_us`` µs,
     and share its stamp, as a row-wise readout does.
     """
-    n = events.count[0] - first
-    t, x, y = events.t[first : first + n].copy(), events.x[first : first + n].copy(), events.y[first : first + n].copy()
-    p = events.p[first : first + n].copy()
+    part = events[first:end].copy()
     place = np.zeros(tick_us + 1, np.int64)
-    for i in range(n):
+    for i in range(len(part)):
+        event = part[i]
         if row_us > 0:
-            phase = (y[i] * 7) % row_us
-            t[i] = max(t_us, (t[i] - phase) // row_us * row_us + phase)
-        place[t[i] - t_us + 1] += 1
+            phase = (event["y"] * 7) % row_us
+            turn = (event["t"] - phase + row_us - 1) // row_us * row_us + phase
+            event["t"] = min(turn, t_us + tick_us - 1)
+        place[event["t"] - t_us + 1] += 1
     for k in range(tick_us):
         place[k + 1] += place[k]
-    for i in range(n):
-        k = first + place[t[i] - t_us]
-        place[t[i] - t_us] += 1
-        events.t[k], events.x[k], events.y[k], events.p[k] = t[i], x[i], y[i], p[i]
+    for i in range(len(part)):
+        k = part[i]["t"] - t_us
+        events[first + place[k]] = part[i]
+        place[k] += 1
+
+
+@nb.njit(cache=True, nogil=True)
+def expose(canvas: Records, touched: NDArray[np.int32], counts: NDArray[np.int64]) -> None:
+    """Add the picture of one tick to the frame."""
+    for slot in range(counts[N_TOUCHED]):
+        point = canvas[touched[slot]]
+        point["exposed"] += point["image"] - point["base"]
 
 
 @nb.njit(cache=True, nogil=True)
 def advance(
-    knots: Floats, moving: bool, first_tick: int, n_ticks: int, ticks_per_knot: int, t_us: int,
-    tick_us: int, exposing: bool, shot_hz: float, hot_hz: float, refractory_us: float, row_us: int,
-    window_us: int, picture: Picture, pixels: Pixels, events: Events,
+    knots: Floats,
+    moving: bool,
+    first_tick: int,
+    n_ticks: int,
+    ticks_per_knot: int,
+    t_us: int,
+    tick_us: int,
+    exposing: bool,
+    shot_hz: float,
+    hot_hz: float,
+    refractory_us: float,
+    row_us: int,
+    window_us: int,
+    profile: Singles,
+    profile_scale: float,
+    levels: Singles,
+    gains: Singles,
+    hot: NDArray[np.int32],
+    random: NDArray[np.uint64],
+    canvas: Records,
+    touched: NDArray[np.int32],
+    pixels: Records,
+    active: NDArray[np.int32],
+    events: Records,
+    counts: NDArray[np.int64],
 ) -> None:
     """Run picture and pixels for some ticks within one knot interval.
 
@@ -329,28 +387,50 @@ def advance(
         ticks_per_knot: ticks of a whole interval.
         t_us: begin of the first tick.
         tick_us: length of a tick.
-        exposing: whether the picture is added to ``picture.exposed``.
-        shot_hz, hot_hz: rate of shot noise per pixel and of a hot pixel.
-        refractory_us: dead time of a pixel after an event.
-        row_us: period of the row-wise readout, 0 for exact stamps.
+        exposing: whether a frame is being exposed.
+        shot_hz, hot_hz, hot, random: see ``add_noise``.
+        refractory_us, levels, gains: see ``sense``.
+        row_us: see ``sort_tick``.
         window_us: how often leaking pixels are looked for.
-        picture, pixels, events: updated.
+        profile, profile_scale: see ``draw``.
+        canvas, touched, pixels, active, events, counts: updated.
     """
-    for tick in range(first_tick, first_tick + n_ticks):
-        begin = t_us + (tick - first_tick) * tick_us
-        first = events.count[0]
+    for tick in range(n_ticks):
+        begin = t_us + tick * tick_us
+        first = counts[N_EVENTS]
         if begin % window_us == 0:
-            wake_leaking(pixels, begin + window_us)
+            wake_leaking(float(begin + window_us), pixels, active, counts)
         if moving:
-            for i in range(picture.n_touched[0]):
-                _wake(picture.touched[i], pixels)
-            draw(knots, (tick + 1) / ticks_per_knot, picture)
-            for i in range(picture.n_touched[0]):
-                _wake(picture.touched[i], pixels)
-        sense(picture.image, picture.width, begin, tick_us, window_us, refractory_us, pixels, events)
-        add_noise(picture.image, picture.width, begin, tick_us, shot_hz, hot_hz, refractory_us, pixels, events)
-        sort_tick(first, begin, tick_us, row_us, events)
+            wake_touched(touched, pixels, active, counts)
+            u = (first_tick + tick + 1) / ticks_per_knot
+            draw(knots, u, profile, profile_scale, canvas, touched, counts)
+            wake_touched(touched, pixels, active, counts)
+        sense(
+            begin,
+            tick_us,
+            window_us,
+            refractory_us,
+            levels,
+            gains,
+            canvas,
+            pixels,
+            active,
+            events,
+            counts,
+        )
+        add_noise(
+            begin,
+            tick_us,
+            shot_hz,
+            hot_hz,
+            refractory_us,
+            hot,
+            random,
+            canvas,
+            pixels,
+            events,
+            counts,
+        )
+        sort_tick(first, begin, tick_us, row_us, events, counts[N_EVENTS])
         if exposing:
-            for i in range(picture.n_touched[0]):
-                pixel = picture.touched[i]
-                picture.exposed[pixel] += picture.image[pixel] - picture.base[pixel]
+            expose(canvas, touched, counts)

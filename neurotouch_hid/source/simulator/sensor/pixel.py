@@ -8,16 +8,24 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import MARKER_DIAMETER_MM, NOMINAL_PX_PER_MM, Rig
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
-from neurotouch_hid.source.simulator.sensor.kernels import Events, Picture, Pixels, advance
+from neurotouch_hid.source.simulator.sensor.kernels import (
+    LEVEL_SCALE,
+    N_EVENTS,
+    PIXEL_DTYPE,
+    POINT_DTYPE,
+    advance,
+    draw,
+)
 from neurotouch_hid.source.simulator.sensor.light import LightConfig, paint
 
 TICK_US = 500  # the picture is rendered at 2 kHz: a marker at 525 px/s moves 0.26 px
 WINDOW_US = 20_000  # how often leaking pixels are looked for
-N_EVENTS = 1 << 19  # room for one call
-LEVEL_SCALE = 8.0  # table entries per DN
+MAX_EVENTS = 1 << 19  # room for one call
 LINEAR_DN = 20.0  # below it the photoreceptor's response is linear (v2e's lin-log)
-PROFILE_REACH = 3.2  # markers are drawn out to this multiple of their radius
+PROFILE_REACH = 2.6  # markers are drawn out to this multiple of their radius
 PROFILE_STEPS = 512
+PROFILE_SCALE = PROFILE_STEPS / PROFILE_REACH**2
+LEAK_SPREAD = 0.23  # log units; v2e spreads the rate by 0.1 decades
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,54 +72,38 @@ class Sensor:
         self._config, self._seed = config, seed
         rng = np.random.default_rng((seed, 1))
         n = SENSOR_WIDTH_PX * SENSOR_HEIGHT_PX
-        base, white = (image.ravel().astype(np.float32) for image in paint(light, rig))
-        profile = marker_profile(config.blur_px)
-        self._picture = Picture(
-            SENSOR_WIDTH_PX,
-            SENSOR_HEIGHT_PX,
-            base,
-            white,
-            base.copy(),
-            np.zeros(n, np.int32),
-            np.zeros(n, np.bool_),
-            np.zeros(n, np.float32),
-            profile,
-            PROFILE_STEPS / PROFILE_REACH**2,
-            np.zeros(1, np.int64),
-        )
+        base, white = (image.ravel() for image in paint(light, rig))
+        self._canvas = np.zeros(n, POINT_DTYPE)
+        self._canvas["base"] = self._canvas["image"] = base
+        self._canvas["light"] = white
+        self._touched = np.zeros(n, np.int32)
+        self._profile = marker_profile(config.blur_px)
+        self._levels, self._gains = response_tables(config.cutoff_hz)
+        self._pixels = np.zeros(n, PIXEL_DTYPE)
         thresholds = rng.normal(config.contrast, config.contrast_spread, (2, n))
-        thresholds = np.maximum(thresholds, 0.05).astype(np.float32)
-        leak = config.leak_hz * config.contrast * rng.lognormal(0.0, 0.23, n) * 1e-6
-        levels, gains = response_tables(config.cutoff_hz)
-        signal = np.interp(base * LEVEL_SCALE, np.arange(len(levels)), levels).astype(np.float32)
-        self._pixels = Pixels(
-            signal,
-            (signal - thresholds[0] * rng.random(n)).astype(np.float32),
-            np.full(n, -1e9),
-            np.zeros(n),
-            thresholds[0],
-            thresholds[1],
-            leak.astype(np.float32),
-            np.zeros(n, np.int32),
-            np.zeros(n, np.bool_),
-            np.zeros(1, np.int64),
-            levels,
-            gains,
-            LEVEL_SCALE,
-            rng.choice(n, config.n_hot, replace=False).astype(np.int32),
-            rng.integers(0, 1 << 63, 1).astype(np.uint64),
-        )
-        self._events = Events(
-            np.zeros(N_EVENTS, np.int64),
-            np.zeros(N_EVENTS, np.int16),
-            np.zeros(N_EVENTS, np.int16),
-            np.zeros(N_EVENTS, np.bool_),
-            np.zeros(2, np.int64),
-        )
+        self._pixels["on"], self._pixels["off"] = np.maximum(thresholds, 0.05)
+        leak = config.leak_hz * config.contrast * 1e-6
+        self._pixels["leak"] = leak * rng.lognormal(0.0, LEAK_SPREAD, n)
+        self._pixels["free_us"] = -np.inf
+        self._start = rng.random(n)
+        self._active = np.zeros(n, np.int32)
+        self._hot = rng.choice(n, config.n_hot, replace=False).astype(np.int32)
+        self._random = rng.integers(0, 1 << 63, 1).astype(np.uint64)
+        self._events = np.zeros(MAX_EVENTS, EVENT_DTYPE)
+        self._counts = np.zeros(4, np.int64)
         self._gain = rng.normal(1.0, config.gain_spread, n)
         self._offset = rng.normal(0.0, config.offset_spread_dn, n)
         self._n_exposed = 0
-        self._is_drawn = False
+
+    def settle(self, knot: NDArray[np.float64]) -> None:
+        """Let every pixel see the markers of ``knot``, (177, 6) float64, for a long time."""
+        knots = np.stack([knot] * 4)
+        draw(knots, 0.0, self._profile, PROFILE_SCALE, self._canvas, self._touched, self._counts)
+        places = np.arange(len(self._levels)) / LEVEL_SCALE
+        signal = np.interp(self._canvas["image"], places, self._levels)
+        self._pixels["signal"] = signal
+        # Where each pixel stands between its thresholds after a long past.
+        self._pixels["reference"] = signal - self._start * self._pixels["on"]
 
     def run(
         self, knots: NDArray[np.float64], knot_us: int, begin_us: int, end_us: int
@@ -126,11 +118,10 @@ class Sensor:
         Returns:
             (n,) EVENT_DTYPE ascending in time, and the frames whose exposure ended in the stretch.
         """
-        self._events.count[0] = 0
+        self._counts[N_EVENTS] = 0
         frames = []
         t_us = begin_us
-        moving = not self._is_drawn or not all(np.array_equal(knots[0], k) for k in knots[1:])
-        self._is_drawn = True
+        moving = not all(np.array_equal(knots[0], knot) for knot in knots[1:])
         while t_us < end_us:
             phase = t_us % self._config.frame_us
             exposing = phase < self._config.exposure_us
@@ -140,11 +131,7 @@ class Sensor:
             if exposing and stop_us - t_us + phase == self._config.exposure_us:
                 frames.append(self._take_frame(stop_us))
             t_us = stop_us
-        n = self._events.count[0]
-        events = np.empty(n, EVENT_DTYPE)
-        events["t"], events["x"] = self._events.t[:n], self._events.x[:n]
-        events["y"], events["p"] = self._events.y[:n], self._events.p[:n]
-        return events, frames
+        return self._events[: self._counts[N_EVENTS]].copy(), frames
 
     def _advance(
         self,
@@ -171,18 +158,29 @@ class Sensor:
             config.refractory_us,
             config.row_us,
             WINDOW_US,
-            self._picture,
+            self._profile,
+            PROFILE_SCALE,
+            self._levels,
+            self._gains,
+            self._hot,
+            self._random,
+            self._canvas,
+            self._touched,
             self._pixels,
+            self._active,
             self._events,
+            self._counts,
         )
         self._n_exposed += n_ticks * exposing
 
     def _take_frame(self, end_us: int) -> Frame:
-        config, picture = self._config, self._picture
-        mean = picture.base + picture.exposed / self._n_exposed
-        picture.exposed[:] = 0.0
+        config = self._config
+        mean = self._canvas["base"] + self._canvas["exposed"] / self._n_exposed
+        self._canvas["exposed"] = 0.0
         self._n_exposed = 0
-        noise = np.random.default_rng((self._seed, 2, end_us)).standard_normal(len(mean), np.float32)
+        noise = np.random.default_rng((self._seed, 2, end_us)).standard_normal(
+            len(mean), np.float32
+        )
         # Photon noise grows with the root of the light; 255 DN is about 20,000 electrons.
         sigma = np.sqrt(config.read_noise_dn**2 + mean / 80.0)
         pixels = mean * self._gain + self._offset + sigma * noise
