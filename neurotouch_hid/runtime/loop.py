@@ -3,10 +3,11 @@
 import threading
 import time
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 
 from neurotouch_hid.device import Device
-from neurotouch_hid.errors import GelNotFoundError
+from neurotouch_hid.errors import DeviceError, GelNotFoundError
 from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.runtime.pipeline import Pipeline
 
@@ -61,14 +62,20 @@ def run_line(
     finally:
         device.neutral()
         pipeline.close()
-    stopped = stop is not None and stop.is_set()
-    if not stopped and not pipeline.rest.detector.stats().found:
-        raise GelNotFoundError(
-            f"No gel can be seen in this source: {pipeline.rest.detector.stats().reason}.",
-            hint="Is the LED ring on, the lens cap off, and no hand on the gel at the start?",
-        )
+    if stop is None or not stop.is_set():
+        _require_gel(pipeline)
     sensor_s = 0.0 if first_us is None or last_us is None else (last_us - first_us) / 1e6
     return LoopStats(slices, events, sensor_s, time.perf_counter() - begun)
+
+
+def _require_gel(pipeline: Pipeline) -> None:
+    seen = pipeline.rest.detector.stats()
+    if not seen.n_references:
+        why = seen.reason if seen.n_frames else "it has no frames, and markers are found on frames"
+        raise GelNotFoundError(
+            f"No gel can be seen in this source: {why.rstrip('.')}.",
+            hint="Is the LED ring on, the lens cap off, and no hand on the gel at the start?",
+        )
 
 
 class _StallGuard:
@@ -98,7 +105,8 @@ class _StallGuard:
             if slept:
                 asleep = _time_asleep()
             if slept or time.monotonic() - self._fed > STALL_S:
-                self._device.neutral()
+                with suppress(DeviceError):  # the line's own next write meets and reports it
+                    self._device.neutral()
 
 
 def _time_asleep() -> float:
