@@ -45,7 +45,7 @@ def format_path(keys: Iterable[str | int]) -> str:
 
 def make_printable(text: str) -> str:
     """The text in one line, with nothing in it that could move a terminal's cursor."""
-    return "".join(char if char.isprintable() else " " for char in text)
+    return "".join(char if char.isprintable() else " " if char == "\t" else "�" for char in text)
 
 
 def suggest(word: str, known: Sequence[str]) -> str:

@@ -3,7 +3,7 @@
 from itertools import pairwise
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from neurotouch_hid.profile.curves import make_response
@@ -31,6 +31,7 @@ def test_values(curve: Curve, deadzone: float, expected: list[float]) -> None:
     assert [respond(mm) for mm in (0, 1, 3, 5, 7, 9, 18)] == pytest.approx(expected, abs=1e-12)
 
 
+@settings(derandomize=True, deadline=None)
 @given(
     rest=st.floats(0, 5),
     extent=st.floats(0.5, 13),

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from neurotouch_hid.messages import Axis, Button, GamepadState, Gesture, GestureKind
@@ -208,6 +208,7 @@ def gestures(draw: st.DrawFn) -> Gesture:
     return Gesture(draw(st.integers()), kind, points, points, size, way)
 
 
+@settings(derandomize=True, deadline=None)
 @given(st.lists(gestures(), max_size=20))
 def test_whatever_comes_in_the_pad_is_sound(stream: list[Gesture]) -> None:
     mapping, again = Mapping(EVERYTHING), Mapping(EVERYTHING)
