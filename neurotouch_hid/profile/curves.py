@@ -9,7 +9,7 @@
 
 from collections.abc import Callable
 
-from neurotouch_hid.profile.schema import Curve, Expo, Power
+from neurotouch_hid.profile.targets import Curve, Expo, Power
 
 Response = Callable[[float], float]
 

@@ -10,13 +10,12 @@ from typing import Final, assert_never
 
 from neurotouch_hid.messages import Axis, Button, GamepadState, Gesture, GestureKind
 from neurotouch_hid.profile.curves import make_response
-from neurotouch_hid.profile.schema import (
+from neurotouch_hid.profile.schema import Binding, Profile
+from neurotouch_hid.profile.targets import (
     AxisTarget,
-    Binding,
     ButtonTarget,
     Direction,
     DpadTarget,
-    Profile,
     StickTarget,
     TriggerTarget,
 )

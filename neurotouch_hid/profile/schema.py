@@ -4,13 +4,10 @@ A profile is a list of bindings. Each binding says *when* (a gesture, perhaps na
 number of fingers and thresholds) and what to *do* (exactly one output of the pad).
 """
 
-from collections.abc import Callable
 from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import (
     AfterValidator,
-    BaseModel,
-    ConfigDict,
     Discriminator,
     Field,
     Tag,
@@ -18,7 +15,16 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from neurotouch_hid.messages import Button, GestureKind
+from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.profile.strict import Strict, make_optional
+from neurotouch_hid.profile.targets import (
+    ButtonTarget,
+    Direction,
+    DpadTarget,
+    Shaped,
+    StickTarget,
+    Target,
+)
 
 NAME_PATTERN: Final = r"^[a-z0-9_-]{1,64}$"
 
@@ -44,25 +50,6 @@ DEFAULT_FULL_MM: Final = {
 recorded zooms reach 8 mm, pushes 17.5 mm [NT, intensity figure]."""
 
 GestureName = Literal["push", "pinch", "zoom", "twist_cw", "twist_ccw"]
-Direction = Literal["left", "right", "up", "down"]
-Side = Literal["left", "right"]
-StickAxis = Literal["left_x", "left_y", "right_x", "right_y"]
-
-
-def _unit(unit: str) -> dict[str, Any]:
-    return {"x-unit": unit}
-
-
-def _optional(unit: str | None = None) -> Callable[[dict[str, Any]], None]:
-    """A key that may be left out but not be empty; a document's null never gets this far."""
-
-    def describe(schema: dict[str, Any]) -> None:
-        schema.pop("default")
-        schema.update(schema.pop("anyOf")[0])
-        if unit is not None:
-            schema["x-unit"] = unit
-
-    return describe
 
 
 def _known_version(version: int) -> int:
@@ -71,17 +58,7 @@ def _known_version(version: int) -> int:
     return version
 
 
-class _Strict(BaseModel):
-    model_config = ConfigDict(
-        strict=True,
-        extra="forbid",
-        allow_inf_nan=False,
-        frozen=True,
-        hide_input_in_errors=True,
-    )
-
-
-class Condition(_Strict):
+class Condition(Strict):
     """When a binding acts: a gesture, narrowed as far as the keys say."""
 
     gesture: GestureName = Field(
@@ -92,24 +69,24 @@ class Condition(_Strict):
         default=None,
         description="Only a push this way, within 45° to either side; down is towards the user. "
         "Default: any direction.",
-        json_schema_extra=_optional(),
+        json_schema_extra=make_optional(),
     )
     contacts: Annotated[int, Field(ge=1, le=3)] | None = Field(
         default=None,
         description="Only with this many fingers. Counting is right in 90 % of cases from 7 mm on, "
         "so do not let it alone guard anything important. Default: any number.",
-        json_schema_extra=_optional("fingers"),
+        json_schema_extra=make_optional("fingers"),
     )
     on_mm: Annotated[float, Field(ge=1.0, le=18.0)] | None = Field(
         default=None,
         description="Act from this intensity on, in mm. Default: 2.5 mm for buttons and the D-pad, "
         "no threshold for sticks, axes and triggers (their range does it).",
-        json_schema_extra=_optional("mm"),
+        json_schema_extra=make_optional("mm"),
     )
     off_mm: Annotated[float, Field(ge=0.5, le=17.0)] | None = Field(
         default=None,
         description="Let go below this intensity, in mm. Default: 0.6 of on_mm, so 1.5 mm.",
-        json_schema_extra=_optional("mm"),
+        json_schema_extra=make_optional("mm"),
     )
 
     @property
@@ -141,170 +118,18 @@ class Condition(_Strict):
         return self
 
 
-class Expo(_Strict):
-    """y = (1 - expo) x + expo x³: fine in the middle, full at the end."""
-
-    expo: float = Field(
-        ge=0.0,
-        le=1.0,
-        description="Share of the cubic, 0 (a straight line) to 1. No default.",
-        json_schema_extra=_unit("1"),
-    )
-
-
-class Power(_Strict):
-    """y = x ** power: above 1 fine in the middle, below 1 quick from the start."""
-
-    power: float = Field(
-        ge=0.2,
-        le=5.0,
-        description="The exponent, 0.2 to 5; 1 is a straight line. No default.",
-        json_schema_extra=_unit("1"),
-    )
-
-
-CURVES: Final[dict[str, type[_Strict]]] = {"expo": Expo, "power": Power}
-
-
-def _tag_curve(value: object) -> str | None:
-    if isinstance(value, dict):
-        forms = [key for key in CURVES if key in value]
-        return f"<{forms[0]}>" if len(forms) == 1 else None
-    tags = (f"<{key}>" for key, model in CURVES.items() if type(value) is model)
-    return next(tags, "<word>" if value == "linear" else None)
-
-
-Curve = Annotated[
-    Annotated[Literal["linear"], Tag("<word>")]
-    | Annotated[Expo, Tag("<expo>")]
-    | Annotated[Power, Tag("<power>")],
-    Discriminator(
-        _tag_curve,
-        custom_error_type="one_of",
-        custom_error_message="needs exactly one of: linear, expo, power",
-    ),
-]
-
-RangeMm = tuple[
-    Annotated[float, Field(ge=0.0, le=5.0)],
-    Annotated[float, Field(ge=1.0, le=18.0)],
-]
-
-
-class _Shaped(_Strict):
-    """How an intensity becomes a value of 0..1: range, then dead zone, then curve, then sign."""
-
-    range_mm: Annotated[RangeMm, Field(strict=False)] | None = Field(
-        default=None,
-        description="[rest, full]: the intensities, in mm, where the output begins to move and "
-        "where it reaches its end. Default: 1 mm to 8 (push), 7 (pinch, twist) or 4.5 mm (zoom).",
-        json_schema_extra=_optional("mm"),
-    )
-    deadzone: float = Field(
-        default=0.05,
-        ge=0.0,
-        le=0.9,
-        description="Share of the range that stays exactly 0; what is left is stretched, so "
-        "nothing jumps. Round for a stick. Default: 0.05.",
-        json_schema_extra=_unit("1"),
-    )
-    curve: Curve = Field(
-        default="linear",
-        description="linear, {expo: 0..1} or {power: 0.2..5}. Default: linear.",
-    )
-
-    @model_validator(mode="after")
-    def _has_extent(self) -> Self:
-        if self.range_mm is not None and self.range_mm[1] - self.range_mm[0] < 0.5:
-            raise PydanticCustomError(
-                "range",
-                "full must be at least 0.5 mm above rest, or the output would jump",
-                {"at": ("range_mm",)},
-            )
-        return self
-
-
-class StickTarget(_Shaped):
-    """A push moves a whole stick, the way and as far as it goes."""
-
-    stick: Side = Field(description="The stick. No default.")
-    invert_x: bool = Field(default=False, description="Swap left and right. Default: false.")
-    invert_y: bool = Field(
-        default=False, description="Swap up and down, as in aircraft. Default: false."
-    )
-
-
-class AxisTarget(_Shaped):
-    """An intensity moves one axis of a stick one way."""
-
-    axis: StickAxis = Field(description="The axis; right and down are positive. No default.")
-    sign: Literal["+", "-"] = Field(
-        default="+",
-        description='Which way: "+" is right or down, "-" is left or up. Default: "+".',
-    )
-
-
-class TriggerTarget(_Shaped):
-    """An intensity pulls a trigger."""
-
-    trigger: Side = Field(description="The trigger. No default.")
-
-
-class ButtonTarget(_Strict):
-    """A button is down while the condition holds."""
-
-    button: Annotated[Button, Field(strict=False)] = Field(
-        description="The button, by the word printed on it. No default."
-    )
-
-
-class DpadTarget(_Strict):
-    """The D-pad is pressed one way while the condition holds."""
-
-    dpad: Direction = Field(description="The way. No default.")
-
-
-Target = StickTarget | AxisTarget | TriggerTarget | ButtonTarget | DpadTarget
-
-TARGETS: Final[dict[str, type[_Strict]]] = {
-    "stick": StickTarget,
-    "axis": AxisTarget,
-    "trigger": TriggerTarget,
-    "button": ButtonTarget,
-    "dpad": DpadTarget,
-}
-
-
-def _tag_target(value: object) -> str | None:
-    if not isinstance(value, dict):
-        return next((f"<{key}>" for key, model in TARGETS.items() if type(value) is model), None)
-    forms = [key for key in TARGETS if key in value]
-    return f"<{forms[0]}>" if len(forms) == 1 else None
-
-
 def _tag_condition(value: object) -> str:
     return "<pattern>" if isinstance(value, dict | Condition) else "<name>"
 
 
-class Binding(_Strict):
+class Binding(Strict):
     """One line of a profile: when this, do that."""
 
     when: Annotated[
         Annotated[GestureName, Tag("<name>")] | Annotated[Condition, Tag("<pattern>")],
         Discriminator(_tag_condition),
     ] = Field(description="A gesture's name, or its name with what narrows it. No default.")
-    do: Annotated[
-        Annotated[StickTarget, Tag("<stick>")]
-        | Annotated[AxisTarget, Tag("<axis>")]
-        | Annotated[TriggerTarget, Tag("<trigger>")]
-        | Annotated[ButtonTarget, Tag("<button>")]
-        | Annotated[DpadTarget, Tag("<dpad>")],
-        Discriminator(
-            _tag_target,
-            custom_error_type="one_of",
-            custom_error_message="needs exactly one of: " + ", ".join(TARGETS),
-        ),
-    ] = Field(description="Exactly one output, with its shaping. No default.")
+    do: Target = Field(description="Exactly one output, with its shaping. No default.")
 
     @property
     def condition(self) -> Condition:
@@ -323,7 +148,7 @@ class Binding(_Strict):
     @property
     def range_mm(self) -> tuple[float, float]:
         """Where the output begins to move and where it reaches its end, in mm."""
-        if isinstance(self.do, _Shaped) and self.do.range_mm is not None:
+        if isinstance(self.do, Shaped) and self.do.range_mm is not None:
             return self.do.range_mm
         return DEFAULT_REST_MM, DEFAULT_FULL_MM[self.condition.kind]
 
@@ -343,7 +168,7 @@ class Binding(_Strict):
         return self
 
 
-class Profile(_Strict):
+class Profile(Strict):
     """How gestures on the gel become a game controller."""
 
     version: Annotated[int, AfterValidator(_known_version)] = Field(

@@ -8,7 +8,8 @@ from pydantic import BaseModel, ValidationError
 
 from neurotouch_hid.profile.document import Node
 from neurotouch_hid.profile.faults import Fault, Mark, format_path, make_printable, suggest
-from neurotouch_hid.profile.schema import CURVES, TARGETS, Binding, Condition, Profile
+from neurotouch_hid.profile.schema import Binding, Condition, Profile
+from neurotouch_hid.profile.targets import CURVES, TARGETS
 
 Keys = tuple[str | int, ...]
 

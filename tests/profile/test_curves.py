@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from neurotouch_hid.profile.curves import make_response
-from neurotouch_hid.profile.schema import Curve, Expo, Power
+from neurotouch_hid.profile.targets import Curve, Expo, Power
 
 curves = st.one_of(
     st.just("linear"),

@@ -8,7 +8,8 @@ from pydantic import TypeAdapter
 from neurotouch_hid.messages import Button, GestureKind
 from neurotouch_hid.profile import profile_schema
 from neurotouch_hid.profile.library import find_shipped_folder
-from neurotouch_hid.profile.schema import Curve, GestureName
+from neurotouch_hid.profile.schema import GestureName
+from neurotouch_hid.profile.targets import Curve
 
 SCHEMA = profile_schema()
 MODELS = {"Profile": SCHEMA, **SCHEMA["$defs"]}

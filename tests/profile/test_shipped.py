@@ -9,7 +9,8 @@ import pytest
 from neurotouch_hid.messages import Axis, Button, GamepadState, Gesture, GestureKind
 from neurotouch_hid.profile import Mapping, load_profile
 from neurotouch_hid.profile.library import find_shipped_folder
-from neurotouch_hid.profile.schema import Binding, ButtonTarget
+from neurotouch_hid.profile.schema import Binding
+from neurotouch_hid.profile.targets import ButtonTarget
 
 NAMES = sorted(path.stem for path in find_shipped_folder().glob("*.yaml"))
 
