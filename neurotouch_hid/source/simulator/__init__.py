@@ -1,5 +1,33 @@
 """A simulated gel under a simulated DAVIS-346: scripts of gestures in, packets and their truth out."""
 
+from neurotouch_hid.source.simulator.scenes import find_scene, scene_config, scene_names
+from neurotouch_hid.source.simulator.script import Finger, Script, Stroke, sequence
 from neurotouch_hid.source.simulator.simulator import Simulator, SimulatorConfig
+from neurotouch_hid.source.simulator.strokes import (
+    Hand,
+    Timing,
+    pinch,
+    press,
+    push,
+    twist,
+    zoom,
+)
 
-__all__ = ["Simulator", "SimulatorConfig"]
+__all__ = [
+    "Finger",
+    "Hand",
+    "Script",
+    "Simulator",
+    "SimulatorConfig",
+    "Stroke",
+    "Timing",
+    "find_scene",
+    "pinch",
+    "press",
+    "push",
+    "scene_config",
+    "scene_names",
+    "sequence",
+    "twist",
+    "zoom",
+]

@@ -1,0 +1,128 @@
+"""Named scripts for the demo, for tests and for trying things out: ``sim:NAME``."""
+
+import difflib
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from neurotouch_hid.errors import SourceError
+from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.source.simulator.people import draw_stroke
+from neurotouch_hid.source.simulator.script import Script, Stroke, sequence
+from neurotouch_hid.source.simulator.simulator import SimulatorConfig
+from neurotouch_hid.source.simulator.strokes import (
+    Hand,
+    Timing,
+    pinch,
+    press,
+    push,
+    twist,
+    zoom,
+)
+
+LEFT, RIGHT, UP, DOWN = math.pi, 0.0, -math.pi / 2, math.pi / 2
+
+
+THREE = Hand(n_fingers=3, spread_mm=12.0)
+CLOSE = Hand(n_fingers=3, spread_mm=8.5)
+
+
+def scene_names() -> tuple[str, ...]:
+    """All names, in the order of the documentation."""
+    return tuple(_SCENES)
+
+
+def find_scene(name: str) -> Script:
+    """The script called ``name``.
+
+    Raises:
+        SourceError: there is none of that name.
+    """
+    if name not in _SCENES:
+        close = difflib.get_close_matches(name, _SCENES, 1)
+        hint = f"Did you mean sim:{close[0]}?" if close else f"There are: {', '.join(_SCENES)}."
+        raise SourceError(f"There is no simulated scene called '{name}'.", hint=hint)
+    return replace(_SCENES[name](), name=name)
+
+
+def scene_config(name: str) -> SimulatorConfig:
+    """The set-up in which a scene plays: the default one, but ``noise`` has a noisy sensor."""
+    config = SimulatorConfig()
+    if name == "noise":
+        sensor = replace(config.sensor, shot_hz=5.0, n_hot=20, contrast_spread=0.05)
+        return replace(config, sensor=sensor)
+    return config
+
+
+def _rest() -> Script:
+    return Script("rest", (), 5_000_000, endless=True)
+
+
+def _tour() -> Script:
+    strokes = (
+        push(UP, 7.0), push(RIGHT, 7.0), push(DOWN, 7.0), push(LEFT, 7.0),
+        pinch(6.0), zoom(5.0), twist(0.5), twist(-0.5),
+    )  # fmt: skip
+    return sequence("tour", *(_lively(stroke, i) for i, stroke in enumerate(strokes)), endless=True)
+
+
+def _lively(stroke: Stroke, seed: int) -> Stroke:
+    """The stroke as a hand does it: trembling, wandering, one finger late and weak."""
+    fingers = tuple(
+        replace(
+            finger,
+            tremor_mm=0.1,
+            drift_mm=0.2,
+            delay_us=25_000 * i,
+            seed=10 * seed + i,
+        )
+        for i, finger in enumerate(stroke.fingers)
+    )
+    return replace(stroke, fingers=fingers)
+
+
+def _fast() -> Script:
+    quick = Timing(165_000, 300_000, 180_000)
+    ways = ((LEFT, (9.0, 0.0)), (RIGHT, (-9.0, 0.0)), (UP, (0.0, 9.0)), (DOWN, (0.0, -9.0)))
+    return sequence("fast", *(push(way, 18.0, at, quick) for way, at in ways))
+
+
+def _three_fingers() -> Script:
+    return sequence(
+        "three-fingers",
+        pinch(6.0, THREE), zoom(5.0, CLOSE), twist(0.5, THREE),
+        twist(-0.5, THREE),
+    )  # fmt: skip
+
+
+def _random() -> Script:
+    rng = np.random.default_rng(7)
+    kinds = list(GestureKind)[1:]
+    strokes = [draw_stroke(kinds[int(rng.integers(len(kinds)))], rng) for _ in range(60)]
+    return sequence("random", *strokes, endless=True)
+
+
+def _single(stroke: Stroke) -> Callable[[], Script]:
+    return lambda: sequence(stroke.kind.label, _lively(stroke, 0))
+
+
+_SCENES: dict[str, Callable[[], Script]] = {
+    "tour": _tour,
+    "rest": _rest,
+    "press": _single(press(4.0)),
+    "push": _single(push(RIGHT, 7.0)),
+    "push-left": _single(push(LEFT, 7.0)),
+    "push-right": _single(push(RIGHT, 7.0)),
+    "push-up": _single(push(UP, 7.0)),
+    "push-down": _single(push(DOWN, 7.0)),
+    "pinch": _single(pinch(6.0)),
+    "zoom": _single(zoom(5.0)),
+    "twist-cw": _single(twist(0.5)),
+    "twist-ccw": _single(twist(-0.5)),
+    "three-fingers": _three_fingers,
+    "fast": _fast,
+    "noise": lambda: replace(_tour(), name="noise"),
+    "random": _random,
+}
