@@ -1,6 +1,7 @@
 """AEDAT4 in and out through the camera maker's library, and the labels beside a recording."""
 
 from neurotouch_hid.recording.labels import labels_path, read_labels, write_labels
+from neurotouch_hid.recording.reader import Batch, Recording
 from neurotouch_hid.recording.writer import RecordingWriter
 
-__all__ = ["RecordingWriter", "labels_path", "read_labels", "write_labels"]
+__all__ = ["Batch", "Recording", "RecordingWriter", "labels_path", "read_labels", "write_labels"]

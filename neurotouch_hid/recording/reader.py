@@ -1,0 +1,210 @@
+"""Recordings in: the events and frames of an AEDAT4 file in order of time, a batch at a time."""
+
+import heapq
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from faery.extension import aedat
+from numpy.typing import NDArray
+
+from neurotouch_hid.errors import RecordingError
+from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
+from neurotouch_hid.recording.container import packet_sizes
+
+Batch = tuple[NDArray[np.void], tuple[Frame, ...]]
+"""Events ((n,) EVENT_DTYPE, ascending) and the frames whose exposure ended before the last one."""
+
+MAX_LAG_US = 500_000
+"""How far frames may lie from their events in the file before it is read in two passes. A camera
+delivers a frame some 20 ms after its exposure; half a second of events is 16 MB at worst."""
+MAX_STAMP_US = 1 << 62
+"""Stamps beyond this are damage: differences of smaller ones fit 64 bits."""
+_RESOLUTION = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX)
+
+_Item = NDArray[np.void] | Frame
+
+
+class Recording:
+    """An AEDAT4 file by any writer; iterating reads it from the start, in bounded memory.
+
+    A file that breaks off or is damaged yields everything up to there, then raises.
+
+    Args:
+        path: the file.
+
+    Attributes:
+        path: the file.
+        has_frames: there is a stream of frames.
+
+    Raises:
+        RecordingError: not a readable AEDAT4 file of a DAVIS-346 with events.
+    """
+
+    def __init__(self, path: Path | str) -> None:
+        self.path = Path(path)
+        if not self.path.exists():
+            raise RecordingError(f"{self.path} does not exist", hint="check the name")
+        next(packet_sizes(self.path))
+        decoder = self._open()
+        with decoder:
+            tracks = {track.data_type: track for track in reversed(decoder.tracks())}
+            table = decoder.file_data_definitions()
+        self.has_frames = "frame" in tracks
+        if "events" not in tracks:
+            raise RecordingError(
+                f"{self.path} has no stream of events", hint="record with the events switched on"
+            )
+        for kind in ("events", "frame"):
+            if kind in tracks and tuple(tracks[kind].dimensions) != _RESOLUTION:
+                width, height = tracks[kind].dimensions
+                raise RecordingError(
+                    f"{self.path} is {width}×{height}, not the 346×260 of a DAVIS-346",
+                    hint="only recordings of a DAVIS-346 can be used",
+                )
+        self._ids = {track.id: kind for kind, track in tracks.items()}
+        self._apart = self._is_apart(table)
+
+    def __iter__(self) -> Iterator[Batch]:
+        items: Iterator[_Item]
+        if self._apart:
+            items = heapq.merge(self._read({"events"}), self._read({"frame"}), key=_end_us)
+        else:
+            items = _sort_nearby(self._read({"events", "frame"}))
+        frames: list[Frame] = []
+        n_events = 0
+        for item in items:
+            if isinstance(item, Frame):
+                frames.append(item)
+                continue
+            yield item, tuple(frames)
+            n_events += len(item)
+            frames.clear()
+        if not n_events:
+            raise RecordingError(
+                f"{self.path} holds no events", hint="check the camera's cable and event output"
+            )
+        if frames:
+            yield np.empty(0, EVENT_DTYPE), tuple(frames)
+
+    def _open(self) -> Any:
+        try:
+            return aedat.Decoder(self.path)
+        except RuntimeError as error:
+            raise RecordingError(
+                f"{self.path} is cut off or damaged ({error})",
+                hint="copy it again from its origin",
+            ) from error
+
+    def _is_apart(self, table: list[Any]) -> bool:
+        """True if the table shows something later in the file than we would hold back for it."""
+        newest = -MAX_STAMP_US
+        for entry in table:
+            if self._ids.get(entry.track_id) in {"events", "frame"} and entry.end_t:
+                if entry.end_t < newest - MAX_LAG_US:
+                    return True
+                newest = max(newest, entry.end_t)
+        return False
+
+    def _read(self, kinds: set[str]) -> Iterator[_Item]:
+        """The items of these kinds in the order of the file, checked."""
+        guard = packet_sizes(self.path)
+        next(guard)
+        first_us: int | None = None
+        last_us = -MAX_STAMP_US
+        with self._open() as decoder:
+            while True:
+                next(guard, None)
+                try:
+                    track, packet = next(decoder)
+                except StopIteration:
+                    return
+                except RuntimeError as error:
+                    raise self._broken(error, first_us, last_us) from error
+                kind = self._ids.get(track.id)
+                if kind not in kinds:
+                    continue
+                if kind == "frame":
+                    yield self._frame(packet)
+                elif len(packet):
+                    events = self._events(packet, last_us)
+                    first_us = int(events["t"][0]) if first_us is None else first_us
+                    last_us = int(events["t"][-1])
+                    yield events
+
+    def _broken(self, error: RuntimeError, first_us: int | None, last_us: int) -> RecordingError:
+        what = "is cut off" if "fill whole buffer" in str(error) else "is damaged"
+        where = (
+            "before its first event"
+            if first_us is None
+            else f"{(last_us - first_us) / 1e6:.3f} s after its first event"
+        )
+        return RecordingError(f"{self.path} {what} {where}", hint="copy it again from its origin")
+
+    def _events(self, packet: NDArray[np.void], last_us: int) -> NDArray[np.void]:
+        events = np.zeros(len(packet), EVENT_DTYPE)
+        t = events["t"]
+        t[:] = packet["t"].view(np.int64)
+        events["x"] = packet["x"]
+        events["y"] = packet["y"]
+        events["p"] = packet["on"].view(np.uint8) != 0
+        if packet["x"].max() >= SENSOR_WIDTH_PX or packet["y"].max() >= SENSOR_HEIGHT_PX:
+            raise RecordingError(
+                f"{self.path} holds an event outside the 346×260 pixels of a DAVIS-346",
+                hint="the file is damaged or of another camera",
+            )
+        if t[0] < last_us or (t[1:] < t[:-1]).any():
+            back = int(np.argmax(np.concatenate([[last_us], t[:-1]]) > t))
+            before = last_us if back == 0 else int(t[back - 1])
+            raise RecordingError(
+                f"{self.path}: the stamps go back from {before} to {t[back]} µs",
+                hint="the camera's clock was reset while recording; cut the recording there",
+            )
+        if abs(int(t[0])) > MAX_STAMP_US or abs(int(t[-1])) > MAX_STAMP_US:
+            raise RecordingError(f"{self.path} holds an impossible stamp ({int(t[-1])} µs)")
+        return events
+
+    def _frame(self, packet: Any) -> Frame:
+        pixels = packet.pixels
+        if pixels.dtype != np.uint8 or pixels.shape[:2] != _RESOLUTION[::-1]:
+            size = "×".join(str(n) for n in pixels.shape[1::-1])
+            raise RecordingError(
+                f"{self.path} holds a frame of {size} pixels ({pixels.dtype}), not 346×260 of 8 bit"
+            )
+        if pixels.ndim == 3:  # a colour camera: the gel is black and white
+            pixels = pixels[..., :3].mean(axis=2).astype(np.uint8)
+        begin, end = (_signed(t) for t in (packet.exposure_start_t, packet.exposure_end_t))
+        if begin == 0 and end == 0:
+            begin = end = _signed(packet.t)
+        if max(abs(begin), abs(end)) > MAX_STAMP_US:
+            raise RecordingError(f"{self.path} holds a frame with an impossible stamp ({begin} µs)")
+        return Frame(np.array(pixels), begin, max(begin, end))
+
+
+def _signed(stamp: int) -> int:
+    return stamp - (1 << 64) if stamp >= 1 << 63 else stamp
+
+
+def _end_us(item: _Item) -> int:
+    return item.exposure_end_us if isinstance(item, Frame) else int(item["t"][-1])
+
+
+def _sort_nearby(items: Iterator[_Item]) -> Iterator[_Item]:
+    """Items in order of their end, if none lies further than ``MAX_LAG_US`` from its place."""
+    heap: list[tuple[int, int, _Item]] = []
+    newest = -MAX_STAMP_US
+    broken: RecordingError | None = None
+    try:
+        for n, item in enumerate(items):
+            end = _end_us(item)
+            newest = max(newest, end)
+            heapq.heappush(heap, (end, n, item))
+            while heap[0][0] <= newest - MAX_LAG_US:
+                yield heapq.heappop(heap)[2]
+    except RecordingError as error:  # what was read before the break is still good
+        broken = error
+    while heap:
+        yield heapq.heappop(heap)[2]
+    if broken is not None:
+        raise broken

@@ -1,0 +1,117 @@
+"""Cuts any stream of events and frames into equal slices of sensor time."""
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
+
+MAX_SILENCE_US = 10_000_000
+"""Longer times without any event are skipped instead of filled with empty slices: a camera has
+noise events all the time, so such a hole is a paused recording or a reset clock, and a jump of
+hours must not become millions of packets. The slices after it stay on the same grid."""
+
+_BLOCK = np.dtype(("V", EVENT_DTYPE.itemsize))
+
+
+class Slicer:
+    """Makes packets of ``slice_us`` µs, each starting where the one before ended.
+
+    The grid starts at the first stamp seen. A slice is handed out when an event at or after its end
+    has arrived, since only events tell that the sensor's clock has gone on. A frame goes into the
+    slice in which its exposure ended; one that arrives after that slice was handed out goes into
+    the next. ``gap`` is 0: a slicer knows of no lost events.
+
+    Args:
+        slice_us: length of a slice.
+    """
+
+    def __init__(self, slice_us: int) -> None:
+        if slice_us <= 0:
+            raise ValueError("a slice has at least 1 µs")
+        self._slice_us = slice_us
+        self._begin_us: int | None = None
+        self._parts: list[NDArray[np.void]] = []
+        self._frames: list[Frame] = []
+
+    def push(self, events: NDArray[np.void], frames: Iterable[Frame] = ()) -> Iterator[EventPacket]:
+        """Take a batch and hand out the slices it completes.
+
+        Args:
+            events: (n,) EVENT_DTYPE, ascending in ``t`` and not older than those before. Packets
+                hold views of it, so it must not be written to afterwards.
+            frames: what arrived with them.
+        """
+        self._frames.extend(frames)
+        if not len(events):
+            return
+        t = events["t"]
+        if self._begin_us is None:
+            self._begin_us = min([int(t[0]), *(f.exposure_end_us for f in self._frames)])
+        position = 0
+        while (end_us := self._begin_us + self._slice_us) <= t[-1]:
+            stop = position + int(np.searchsorted(t[position:], end_us))
+            yield self._cut(events[position:stop], end_us)
+            position = stop
+            if not self._parts:
+                self._skip_silence(int(t[position]))
+        if position < len(events):
+            self._parts.append(events[position:])
+
+    def flush(self) -> Iterator[EventPacket]:
+        """Hand out what is left at the end of the stream, the last slice in full length."""
+        stamps = [f.exposure_end_us for f in self._frames]
+        stamps += [int(part["t"][-1]) for part in self._parts]
+        if not stamps:
+            return
+        if self._begin_us is None:
+            self._begin_us = min(stamps)
+        while self._parts or self._frames:
+            yield self._cut(np.empty(0, EVENT_DTYPE), self._begin_us + self._slice_us)
+            if self._frames and not self._parts:
+                self._skip_silence(min(f.exposure_end_us for f in self._frames))
+
+    def _cut(self, tail: NDArray[np.void], end_us: int) -> EventPacket:
+        """The packet up to ``end_us``: the parts kept so far and ``tail``."""
+        parts = [*self._parts, tail] if len(tail) else self._parts
+        if len(parts) == 1:
+            events = parts[0]
+        else:
+            events = _join(parts)
+        frames = [f for f in self._frames if f.exposure_end_us < end_us]
+        frames.sort(key=lambda f: f.exposure_end_us)
+        self._frames = [f for f in self._frames if f.exposure_end_us >= end_us]
+        begin_us = end_us - self._slice_us
+        self._parts = []
+        self._begin_us = end_us
+        return EventPacket(begin_us, end_us, events, tuple(frames))
+
+    def _skip_silence(self, next_us: int) -> None:
+        """Go to the slice of ``next_us`` if nothing happens for too long before it."""
+        assert self._begin_us is not None  # noqa: S101 - a packet was cut before
+        next_us = min([next_us, *(f.exposure_end_us for f in self._frames)])
+        if next_us - self._begin_us > MAX_SILENCE_US:
+            self._begin_us += (next_us - self._begin_us) // self._slice_us * self._slice_us
+
+
+def _join(parts: list[NDArray[np.void]]) -> NDArray[np.void]:
+    if not parts:
+        return np.empty(0, EVENT_DTYPE)
+    blocks = [part.view(_BLOCK) for part in parts]  # numpy copies records field by field
+    return np.concatenate(blocks).view(EVENT_DTYPE)
+
+
+def slice_stream(
+    batches: Iterable[tuple[NDArray[np.void], Iterable[Frame]]], slice_us: int
+) -> Iterator[EventPacket]:
+    """All slices of a stream of batches, the last one included.
+
+    Args:
+        batches: events and frames as ``Slicer.push`` takes them.
+        slice_us: length of a slice.
+    """
+    slicer = Slicer(slice_us)
+    for events, frames in batches:
+        yield from slicer.push(events, frames)
+    yield from slicer.flush()
