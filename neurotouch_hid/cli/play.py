@@ -13,7 +13,7 @@ from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.monitor import LinesMonitor, PictureMonitor, TraceWriter
 from neurotouch_hid.profile import Profile
-from neurotouch_hid.runtime import Pipeline, run_line, stop_on_signals, warm_up
+from neurotouch_hid.runtime import Pipeline, Tap, run_line, stop_on_signals, warm_up
 from neurotouch_hid.source import Source
 
 _PATIENCE_S = 1.0
@@ -48,9 +48,10 @@ def play(
     """
     if show == "auto":
         show = "picture" if sys.stdout.isatty() else "lines"
+    click.echo(f"Gamepad ready: {title}. Ctrl-C ends.", err=True)
     packets = source if seconds is None else _for_seconds(source, seconds)
     with ExitStack() as stack:
-        taps = []
+        taps: list[Tap] = []
         if trace is not None:
             writer = TraceWriter(trace)
             stack.callback(writer.close)

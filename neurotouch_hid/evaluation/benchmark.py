@@ -1,0 +1,177 @@
+"""How fast the line is on this machine, stage by stage and as a whole."""
+
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
+from neurotouch_hid.messages import EventPacket
+from neurotouch_hid.profile import load_profile
+from neurotouch_hid.recording import RecordingWriter
+from neurotouch_hid.runtime import Pipeline, warm_up
+from neurotouch_hid.source import open_source
+from neurotouch_hid.tracker import MarkerTracker, RestDetector
+
+SCENE = "random"
+"""Users at the paper's speeds: 177 markers, one to three fingers, all gestures."""
+PREPARED_S = 20.0
+"""Sensor time of the recording that is played."""
+READY = "Gamepad ready"
+"""What ``neurotouch run`` prints when the pad is there."""
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """Median and 99th percentile. For a rate, the p99 is what 99 % of the slices exceed."""
+
+    median: float
+    p99: float
+
+    @classmethod
+    def of(cls, values: NDArray[np.float64], *, rate: bool = False) -> "Spread":
+        """The spread of measured values."""
+        return cls(float(np.median(values)), float(np.percentile(values, 1 if rate else 99)))
+
+    def as_json(self) -> dict[str, float]:
+        """The same for programs."""
+        return {"median": self.median, "p99": self.p99}
+
+
+def run_benchmark(method: str, progress: Callable[[str], None]) -> dict[str, Any]:
+    """Measures everything, one thread, nothing else running.
+
+    Args:
+        method: how gestures are recognised.
+        progress: called with what is being done.
+
+    Returns:
+        ``tracker_events_per_s``, ``gesture_ms``, ``rest_ms``, ``advance_ms`` (each median and p99,
+        per slice of 10 ms or per frame), ``events_per_s`` of the scene, ``realtime_factor`` of
+        a recording played through the whole line as fast as possible, ``startup_s`` (``help_cpu``:
+        processor time of ``neurotouch --help``; ``pad``: from the start of ``run`` to the pad) and
+        ``rss_mb``, the most memory that playing the recording took.
+    """
+    config = GestureConfig(method=method)  # type: ignore[arg-type]  # the caller's choice is checked
+    progress(f"Simulating {PREPARED_S:.0f} s of gestures")
+    packets = _simulate()
+    warm_up(Pipeline.build(load_profile("default"), config))
+    progress("Measuring the stages")
+    result: dict[str, Any] = _measure_stages(packets, config)
+    progress("Measuring the whole line")
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "bench.aedat4"
+        with RecordingWriter(path) as writer:
+            for packet in packets:
+                writer.write(packet)
+        result |= _measure_whole(path, method)
+    progress("Measuring the start")
+    result["startup_s"] = _measure_start(method)
+    return result
+
+
+def _simulate() -> list[EventPacket]:
+    packets = []
+    with open_source(f"sim:{SCENE}", speed="max") as source:
+        for packet in source:
+            packets.append(packet)
+            if packet.t_end_us >= PREPARED_S * 1e6:
+                break
+    return packets
+
+
+def _measure_stages(packets: list[EventPacket], config: GestureConfig) -> dict[str, Any]:
+    """Each stage alone on what the stage before gave, then all together."""
+    rest, tracker, recognizer = RestDetector(), MarkerTracker(), GestureRecognizer(config)
+    rest_ms, rate, gesture_ms = [], [], []
+    for packet in packets:
+        answer = None
+        for frame in packet.frames:
+            begun = time.perf_counter()
+            answer = rest.update(frame)
+            rest_ms.append((time.perf_counter() - begun) * 1e3)
+        if answer is not None:
+            tracker.anchor(answer)
+        begun = time.perf_counter()
+        markers = tracker.update(packet)
+        if len(packet.events) >= 2_000:  # a slice with little in it measures the call, not the loop
+            rate.append(len(packet.events) / (time.perf_counter() - begun))
+        begun = time.perf_counter()
+        recognizer.update(markers)
+        gesture_ms.append((time.perf_counter() - begun) * 1e3)
+    line = Pipeline.build(load_profile("default"), config)
+    advance_ms = []
+    for packet in packets:
+        begun = time.perf_counter()
+        line.advance(packet)
+        advance_ms.append((time.perf_counter() - begun) * 1e3)
+    n_events = sum(len(packet.events) for packet in packets)
+    return {
+        "tracker_events_per_s": Spread.of(np.array(rate), rate=True).as_json(),
+        "gesture_ms": Spread.of(np.array(gesture_ms)).as_json(),
+        "rest_ms": Spread.of(np.array(rest_ms)).as_json(),
+        "advance_ms": Spread.of(np.array(advance_ms)).as_json(),
+        "events_per_s": n_events / PREPARED_S,
+    }
+
+
+def _measure_whole(path: Path, method: str) -> dict[str, float]:
+    """Plays a recording in a process of its own: its pace without the start, and its memory."""
+    process = _start_run(f"file:{path}", method)
+    _wait_ready(process)
+    ready = time.perf_counter()
+    usage = _reap(process)
+    return {
+        "realtime_factor": PREPARED_S / (time.perf_counter() - ready),
+        "rss_mb": usage.ru_maxrss / 1024,
+    }
+
+
+def _measure_start(method: str) -> dict[str, float]:
+    help_cpu, pad = [], []
+    for _ in range(5):
+        usage = _reap(_start(["--help"]))
+        help_cpu.append(usage.ru_utime + usage.ru_stime)
+        begun = time.perf_counter()
+        process = _start_run("sim:rest", method)
+        _wait_ready(process)
+        pad.append(time.perf_counter() - begun)
+        process.terminate()
+        _reap(process)
+    return {"help_cpu": float(np.median(help_cpu)), "pad": float(np.median(pad))}
+
+
+def _start_run(source: str, method: str) -> subprocess.Popen[str]:
+    options = ["--source", source, "--speed", "max", "--device", "memory", "--method", method]
+    return _start(["run", "--show", "nothing", *options])
+
+
+def _start(arguments: list[str]) -> subprocess.Popen[str]:
+    command = [sys.executable, "-m", "neurotouch_hid", *arguments]
+    return subprocess.Popen(  # noqa: S603  # our own command
+        command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    )
+
+
+def _wait_ready(process: subprocess.Popen[str]) -> None:
+    for line in process.stderr or ():
+        if line.startswith(READY):
+            return
+
+
+def _reap(process: subprocess.Popen[str]) -> resource.struct_rusage:
+    """Waits for the end of a process and returns what it used."""
+    for _ in process.stderr or ():
+        pass
+    usage = os.wait4(process.pid, 0)[2]
+    process.returncode = 0
+    return usage

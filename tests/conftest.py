@@ -1,0 +1,27 @@
+"""Things that many tests share: one simulated push, made once."""
+
+from dataclasses import dataclass
+
+import pytest
+
+from neurotouch_hid.messages import EventPacket, GestureKind, Truth
+from neurotouch_hid.source.simulator import Simulator
+from neurotouch_hid.source.simulator.script import Finger, Stroke, sequence
+
+
+@dataclass(frozen=True)
+class Played:
+    """What a simulated camera saw, and the truth at the end of each packet."""
+
+    packets: tuple[EventPacket, ...]
+    truths: tuple[Truth, ...]
+
+
+@pytest.fixture(scope="session")
+def push() -> Played:
+    """2.5 s: rest, a push of 7 mm to the right, rest."""
+    stroke = Stroke(GestureKind.PUSH, (Finger((2.0, 3.0), (7.0, 0.0)),))
+    simulator = Simulator(sequence("push", stroke), seed=1)
+    pairs = [(packet, simulator.truth(packet.t_end_us)) for packet in simulator]
+    packets, truths = zip(*pairs, strict=True)
+    return Played(packets, truths)

@@ -1,0 +1,90 @@
+"""The loop keeps the pad safe: neutral at the end, on stop, on stall, on failure."""
+
+import threading
+import time
+from dataclasses import replace
+
+import pytest
+
+from neurotouch_hid.device import MemoryDevice
+from neurotouch_hid.errors import GelNotFoundError
+from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.profile import load_profile
+from neurotouch_hid.runtime import Pipeline, run_line
+from neurotouch_hid.runtime.loop import STALL_S
+
+
+@pytest.fixture
+def line() -> Pipeline:
+    return Pipeline.build(load_profile("spacecraft"), GestureConfig())
+
+
+def held(push, until_us=1_500_000):
+    """The packets up to the middle of the hold: the stick is pushed when they end."""
+    return [packet for packet in push.packets if packet.t_end_us <= until_us]
+
+
+def test_end_of_the_source_in_mid_gesture_sends_neutral(push, line):
+    device = MemoryDevice()
+    stats = run_line(held(push), line, device)
+    assert not device.states[-2].is_neutral
+    assert device.states[-1].is_neutral
+    assert stats.slices == 150
+    assert stats.sensor_s == 1.5
+    assert stats.events == sum(len(packet.events) for packet in held(push))
+
+
+def test_stop_ends_after_the_slice_and_sends_neutral(push, line):
+    device, stop = MemoryDevice(), threading.Event()
+
+    def stop_in_the_hold(step):
+        if step.gesture.t_us >= 1_300_000:
+            stop.set()
+
+    stats = run_line(push.packets, line, device, [stop_in_the_hold], stop=stop)
+    assert stats.slices == 130
+    assert device.states[-1].is_neutral
+
+
+def test_failing_source_sends_neutral_and_passes_the_error_on(push, line):
+    device = MemoryDevice()
+
+    def broken():
+        yield from held(push)
+        raise OSError("the camera is gone")
+
+    with pytest.raises(OSError, match="the camera is gone"):
+        run_line(broken(), line, device)
+    assert device.states[-1].is_neutral
+
+
+def test_stalled_source_sends_neutral_while_it_is_silent(push, line):
+    device = MemoryDevice()
+    seen = []
+
+    def stalling():
+        yield from held(push)
+        assert not device.states[-1].is_neutral
+        deadline = time.monotonic() + 20 * STALL_S
+        while not device.states[-1].is_neutral and time.monotonic() < deadline:
+            time.sleep(0.01)
+        seen.append(device.states[-1])
+
+    run_line(stalling(), line, device)
+    assert seen[0].is_neutral
+
+
+def test_source_without_a_gel_is_an_error_that_says_why(push, line):
+    dark = [
+        replace(packet, frames=tuple(replace(f, pixels=f.pixels // 64) for f in packet.frames))
+        for packet in held(push, 500_000)
+    ]
+    with pytest.raises(GelNotFoundError, match=r"No gel can be seen .* \d+ of 177") as caught:
+        run_line(dark, line, MemoryDevice())
+    assert "LED ring" in caught.value.hint
+
+
+def test_source_without_frames_is_an_error_that_says_so(push, line):
+    blind = [replace(packet, frames=()) for packet in held(push, 500_000)]
+    with pytest.raises(GelNotFoundError, match="no frames"):
+        run_line(blind, line, MemoryDevice())

@@ -1,0 +1,71 @@
+"""Rest detection beside the line: same answers as in the line, and nobody waits."""
+
+import threading
+import time
+
+from neurotouch_hid.messages import EventPacket, Frame, RestField
+from neurotouch_hid.runtime.worker import InlineRest, ThreadedRest
+from neurotouch_hid.tracker import RestDetector
+
+
+class SlowDetector(RestDetector):
+    """Looks at each frame only when it may go on; answers with the frame's moment."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.go = threading.Semaphore(0)
+        self.seen: list[int] = []
+
+    def update(self, frame: Frame) -> RestField | None:
+        self.go.acquire()
+        self.seen.append(frame.t_us)
+        answer = super().update(frame)
+        return None if answer is None else RestField(frame.t_us, answer.position_px)
+
+
+def wait_for(condition) -> None:
+    deadline = time.monotonic() + 10
+    while not condition():
+        assert time.monotonic() < deadline, "the thread does not answer"
+        time.sleep(0.001)
+
+
+def empty(packet: EventPacket) -> EventPacket:
+    return EventPacket(packet.t_begin_us, packet.t_end_us, packet.events[:0])
+
+
+def test_thread_answers_as_the_line_does(push):
+    inline, beside = InlineRest(RestDetector()), ThreadedRest(RestDetector())
+    framed = [packet for packet in push.packets if packet.frames]
+    try:
+        for packet in framed[:10]:
+            expected = inline.exchange(packet)
+            answer = beside.exchange(packet)
+            assert answer is None
+            wait_for(lambda: beside._answers)
+            answer = beside.exchange(empty(packet))
+            assert answer is not None
+            assert answer.t_us == expected.t_us
+            assert (answer.position_px == expected.position_px).all()
+    finally:
+        beside.close()
+
+
+def test_line_never_waits_and_the_newest_frame_wins(push):
+    detector = SlowDetector()
+    beside = ThreadedRest(detector)
+    framed = [packet for packet in push.packets if packet.frames][:5]
+    try:
+        beside.exchange(framed[0])
+        wait_for(lambda: not beside._frames)  # the thread has taken it and hangs on it
+        for packet in framed[1:]:
+            assert beside.exchange(packet) is None  # returns although the detector hangs
+        detector.go.release(2)
+        wait_for(lambda: len(detector.seen) == 2)
+        assert detector.seen == [framed[0].frames[-1].t_us, framed[-1].frames[-1].t_us]
+        wait_for(lambda: beside._answers)
+        assert beside.exchange(empty(framed[-1])) is not None
+        assert beside.exchange(empty(framed[-1])) is None  # taken once
+    finally:
+        detector.go.release(10)
+        beside.close()

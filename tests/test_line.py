@@ -1,0 +1,96 @@
+"""The whole line: a simulated gel goes in, pad states come out."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from neurotouch_hid.device import MemoryDevice
+from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.messages import Axis, Button, GamepadState, GestureKind, Step
+from neurotouch_hid.profile import load_profile
+from neurotouch_hid.runtime import Pipeline, run_line
+from neurotouch_hid.source.simulator import Simulator
+from neurotouch_hid.source.simulator.script import Finger, Stroke, sequence
+
+RIGHT, LEFT = Finger((9.0, 0.0)), Finger((-9.0, 0.0))
+
+
+def pipeline(profile: str = "spacecraft") -> Pipeline:
+    return Pipeline.build(load_profile(profile), GestureConfig())
+
+
+def play(stroke: Stroke, profile: str = "spacecraft") -> tuple[list[Step], MemoryDevice]:
+    steps: list[Step] = []
+    device = MemoryDevice()
+    run_line(Simulator(sequence("test", stroke)), pipeline(profile), device, [steps.append])
+    return steps, device
+
+
+@pytest.mark.parametrize(
+    ("kind", "fingers", "axis", "sign"),
+    [
+        (GestureKind.PUSH, [Finger((0.0, 0.0), (8.0, 0.0))], Axis.LEFT_X, 1),
+        (GestureKind.PUSH, [Finger((0.0, 0.0), (-8.0, 0.0))], Axis.LEFT_X, -1),
+        (GestureKind.PUSH, [Finger((0.0, 0.0), (0.0, 8.0))], Axis.LEFT_Y, 1),
+        (GestureKind.TWIST_CW, [(RIGHT, 0.7), (LEFT, 0.7)], Axis.RIGHT_X, 1),
+        (GestureKind.TWIST_CCW, [(RIGHT, -0.7), (LEFT, -0.7)], Axis.RIGHT_X, -1),
+        (GestureKind.ZOOM, [(RIGHT, (6.0, 0.0)), (LEFT, (-6.0, 0.0))], Axis.RIGHT_TRIGGER, 1),
+        (GestureKind.PINCH, [(RIGHT, (-6.0, 0.0)), (LEFT, (6.0, 0.0))], Axis.LEFT_TRIGGER, 1),
+    ],
+)
+def test_gesture_moves_the_spacecraft(kind, fingers, axis, sign):
+    def moved(finger, motion):
+        if isinstance(motion, float):
+            return dataclasses.replace(finger, turn_rad=motion)
+        return dataclasses.replace(finger, drag_mm=motion)
+
+    hand = tuple(f if isinstance(f, Finger) else moved(*f) for f in fingers)
+    steps, device = play(Stroke(kind, hand))
+
+    held = [step for step in steps if 1_200_000 <= step.gesture.t_us < 1_500_000]
+    assert [step.gesture.kind for step in held] == [kind] * len(held)
+    values = np.array([step.pad.axes.get(axis, 0.0) for step in held])
+    assert (sign * values > 0.1).all()
+    if kind is not GestureKind.PUSH:
+        others = {other for step in held for other, value in step.pad.axes.items() if value}
+        assert others == {axis}
+    assert device.states[-1].is_neutral
+    assert steps[-1].gesture.kind is GestureKind.NONE
+
+
+def test_same_packets_give_the_same_steps_bit_for_bit(push):
+    first, second = pipeline(), pipeline()
+    for packet in push.packets:
+        a, b = first.advance(packet), second.advance(packet)
+        assert a.pad == b.pad
+        assert a.gesture.intensity_mm == b.gesture.intensity_mm
+        np.testing.assert_array_equal(a.markers.position_px, b.markers.position_px)
+
+
+def test_markers_follow_the_truth(push):
+    line = pipeline()
+    for packet, truth in zip(push.packets, push.truths, strict=True):
+        markers = line.advance(packet).markers
+        if packet.t_end_us > 200_000:
+            error = np.hypot(*(markers.position_px - truth.markers_px).T)
+            assert np.median(error) < 0.5
+            assert (error[markers.valid] < 3.0).all()
+            assert markers.valid.sum() >= 175
+
+
+def test_pad_is_neutral_until_the_gel_is_found_and_without_it(push):
+    line = pipeline()
+    for packet in push.packets:
+        blind = dataclasses.replace(packet, frames=())
+        step = line.advance(blind)
+        assert step.pad.is_neutral
+        assert not step.markers.valid.any()
+
+
+def test_default_profile_holds_no_button_during_a_soft_push(push):
+    line = pipeline("default")
+    pads: list[GamepadState] = [line.advance(packet).pad for packet in push.packets]
+    assert any(pad.axes.get(Axis.LEFT_X, 0.0) > 0.3 for pad in pads)
+    assert not any(set(pad.buttons) & {Button.START, Button.GUIDE} for pad in pads)
+    assert pads[-1].is_neutral
