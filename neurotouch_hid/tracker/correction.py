@@ -10,7 +10,10 @@ from neurotouch_hid.tracker.image import BlobFinder
 from neurotouch_hid.tracker.image import kernels as image_kernels
 
 _GATE_PX = 3.5  # a third of the pitch: nobody else's blob
-_MIN_MATCHED = 90  # half of the markers; with fewer the picture or all tracks are wrong
+_MAX_BLUR_PX = 2.0  # smeared markers merge with their neighbours
+_MAX_AREA_RATIO = 1.8  # to the median: two markers in one blob
+_MAX_MISSED = 3  # sharp frames without a blob before a marker counts as lost
+_MIN_MATCHED = 60  # half of the markers; with fewer the picture or all tracks are wrong
 
 
 class FrameCorrection:
@@ -27,26 +30,26 @@ class FrameCorrection:
 
     def apply(self, frame: Frame) -> None:
         """Correct all tracks by a frame whose exposure ends now."""
+        begin_px = self._positions_at(frame.exposure_begin_us)
         then_px = self._positions_at(frame.t_us)
-        if then_px is None:
+        end_px = self._positions_at(frame.exposure_end_us)
+        if begin_px is None or then_px is None or end_px is None:
             return
-        points = self._finder.find(frame.pixels).centroid_px
-        blob = self._assign(then_px, points)
+        sharp = np.hypot(*(end_px - begin_px).T) <= _MAX_BLUR_PX
+        blobs = self._finder.find(frame.pixels)
+        area = blobs.area_px
+        points = blobs.centroid_px[area <= _MAX_AREA_RATIO * np.median(area)]
+        blob = self._assign(then_px, points, sharp)
         seen = blob >= 0
         if seen.sum() < _MIN_MATCHED:
             return
-        error = points[blob[seen]] - then_px[seen]
-        begin, end = self._positions_at(frame.exposure_begin_us), self._positions_at(frame.exposure_end_us)
-        shift = np.zeros((N_MARKERS, 2))
-        shift[seen] = error
         state = self._tracks.state
-        state[:, kernels.X : kernels.Y + 1] += shift
+        state[seen, kernels.X : kernels.Y + 1] += points[blob[seen]] - then_px[seen]
         for i in np.flatnonzero(seen):
             kernels.seat(i, self._tracks)
         self._tracks.lost[seen] = False
         self._missed[seen] = 0
-        self._missed[~seen] += 1
-        self._tracks.lost[self._missed >= 2] = True
+        self._tracks.lost[self._missed >= _MAX_MISSED] = True
 
     def _positions_at(self, t_us: int) -> NDArray[np.float64] | None:
         """All positions (177, 2) px at a moment of the last checks, or None if it is not covered."""
@@ -63,15 +66,18 @@ class FrameCorrection:
         return px[i[0]] * (1.0 - part) + px[j[0]] * part
 
     def _assign(
-        self, then_px: NDArray[np.float64], points: NDArray[np.float64]
+        self, then_px: NDArray[np.float64], points: NDArray[np.float64], sharp: NDArray[np.bool_]
     ) -> NDArray[np.int32]:
         """The blob of each track, -1 where none is certain.
 
         First each to the nearest, if both agree. Pairs whose place does not fit their neighbours
-        are undone; then markers without a blob look around the place the neighbours give them.
+        are undone; then lost markers look around the place the neighbours give them.
         """
-        blob = self._match.copy()
+        blob = np.empty(N_MARKERS, np.int32)
         image_kernels.match_points(then_px, points, _GATE_PX, blob)
+        self._missed[sharp & (blob == -1)] += 1
+        blob[~sharp] = -1
+        lost = self._tracks.lost | (self._missed > 0)
         for _ in range(3):
             seen = blob >= 0
             position = then_px.copy()
@@ -81,13 +87,16 @@ class FrameCorrection:
                 position, self._expected_px, self._spread_px, self._tuning, self._stray
             )
             blob[self._stray & seen] = -1
-            open_ = np.flatnonzero((blob < 0) & np.isfinite(self._expected_px[:, 0]))
+            lost |= self._stray
+            known = np.isfinite(self._expected_px[:, 0])
+            open_ = np.flatnonzero((blob < 0) & lost & sharp & known)
             free = np.setdiff1d(np.arange(len(points)), blob[blob >= 0])
             if not len(open_) or not len(free):
                 break
             match = np.empty(len(open_), np.int32)
-            image_kernels.match_points(self._expected_px[open_], points[free], _GATE_PX, match)
-            if (match < 0).all():
+            if not image_kernels.match_points(
+                self._expected_px[open_], points[free], _GATE_PX, match
+            ):
                 break
             blob[open_[match >= 0]] = free[match[match >= 0]]
         return blob

@@ -249,7 +249,9 @@ def match_points(
     gate_px: float,
     out: NDArray[np.int32],
 ) -> int:
-    """For each target the index of the nearest point in the gate if both choose each other, or -1.
+    """For each target the index of its point, -1 where there is none, -2 where there is any doubt.
+
+    The two choose each other as the nearest, and the target's second choice is twice as far.
 
     Args:
         targets_px: (n, 2) float64, columns x, y.
@@ -261,25 +263,30 @@ def match_points(
         The number of pairs.
     """
     n, m = len(targets_px), len(points_px)
+    gate_px2, reach_px = gate_px * gate_px, 2.0 * gate_px
     near = np.full(m, -1, np.int32)
-    near_px2 = np.full(m, gate_px * gate_px)
+    near_px2 = np.full(m, gate_px2)
     n_pairs = 0
     for i in range(n):
-        best, best_px2 = -1, gate_px * gate_px
+        best, best_px2, second_px2 = -1, gate_px2, 4.0 * gate_px2
         x, y = targets_px[i, 0], targets_px[i, 1]
         for j in range(m):
             dy = points_px[j, 1] - y
-            if dy > gate_px or dy < -gate_px:
+            if dy > reach_px or dy < -reach_px:
                 continue
             dx = points_px[j, 0] - x
             px2 = dx * dx + dy * dy
             if px2 < best_px2:
+                if best >= 0:
+                    second_px2 = min(second_px2, best_px2)
                 best, best_px2 = j, px2
+            elif px2 < second_px2:
+                second_px2 = px2
             if px2 < near_px2[j]:
                 near[j], near_px2[j] = i, px2
-        out[i] = best
+        out[i] = best if best < 0 or 4.0 * best_px2 <= second_px2 else -2
     for i in range(n):
         if out[i] >= 0 and near[out[i]] != i:
-            out[i] = -1
+            out[i] = -2
         n_pairs += out[i] >= 0
     return n_pairs
