@@ -270,11 +270,14 @@ def test_hostile_text_is_refused_before_anything_is_built(text: str | bytes, exp
     assert header.startswith(f"p.yaml:{expected}")
 
 
-def test_the_size_is_looked_at_first() -> None:
+def test_the_size_is_looked_at_first(tmp_path) -> None:
     message = complain(b"&" * (MAX_BYTES + 1))
     assert message == "p.yaml: the file is larger than 64 kB"
     comment = b"#" * (MAX_BYTES - len(binding()) - 1) + b"\n"
     parse_profile(comment + binding().encode(), "p.yaml")
+    (tmp_path / "large.yaml").write_bytes(b" " * (1 << 20))
+    with pytest.raises(ProfileError, match="larger than 64 kB"):
+        load_profile(tmp_path / "large.yaml")
 
 
 def test_many_mistakes_are_counted_not_poured_out() -> None:
@@ -290,9 +293,15 @@ def test_a_long_line_is_cut_around_the_mistake() -> None:
     assert line[carets.index("^") : carets.rindex("^") + 1] == "fast"
 
 
+def test_a_line_that_fits_is_shown_whole() -> None:
+    text = binding(do="{stick: left, range_mm: [1, 8], curve: linear, deadzone: fast}")
+    assert "     5 | " + text.splitlines()[4] in complain(text).splitlines()
+
+
 def test_windows_line_ends_and_a_byte_order_mark_are_fine() -> None:
     text = "\ufeff" + binding().replace("\n", "\r\n")
     assert parse_profile(text.encode(), "p.yaml").name == "x"
+    assert headers("\ufeffversio: 1\n" + binding())[0].startswith("p.yaml:1:1: error: versio: ")
     assert headers("\ufeff" + binding(do="a").replace("\n", "\r\n")) == [
         f"p.yaml:5:9: error: bindings[0].do: {ONE_TARGET}"
     ]

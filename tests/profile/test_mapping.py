@@ -180,6 +180,28 @@ def test_on_one_axis_the_larger_magnitude_wins_then_the_earlier() -> None:
     assert play(tie, gesture(GestureKind.PINCH, 12)) == ["left_x=-1.00"]
 
 
+@pytest.mark.parametrize(
+    ("kind", "full_mm"),
+    [
+        (GestureKind.PUSH, 8.0),
+        (GestureKind.PINCH, 7.0),
+        (GestureKind.ZOOM, 4.5),
+        (GestureKind.TWIST_CW, 7.0),
+        (GestureKind.TWIST_CCW, 7.0),
+    ],
+)
+def test_where_a_profile_says_nothing_each_gesture_has_its_range(
+    kind: GestureKind, full_mm: float
+) -> None:
+    profile = make_profile(f"when: {kind.label}, do: {{trigger: left}}")
+    edge_mm = 1.0 + 0.05 * (full_mm - 1.0)
+    levels = (edge_mm, edge_mm + 0.1, full_mm - 0.1, full_mm)
+    rest, begun, nearly, full = play(profile, *(gesture(kind, mm) for mm in levels))
+    assert (rest, full) == ("", "left_trigger=+1.00")
+    assert "left_trigger=+0.01" <= begun <= "left_trigger=+0.04"
+    assert "left_trigger=+0.96" <= nearly <= "left_trigger=+0.99"
+
+
 def test_two_bindings_can_hold_one_button() -> None:
     profile = make_profile("when: pinch, do: {button: a}", "when: zoom, do: {button: a}")
     pinch, zoom = GestureKind.PINCH, GestureKind.ZOOM
@@ -236,7 +258,11 @@ def test_a_push_without_a_way_moves_nothing() -> None:
     points = np.zeros((1, 2))
     for way in ((0.0, 0.0), (math.nan, 1.0), (math.inf, 0.0)):
         lost = Gesture(0, GestureKind.PUSH, points, points, 9.0, way)
-        assert Mapping(EVERYTHING).update(lost).is_neutral
+        assert (
+            Mapping(make_profile(*FOUR_WAYS, "when: push, do: {stick: left}"))
+            .update(lost)
+            .is_neutral
+        )
 
 
 def test_the_pad_speaks_the_records_words() -> None:
