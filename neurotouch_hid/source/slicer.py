@@ -75,10 +75,7 @@ class Slicer:
     def _cut(self, tail: NDArray[np.void], end_us: int) -> EventPacket:
         """The packet up to ``end_us``: the parts kept so far and ``tail``."""
         parts = [*self._parts, tail] if len(tail) else self._parts
-        if len(parts) == 1:
-            events = parts[0]
-        else:
-            events = _join(parts)
+        events = parts[0] if len(parts) == 1 else _join(parts)
         frames = [f for f in self._frames if f.exposure_end_us < end_us]
         frames.sort(key=lambda f: f.exposure_end_us)
         self._frames = [f for f in self._frames if f.exposure_end_us >= end_us]

@@ -1,0 +1,58 @@
+"""Plays a source no faster than it happened."""
+
+import time
+from collections.abc import Callable, Iterator
+from types import TracebackType
+from typing import Self
+
+from neurotouch_hid.messages import EventPacket
+from neurotouch_hid.source.protocol import Source
+
+
+class PacedSource:
+    """Another source at recorded speed.
+
+    Each packet is handed out when the sensor time of its end has passed since the first one began.
+    Every due time is counted from the start, so errors of single waits never add up, and a loop
+    that was late catches up. Sensor time that a source left out (a long silence) is not waited for.
+
+    Args:
+        source: what is played.
+        clock_ns: host time.
+        sleep_s: how to wait.
+    """
+
+    def __init__(
+        self,
+        source: Source,
+        clock_ns: Callable[[], int] = time.monotonic_ns,
+        sleep_s: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self.name = source.name
+        self.rig = source.rig
+        self._source, self._clock_ns, self._sleep_s = source, clock_ns, sleep_s
+
+    def __iter__(self) -> Iterator[EventPacket]:
+        start_ns = self._clock_ns()
+        played_us = 0
+        for packet in self._source:
+            played_us += packet.t_end_us - packet.t_begin_us
+            ahead_ns = start_ns + played_us * 1000 - self._clock_ns()
+            if ahead_ns > 0:
+                self._sleep_s(ahead_ns / 1e9)
+            yield packet
+
+    def close(self) -> None:
+        """Close the source that is played."""
+        self._source.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()

@@ -1,0 +1,92 @@
+"""A recording as a source, turned round if its rig file says the camera saw it mirrored."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.errors import RecordingError
+from neurotouch_hid.messages import SENSOR_WIDTH_PX, EventPacket, Frame
+from neurotouch_hid.recording import Batch, Recording
+from neurotouch_hid.source.rig_file import RigFile, load_rig_file, rig_path
+from neurotouch_hid.source.slicer import Slicer
+
+
+class Replay:
+    """Plays a recording as fast as it is asked for; each iteration starts at its beginning.
+
+    A recording that is cut off plays up to the break, its last slice included, then raises.
+
+    Args:
+        path: the recording; ``NAME.rig.yaml`` beside it is read if there is one.
+        slice_us: length of a slice.
+
+    Attributes:
+        name: ``file:`` and the path.
+        rig: the rig file's override, or None.
+
+    Raises:
+        RecordingError: the recording or its rig file cannot be used.
+    """
+
+    def __init__(self, path: Path | str, *, slice_us: int = 10_000) -> None:
+        self.name = f"file:{path}"
+        self._recording = Recording(path)
+        if not self._recording.has_frames:
+            raise RecordingError(
+                f"{path} has no stream of frames; the markers at rest are found in frames",
+                hint="record with the frames switched on",
+            )
+        beside = rig_path(path)
+        known = load_rig_file(beside) if beside.exists() else RigFile()
+        self.rig = known.rig
+        self._mirrored = known.mirrored
+        self._slice_us = slice_us
+
+    def __iter__(self) -> Iterator[EventPacket]:
+        slicer = Slicer(self._slice_us)
+        broken: RecordingError | None = None
+        try:
+            for events, frames in self._batches():
+                yield from slicer.push(events, frames)
+        except RecordingError as error:  # what was read before the break is still played
+            broken = error
+        yield from slicer.flush()
+        if broken is not None:
+            raise broken
+
+    def close(self) -> None:
+        """Nothing stays open between two iterations."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _batches(self) -> Iterator[Batch]:
+        for events, frames in self._recording:
+            if self._mirrored:
+                yield mirror_events(events), tuple(mirror_frame(frame) for frame in frames)
+            else:
+                yield events, frames
+
+
+def mirror_events(events: NDArray[np.void]) -> NDArray[np.void]:
+    """Events flipped left to right, in place: (n,) EVENT_DTYPE."""
+    events["x"] = SENSOR_WIDTH_PX - 1 - events["x"]
+    return events
+
+
+def mirror_frame(frame: Frame) -> Frame:
+    """A frame flipped left to right."""
+    pixels = np.ascontiguousarray(frame.pixels[:, ::-1])
+    return Frame(pixels, frame.exposure_begin_us, frame.exposure_end_us)
