@@ -42,6 +42,6 @@ def command(scene: str, profile: str, seconds: float | None, show: str) -> None:
             click.echo(f"No real controller this time: {error.message} Going on without.", err=True)
             pad = open_device("memory")
         with pad:
-            pipeline = Pipeline.build(mapping, gesture, rig=packets.rig, live=packets.live)
+            pipeline = Pipeline.build(mapping, gesture, rig=packets.rig, live=True)
             title = f"SIMULATED {packets.name} → {pad.name}, profile {mapping.name}"
             play(packets, pipeline, pad, title=title, show=show, seconds=seconds)

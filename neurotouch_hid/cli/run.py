@@ -64,7 +64,7 @@ def command(
 ) -> None:
     """Drive the virtual gamepad from the gel until the source ends or Ctrl-C."""
     from neurotouch_hid.cli.play import play, prepare_kernels
-    from neurotouch_hid.device import open_device
+    from neurotouch_hid.device import check_device, open_device
     from neurotouch_hid.gesture import GestureConfig
     from neurotouch_hid.profile import load_profile
     from neurotouch_hid.runtime import Pipeline
@@ -73,8 +73,9 @@ def command(
     mapping = load_profile(profile)
     gesture = GestureConfig(method=method)
     with open_source(source, speed=speed, seed=seed) as packets:
+        check_device(device)  # before the kernels compile, and again for real after it
         prepare_kernels(mapping, gesture)
-        live = packets.live and speed == "recorded"
+        live = speed == "recorded" and not packets.name.startswith("file:")
         pipeline = Pipeline.build(mapping, gesture, rig=packets.rig, live=live)
         with open_device(device) as pad:
             title = f"{packets.name} → {pad.name}, profile {mapping.name}"

@@ -1,5 +1,6 @@
 """What every device can do, and the way to get one by its name."""
 
+import os
 from types import TracebackType
 from typing import Protocol, Self
 
@@ -41,6 +42,16 @@ class Device(Protocol):
         trace: TracebackType | None,
     ) -> None:
         """Close the device."""
+
+
+def check_device(kind: str) -> None:
+    """Find out whether ``open_device`` may succeed, without making a pad.
+
+    Raises:
+        DeviceError: ``/dev/uinput`` cannot be used.
+    """
+    if kind == "uinput":
+        os.close(open_uinput())
 
 
 def open_device(kind: str) -> Device:

@@ -1,0 +1,135 @@
+"""The command line as a user meets it: in a process of its own."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+
+def neurotouch(*arguments, timeout=300, **kwargs):
+    return subprocess.run(
+        [sys.executable, "-m", "neurotouch_hid", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+        check=False,
+        **kwargs,
+    )
+
+
+def start(*arguments):
+    return subprocess.Popen(
+        [sys.executable, "-m", "neurotouch_hid", *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def wait_ready(process):
+    for line in process.stderr:
+        if line.startswith("Gamepad ready"):
+            return
+    raise AssertionError("no gamepad appeared")
+
+
+HEAVY = ("numpy", "numba", "cv2", "pydantic", "ruamel", "evdev")
+
+
+def test_help_imports_nothing_heavy():
+    code = (
+        "import sys; from neurotouch_hid.cli.main import cli\n"
+        "cli.main(['--help'], standalone_mode=False)\n"
+        f"print([name for name in {HEAVY!r} if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+@pytest.mark.parametrize(
+    "command", ["run", "demo", "simulate", "evaluate", "bench", "doctor", "completion"]
+)
+def test_every_command_has_help_with_examples(command):
+    done = neurotouch(command, "--help")
+    assert done.returncode == 0
+    assert "Examples:" in done.stdout
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion_is_a_script_for_the_shell(shell):
+    done = neurotouch("completion", shell)
+    assert done.returncode == 0
+    assert "_NEUROTOUCH_COMPLETE" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "sentence"),
+    [
+        (["rum"], 2, "No such command 'rum'"),
+        (["run", "--speed", "warp"], 2, "'warp' is not one of"),
+        (["run", "--source", "davis:"], 3, "davis"),
+        (["run", "--source", "sim:tuor", "--device", "memory"], 3, "sim:tour"),
+        (["run", "--source", "file:nothing.aedat4", "--device", "memory"], 4, "nothing.aedat4"),
+        (["run", "--source", "sim:tour", "--profile", "spacecrat"], 6, "spacecraft"),
+        (["evaluate", "nothing.aedat4"], 4, "nothing"),
+    ],
+)
+def test_wrong_input_ends_with_a_sentence_and_its_exit_code(arguments, code, sentence):
+    done = neurotouch(*arguments)
+    assert done.returncode == code
+    assert sentence in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.skipif(Path("/dev/uinput").exists(), reason="this machine has /dev/uinput")
+def test_run_without_uinput_says_how_to_get_it():
+    done = neurotouch("run", "--source", "sim:push")
+    assert done.returncode == 7
+    assert "/dev/uinput" in done.stderr
+    assert "Fix:" in done.stderr
+
+
+def test_demo_ends_by_itself_and_shows_the_pad_moving():
+    done = neurotouch("demo", "--seconds", "3")
+    assert done.returncode == 0
+    assert "push up" in done.stdout
+    assert "left_y -" in done.stdout
+    assert "The pad is neutral." in done.stderr
+
+
+def test_run_writes_a_trace_with_one_line_per_slice(tmp_path):
+    trace = tmp_path / "push.jsonl"
+    done = neurotouch(
+        "run", "--source", "sim:push", "--device", "memory", "--speed", "max", "--trace", trace
+    )
+    assert done.returncode == 0
+    lines = [json.loads(line) for line in trace.read_text().splitlines()]
+    stamps = [line["t_us"] for line in lines]
+    assert stamps == list(range(10_000, 10_000 * (len(lines) + 1), 10_000))
+    assert "push" in {line["gesture"] for line in lines}
+    assert not any(lines[-1]["pad"].values())
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_signal_while_playing_is_an_orderly_end(number):
+    process = start("run", "--source", "sim:tour", "--device", "memory", "--show", "nothing")
+    wait_ready(process)
+    process.send_signal(number)
+    process.send_signal(number)  # twice is harmless
+    _, rest = process.communicate(timeout=30)
+    assert process.returncode == 0
+    assert "The pad is neutral." in rest
+    assert "Traceback" not in rest
+
+
+def test_ctrl_c_before_the_start_is_no_traceback():
+    process = start("run", "--source", "sim:tour", "--device", "memory", "--show", "nothing")
+    time.sleep(0.4)
+    process.send_signal(signal.SIGINT)
+    _, text = process.communicate(timeout=60)
+    assert process.returncode in {0, 130}
+    assert "Traceback" not in text

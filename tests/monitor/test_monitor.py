@@ -1,0 +1,135 @@
+"""What the taps print and write."""
+
+import io
+import json
+
+import numpy as np
+import pytest
+
+from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.geometry import LATTICE_MM, Rig
+from neurotouch_hid.messages import (
+    EVENT_DTYPE,
+    Axis,
+    Button,
+    EventPacket,
+    GamepadState,
+    Gesture,
+    GestureKind,
+    MarkerField,
+    Step,
+)
+from neurotouch_hid.monitor import (
+    LinesMonitor,
+    PictureMonitor,
+    TraceWriter,
+    describe_gesture,
+    describe_pad,
+)
+from neurotouch_hid.monitor.terminal import draw
+
+RIG = Rig((173.0, 130.0), 2.5)
+REST_PX = RIG.to_px(LATTICE_MM).astype(np.float32)
+
+
+def step(t_us, kind, intensity_mm=0.0, translation_mm=(0.0, 0.0), contacts_mm=(), pad=None):
+    contacts = np.array(contacts_mm, float).reshape(-1, 2)
+    gesture = Gesture(t_us, kind, contacts, RIG.to_px(contacts), intensity_mm, translation_mm)
+    field = MarkerField(t_us, REST_PX, REST_PX + np.float32(0.1), np.ones(177, bool))
+    packet = EventPacket(t_us - 10_000, t_us, np.zeros(0, EVENT_DTYPE))
+    return Step(packet, None, field, gesture, pad or GamepadState(t_us))
+
+
+PUSH = step(
+    1_000_000,
+    GestureKind.PUSH,
+    4.25,
+    (-3.0, 0.1),
+    [(4.0, 8.0)],
+    GamepadState(1_000_000, frozenset({Button.A}), {Axis.LEFT_X: -0.5}),
+)
+REST = step(2_000_000, GestureKind.NONE)
+
+
+@pytest.mark.parametrize(
+    ("translation", "word"),
+    [
+        ((1, 0), "right"),
+        ((0, 1), "down"),
+        ((-1, 0), "left"),
+        ((0, -1), "up"),
+        ((1, -1), "up-right"),
+    ],
+)
+def test_push_is_described_with_its_direction(translation, word):
+    gesture = step(0, GestureKind.PUSH, 3.21, translation, [(0, 0), (1, 1)]).gesture
+    assert describe_gesture(gesture) == f"push {word} 3.2 mm, 2 fingers"
+
+
+def test_twist_is_described_in_whole_words():
+    gesture = step(0, GestureKind.TWIST_CCW, 2.0, contacts_mm=[(0, 0)]).gesture
+    assert describe_gesture(gesture) == "twist counter-clockwise 2.0 mm, 1 finger"
+
+
+def test_pad_is_described_by_what_is_pressed():
+    assert describe_pad(PUSH.pad) == "left_x -50%, button a"
+    assert describe_pad(REST.pad) == "neutral"
+
+
+def test_trace_has_one_line_per_slice_with_every_control(tmp_path):
+    path = tmp_path / "play.jsonl"
+    trace = TraceWriter(path)
+    trace(PUSH)
+    trace(REST)
+    assert not path.exists()  # not under its name before it is complete
+    trace.close()
+    first, second = map(json.loads, path.read_text().splitlines())
+    assert first["t_us"] == 1_000_000
+    assert first["gesture"] == "push"
+    assert first["intensity_mm"] == 4.25
+    assert first["contacts_px"] == [[183.0, 150.0]]
+    assert first["direction_deg"] == pytest.approx(178.09, abs=0.01)
+    assert first["markers_tracked"] == 177
+    assert set(first["pad"]) == {*map(str, Axis), *map(str, Button)}
+    assert first["pad"]["left_x"] == -0.5
+    assert first["pad"]["a"] is True
+    assert first["pad"]["b"] is False
+    assert second["direction_deg"] is None
+    assert not any(second["pad"].values())
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_trace_into_a_missing_folder_is_one_sentence(tmp_path):
+    with pytest.raises(NeuroTouchError, match=r"cannot be written: No such file"):
+        TraceWriter(tmp_path / "missing" / "play.jsonl")
+
+
+def test_lines_tell_only_changes():
+    out = io.StringIO()
+    monitor = LinesMonitor(out)
+    for one in (PUSH, PUSH, REST, REST):
+        monitor(one)
+    assert out.getvalue().splitlines() == [
+        "    1.00 s  push left 4.2 mm, 1 finger; pad left_x -50%, button a",
+        "    2.00 s  at rest; pad neutral",
+    ]
+
+
+def test_picture_shows_gel_gesture_and_pad():
+    lines = draw(PUSH, "sim:test")
+    text = "\n".join(lines)
+    assert "push left 4.2 mm, 1 finger" in text
+    assert "177 of 177" in text
+    gel = "\n".join(line[:29] for line in lines[2:17])
+    assert gel.count("·") + gel.count("●") == 177
+    assert lines[2 + 7 + 2][2 * (7 + 1)] == "●"  # the contact at (4, 8) mm: 1 right, 2 down
+    assert "A" in lines[-1] + text.rsplit("buttons", 1)[1]
+
+
+def test_picture_gives_the_cursor_back():
+    out = io.StringIO()
+    monitor = PictureMonitor(out, "sim:test")
+    monitor(PUSH)
+    monitor.close()
+    assert out.getvalue().endswith("\x1b[?25h")
+    assert "push left" in out.getvalue()
