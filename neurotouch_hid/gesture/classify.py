@@ -59,16 +59,29 @@ def fit_similarity(
     )
 
 
-def classify(motion: Similarity, gel_radius_px: float) -> tuple[GestureKind, float]:
+def measure_reach(position_px: NDArray[np.float64], origin_px: NDArray[np.float64]) -> float:
+    """Radius of the even disc whose points lie as far from the origin as these do, in px.
+
+    Args:
+        position_px: (n, 2) float64 px, n >= 1.
+        origin_px: (2,) px.
+    """
+    return math.sqrt(2 * float(((position_px - origin_px) ** 2).sum(axis=1).mean()))
+
+
+def classify(motion: Similarity, reach_px: float) -> tuple[GestureKind, float]:
     """The gesture type and how far it stands out.
 
-    Open in the paper: the unit of t, which is compared with pure numbers. Here t is divided by the
-    gel's radius, the paper's own scale for intensity ("scaled by the radius of the gel").
+    Open in the paper: the unit of t, which is compared with pure numbers. Here it is the radius of
+    the region the motion was fitted to, so that all three say how far the region's rim moves, and a
+    gesture means the same for near and for wide fingers. A fixed unit makes the type depend on how
+    many fingers there are: with the gel's radius every fourth slice of a push becomes a twist or a
+    pinch, with r a third of the pinches becomes a push.
     Differs: the paper calls a clockwise turn negative; ours are positive, as image y points down.
 
     Args:
         motion: the similarity about the mean contact.
-        gel_radius_px: radius of the gel in the image, px.
+        reach_px: radius of the region, px, > 0.
 
     Returns:
         The type, and 1 - runner-up/winner in 0..1.
@@ -76,7 +89,7 @@ def classify(motion: Similarity, gel_radius_px: float) -> tuple[GestureKind, flo
     turn = GestureKind.TWIST_CW if motion.rotation_rad > 0 else GestureKind.TWIST_CCW
     zoom = GestureKind.ZOOM if motion.scale > 1 else GestureKind.PINCH
     parts = [
-        (math.hypot(*motion.translation_px) / gel_radius_px, GestureKind.PUSH),
+        (math.hypot(*motion.translation_px) / reach_px, GestureKind.PUSH),
         (abs(motion.scale - 1), zoom),
         (abs(motion.rotation_rad), turn),
     ]

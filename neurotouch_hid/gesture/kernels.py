@@ -74,6 +74,36 @@ def find_near(
 
 
 @njit(cache=True, nogil=True)
+def smooth_displacement(
+    rest_px: NDArray[np.float64], displacement_px: NDArray[np.float64], radius_px: float
+) -> NDArray[np.float64]:
+    """Mean displacement of all markers within a radius of each marker, itself included.
+
+    Args:
+        rest_px: (n, 2) float64 px, columns x, y.
+        displacement_px: (n, 2) float64 px.
+        radius_px: the neighbourhood is closed (distance <= radius).
+
+    Returns:
+        (n, 2) float64 px.
+    """
+    n = len(rest_px)
+    mean = np.zeros((n, 2))
+    limit = radius_px * radius_px
+    for i in range(n):
+        count = 0
+        for j in range(n):
+            dx = rest_px[i, 0] - rest_px[j, 0]
+            dy = rest_px[i, 1] - rest_px[j, 1]
+            if dx * dx + dy * dy <= limit:
+                mean[i, 0] += displacement_px[j, 0]
+                mean[i, 1] += displacement_px[j, 1]
+                count += 1
+        mean[i] /= count
+    return mean
+
+
+@njit(cache=True, nogil=True)
 def find_homography_outliers(
     source: NDArray[np.float64],
     target: NDArray[np.float64],

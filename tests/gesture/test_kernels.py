@@ -4,7 +4,12 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from neurotouch_hid.gesture.kernels import find_homography_outliers, find_near, find_peaks
+from neurotouch_hid.gesture.kernels import (
+    find_homography_outliers,
+    find_near,
+    find_peaks,
+    smooth_displacement,
+)
 from tests.reference import gesture as reference
 
 
@@ -31,6 +36,16 @@ def test_find_near_equals_its_twin(seed, n, k, on_grid):
         position, points = np.round(position, -1), np.round(points, -1)
     near = find_near(position, points, 30.0)
     assert near.tolist() == reference.find_near(position, points, 30.0)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(0, 60))
+def test_smooth_displacement_equals_its_twin(seed, n):
+    rng = np.random.default_rng(seed)
+    rest, displacement = np.round(rng.uniform(0, 100, (n, 2)), -1), rng.normal(0, 9, (n, 2))
+    mean = smooth_displacement(rest, displacement, 30.0)
+    expected = reference.smooth_displacement(rest, displacement, 30.0)
+    np.testing.assert_allclose(mean, np.reshape(expected, (n, 2)), atol=1e-12)
 
 
 @settings(max_examples=60, deadline=None)

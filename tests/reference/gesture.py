@@ -74,3 +74,11 @@ def _missed(source, target, h, threshold):
         x, y, w = h @ (*p, 1.0)
         result.append(bool(w <= 0 or math.dist((x / w, y / w), q) > threshold))
     return result
+
+
+def smooth_displacement(rest, displacement, radius):
+    means = []
+    for p in rest:
+        near = [v for q, v in zip(rest, displacement, strict=True) if math.dist(p, q) <= radius]
+        means.append([math.fsum(v[axis] for v in near) / len(near) for axis in (0, 1)])
+    return means
