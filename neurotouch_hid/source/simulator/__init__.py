@@ -1,4 +1,4 @@
-"""A simulated gel under a simulated DAVIS-346: scripts of gestures in, packets and their truth out."""
+"""A simulated gel under a simulated DAVIS-346: scripts in, packets and their truth out."""
 
 from neurotouch_hid.source.simulator.scenes import find_scene, scene_config, scene_names
 from neurotouch_hid.source.simulator.script import Finger, Script, Stroke, sequence

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import GEL_RADIUS_MM, MARKER_DIAMETER_MM, Rig
+from neurotouch_hid.geometry import GEL_RADIUS_MM, MARKER_DIAMETER_MM, NOMINAL_PX_PER_MM, Rig
 
 RING_MM = 31.5  # the housing hides what lies further out
+SHIPPED_RIG = Rig((172.5, 129.5), NOMINAL_PX_PER_MM)  # the middle of the sensor
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,14 +16,14 @@ class CameraConfig:
     """Where the camera stands and what its lens does.
 
     Attributes:
-        rig: the image of the gel's plane; the centre of the 346x260 sensor, nearly.
+        rig: where the gel lies in the image.
         distance_mm: from the lens to the plane of the rim.
         height_mm: of the dome over that plane.
         barrel: radial distortion of the lens in 1/mm² at the gel; nearly undoes the dome's.
         falloff: how fast a tilted marker loses brightness (power of the cosine).
     """
 
-    rig: Rig = Rig((172.5, 129.5), 2.5)  # [NT, "Results"]: r = 30 px is about 12 mm
+    rig: Rig = SHIPPED_RIG
     distance_mm: float = 90.0
     height_mm: float = 15.0
     barrel: float = 9e-5

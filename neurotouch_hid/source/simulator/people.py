@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import GestureKind
@@ -24,8 +25,8 @@ THREE_FINGERS = 0.3  # share of the other gestures with three
 # Mean and largest displacement of the contacts at full size, mm. Frames of attack and release pull
 # the mean of all frames down to about three quarters [NT, figures of the intensity].
 SIZES_MM = {
-    GestureKind.PUSH: (8.0, 18.0),
-    GestureKind.PINCH: (5.5, 13.0),
+    GestureKind.PUSH: (8.5, 17.3),
+    GestureKind.PINCH: (7.0, 14.0),
     GestureKind.ZOOM: (4.2, 9.0),
     GestureKind.TWIST_CW: (5.2, 13.0),
     GestureKind.TWIST_CCW: (5.2, 13.0),
@@ -83,7 +84,7 @@ def meet_person(seed: int) -> tuple[Person, SimulatorConfig]:
         ),
         LightConfig(
             white_dn=rng.uniform(140.0, 230.0),
-            black_dn=rng.uniform(12.0, 30.0),
+            black_dn=rng.uniform(8.0, 24.0),
             uneven=rng.uniform(0.0, 0.6),
             uneven_rad=rng.uniform(-math.pi, math.pi),
             n_spots=int(rng.integers(0, 9)),
@@ -149,7 +150,8 @@ def _draw_push(
         side = 14.0 * np.array([-way[1], way[0]])
         if np.hypot(*(at + side)) > np.hypot(*(at - side)):
             side = -side
-        second = replace(stroke.fingers[0], contact_mm=tuple(float(v) for v in at + side))
+        second_mm = (float(at[0] + side[0]), float(at[1] + side[1]))
+        second = replace(stroke.fingers[0], contact_mm=second_mm)
         stroke = replace(stroke, fingers=(*stroke.fingers, second))
     return stroke
 
@@ -197,6 +199,6 @@ def _personal(finger: Finger, strength: float, rng: np.random.Generator, person:
     )
 
 
-def _keep_inside(point: np.ndarray, radius: float) -> np.ndarray:
+def _keep_inside(point: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
     r = float(np.hypot(*point))
     return point if r <= radius else point * (radius / r)

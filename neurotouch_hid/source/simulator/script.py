@@ -1,10 +1,11 @@
 """What the fingers do over time: the truth of a simulation, as plain records."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from neurotouch_hid.messages import GestureKind
 
@@ -18,7 +19,7 @@ N_RIPPLES = 3  # sinusoids per tremor and drift
 class Finger:
     """One contact patch and its motion when the gesture is at its full size.
 
-    The patch turns by ``turn_rad`` about ``pivot_mm`` (and about itself), then moves by ``drag_mm``.
+    The patch turns by ``turn_rad`` about ``pivot_mm`` and about itself, and moves by ``drag_mm``.
 
     Attributes:
         contact_mm: centre (x, y) of the patch on the undeformed gel.
@@ -170,6 +171,7 @@ def _wander(finger: Finger, t_us: int) -> tuple[float, float]:
     return x, y
 
 
-def _ripples(seed: int, salt: int) -> NDArray[np.float64]:
+@lru_cache(maxsize=64)
+def _ripples(seed: int, salt: int) -> Sequence[tuple[float, float, float]]:
     rows = np.random.default_rng((seed, salt)).random((N_RIPPLES, 3))
-    return rows * (1.0, 2.0 * math.pi, 2.0 * math.pi)
+    return [(float(a), 2.0 * math.pi * float(b), 2.0 * math.pi * float(c)) for a, b, c in rows]

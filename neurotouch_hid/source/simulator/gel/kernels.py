@@ -53,7 +53,7 @@ def patch_field(
 
 @nb.njit(cache=True, nogil=True)
 def press_depth(r2: float, a: float) -> float:
-    """Depth at squared distance ``r2`` from the centre of a Hertz press of unit depth and radius a."""
+    """Depth at squared distance ``r2`` from the centre of a Hertz press of depth 1 and radius a."""
     q2 = r2 / (a * a)
     if q2 <= 1.0:
         return 1.0 - 0.5 * q2

@@ -59,7 +59,8 @@ class Motion:
     def __init__(self, script: Script, camera: Camera, px_per_mm: float, gel: GelConfig) -> None:
         self._script, self._camera, self._gel = script, camera, gel
         self._px_per_mm = px_per_mm
-        self._rest = self._knot(np.column_stack([LATTICE_MM, np.zeros(N_MARKERS)]), None, ())
+        at_rest = camera.outline(np.column_stack([LATTICE_MM, np.zeros(N_MARKERS)]))
+        self._rest = Knot(at_rest, GestureKind.NONE, np.empty((0, 2)), np.empty(0))
         self._restart()
 
     def knot(self, index: int) -> Knot:
@@ -99,45 +100,57 @@ class Motion:
     def _restart(self) -> None:
         self._history: deque[Knot] = deque(maxlen=N_HISTORY)
         self._next = 0
-        self._late: NDArray[np.float64] | None = None
-        self._stroke: Stroke | None = None
+        self._grip: _Grip | None = None
 
     def _compute(self, index: int) -> Knot:
         found = self._script.find(index * KNOT_US)
         if found is None:
-            self._stroke = None
+            self._grip = None
             return self._rest
         stroke, t_us = found
-        points = np.concatenate(
-            [LATTICE_MM, *(_probes(f.contact_mm, f.radius_mm) for f in stroke.fingers)]
-        )
-        centres = np.array([finger.contact_mm for finger in stroke.fingers])
-        radii = np.array([finger.radius_mm for finger in stroke.fingers])
-        state = np.array([motion_at(stroke, finger, t_us) for finger in stroke.fingers])
-        moved = np.empty((len(points), 3))
-        deform(
-            points, centres, radii, np.ascontiguousarray(state[:, :3]), state[:, 3].copy(), moved
-        )
-        if self._stroke is not stroke:
-            self._stroke, self._late = stroke, np.column_stack([points, np.zeros(len(points))])
-        assert self._late is not None
-        self._late += (moved - self._late) * (1.0 - math.exp(-KNOT_US / self._gel.lag_us))
-        moved += self._gel.lag * (self._late - moved)
-        return self._knot(moved, stroke, points)
-
-    def _knot(self, moved: NDArray[np.float64], stroke: Stroke | None, points) -> Knot:
+        if self._grip is None or self._grip.stroke is not stroke:
+            self._grip = _Grip(stroke, self._camera)
+        moved = self._grip.move(t_us, self._gel)
         outline = self._camera.outline(moved[:N_MARKERS])
-        if stroke is None:
-            return Knot(outline, GestureKind.NONE, np.empty((0, 2)), np.empty(0))
         probes = self._camera.project(moved[N_MARKERS:])
-        rest = np.column_stack([points[N_MARKERS:], np.zeros(len(probes))])
-        far_mm = np.linalg.norm(probes - self._camera.project(rest), axis=1) / self._px_per_mm
-        shape = (len(stroke.fingers), -1)
+        contacts, moved_px = self._grip.summarise(probes)
+        return Knot(outline, stroke.kind, contacts, moved_px / self._px_per_mm)
+
+
+class _Grip:
+    """The fingers of one stroke on the gel, from the moment they touch."""
+
+    def __init__(self, stroke: Stroke, camera: Camera) -> None:
+        self.stroke = stroke
+        fingers = stroke.fingers
+        probes = [_probes(finger.contact_mm, finger.radius_mm) for finger in fingers]
+        self._points = np.concatenate([LATTICE_MM, *probes])
+        self._centres = np.array([finger.contact_mm for finger in fingers])
+        self._radii = np.array([finger.radius_mm for finger in fingers])
+        self._late = np.column_stack([self._points, np.zeros(len(self._points))])
+        self._rest_px = camera.project(self._late[N_MARKERS:])
+
+    def move(self, t_us: int, gel: GelConfig) -> NDArray[np.float64]:
+        """Markers, then probes, (n, 3) mm, one knot after the last call."""
+        state = np.array([motion_at(self.stroke, finger, t_us) for finger in self.stroke.fingers])
+        motions, depths = state[:, :3].copy(), state[:, 3].copy()
+        moved = np.empty_like(self._late)
+        deform(self._points, self._centres, self._radii, motions, depths, moved)
+        self._late += (moved - self._late) * (1.0 - math.exp(-KNOT_US / gel.lag_us))
+        moved += gel.lag * (self._late - moved)
+        return moved
+
+    def summarise(
+        self, probes_px: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Per finger the place of its largest deformation (k, 2) and how far it moved (k,), px."""
+        shape = (len(self.stroke.fingers), -1)
+        far = np.linalg.norm(probes_px - self._rest_px, axis=1).reshape(shape)
         # A soft maximum: the patch's centre where it moves as one, its outer side where it turns.
-        weights = (far_mm.reshape(shape) + 1e-6) ** 8
+        weights = (far + 1e-6) ** 8
         weights /= weights.sum(axis=1, keepdims=True)
-        contacts = (weights[:, :, None] * probes.reshape(*shape, 2)).sum(axis=1)
-        return Knot(outline, stroke.kind, contacts, (weights * far_mm.reshape(shape)).sum(axis=1))
+        contacts = (weights[:, :, None] * probes_px.reshape(*shape, 2)).sum(axis=1)
+        return contacts, (weights * far).sum(axis=1)
 
 
 def _probes(contact_mm: tuple[float, float], radius_mm: float) -> NDArray[np.float64]:

@@ -37,8 +37,9 @@ PIXEL_DTYPE = np.dtype(
     align=True,
 )
 """One event pixel: ``signal`` log intensity behind the photoreceptor's low pass, ``reference`` at
-the last reset minus the leak up to ``seen_us``, thresholds ``on`` and ``off``, ``leak`` in log units
-per µs, ``is_active`` whether the signal may change, ``free_us`` end of the refractory period."""
+the last reset minus the leak up to ``seen_us``, thresholds ``on`` and ``off``, ``leak`` in log
+units per µs, ``is_active`` whether the signal may change, ``free_us`` end of the refractory
+period."""
 
 N_TOUCHED, N_ACTIVE, N_EVENTS, N_LOST = range(4)  # places in ``counts``
 
@@ -292,11 +293,17 @@ def add_noise(
     """Add shot noise (full rate in the dark, a quarter at white) and hot pixels for one tick.
 
     Args:
-        t_us, tick_us, refractory_us, canvas, pixels, events, counts: see ``sense``.
+        t_us: begin of the tick.
+        tick_us: its length.
         shot_hz: rate of noise events of a dark pixel.
         hot_hz: rate of noise events of a hot pixel.
+        refractory_us: dead time after an event.
         hot: (h,) int32, the hot pixels.
         random: (1,) uint64, counter of the random generator, updated.
+        canvas: (n,) POINT_DTYPE, the picture.
+        pixels: (n,) PIXEL_DTYPE, updated.
+        events: (m,) EVENT_DTYPE, appended to, not sorted.
+        counts: (4,) int64, N_EVENTS and N_LOST updated.
     """
     n_shot = random_poisson(shot_hz * len(pixels) * tick_us * 1e-6, random)
     n_hot = random_poisson(hot_hz * len(hot) * tick_us * 1e-6, random)
@@ -321,8 +328,8 @@ def add_noise(
 def sort_tick(first: int, t_us: int, tick_us: int, row_us: int, events: Records, end: int) -> None:
     """Sort the events from ``first`` to ``end``, all of one tick, by time (stable counting sort).
 
-    With ``row_us`` > 0 the events of a row wait for the row's turn, which comes every ``row_us`` µs,
-    and share its stamp, as a row-wise readout does.
+    With ``row_us`` > 0 the events of a row wait for the row's turn, which comes every ``row_us``
+    µs, and share its stamp, as a row-wise readout does.
     """
     part = events[first:end].copy()
     place = np.zeros(tick_us + 1, np.int64)
@@ -388,12 +395,23 @@ def advance(
         t_us: begin of the first tick.
         tick_us: length of a tick.
         exposing: whether a frame is being exposed.
-        shot_hz, hot_hz, hot, random: see ``add_noise``.
-        refractory_us, levels, gains: see ``sense``.
+        shot_hz: see ``add_noise``, as for the next.
+        hot_hz: rate of a hot pixel.
+        refractory_us: dead time of a pixel after an event.
         row_us: see ``sort_tick``.
         window_us: how often leaking pixels are looked for.
-        profile, profile_scale: see ``draw``.
-        canvas, touched, pixels, active, events, counts: updated.
+        profile: see ``draw``, as for the next.
+        profile_scale: entries per unit.
+        levels: see ``sense``, as for the next.
+        gains: of the low pass.
+        hot: the hot pixels.
+        random: counter of the random generator, updated.
+        canvas: the picture, updated.
+        touched: pixels with a marker, updated.
+        pixels: event pixels, updated.
+        active: pixels whose signal may change, updated.
+        events: (m,) EVENT_DTYPE, appended to in order of time.
+        counts: (4,) int64, updated.
     """
     for tick in range(n_ticks):
         begin = t_us + tick * tick_us

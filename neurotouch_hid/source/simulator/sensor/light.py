@@ -23,8 +23,8 @@ class LightConfig:
         seed: where the spots are.
     """
 
-    white_dn: float = 190.0
-    black_dn: float = 22.0
+    white_dn: float = 200.0
+    black_dn: float = 14.0
     uneven: float = 0.3
     uneven_rad: float = 0.6
     n_spots: int = 5

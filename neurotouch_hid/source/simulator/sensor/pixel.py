@@ -113,7 +113,8 @@ class Sensor:
         Args:
             knots: (4, 177, 6) float64, see ``kernels.draw``.
             knot_us: length of the interval; it begins at a multiple of it.
-            begin_us, end_us: the stretch, multiples of 500 µs.
+            begin_us: begin of the stretch, a multiple of 500 µs.
+            end_us: its end, a multiple of 500 µs.
 
         Returns:
             (n,) EVENT_DTYPE ascending in time, and the frames whose exposure ended in the stretch.
@@ -185,8 +186,8 @@ class Sensor:
         sigma = np.sqrt(config.read_noise_dn**2 + mean / 80.0)
         pixels = mean * self._gain + self._offset + sigma * noise
         shape = (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
-        pixels = np.clip(np.rint(pixels), 0, 255).astype(np.uint8).reshape(shape)
-        return Frame(pixels, end_us - config.exposure_us, end_us)
+        image = np.clip(np.rint(pixels), 0, 255).astype(np.uint8).reshape(shape)
+        return Frame(image, end_us - config.exposure_us, end_us)
 
 
 def marker_profile(blur_px: float) -> NDArray[np.float32]:
@@ -203,8 +204,10 @@ def marker_profile(blur_px: float) -> NDArray[np.float32]:
     radius = PROFILE_REACH * np.sqrt(np.linspace(0.0, 1.0, PROFILE_STEPS + 1))
     d2 = (x[inside] - radius[:, None]) ** 2 + y[inside] ** 2
     area = (axis[1] - axis[0]) ** 2
-    profile = np.exp(-d2 / (2 * sigma**2)).sum(axis=1) * area / (2 * np.pi * sigma**2)
-    return (profile - profile[-1]).astype(np.float32)
+    profile: NDArray[np.float64] = (
+        np.exp(-d2 / (2 * sigma**2)).sum(axis=1) * area / (2 * np.pi * sigma**2)
+    )
+    return np.asarray(profile - profile[-1], np.float32)
 
 
 def response_tables(cutoff_hz: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

@@ -1,0 +1,169 @@
+"""Writes a set of labelled recordings like the paper's, which has not been published."""
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from neurotouch_hid.errors import RecordingError
+from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
+from neurotouch_hid.source.simulator.people import Person, draw_stroke, meet_person
+from neurotouch_hid.source.simulator.script import PRESS_US, Script, Stroke
+from neurotouch_hid.source.simulator.simulator import Simulator
+
+KINDS = tuple(GestureKind)[1:]
+MODEL = 1  # raised when the simulator changes, so that old files are written anew
+REST_US = 600_000  # at the start of each recording, so that the gel can be found
+NONE_SHARE = 0.4  # [NT, figure of the labels]: 15,000 of 37,912 frames show no gesture
+HIDDEN_US = 200_000  # of each attack and release, below what is labelled
+MANIFEST = "dataset.json"
+SLICE_US = 20_000
+
+
+@dataclass(frozen=True, slots=True)
+class Recipe:
+    """What one recording is made from; equal recipes give equal recordings."""
+
+    model: int
+    seed: int
+    user: int
+    gesture: str
+    duration_us: int
+
+    @property
+    def name(self) -> str:
+        """The recording's name without suffix."""
+        return f"user{self.user + 1}-{self.gesture}"
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far the writing is.
+
+    Attributes:
+        path: the recording that is being written or was found finished.
+        n_done: recordings finished before it.
+        n_files: recordings of the set.
+        share: of this recording, 0..1.
+    """
+
+    path: Path
+    n_done: int
+    n_files: int
+    share: float
+
+
+def write_dataset(
+    out_dir: Path | str,
+    users: int = 5,
+    minutes: float = 25.0,
+    seed: int = 0,
+    progress: Callable[[Progress], None] = lambda _: None,
+) -> list[Path]:
+    """Write one recording per user and gesture, with labels; finished ones are kept.
+
+    A recording appears under its name only when it is complete; ``dataset.json`` says what each was
+    made from, so an interrupted run goes on where it stopped.
+
+    Args:
+        out_dir: made if missing.
+        users: number of simulated people.
+        minutes: length of the whole set.
+        seed: another seed gives other people and other gestures.
+        progress: told at the start, about once a simulated second, and at the end of each file.
+
+    Returns:
+        The recordings, users one after another.
+
+    Raises:
+        RecordingError: the folder or a file cannot be written.
+    """
+    folder = Path(out_dir)
+    recipes = plan_dataset(users, minutes, seed)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise RecordingError(f"{folder} cannot be made: {error.strerror}") from error
+    finished = _read_manifest(folder)
+    paths = [folder / f"{recipe.name}.aedat4" for recipe in recipes]
+    for i, (recipe, path) in enumerate(zip(recipes, paths, strict=True)):
+        is_there = path.exists() and labels_path(path).exists()
+        if not (is_there and finished.get(recipe.name) == asdict(recipe)):
+            if finished.pop(recipe.name, None) is not None:
+                _write_manifest(folder, finished)
+            for share in _record(recipe, path):
+                progress(Progress(path, i, len(paths), share))
+            finished[recipe.name] = asdict(recipe)
+            _write_manifest(folder, finished)
+        progress(Progress(path, i, len(paths), 1.0))
+    return paths
+
+
+def plan_dataset(users: int, minutes: float, seed: int) -> list[Recipe]:
+    """The recipes of a set, users one after another."""
+    duration_us = round(minutes * 60e6 / (users * len(KINDS)))
+    return [
+        Recipe(MODEL, seed, user, kind.label, duration_us)
+        for user in range(users)
+        for kind in KINDS
+    ]
+
+
+def simulate_recipe(recipe: Recipe) -> Simulator:
+    """The simulation that gives the recording."""
+    kind = GestureKind[recipe.gesture.upper()]
+    person, config = meet_person(1000 * recipe.seed + recipe.user)
+    rng = np.random.default_rng((recipe.seed, recipe.user, kind))
+    script = draw_script(recipe.name, kind, recipe.duration_us, person, rng)
+    return Simulator(script, config, seed=int(rng.integers(1 << 31)), slice_us=SLICE_US)
+
+
+def draw_script(
+    name: str, kind: GestureKind, duration_us: int, person: Person, rng: np.random.Generator
+) -> Script:
+    """A person doing one gesture again and again, with the paper's share of rest between."""
+    strokes = list[Stroke]()
+    t_us = REST_US
+    while True:
+        stroke = replace(draw_stroke(kind, rng, person), start_us=t_us)
+        if stroke.end_us > duration_us:
+            return Script(name, tuple(strokes), duration_us)
+        strokes.append(stroke)
+        shown_us = stroke.attack_us + stroke.hold_us + stroke.release_us
+        hidden_us = PRESS_US + 4 * stroke.creep_us + HIDDEN_US  # of the stroke, but too weak to be labelled
+        pause_us = max(shown_us * NONE_SHARE / (1.0 - NONE_SHARE) - hidden_us, 100_000)
+        t_us = stroke.end_us + int(pause_us * rng.uniform(0.5, 1.5))
+
+
+def _record(recipe: Recipe, path: Path) -> Iterator[float]:
+    """Write a recording and its labels, yielding the share done about once a simulated second."""
+    yield 0.0
+    truths = []
+    with simulate_recipe(recipe) as simulator, RecordingWriter(path) as writer:
+        for packet in simulator:
+            writer.write(packet)
+            truths += [simulator.truth(frame.t_us) for frame in packet.frames]
+            if packet.t_end_us % 1_000_000 == 0:
+                yield min(packet.t_end_us / recipe.duration_us, 0.999)
+        write_labels(labels_path(path), truths)
+
+
+def _read_manifest(folder: Path) -> dict[str, object]:
+    try:
+        content = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}  # no set here yet, or one that nobody can trust
+    return content if isinstance(content, dict) else {}
+
+
+def _write_manifest(folder: Path, finished: dict[str, object]) -> None:
+    path = folder / MANIFEST
+    partial = path.with_suffix(".partial")
+    try:
+        partial.write_text(json.dumps(finished, indent=1) + "\n", encoding="utf-8")
+        partial.replace(path)
+    except OSError as error:
+        raise RecordingError(f"{path} cannot be written: {error.strerror}") from error
