@@ -28,8 +28,8 @@ def _lattice() -> tuple[NDArray[np.float64], NDArray[np.intp]]:
 LATTICE_MM, NEIGHBOURS = _lattice()
 """``LATTICE_MM``: (177, 2) float64, every marker at rest in gel coordinates, rows from the top,
 columns from the left: 177 is exactly the number of points of a 4 mm square lattice within 30 mm of
-the centre. ``NEIGHBOURS``: (177, 8) intp, the lattice neighbours of each marker (row above, left and
-right, row below), -1 where there is none."""
+the centre. ``NEIGHBOURS``: (177, 8) intp, the lattice neighbours of each marker (row above, left
+and right, row below), -1 where there is none."""
 LATTICE_MM.setflags(write=False)
 NEIGHBOURS.setflags(write=False)
 N_MARKERS = len(LATTICE_MM)

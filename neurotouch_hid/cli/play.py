@@ -48,6 +48,7 @@ def play(
     """
     if show == "auto":
         show = "picture" if sys.stdout.isatty() else "lines"
+    stop = stop_on_signals()
     click.echo(f"Gamepad ready: {title}. Ctrl-C ends.", err=True)
     packets = source if seconds is None else _for_seconds(source, seconds)
     with ExitStack() as stack:
@@ -62,7 +63,6 @@ def play(
             )
             stack.callback(monitor.close)
             taps.append(monitor)
-        stop = stack.enter_context(stop_on_signals())
         stats = run_line(packets, pipeline, device, taps, stop=stop)
     speed = f", {stats.sensor_s / stats.host_s:.1f} times real time" if stats.host_s else ""
     click.echo(

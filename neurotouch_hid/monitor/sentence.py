@@ -37,6 +37,7 @@ def describe_gesture(gesture: Gesture) -> str:
 
 def describe_pad(pad: GamepadState) -> str:
     """For example ``left_x -45 %, button a``; ``neutral`` if nothing is pressed."""
-    parts = [f"{axis} {value:+.0%}" for axis in Axis if (value := pad.axes.get(axis, 0.0))]
+    shares = {axis: round(100 * pad.axes.get(axis, 0.0)) for axis in Axis}
+    parts = [f"{axis} {share:+d} %" for axis, share in shares.items() if share]
     parts += [f"button {button}" for button in sorted(pad.buttons)]
     return ", ".join(parts) or "neutral"

@@ -2,22 +2,15 @@
 
 import signal
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
-
-_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
-@contextmanager
-def stop_on_signals() -> Iterator[threading.Event]:
-    """Within the block a signal sets the event instead of interrupting; twice is harmless.
+def stop_on_signals() -> threading.Event:
+    """From now on a signal sets the returned event and does nothing else; twice is harmless.
 
-    Must be entered in the main thread.
+    Nothing puts the former behaviour back: the pad is to be released undisturbed. Only the main
+    thread may call this.
     """
     stop = threading.Event()
-    before = {number: signal.signal(number, lambda *_: stop.set()) for number in _SIGNALS}
-    try:
-        yield stop
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda *_: stop.set())
+    return stop

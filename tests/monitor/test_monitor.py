@@ -72,7 +72,7 @@ def test_twist_is_described_in_whole_words():
 
 
 def test_pad_is_described_by_what_is_pressed():
-    assert describe_pad(PUSH.pad) == "left_x -50%, button a"
+    assert describe_pad(PUSH.pad) == "left_x -50 %, button a"
     assert describe_pad(REST.pad) == "neutral"
 
 
@@ -110,7 +110,7 @@ def test_lines_tell_only_changes():
     for one in (PUSH, PUSH, REST, REST):
         monitor(one)
     assert out.getvalue().splitlines() == [
-        "    1.00 s  push left 4.2 mm, 1 finger; pad left_x -50%, button a",
+        "    1.00 s  push left 4.2 mm, 1 finger; pad left_x -50 %, button a",
         "    2.00 s  at rest; pad neutral",
     ]
 
