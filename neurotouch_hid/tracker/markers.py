@@ -35,14 +35,14 @@ class TrackerConfig:
 
     gate_px: float = 4.0
     r_px2: float = 10.0
-    spread_px: float = 2.5
+    spread_px: float = 4.0
     q_x: float = 5.0
-    q_v: float = 5e5
+    q_v: float = 4e6
     memory_us: int = 20_000
-    quiet_us: int = 1_000
+    quiet_us: int = 100
     check_us: int = 2_000
-    max_stray_px: float = 3.0
-    max_stray_ratio: float = 1.5
+    max_stray_px: float = 4.0
+    max_stray_ratio: float = 2.0
 
     def tuning(self) -> kernels.Tuning:
         """The same as the kernels take it."""
