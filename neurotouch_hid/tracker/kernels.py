@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 X, Y, VX, VY, A, B, C, T = range(8)
 CELL_PX = 12  # an event looks at the 2 x 2 cells around it: exact for gates up to half a cell
+CELL_CAPACITY = 64  # markers in 2 x 2 cells: 3 px apart, everywhere
 GRID_COLUMNS = 31  # 346 px in cells, and a border on both sides
 GRID_ROWS = 24  # 260 px in cells, and a border on both sides
 SECOND = 1e-6  # in µs
@@ -21,9 +22,9 @@ class Tracks(NamedTuple):
         state: (n, 8) float64, a cache line each. Columns: position X, Y (px), velocity VX, VY
             (px/s), the covariance A = var(position) (px²), B = cov(position, velocity) (px²/s),
             C = var(velocity) (px²/s²), the same for x and y, and the moment T (µs) of all these.
-        head: (cells,) int16, the first marker in each cell of the grid, or -1.
-        link: (n, 2) int16, the next and the previous marker in the same cell, or -1.
-        cell: (n,) int16, the cell a marker hangs in, or -1.
+        near: (cells, k) int16, the markers in the 2 x 2 cells whose top left one this is.
+        n_near: (cells,) int16, their number.
+        cell: (n,) int16, the cell a marker lies in, or -1.
         lost: (n,) bool, the position is a guess.
         rest_px: (n, 2) float64, positions while the gel is undeformed.
         neighbours: (n, 8) intp, -1 where there is none.
@@ -33,8 +34,8 @@ class Tracks(NamedTuple):
     """
 
     state: NDArray[np.float64]
-    head: NDArray[np.int16]
-    link: NDArray[np.int16]
+    near: NDArray[np.int16]
+    n_near: NDArray[np.int16]
     cell: NDArray[np.int16]
     lost: NDArray[np.bool_]
     rest_px: NDArray[np.float64]
@@ -61,48 +62,51 @@ class Tuning(NamedTuple):
 
 @njit(cache=True, nogil=True, inline="always")
 def _cell_of(x: float, y: float) -> int:
-    column = min(max(int(math.floor(x / CELL_PX)) + 1, 0), GRID_COLUMNS - 1)
-    row = min(max(int(math.floor(y / CELL_PX)) + 1, 0), GRID_ROWS - 1)
+    column = min(max(int(math.floor(x * (1.0 / CELL_PX))) + 1, 0), GRID_COLUMNS - 1)
+    row = min(max(int(math.floor(y * (1.0 / CELL_PX))) + 1, 0), GRID_ROWS - 1)
     return row * GRID_COLUMNS + column
 
 
 @njit(cache=True, nogil=True)
-def seat(i: int, tracks: Tracks) -> None:
-    """Hang marker ``i`` in the list of the cell in which it lies now."""
-    head, link = tracks.head, tracks.link
-    new, old = _cell_of(tracks.state[i, X], tracks.state[i, Y]), tracks.cell[i]
-    if new == old:
-        return
-    after, before = link[i, 0], link[i, 1]
-    if old >= 0:
-        if before >= 0:
-            link[before, 0] = after
-        else:
-            head[old] = after
-        if after >= 0:
-            link[after, 1] = before
-    first = head[new]
-    link[i, 0], link[i, 1] = first, -1
-    if first >= 0:
-        link[first, 1] = i
-    head[new] = i
+def _move(i: int, old: int, new: int, tracks: Tracks) -> None:
+    """Strike marker ``i`` off the four lists around its old cell, enter it around its new one."""
+    for offset in (0, 1, GRID_COLUMNS, GRID_COLUMNS + 1):
+        corner = old - offset
+        if old >= 0 and corner >= 0:
+            n = tracks.n_near[corner]
+            for k in range(n):
+                if tracks.near[corner, k] == i:
+                    tracks.near[corner, k] = tracks.near[corner, n - 1]
+                    tracks.n_near[corner] = n - 1
+                    break
+    for offset in (0, 1, GRID_COLUMNS, GRID_COLUMNS + 1):
+        corner = new - offset
+        if corner >= 0 and tracks.n_near[corner] < tracks.near.shape[1]:
+            tracks.near[corner, tracks.n_near[corner]] = i
+            tracks.n_near[corner] += 1
     tracks.cell[i] = new
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
+def seat(i: int, tracks: Tracks) -> None:
+    """Keep the lists of the grid true after marker ``i`` has moved."""
+    cell = _cell_of(tracks.state[i, X], tracks.state[i, Y])
+    if cell != tracks.cell[i]:
+        _move(i, tracks.cell[i], cell, tracks)
+
+
+@njit(cache=True, nogil=True, inline="always")
 def nearest(x: int, y: int, gate_px2: float, tracks: Tracks) -> int:
     """The marker nearest to pixel (x, y) among those nearer than the gate, or -1."""
-    state = tracks.state
     corner = (y + CELL_PX // 2) // CELL_PX * GRID_COLUMNS + (x + CELL_PX // 2) // CELL_PX
     best, best_px2 = -1, gate_px2
-    for offset in (0, 1, GRID_COLUMNS, GRID_COLUMNS + 1):
-        i = tracks.head[corner + offset]
-        while i >= 0:
-            dx, dy = x - state[i, X], y - state[i, Y]
-            px2 = dx * dx + dy * dy
-            if px2 < best_px2:
-                best, best_px2 = i, px2
-            i = tracks.link[i, 0]
+    for k in range(tracks.n_near[corner]):
+        i = tracks.near[corner, k]
+        dx, dy = x - tracks.state[i, X], y - tracks.state[i, Y]
+        px2 = dx * dx + dy * dy
+        closer = px2 < best_px2
+        best = i if closer else best
+        best_px2 = px2 if closer else best_px2
     return best
 
 
@@ -121,7 +125,7 @@ def filter_events(
     n = len(events)
     state = tracks.state
     gate_px2 = tuning.gate_px * tuning.gate_px
-    forget = 1.0 / tuning.memory_s
+    forget, quiet_s2 = 1.0 / tuning.memory_s, tuning.quiet_s * tuning.quiet_s
     tail = 1.0 / (tuning.spread_px * tuning.spread_px)
     while start < n and events[start].t < until_us:
         e = events[start]
@@ -137,9 +141,7 @@ def filter_events(
         step = 0.5 * dt * (1.0 + keep)
         # What makes no events does not move, and a lone event is likely noise: uncertainty grows
         # less, not more, when a marker has been quiet.
-        dt = elapsed
-        if dt > tuning.quiet_s:
-            dt = tuning.quiet_s * tuning.quiet_s / dt
+        dt = elapsed * quiet_s2 / (quiet_s2 + elapsed * elapsed)
         b = s[B] + dt * s[C]
         a = s[A] + dt * (s[B] + b) + tuning.q_x * dt
         c = s[C] + tuning.q_v * dt

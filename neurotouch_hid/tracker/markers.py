@@ -39,7 +39,7 @@ class TrackerConfig:
     q_x: float = 5.0
     q_v: float = 4e6
     memory_us: int = 20_000
-    quiet_us: int = 100
+    quiet_us: int = 150
     check_us: int = 2_000
     max_stray_px: float = 4.0
     max_stray_ratio: float = 2.0
@@ -86,11 +86,11 @@ class MarkerTracker:
         """Start without a gel; the first ``anchor`` gives one."""
         self._config = config or TrackerConfig()
         self._tuning = self._config.tuning()
-        n = N_MARKERS
+        n, n_cells = N_MARKERS, kernels.GRID_ROWS * kernels.GRID_COLUMNS
         self._tracks = kernels.Tracks(
             state=np.zeros((n, 8)),
-            head=np.full(kernels.GRID_ROWS * kernels.GRID_COLUMNS, -1, np.int16),
-            link=np.full((n, 2), -1, np.int16),
+            near=np.zeros((n_cells, kernels.CELL_CAPACITY), np.int16),
+            n_near=np.zeros(n_cells, np.int16),
             cell=np.full(n, -1, np.int16),
             lost=np.zeros(n, np.bool_),
             rest_px=np.full((n, 2), np.nan),
