@@ -1,0 +1,99 @@
+"""Plays labelled recordings through the line and counts, on as many cores as wanted."""
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from functools import reduce
+from multiprocessing import get_context
+from operator import add
+from pathlib import Path
+from typing import Any
+
+from neurotouch_hid.device import MemoryDevice
+from neurotouch_hid.evaluation.comparison import Comparison
+from neurotouch_hid.evaluation.labels import LabelTrack
+from neurotouch_hid.evaluation.metrics import summarise
+from neurotouch_hid.evaluation.tally import Tally
+from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.profile import load_profile
+from neurotouch_hid.recording import labels_path, read_labels
+from neurotouch_hid.runtime import Pipeline, run_line, warm_up
+from neurotouch_hid.source import open_source
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Evaluation:
+    """What ``evaluate_files`` found.
+
+    Attributes:
+        files: the tally of each recording by its name: the file's name without ``.aedat4``, or the
+            whole path where two share one.
+    """
+
+    files: dict[str, Tally]
+
+    def report(self) -> dict[str, Any]:
+        """The figures of all files together and, under ``files``, of each; ready for JSON."""
+        total = reduce(add, self.files.values(), Tally())
+        each = {name: summarise(tally) for name, tally in self.files.items()}
+        return {**summarise(total), "files": each}
+
+
+def evaluate_files(
+    paths: Sequence[Path],
+    config: GestureConfig,
+    *,
+    jobs: int = 1,
+    progress: Callable[[Path], None] | None = None,
+) -> Evaluation:
+    """Plays every recording as fast as possible and compares it with the labels beside it.
+
+    Args:
+        paths: AEDAT4 recordings, each with its ``NAME.labels.csv``.
+        config: how gestures are recognised.
+        jobs: how many recordings at once, each in a process of its own.
+        progress: called with each path when it is done.
+
+    Raises:
+        RecordingError: a recording or its labels cannot be read; all labels are read first.
+        GelNotFoundError: no frame of a recording shows the gel.
+    """
+    for path in paths:
+        read_labels(labels_path(path))
+    stems = Counter(path.stem for path in paths)
+    tallies = {}
+    for path, tally in _play_all(paths, config, min(jobs, len(paths))):
+        tallies[path] = tally
+        if progress is not None:
+            progress(path)
+    return Evaluation(
+        {path.stem if stems[path.stem] == 1 else str(path): tallies[path] for path in paths}
+    )
+
+
+def _play_all(
+    paths: Sequence[Path], config: GestureConfig, jobs: int
+) -> Iterator[tuple[Path, Tally]]:
+    if jobs <= 1:
+        yield from ((path, evaluate_file(path, config)) for path in paths)
+        return
+    # Fresh processes: forking one that has loaded kernels and OpenCV threads is not safe.
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+        futures = {pool.submit(evaluate_file, path, config): path for path in paths}
+        try:
+            yield from ((futures[done], done.result()) for done in as_completed(futures))
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
+def evaluate_file(path: Path, config: GestureConfig) -> Tally:
+    """The tally of one recording; see ``evaluate_files``."""
+    comparison = Comparison(LabelTrack(read_labels(labels_path(path))))
+    profile = load_profile("default")
+    warm_up(Pipeline.build(profile, config))  # compiling is no part of the speed
+    with open_source(f"file:{path}", speed="max") as source, MemoryDevice() as pad:
+        pipeline = Pipeline.build(profile, config, rig=source.rig)
+        stats = run_line(source, pipeline, pad, [comparison])
+    comparison.tally.host_s = stats.host_s
+    return comparison.tally

@@ -1,0 +1,90 @@
+"""Whole recordings: simulated, written, played through the line and compared with their labels."""
+
+import json
+
+import pytest
+
+from neurotouch_hid.errors import GelNotFoundError, RecordingError
+from neurotouch_hid.evaluation import evaluate_files, format_table
+from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
+from neurotouch_hid.source.simulator import Simulator
+from neurotouch_hid.source.simulator.script import sequence
+from neurotouch_hid.source.simulator.strokes import Timing, push, twist
+
+TIMING = Timing(200_000, 200_000, 200_000)
+CONFIG = GestureConfig(method="paper")
+
+
+@pytest.fixture(scope="module")
+def recordings(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("recordings")
+    strokes = {"push": push(0.5, 7.0, timing=TIMING), "twist": twist(0.5, timing=TIMING)}
+    paths = []
+    for name, stroke in strokes.items():
+        script = sequence(name, stroke, rest_us=300_000, gap_us=200_000)
+        truths = []
+        path = folder / f"{name}.aedat4"
+        with Simulator(script, seed=4) as simulator, RecordingWriter(path) as writer:
+            for packet in simulator:
+                writer.write(packet)
+                truths += [simulator.truth(frame.t_us) for frame in packet.frames]
+        write_labels(labels_path(path), truths)
+        paths.append(path)
+    return paths
+
+
+def test_simulated_recordings_are_recognised(recordings):
+    done = []
+    report = evaluate_files(recordings, CONFIG, progress=done.append).report()
+    assert done == recordings
+    assert list(report["files"]) == ["push", "twist"]
+    for figures in (report, *report["files"].values()):
+        assert figures["gesture_accuracy"] > 0.75
+        assert figures["distance_mm"] < 8.0
+        assert figures["rest_f1"] > 0.7
+        assert figures["frames"] > 20
+        assert figures["events"] > 10_000
+        assert figures["realtime_factor"] > 0.0
+    for key in ("frames", "events", "observations"):
+        assert report[key] == sum(figures[key] for figures in report["files"].values())
+    assert report["files"]["push"]["per_gesture"]["push"]["recall"] > 0.8
+    json.dumps(report, allow_nan=False)
+    assert "resting position F1" in format_table(report)
+
+
+def test_two_processes_give_the_same_figures(recordings):
+    def figures(jobs):
+        report = evaluate_files(recordings, CONFIG, jobs=jobs).report()
+        for part in (report, *report["files"].values()):
+            del part["realtime_factor"]
+        return report
+
+    assert figures(2) == figures(1)
+
+
+def test_files_of_one_name_keep_their_folders(recordings, tmp_path):
+    copy = tmp_path / "push.aedat4"
+    copy.write_bytes(recordings[0].read_bytes())
+    labels_path(copy).write_bytes(labels_path(recordings[0]).read_bytes())
+    names = evaluate_files([recordings[0], copy], CONFIG).files
+    assert set(names) == {str(recordings[0]), str(copy)}
+
+
+def test_missing_labels_are_told_before_anything_is_played(recordings, tmp_path):
+    bare = tmp_path / "bare.aedat4"
+    bare.write_bytes(recordings[0].read_bytes())
+    done = []
+    with pytest.raises(RecordingError, match=r"bare\.labels\.csv"):
+        evaluate_files([recordings[0], bare], CONFIG, progress=done.append)
+    assert not done
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_an_error_of_a_recording_comes_through(recordings, tmp_path, jobs):
+    broken = tmp_path / "broken.aedat4"
+    broken.write_bytes(b"not a recording")
+    labels_path(broken).write_bytes(labels_path(recordings[0]).read_bytes())
+    with pytest.raises((RecordingError, GelNotFoundError)) as caught:
+        evaluate_files([broken, recordings[0]], CONFIG, jobs=jobs)
+    assert "broken" in caught.value.message
