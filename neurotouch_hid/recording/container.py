@@ -11,15 +11,19 @@ both int32, and so many bytes.
 import struct
 from collections.abc import Iterator
 from pathlib import Path
-from typing import BinaryIO
+from typing import IO
 
 from neurotouch_hid.errors import RecordingError
 
 MAGIC = b"#!AER-DAT4.0\r\n"
 _AEDAT = b"#!AER-DAT"
 _MAX_HEADER_BYTES = 16 << 20
-_TABLE_SLOT, _TEXT_SLOT = 6, 8  # bytes from the vtable's start to the fields' places
+_COMPRESSION_SLOT, _TABLE_SLOT, _TEXT_SLOT = 4, 6, 8  # bytes into the vtable
 _COMPRESSIONS = range(5)  # none, LZ4, LZ4 high, Zstandard, Zstandard high
+_LZ4 = (1, 2)
+_LZ4_MAGIC = 0x184D2204
+_MIN_PACKET_BYTES = 12  # the smallest FlatBuffer with a size and a name
+_MAX_STREAMS = 1 << 16
 
 
 def packet_sizes(path: Path) -> Iterator[int]:
@@ -32,34 +36,57 @@ def packet_sizes(path: Path) -> Iterator[int]:
         RecordingError: the file is missing, empty, of another format or damaged.
     """
     try:
-        with path.open("rb") as file:
+        with path.open("rb", buffering=0) as file:
             yield from _walk(path, file)
     except OSError as error:
         raise RecordingError(f"{path} cannot be read: {error.strerror}") from error
 
 
-def _walk(path: Path, file: BinaryIO) -> Iterator[int]:
+def _walk(path: Path, file: IO[bytes]) -> Iterator[int]:
     end = file.seek(0, 2)
     file.seek(0)
-    position, table = _read_header(path, file, end)
+    position, compression, table = _read_header(path, file, end)
     yield 0  # the header is sound
-    n_streams_max = 1 << 16
-    while position < (end if table < 0 else min(table, end)):
+    stop = end if table < 0 else min(table, end)
+    while position + 8 <= stop:
         file.seek(position)
-        frame = file.read(8)
-        if len(frame) < 8:
+        stream, size = struct.unpack("<ii", file.read(8))
+        position += 8
+        if size < _MIN_PACKET_BYTES or not 0 <= stream < _MAX_STREAMS:
+            raise RecordingError(f"{path} is damaged at byte {position - 8}")
+        if position + size > end:
             return  # cut off: the library says so
-        stream, size = struct.unpack("<ii", frame)
-        if size <= 8 or not 0 <= stream < n_streams_max:
+        if compression in _LZ4 and not _is_whole_lz4(file, position, size):
             raise RecordingError(f"{path} is damaged at byte {position}")
-        if position + 8 + size > end:
-            return
         yield size
-        position += 8 + size
+        position += size
 
 
-def _read_header(path: Path, file: BinaryIO, end: int) -> tuple[int, int]:
-    """Position of the first packet, and of the table (-1: the file was never closed)."""
+def _is_whole_lz4(file: IO[bytes], position: int, size: int) -> bool:
+    """True if an LZ4 frame with something in it fills these bytes exactly, block by block.
+
+    A frame that ends early decompresses to nothing, which neither library expects.
+    """
+    end = position + size
+    file.seek(position)
+    magic, flags = struct.unpack("<IB", file.read(5))
+    if magic != _LZ4_MAGIC:
+        return False
+    position += 7 + (8 if flags & 8 else 0) + (4 if flags & 1 else 0)
+    n_blocks = 0
+    while position + 4 <= end:
+        file.seek(position)
+        (block,) = struct.unpack("<I", file.read(4))
+        position += 4
+        if block == 0:
+            return n_blocks > 0 and position + (4 if flags & 4 else 0) == end
+        position += (block & 0x7FFFFFFF) + (4 if flags & 16 else 0)
+        n_blocks += 1
+    return False
+
+
+def _read_header(path: Path, file: IO[bytes], end: int) -> tuple[int, int, int]:
+    """Position of the first packet, compression, position of the table (-1: never closed)."""
     if end == 0:
         raise RecordingError(f"{path} is empty (0 bytes)", hint="record it again")
     magic = file.read(len(MAGIC))
@@ -77,10 +104,10 @@ def _read_header(path: Path, file: BinaryIO, end: int) -> tuple[int, int]:
     if len(header) < size:
         raise cut
     try:
-        table = _parse_header(header)
+        compression, table = _parse_header(header)
     except (struct.error, ValueError) as error:
         raise damaged from error
-    return len(MAGIC) + 4 + size, table
+    return len(MAGIC) + 4 + size, compression, table
 
 
 def _not_aedat4(path: Path, magic: bytes) -> RecordingError:
@@ -95,8 +122,8 @@ def _not_aedat4(path: Path, magic: bytes) -> RecordingError:
     return RecordingError(f"{path} is not an AEDAT4 recording", hint="give a file NAME.aedat4")
 
 
-def _parse_header(header: bytes) -> int:
-    """The table's position.
+def _parse_header(header: bytes) -> tuple[int, int]:
+    """The compression and the table's position.
 
     Raises:
         ValueError, struct.error: a field points outside the header.
@@ -117,8 +144,9 @@ def _parse_header(header: bytes) -> int:
         offset = read("<H", vtable + slot) if slot + 2 <= length else 0
         return root + offset if offset else -1
 
-    compression = field(4)
-    if compression >= 0 and read("<i", compression) not in _COMPRESSIONS:
+    at = field(_COMPRESSION_SLOT)
+    compression = read("<i", at) if at >= 0 else 0
+    if compression not in _COMPRESSIONS:
         raise ValueError(compression)
     text = field(_TEXT_SLOT)
     begin = text + read("<I", text) + 4
@@ -127,4 +155,4 @@ def _parse_header(header: bytes) -> int:
         raise ValueError(stop)
     header[begin:stop].decode("utf-8")
     table = field(_TABLE_SLOT)
-    return read("<q", table) if table >= 0 else -1
+    return compression, read("<q", table) if table >= 0 else -1

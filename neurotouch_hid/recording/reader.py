@@ -19,6 +19,8 @@ Batch = tuple[NDArray[np.void], tuple[Frame, ...]]
 MAX_LAG_US = 500_000
 """How far frames may lie from their events in the file before it is read in two passes. A camera
 delivers a frame some 20 ms after its exposure; half a second of events is 16 MB at worst."""
+TOLERATED_STEP_BACK_US = 10_000
+"""Smaller steps back are rounding between packets; the events keep the later stamp."""
 MAX_STAMP_US = 1 << 62
 """Stamps beyond this are damage: differences of smaller ones fit 64 bits."""
 _RESOLUTION = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX)
@@ -98,21 +100,33 @@ class Recording:
             ) from error
 
     def _is_apart(self, table: list[Any]) -> bool:
-        """True if the table shows something later in the file than we would hold back for it."""
-        newest = -MAX_STAMP_US
+        """True if the table shows something later in the file than we would hold back for it.
+
+        Raises:
+            RecordingError: the table shows that the stamps of a stream go back.
+        """
+        apart = False
+        newest = dict.fromkeys(self._ids, -MAX_STAMP_US)
         for entry in table:
             if self._ids.get(entry.track_id) in {"events", "frame"} and entry.end_t:
-                if entry.end_t < newest - MAX_LAG_US:
-                    return True
-                newest = max(newest, entry.end_t)
-        return False
+                self._check_order(newest[entry.track_id], entry.start_t)
+                apart = apart or entry.end_t < max(newest.values()) - MAX_LAG_US
+                newest[entry.track_id] = max(newest[entry.track_id], entry.end_t)
+        return apart
+
+    def _check_order(self, before_us: int, t_us: int) -> None:
+        if t_us < before_us - TOLERATED_STEP_BACK_US:
+            raise RecordingError(
+                f"{self.path}: the stamps go back from {before_us} to {t_us} µs",
+                hint="the camera's clock was reset while recording; cut the recording there",
+            )
 
     def _read(self, kinds: set[str]) -> Iterator[_Item]:
         """The items of these kinds in the order of the file, checked."""
         guard = packet_sizes(self.path)
         next(guard)
         first_us: int | None = None
-        last_us = -MAX_STAMP_US
+        last_us = frame_us = -MAX_STAMP_US
         with self._open() as decoder:
             while True:
                 next(guard, None)
@@ -126,14 +140,22 @@ class Recording:
                 if kind not in kinds:
                     continue
                 if kind == "frame":
-                    yield self._frame(packet)
+                    frame = self._frame(packet)
+                    self._check_order(frame_us, frame.exposure_end_us)
+                    frame_us = frame.exposure_end_us
+                    yield frame
                 elif len(packet):
-                    events = self._events(packet, last_us)
+                    events = self._events(packet)
                     first_us = int(events["t"][0]) if first_us is None else first_us
                     last_us = int(events["t"][-1])
                     yield events
 
     def _broken(self, error: RuntimeError, first_us: int | None, last_us: int) -> RecordingError:
+        if "overflow" in str(error):
+            return RecordingError(
+                f"{self.path} holds an event outside the 346×260 pixels of a DAVIS-346",
+                hint="the file is damaged or of another camera",
+            )
         what = "is cut off" if "fill whole buffer" in str(error) else "is damaged"
         where = (
             "before its first event"
@@ -142,31 +164,27 @@ class Recording:
         )
         return RecordingError(f"{self.path} {what} {where}", hint="copy it again from its origin")
 
-    def _events(self, packet: NDArray[np.void], last_us: int) -> NDArray[np.void]:
+    def _events(self, packet: NDArray[np.void]) -> NDArray[np.void]:
+        """Our records of the library's, which are in the picture and ascending.
+
+        The library refuses events outside the picture and lifts a stamp before its predecessor's
+        to that one, so what is wrong with stamps has to be seen in the table and in the frames.
+        """
         events = np.zeros(len(packet), EVENT_DTYPE)
         t = events["t"]
         t[:] = packet["t"].view(np.int64)
         events["x"] = packet["x"]
         events["y"] = packet["y"]
         events["p"] = packet["on"].view(np.uint8) != 0
-        if packet["x"].max() >= SENSOR_WIDTH_PX or packet["y"].max() >= SENSOR_HEIGHT_PX:
-            raise RecordingError(
-                f"{self.path} holds an event outside the 346×260 pixels of a DAVIS-346",
-                hint="the file is damaged or of another camera",
-            )
-        if t[0] < last_us or (t[1:] < t[:-1]).any():
-            back = int(np.argmax(np.concatenate([[last_us], t[:-1]]) > t))
-            before = last_us if back == 0 else int(t[back - 1])
-            raise RecordingError(
-                f"{self.path}: the stamps go back from {before} to {t[back]} µs",
-                hint="the camera's clock was reset while recording; cut the recording there",
-            )
-        if abs(int(t[0])) > MAX_STAMP_US or abs(int(t[-1])) > MAX_STAMP_US:
+        if int(t[-1]) >= MAX_STAMP_US:
             raise RecordingError(f"{self.path} holds an impossible stamp ({int(t[-1])} µs)")
         return events
 
     def _frame(self, packet: Any) -> Frame:
-        pixels = packet.pixels
+        try:
+            pixels = packet.pixels
+        except ValueError as error:  # fewer bytes than width × height
+            raise RecordingError(f"{self.path} holds a damaged frame ({error})") from error
         if pixels.dtype != np.uint8 or pixels.shape[:2] != _RESOLUTION[::-1]:
             size = "×".join(str(n) for n in pixels.shape[1::-1])
             raise RecordingError(

@@ -38,6 +38,7 @@ class RecordingWriter:
         config.addFrameStream((SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX))
         self._writer: Any = dv.io.MonoCameraWriter(str(self._file.partial), config)
         self._last_us = 0  # the library takes no events before the origin
+        self._frame_us = 0
 
     def write(self, packet: EventPacket) -> None:
         """Append a packet; packets come in order of time.
@@ -55,9 +56,7 @@ class RecordingWriter:
             return
         t = events["t"]
         if t[0] < self._last_us or (t[1:] < t[:-1]).any():
-            raise RecordingError(
-                f"{self._file.path}: events must be written in order of time, from 0 µs on"
-            )
+            raise self._disorder("events")
         self._last_us = int(t[-1])
         store = dv.EventStore()
         # The library builds a store from Python only event by event; starmap is its fastest loop.
@@ -65,7 +64,10 @@ class RecordingWriter:
         self._writer.writeEvents(store)
 
     def write_frame(self, frame: Frame) -> None:
-        """Append a frame, (260, 346) uint8."""
+        """Append a frame, (260, 346) uint8, not older than the one before."""
+        if frame.exposure_begin_us < self._frame_us:
+            raise self._disorder("frames")
+        self._frame_us = frame.exposure_begin_us
         exposure_us = frame.exposure_end_us - frame.exposure_begin_us
         self._writer.writeFrame(
             dv.Frame(
@@ -76,6 +78,11 @@ class RecordingWriter:
                 np.ascontiguousarray(frame.pixels),
                 dv.FrameSource.SENSOR,
             )
+        )
+
+    def _disorder(self, what: str) -> RecordingError:
+        return RecordingError(
+            f"{self._file.path}: {what} must be written in order of time, from 0 µs on"
         )
 
     def close(self) -> None:

@@ -12,8 +12,9 @@ from neurotouch_hid.source.protocol import Source
 class PacedSource:
     """Another source at recorded speed.
 
-    Each packet is handed out when the sensor time of its end has passed since the first one began.
-    Every due time is counted from the start, so errors of single waits never add up, and a loop
+    The clock starts when the first packet is there; opening and compiling are not made up for. Each
+    packet is handed out when as much host time has passed as sensor time up to its end. Every due
+    time is counted from the start, so errors of single waits never add up, and a loop
     that was late catches up. Sensor time that a source left out (a long silence) is not waited for.
 
     Args:
@@ -33,9 +34,11 @@ class PacedSource:
         self._source, self._clock_ns, self._sleep_s = source, clock_ns, sleep_s
 
     def __iter__(self) -> Iterator[EventPacket]:
-        start_ns = self._clock_ns()
+        start_ns: int | None = None
         played_us = 0
         for packet in self._source:
+            if start_ns is None:
+                start_ns = self._clock_ns()
             played_us += packet.t_end_us - packet.t_begin_us
             ahead_ns = start_ns + played_us * 1000 - self._clock_ns()
             if ahead_ns > 0:

@@ -1,0 +1,57 @@
+"""Rig files are read whole or refused with the place of the fault."""
+
+import math
+
+import pytest
+
+from neurotouch_hid.errors import RecordingError
+from neurotouch_hid.geometry import Rig
+from neurotouch_hid.source.rig_file import RigFile, load_rig_file, rig_path
+
+
+def load(tmp_path, text):
+    path = rig_path(tmp_path / "a.aedat4")
+    path.write_text(text)
+    return load_rig_file(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("", RigFile()),
+        ("# nothing known\n", RigFile()),
+        ("mirrored: true\n", RigFile(None, mirrored=True)),
+        ("centre_px: [170, 131.5]\npx_per_mm: 2.4\n", RigFile(Rig((170.0, 131.5), 2.4))),
+        (
+            "centre_px: [170, 131.5]\npx_per_mm: 3\nrotation_deg: 90\nmirrored: true\n",
+            RigFile(Rig((170.0, 131.5), 3.0, math.pi / 2, mirrored=True), mirrored=True),
+        ),
+    ],
+)
+def test_good_files(tmp_path, text, expected):
+    assert rig_path(tmp_path / "a.aedat4").name == "a.rig.yaml"
+    assert load(tmp_path, text) == expected
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("centre: [1, 2]\n", ":1:1: unknown key centre; did you mean centre_px?"),
+        ("zoom: 1\n", ":1:1: unknown key zoom; known are centre_px"),
+        ("mirrored: yes please\n", ":1:11: mirrored: expected true or false"),
+        ("centre_px: [1, 2]\n", ":1:1: centre_px needs px_per_mm beside it"),
+        ("mirrored: true\nrotation_deg: 3\n", ":2:1: rotation_deg needs centre_px beside it"),
+        ("px_per_mm: 2.5\ncentre_px: [1, 2, 3]\n", ":2:12: centre_px: expected [x, y]"),
+        ("px_per_mm: 2.5\ncentre_px: [1, 260]\n", "within 346×260 pixels, found [1, 260]"),
+        ("px_per_mm: .nan\n", ":1:12: px_per_mm: expected a number from 0.5 to 10, found nan"),
+        ("px_per_mm: true\n", "found True"),
+        ("- 1\n", ":1:1: expected keys with values"),
+        ("centre_px: [1, 2\n", ":2:1: "),
+        ("mirrored: true\nmirrored: false\n", ":2:1: "),
+    ],
+)
+def test_bad_files(tmp_path, text, words):
+    with pytest.raises(RecordingError) as caught:
+        load(tmp_path, text)
+    assert words in caught.value.message
+    assert "\n" not in caught.value.message

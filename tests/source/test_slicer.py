@@ -1,0 +1,102 @@
+"""Slices do not depend on how the stream was cut into batches; every event comes out once."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from neurotouch_hid.messages import EVENT_DTYPE, Frame
+from neurotouch_hid.source.slicer import MAX_SILENCE_US, Slicer, slice_stream
+
+PIXELS = np.zeros((260, 346), np.uint8)
+SLICE_US = 100
+
+
+def events_at(stamps):
+    events = np.zeros(len(stamps), EVENT_DTYPE)
+    events["t"] = stamps
+    events["x"] = np.arange(len(stamps)) % 346
+    return events
+
+
+def plain_slices(stamps, frame_ends, slice_us):
+    """Begin, event stamps and frame ends of each slice, slowly: the twin of the slicer."""
+    begin = min([*stamps, *frame_ends])
+    last = max([*stamps, *frame_ends])
+    slices = []
+    while begin <= last:
+        end = begin + slice_us
+        inside = [t for t in stamps if begin <= t < end]
+        taken = [t for t in frame_ends if begin <= t < end]
+        slices.append((begin, inside, taken))
+        begin = end
+        later = [t for t in [*stamps, *frame_ends] if t >= begin]
+        if later and min(later) - begin > MAX_SILENCE_US:
+            begin += (min(later) - begin) // slice_us * slice_us
+    return slices
+
+
+def batches_of(stamps, frame_ends, cuts):
+    """The stream cut at these places; a frame comes with the first batch that reaches its end."""
+    edges = sorted({0, len(stamps), *(cut % (len(stamps) + 1) for cut in cuts)})
+    waiting = sorted(frame_ends)
+    batches = []
+    for low, high in pairwise(edges):
+        part = stamps[low:high]
+        frames = tuple(Frame(PIXELS, t - 3, t) for t in waiting if t <= part[-1])
+        waiting = [t for t in waiting if t > part[-1]]
+        batches.append((events_at(part), frames))
+    batches.append((events_at([]), tuple(Frame(PIXELS, t - 3, t) for t in waiting)))
+    return batches
+
+
+origins = st.sampled_from([0, -5_000, 1_589_163_147_368_868, -(2**61), 2**61])
+steps = st.lists(
+    st.one_of(st.integers(0, 30), st.integers(0, 500), st.just(3 * MAX_SILENCE_US)),
+    min_size=1,
+    max_size=60,
+)
+
+
+@given(origins, steps, st.lists(st.integers(0, 3_000), max_size=5), st.lists(st.integers(0, 100)))
+def test_any_batching_gives_the_same_slices(origin, gaps, frame_offsets, cuts):
+    stamps = [origin + int(t) for t in np.cumsum(gaps)]
+    frame_ends = [stamps[0] + offset for offset in frame_offsets]
+    packets = list(slice_stream(batches_of(stamps, frame_ends, cuts), SLICE_US))
+    expected = plain_slices(stamps, sorted(frame_ends), SLICE_US)
+    assert [
+        (p.t_begin_us, p.events["t"].tolist(), [f.exposure_end_us for f in p.frames])
+        for p in packets
+    ] == expected
+    assert all(p.t_end_us - p.t_begin_us == SLICE_US for p in packets)
+    assert all(p.events.dtype == EVENT_DTYPE for p in packets)
+
+
+def test_hours_of_silence_are_skipped_on_the_same_grid():
+    hour_us = 3_600_000_000
+    packets = list(slice_stream([(events_at([5, 7 * hour_us]), ())], 10_000))
+    assert len(packets) == 2
+    assert (packets[1].t_begin_us - packets[0].t_begin_us) % 10_000 == 0
+    assert packets[1].t_begin_us <= 7 * hour_us < packets[1].t_end_us
+
+
+def test_a_late_frame_goes_into_the_next_slice():
+    slicer = Slicer(SLICE_US)
+    done = list(slicer.push(events_at([0, 50, 250])))
+    assert [len(packet.frames) for packet in done] == [0, 0]
+    done = list(slicer.push(events_at([300]), [Frame(PIXELS, 10, 20)]))
+    assert [len(packet.frames) for packet in done] == [1]
+
+
+def test_a_slice_within_a_batch_is_a_view():
+    events = events_at(range(0, 1000, 10))
+    packets = list(slice_stream([(events, ())], SLICE_US))
+    assert all(np.shares_memory(packet.events, events) for packet in packets)
+
+
+def test_nothing_gives_nothing():
+    assert list(slice_stream([], SLICE_US)) == []
+    with pytest.raises(ValueError, match="at least 1"):
+        Slicer(0)
