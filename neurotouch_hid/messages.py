@@ -167,22 +167,40 @@ class Gesture:
 
 @dataclass(frozen=True, slots=True)
 class GamepadState:
-    """The whole pad at one moment.
+    """Everything the outputs should be at one moment: the whole pad, keyboard and mouse.
 
     Attributes:
         t_us: the moment.
         buttons: the buttons that are down.
         axes: axis values; an axis that is not named is at rest (0).
+        keys: the keyboard keys that are down, by the kernel's names (``KEY_LEFTCTRL``).
+        mouse_buttons: the mouse buttons that are down, by the kernel's names (``BTN_LEFT``).
+        pointer: how fast the mouse moves, (x, y) in px/s, right and down positive.
+        wheel: how fast the wheel turns, in clicks per second, up (away) positive.
+        commands: what the program itself is asked to do at this moment, once each: ``pause``,
+            ``resume``, ``panic``, ``rezero``, ``next_profile``.
     """
 
     t_us: int
     buttons: frozenset[Button] = frozenset()
     axes: Mapping[Axis, float] = field(default_factory=dict)
+    keys: frozenset[str] = frozenset()
+    mouse_buttons: frozenset[str] = frozenset()
+    pointer: tuple[float, float] = (0.0, 0.0)
+    wheel: float = 0.0
+    commands: tuple[str, ...] = ()
 
     @property
     def is_neutral(self) -> bool:
-        """True if nothing is pressed and every axis is at rest."""
-        return not self.buttons and not any(self.axes.values())
+        """True if nothing is pressed and nothing moves; commands are no output."""
+        return not (
+            self.buttons
+            or self.keys
+            or self.mouse_buttons
+            or self.wheel
+            or any(self.pointer)
+            or any(self.axes.values())
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
