@@ -14,6 +14,8 @@ CLAMP_EXPONENT = 0.37  # fitted to finite elements
 BULGE = (
     0.09  # sideways motion at the edge of a press, share of its depth; finite elements: 0.03-0.09
 )
+MIN_STRETCH = 0.4  # neighbours never come closer, share of their distance at rest
+SQUEEZE_SWEEPS = 6  # per step; a push travels one marker a sweep, and a long drag has 12 steps
 STEP_MM = 1.5  # longest step of a drag, so that the field can follow the patch
 STEP_RAD = 0.08  # longest step of a turn
 
@@ -124,12 +126,47 @@ def couple(centres: Floats, radii: Floats, motions: Floats, loads: Floats) -> No
 
 
 @nb.njit(cache=True, nogil=True)
+def resist_squeeze(
+    rest: Floats, neighbours: NDArray[np.intp], mobility: Floats, moved: Floats
+) -> None:
+    """Push neighbouring markers apart that linear elasticity squeezes too close.
+
+    Rubber stiffens under compression and hands the motion on; so a long drag piles the gel up over
+    the whole way to the rim and not at the finger's edge alone.
+
+    Args:
+        rest: (n, 2) float64 mm, points at rest; the first m are markers.
+        neighbours: (m, 8) intp, -1 where there is none.
+        mobility: (m,) float64, 0 for markers that a finger or the rim holds.
+        moved: (n, 3) float64 mm, updated.
+    """
+    for _ in range(SQUEEZE_SWEEPS):
+        for i in range(len(mobility)):
+            for slot in range(neighbours.shape[1]):
+                j = neighbours[i, slot]
+                both = mobility[i] + (mobility[j] if j > i else 0.0)
+                if j <= i or both <= 0.0:
+                    continue
+                closest = MIN_STRETCH * math.hypot(rest[j, 0] - rest[i, 0], rest[j, 1] - rest[i, 1])
+                x, y = moved[j, 0] - moved[i, 0], moved[j, 1] - moved[i, 1]
+                length = math.hypot(x, y)
+                if 1e-6 < length < closest:
+                    push = (closest - length) / (length * both)
+                    moved[i, 0] -= push * mobility[i] * x
+                    moved[i, 1] -= push * mobility[i] * y
+                    moved[j, 0] += push * mobility[j] * x
+                    moved[j, 1] += push * mobility[j] * y
+
+
+@nb.njit(cache=True, nogil=True)
 def deform(
     points: Floats,
     centres: Floats,
     radii: Floats,
     motions: Floats,
     depths: Floats,
+    neighbours: NDArray[np.intp],
+    mobility: Floats,
     out: Floats,
 ) -> None:
     """Move material points as the fingers move their patches.
@@ -143,6 +180,8 @@ def deform(
         radii: (k,) float64 mm.
         motions: (k, 3) float64: drag x, drag y in mm, turn in rad since rest.
         depths: (k,) float64 mm, how deep each finger presses.
+        neighbours: (m, 8) intp, of the first m points, see ``resist_squeeze``.
+        mobility: (m,) float64, of the first m points.
         out: (n, 3) float64 mm, written: x, y, and how far the point has sunk.
     """
     n_patches = len(centres)
@@ -183,6 +222,7 @@ def deform(
         for k in range(n_patches):
             centre[k, 0] += part[k, 0]
             centre[k, 1] += part[k, 1]
+        resist_squeeze(points, neighbours, mobility, out)
     for k in range(n_patches):
         for i in range(len(points)):
             x, y = out[i, 0] - centre[k, 0], out[i, 1] - centre[k, 1]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import LATTICE_MM, N_MARKERS
+from neurotouch_hid.geometry import GEL_RADIUS_MM, LATTICE_MM, N_MARKERS, NEIGHBOURS
 from neurotouch_hid.messages import GestureKind, Truth
 from neurotouch_hid.source.simulator.camera import Camera
 from neurotouch_hid.source.simulator.gel.kernels import deform
@@ -127,6 +127,7 @@ class _Grip:
         self._points = np.concatenate([LATTICE_MM, *probes])
         self._centres = np.array([finger.contact_mm for finger in fingers])
         self._radii = np.array([finger.radius_mm for finger in fingers])
+        self._mobility = _mobility(stroke)
         self._late = np.column_stack([self._points, np.zeros(len(self._points))])
         self._rest_px = camera.project(self._late[N_MARKERS:])
 
@@ -135,7 +136,16 @@ class _Grip:
         state = np.array([motion_at(self.stroke, finger, t_us) for finger in self.stroke.fingers])
         motions, depths = state[:, :3].copy(), state[:, 3].copy()
         moved = np.empty_like(self._late)
-        deform(self._points, self._centres, self._radii, motions, depths, moved)
+        deform(
+            self._points,
+            self._centres,
+            self._radii,
+            motions,
+            depths,
+            NEIGHBOURS,
+            self._mobility,
+            moved,
+        )
         self._late += (moved - self._late) * (1.0 - math.exp(-KNOT_US / gel.lag_us))
         moved += gel.lag * (self._late - moved)
         return moved
@@ -151,6 +161,15 @@ class _Grip:
         weights /= weights.sum(axis=1, keepdims=True)
         contacts = (weights[:, :, None] * probes_px.reshape(*shape, 2)).sum(axis=1)
         return contacts, (weights * far).sum(axis=1)
+
+
+def _mobility(stroke: Stroke) -> NDArray[np.float64]:
+    """How freely each marker gives way, (177,) float64: not under a finger, little at the rim."""
+    mobility = np.maximum(1.0 - (np.hypot(*LATTICE_MM.T) / GEL_RADIUS_MM) ** 2, 0.0)
+    for finger in stroke.fingers:
+        away = np.hypot(*(LATTICE_MM - finger.contact_mm).T)
+        mobility[away <= finger.radius_mm] = 0.0
+    return mobility
 
 
 def _probes(contact_mm: tuple[float, float], radius_mm: float) -> NDArray[np.float64]:
