@@ -1,5 +1,6 @@
 """Recordings out: events and frames to one AEDAT4 file that appears only when it is complete."""
 
+import shutil
 from collections import deque
 from itertools import starmap
 from pathlib import Path
@@ -15,6 +16,9 @@ from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, EventPack
 from neurotouch_hid.recording.partial import PartialFile
 
 CAMERA_NAME = "DAVIS346"
+MIN_FREE_BYTES = 64 << 20
+"""Space that is left on the disk. The library writes from a thread of its own and aborts the whole
+process when the disk is full, so we stop before; what it still has queued is far less than this."""
 
 
 class RecordingWriter:
@@ -26,12 +30,14 @@ class RecordingWriter:
 
     Args:
         path: where the recording will be; an existing one is replaced at the end.
+        min_free_bytes: how much of the disk to leave free.
 
     Raises:
         RecordingError: the file cannot be made.
     """
 
-    def __init__(self, path: Path | str) -> None:
+    def __init__(self, path: Path | str, *, min_free_bytes: int = MIN_FREE_BYTES) -> None:
+        self._min_free_bytes = min_free_bytes
         self._file = PartialFile(Path(path))
         config = dv.io.MonoCameraWriter.Config(CAMERA_NAME)
         config.addEventStream((SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX))
@@ -54,6 +60,7 @@ class RecordingWriter:
         """Append events, (n,) EVENT_DTYPE, ascending in ``t`` and not older than those before."""
         if not len(events):
             return
+        self._check_space()
         t = events["t"]
         if t[0] < self._last_us or (t[1:] < t[:-1]).any():
             raise self._disorder("events")
@@ -65,6 +72,7 @@ class RecordingWriter:
 
     def write_frame(self, frame: Frame) -> None:
         """Append a frame, (260, 346) uint8, not older than the one before."""
+        self._check_space()
         if frame.exposure_begin_us < self._frame_us:
             raise self._disorder("frames")
         self._frame_us = frame.exposure_begin_us
@@ -79,6 +87,13 @@ class RecordingWriter:
                 dv.FrameSource.SENSOR,
             )
         )
+
+    def _check_space(self) -> None:
+        if shutil.disk_usage(self._file.path.parent).free < self._min_free_bytes:
+            raise RecordingError(
+                f"{self._file.path} cannot be written: the disk is full",
+                hint=f"make room: {self._min_free_bytes >> 20} MB have to stay free",
+            )
 
     def _disorder(self, what: str) -> RecordingError:
         return RecordingError(

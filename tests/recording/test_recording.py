@@ -134,6 +134,15 @@ def test_writing_into_a_missing_folder(tmp_path):
         RecordingWriter(tmp_path / "no" / "a.aedat4")
 
 
+def test_a_full_disk(tmp_path):
+    with (
+        pytest.raises(RecordingError, match="the disk is full"),
+        RecordingWriter(tmp_path / "a.aedat4", min_free_bytes=1 << 62) as writer,
+    ):
+        writer.write_frame(make_frames(1, 1000)[0])
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_events_must_be_written_in_order(tmp_path):
     late, early = make_packets(1000)[5], make_packets(1000)[4]
     with pytest.raises(RecordingError, match="order of time"):
