@@ -1,0 +1,43 @@
+"""``neurotouch simulate``: a labelled data set like the paper's."""
+
+import time
+from pathlib import Path
+
+import click
+
+
+@click.command(
+    epilog="\b\nExamples:\n"
+    "  neurotouch simulate play --users 1 --minutes 1\n"
+    "  neurotouch simulate paper-like              as long as the paper's: 5 users, 25 minutes"
+)
+@click.argument("out", type=click.Path(path_type=Path, file_okay=False))
+@click.option("--users", type=click.IntRange(min=1), default=5, show_default=True)
+@click.option(
+    "--minutes",
+    type=click.FloatRange(min=0.1),
+    default=25.0,
+    show_default=True,
+    help="Length of all recordings together.",
+)
+@click.option("--seed", type=int, default=0, show_default=True, help="Another seed, other people.")
+def command(out: Path, users: int, minutes: float, seed: int) -> None:
+    """Write simulated recordings with labels into the folder OUT.
+
+    One recording for each user and gesture. Ctrl-C stops; the same command goes on from there.
+    """
+    from neurotouch_hid.source.simulator.dataset import Progress, write_dataset
+
+    begun = time.monotonic()
+    told = {"percent": -1}
+
+    def tell(progress: Progress) -> None:
+        percent = int(100 * (progress.n_done + progress.share) / progress.n_files)
+        if percent > told["percent"]:
+            told["percent"] = percent
+            spent = time.monotonic() - begun
+            click.echo(f"{percent:3d} %  {progress.path.name}  {spent:.0f} s", err=True)
+
+    paths = write_dataset(out, users, minutes, seed, tell)
+    size_mb = sum(path.stat().st_size for path in paths) / 1e6
+    click.echo(f"{len(paths)} recordings with labels, {size_mb:.0f} MB, are in {out}.")
