@@ -1,19 +1,20 @@
-"""Frames correct what events have let drift: blobs of a picture, given to the tracks of its time."""
+"""Frames correct what events have let drift: tracks move to the blobs of a picture."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import N_MARKERS
-from neurotouch_hid.messages import Frame
+from neurotouch_hid.messages import Frame, RestField
 from neurotouch_hid.tracker import kernels
-from neurotouch_hid.tracker.image import BlobFinder
+from neurotouch_hid.tracker.image import BlobFinder, Blobs
 from neurotouch_hid.tracker.image import kernels as image_kernels
 
 _GATE_PX = 3.5  # a third of the pitch: nobody else's blob
 _MAX_BLUR_PX = 2.0  # smeared markers merge with their neighbours
 _MAX_AREA_RATIO = 1.8  # to the median: two markers in one blob
 _MAX_MISSED = 3  # sharp frames without a blob before a marker counts as lost
-_MIN_MATCHED = 60  # half of the markers; with fewer the picture or all tracks are wrong
+_MIN_MATCHED = 60  # a third; with fewer the picture or all tracks are wrong
+_MAX_ASTRAY_PX = 2.0  # at rest no track that follows its own marker is farther off
 
 
 class FrameCorrection:
@@ -37,60 +38,81 @@ class FrameCorrection:
             return
         sharp = np.hypot(*(end_px - begin_px).T) <= _MAX_BLUR_PX
         blobs = self._finder.find(frame.pixels)
-        area = blobs.area_px
-        points = blobs.centroid_px[area <= _MAX_AREA_RATIO * np.median(area)]
-        blob = self._assign(then_px, points, sharp)
+        points = blobs.centroid_px
+        blob = self._assign(then_px, blobs, sharp)
         seen = blob >= 0
         if seen.sum() < _MIN_MATCHED:
             return
-        state = self._tracks.state
-        state[seen, kernels.X : kernels.Y + 1] += points[blob[seen]] - then_px[seen]
-        for i in np.flatnonzero(seen):
-            kernels.seat(i, self._tracks)
+        kernels.shift(np.flatnonzero(seen), points[blob[seen]] - then_px[seen], self._tracks)
         self._tracks.lost[seen] = False
         self._missed[seen] = 0
         self._tracks.lost[self._missed >= _MAX_MISSED] = True
 
+    def anchor(self, rest: RestField) -> None:
+        """Correct all tracks by a frame that shows the gel at rest, however late that is known.
+
+        At rest the position tells who is who. So a track that was elsewhere then has followed a
+        neighbour: it is put where its own neighbours say that it is now.
+        """
+        then_px = self._positions_at(rest.t_us)
+        if then_px is None:
+            return
+        tracks = self._tracks
+        error = rest.position_px - then_px
+        astray = np.hypot(*error.T) > _MAX_ASTRAY_PX
+        kernels.shift(np.flatnonzero(~astray), error[~astray], tracks)
+        tracks.lost[~astray & (self._missed < _MAX_MISSED)] = False
+        if not astray.any():
+            return
+        t_us = float(tracks.state[:, kernels.T].max())
+        now_px = tracks.state[:, :2].copy()
+        kernels.expect(now_px, ~astray, tracks, self._expected_px, self._spread_px)
+        for i in np.flatnonzero(astray):
+            x, y = self._expected_px[i]
+            if not np.isfinite(x):
+                x, y = rest.position_px[i]
+            kernels.place(i, x, y, 1.0, t_us, tracks)
+        tracks.lost[astray] = True
+
     def _positions_at(self, t_us: int) -> NDArray[np.float64] | None:
-        """All positions (177, 2) px at a moment of the last checks, or None if it is not covered."""
-        times = self._tracks.past_us
+        """All positions (177, 2) px at a moment in the past, None if nobody remembers it."""
+        times, past_px = self._tracks.past_us, self._tracks.past_px
         step = self._tuning.check_us
-        before, after = t_us // step * step, -(-t_us // step) * step
-        i, j = np.flatnonzero(times == before), np.flatnonzero(times == after)
-        if not len(i):
+        part = t_us % step / step
+        before = np.flatnonzero(times == t_us // step * step)
+        after = np.flatnonzero(times == -(-t_us // step) * step)
+        if not len(before):
             return None
-        px = self._tracks.past_px
-        if not len(j):
-            return px[i[0]].copy()
-        part = (t_us - before) / step
-        return px[i[0]] * (1.0 - part) + px[j[0]] * part
+        later = after[0] if len(after) else before[0]  # the moment is after the last check
+        px: NDArray[np.float64] = past_px[before[0]] * (1.0 - part) + past_px[later] * part
+        return px
 
     def _assign(
-        self, then_px: NDArray[np.float64], points: NDArray[np.float64], sharp: NDArray[np.bool_]
+        self, then_px: NDArray[np.float64], blobs: Blobs, sharp: NDArray[np.bool_]
     ) -> NDArray[np.int32]:
         """The blob of each track, -1 where none is certain.
 
         First each to the nearest, if both agree. Pairs whose place does not fit their neighbours
         are undone; then lost markers look around the place the neighbours give them.
         """
+        points, area = blobs.centroid_px, blobs.area_px
+        merged = area > _MAX_AREA_RATIO * np.median(area)
         blob = np.empty(N_MARKERS, np.int32)
         image_kernels.match_points(then_px, points, _GATE_PX, blob)
         self._missed[sharp & (blob == -1)] += 1
-        blob[~sharp] = -1
+        blob[~sharp | ((blob >= 0) & merged[blob])] = -1
         lost = self._tracks.lost | (self._missed > 0)
         for _ in range(3):
             seen = blob >= 0
             position = then_px.copy()
             position[seen] = points[blob[seen]]
             kernels.expect(position, seen, self._tracks, self._expected_px, self._spread_px)
-            kernels.strays(
-                position, self._expected_px, self._spread_px, self._tuning, self._stray
-            )
+            kernels.strays(position, self._expected_px, self._spread_px, self._tuning, self._stray)
             blob[self._stray & seen] = -1
             lost |= self._stray
             known = np.isfinite(self._expected_px[:, 0])
             open_ = np.flatnonzero((blob < 0) & lost & sharp & known)
-            free = np.setdiff1d(np.arange(len(points)), blob[blob >= 0])
+            free = np.setdiff1d(np.flatnonzero(~merged), blob[blob >= 0])
             if not len(open_) or not len(free):
                 break
             match = np.empty(len(open_), np.int32)

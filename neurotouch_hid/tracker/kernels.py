@@ -62,8 +62,8 @@ class Tuning(NamedTuple):
 
 @njit(cache=True, nogil=True, inline="always")
 def _cell_of(x: float, y: float) -> int:
-    column = min(max(int(math.floor(x * (1.0 / CELL_PX))) + 1, 0), GRID_COLUMNS - 1)
-    row = min(max(int(math.floor(y * (1.0 / CELL_PX))) + 1, 0), GRID_ROWS - 1)
+    column = min(max(math.floor(x * (1.0 / CELL_PX)) + 1, 0), GRID_COLUMNS - 1)
+    row = min(max(math.floor(y * (1.0 / CELL_PX)) + 1, 0), GRID_ROWS - 1)
     return row * GRID_COLUMNS + column
 
 
@@ -161,7 +161,7 @@ def filter_events(
 
 @njit(cache=True, nogil=True)
 def predict(t_us: float, memory_s: float, tracks: Tracks, out_px: NDArray[np.float64]) -> None:
-    """Where every marker is at ``t_us``: a velocity fades with ``memory_s`` since the last event."""
+    """Where every marker is at ``t_us``; since its last event its velocity has been fading."""
     for i in range(len(tracks.state)):
         s = tracks.state[i]
         dt = min((t_us - s[T]) * SECOND, memory_s)
@@ -177,6 +177,17 @@ def place(i: int, x: float, y: float, variance_px2: float, t_us: float, tracks: 
     s[X], s[Y], s[VX], s[VY], s[T] = x, y, 0.0, 0.0, t_us
     s[A], s[B], s[C] = variance_px2, 0.0, 100.0
     seat(i, tracks)
+
+
+@njit(cache=True, nogil=True)
+def shift(markers: NDArray[np.intp], by_px: NDArray[np.float64], tracks: Tracks) -> None:
+    """Move ``markers`` (k,) by ``by_px`` (k, 2), now and in the past that is remembered."""
+    for k in range(len(markers)):
+        i = markers[k]
+        for axis in range(2):
+            tracks.state[i, X + axis] += by_px[k, axis]
+            tracks.past_px[:, i, axis] += by_px[k, axis]
+        seat(i, tracks)
 
 
 @njit(cache=True, nogil=True)
@@ -234,7 +245,9 @@ def expect(
                 continue
             first = (8 - m) // 2
             last = first + m - 1
-            median = 0.5 * (sorted_px[(first + last) // 2, i] + sorted_px[(first + last + 1) // 2, i])
+            median = 0.5 * (
+                sorted_px[(first + last) // 2, i] + sorted_px[(first + last + 1) // 2, i]
+            )
             expected_px[i, axis] = tracks.rest_px[i, axis] + median
             spread = 0.5 * (sorted_px[last - m // 4, i] - sorted_px[first + m // 4, i])
             spread_px[i] = spread if axis == 0 else max(spread_px[i], spread)
@@ -292,4 +305,4 @@ def advance(
         start = filter_events(events, start, clock[0], tracks, tuning)
         check_neighbours(clock[0], tracks, tuning)
         clock[0] += tuning.check_us
-    return filter_events(events, start, until_us, tracks, tuning)
+    return int(filter_events(events, start, until_us, tracks, tuning))

@@ -6,11 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import N_MARKERS, NEIGHBOURS
-from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, MarkerField, RestField
+from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, MarkerField, RestField
 from neurotouch_hid.tracker import kernels
 from neurotouch_hid.tracker.correction import FrameCorrection
 
 _PAST = 64  # checks remembered: 128 ms, longer than any exposure and its way to us
+_MAX_DRIFT_PX = 1.0  # a marker farther off its rest position is being pushed
+_DRIFT_SHARE = 0.05  # of each new rest position: 0.8 s at 25 Hz
+_SHOWN_DRIFT_PX = 0.1  # smaller changes of the rest position are not shown to later stages
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,22 +110,37 @@ class MarkerTracker:
         self._n_events = self._n_anchors = self._n_gaps = 0
 
     def anchor(self, rest: RestField) -> None:
-        """Take the rest position."""
-        self._n_anchors += 1
+        """Take a rest position, which may be late: ``rest.t_us`` says which moment it describes.
+
+        The first one, and one that lies elsewhere (the camera was bumped), is taken as it is. After
+        that the rest position follows slowly, and only where a marker is nearly at rest, so that a
+        light touch that passed for rest cannot spoil it.
+        """
         measured = rest.position_px.astype(np.float64)
-        if not self._anchored:
-            self._tracks.rest_px[:] = measured
-            self._rest_px = measured.astype(np.float32)
-            t_us = rest.t_us if self._end_us is None else self._end_us
-            for i, (x, y) in enumerate(measured):
-                kernels.place(i, x, y, 1.0, float(t_us), self._tracks)
-            self._anchored = True
+        tracks, off = self._tracks, rest.position_px - self._tracks.rest_px
+        self._n_anchors += 1
+        distance = np.hypot(*off.T)
+        if not self._anchored or np.median(distance) > _MAX_DRIFT_PX:
+            tracks.rest_px[:] = measured
+            if not self._anchored:
+                t_us = float(rest.t_us if self._end_us is None else self._end_us)
+                for i, (x, y) in enumerate(measured):
+                    kernels.place(i, x, y, 1.0, t_us, tracks)
+                self._restart(int(t_us))
+                self._anchored = True
+        else:
+            near = distance <= _MAX_DRIFT_PX
+            tracks.rest_px[near] += _DRIFT_SHARE * off[near]
+        self._correction.anchor(rest)
+        if not np.abs(self._rest_px - tracks.rest_px).max() < _SHOWN_DRIFT_PX:
+            self._rest_px = tracks.rest_px.astype(np.float32)
 
     def update(self, packet: EventPacket) -> MarkerField:
         """All markers at the end of a slice."""
         if not self._anchored:
             return self._unknown(packet.t_end_us)
-        if packet.gap or self._end_us != packet.t_begin_us or not self._tracks.clock[1]:
+        if packet.gap or self._end_us != packet.t_begin_us:
+            self._n_gaps += 1
             self._restart(packet.t_begin_us)
         events = packet.events
         if not (events.flags.writeable and events.flags.c_contiguous):
@@ -134,9 +152,7 @@ class MarkerTracker:
         self._advance(events, start, packet.t_end_us)
         self._end_us = packet.t_end_us
         self._n_events += len(events)
-        kernels.predict(
-            float(packet.t_end_us), self._tuning.memory_s, self._tracks, self._now_px
-        )
+        kernels.predict(float(packet.t_end_us), self._tuning.memory_s, self._tracks, self._now_px)
         return MarkerField(
             packet.t_end_us, self._rest_px, self._now_px.astype(np.float32), ~self._tracks.lost
         )
@@ -158,7 +174,6 @@ class MarkerTracker:
 
     def _restart(self, t_us: int) -> None:
         """Events are missing: forget velocities and the past, keep positions."""
-        self._n_gaps += 1
         tracks = self._tracks
         tracks.state[:, kernels.VX : kernels.VY + 1] = 0.0
         tracks.state[:, kernels.A : kernels.C + 1] = (1.0, 0.0, 100.0)

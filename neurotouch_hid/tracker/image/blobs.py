@@ -66,7 +66,7 @@ class BlobFinder:
     def find(self, pixels: NDArray[np.uint8]) -> Blobs:
         """The blobs of a frame (260, 346) uint8."""
         c = self._config
-        pixels = np.require(pixels, np.uint8, "CW")
+        pixels = np.require(pixels, np.uint8, ["C", "W"])
         kernels.threshold_blocks(
             pixels, c.n_sigma, c.min_contrast, self._threshold, self._background, self._peak
         )

@@ -57,14 +57,10 @@ def threshold_blocks(
             count[i + 1, j + 1] = n_rows * n_columns
     for i in range(rows):
         for j in range(columns):
-            s, q, n = 0, 0, 0
-            for k in range(i, i + 3):
-                for m in range(j, j + 3):
-                    s += total[k, m]
-                    q += square[k, m]
-                    n += count[k, m]
-            mean = s / n
-            sigma = math.sqrt(max(q / n - mean * mean, 0.0))
+            n = count[i : i + 3, j : j + 3].sum()
+            mean = total[i : i + 3, j : j + 3].sum() / n
+            variance = square[i : i + 3, j : j + 3].sum() / n - mean * mean
+            sigma = math.sqrt(max(variance, 0.0))
             threshold[i, j] = mean + max(n_sigma * sigma, min_contrast)
             background[i, j] = mean - 0.25 * sigma  # markers cover some 5 % of a window
 
@@ -164,7 +160,7 @@ def find_blobs(
 
 @njit(cache=True, nogil=True)
 def distance_map(mask: NDArray[np.uint8], out: NDArray[np.int32]) -> None:
-    """The exact squared distance (px²) of every pixel to the nearest one that is set in ``mask``."""
+    """The exact squared distance (px²) of every pixel to the nearest one set in ``mask``."""
     h, w = mask.shape
     far = h + w
     column = np.empty((h, w), np.int64)
