@@ -2,7 +2,7 @@
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import click
 
@@ -17,7 +17,7 @@ _ROWS = (
 @click.command(epilog="\b\nExamples:\n  neurotouch bench\n  neurotouch bench --json bench.json")
 @click.option("--method", type=click.Choice(["paper"]), default="paper", show_default=True)
 @click.option("--json", "json_path", type=click.Path(path_type=Path, dir_okay=False))
-def command(method: str, json_path: Path | None) -> None:
+def command(method: Literal["paper"], json_path: Path | None) -> None:
     """Measure the speed of every stage on this machine, on one core.
 
     Slices are 10 ms of sensor time at the paper's speeds.

@@ -3,6 +3,7 @@
 import json
 import os
 from pathlib import Path
+from typing import Literal
 
 import click
 
@@ -36,7 +37,9 @@ import click
     show_default="all cores",
     help="Recordings to play at once.",
 )
-def command(files: tuple[Path, ...], method: str, json_path: Path | None, jobs: int) -> None:
+def command(
+    files: tuple[Path, ...], method: Literal["paper"], json_path: Path | None, jobs: int
+) -> None:
     """Play each FILE.aedat4 and compare what is recognised with FILE.labels.csv beside it."""
     from neurotouch_hid.evaluation import evaluate_files, format_table
     from neurotouch_hid.gesture import GestureConfig

@@ -77,7 +77,7 @@ def main() -> None:
         code = _EXIT_INTERRUPTED
     except BrokenPipeError:
         # The reader of our output is gone, as in `neurotouch demo | head`: nothing is wrong.
-        sys.stdout = None  # type: ignore[assignment]  # nothing left to flush at exit
+        sys.stdout = None  # nothing left to flush at exit
         code = 0
     sys.exit(code if isinstance(code, int) else 0)
 

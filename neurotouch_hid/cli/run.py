@@ -1,6 +1,7 @@
 """``neurotouch run``: the driver."""
 
 from pathlib import Path
+from typing import Literal
 
 import click
 
@@ -56,8 +57,8 @@ def command(
     profile: str,
     source: str,
     device: str,
-    speed: str,
-    method: str,
+    speed: Literal["recorded", "max"],
+    method: Literal["paper"],
     seed: int,
     trace: Path | None,
     show: str,

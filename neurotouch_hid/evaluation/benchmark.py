@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,7 +47,7 @@ class Spread:
         return {"median": self.median, "p99": self.p99}
 
 
-def run_benchmark(method: str, progress: Callable[[str], None]) -> dict[str, Any]:
+def run_benchmark(method: Literal["paper"], progress: Callable[[str], None]) -> dict[str, Any]:
     """Measures everything, one thread, nothing else running.
 
     Args:
@@ -61,7 +61,7 @@ def run_benchmark(method: str, progress: Callable[[str], None]) -> dict[str, Any
         processor time of ``neurotouch --help``; ``pad``: from the start of ``run`` to the pad) and
         ``rss_mb``, the most memory that playing the recording took.
     """
-    config = GestureConfig(method=method)  # type: ignore[arg-type]  # the caller's choice is checked
+    config = GestureConfig(method=method)
     progress(f"Simulating {PREPARED_S:.0f} s of gestures")
     packets = _simulate()
     warm_up(Pipeline.build(load_profile("default"), config))
