@@ -9,6 +9,7 @@ import errno
 import fcntl
 import os
 import struct
+import time
 from collections.abc import Callable
 from pathlib import Path
 from threading import Lock
@@ -25,6 +26,9 @@ NODE = Path("/dev/uinput")
 
 RULE = 'KERNEL=="uinput", SUBSYSTEM=="misc", TAG+="uaccess", OPTIONS+="static_node=uinput"'
 """The udev rule of ``udev/70-neurotouch-uinput.rules``."""
+
+_PARTING_S = 0.05
+"""Time for readers to take the last frame: what is unread when a pad goes away is lost to them."""
 
 # linux/uinput.h and linux/input.h
 _INPUT_EVENT = struct.Struct("@llHHi")  # seconds, microseconds, type, code, value
@@ -136,6 +140,7 @@ class UinputDevice:
             descriptor, self._descriptor = self._descriptor, None
             try:
                 self._show(descriptor, gamepad.NEUTRAL)
+                time.sleep(_PARTING_S)
                 self._ioctl(descriptor, UI_DEV_DESTROY, 0)
             except (DeviceError, OSError):
                 # The pad is gone already. Closing the descriptor below removes whatever is left,

@@ -1,0 +1,66 @@
+"""Boots the kernel once for all tests of this folder and hands them what the guest saw."""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.kernel.machine import CACHE, ROOT, MissingError, boot, fetch_kernel, require_packages
+
+TIME_LIMIT_S = 900.0
+"""Several times what it takes on two idle cores without hardware virtualisation."""
+
+# Compiled kernels are kept per processor; QEMU's is not ours. For a generic one they are compiled
+# here, and the slow guest only loads them.
+NUMBA = {"NUMBA_CPU_NAME": "generic", "NUMBA_CACHE_DIR": str(CACHE / "numba")}
+
+
+@pytest.fixture(scope="session")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder that the guest wrote; the tests are skipped where no kernel can be booted."""
+    try:
+        require_packages()
+        kernel = fetch_kernel()
+    except MissingError as error:
+        if os.environ.get("NEUROTOUCH_REQUIRE_KERNEL") == "1":
+            pytest.fail(f"real-kernel tests are required, but {error}")
+        pytest.skip(f"real-kernel tests: {error}")
+    compile_for_guest()
+    folder = tmp_path_factory.mktemp("kernel")
+    settings = [f"{name}={value}" for name, value in NUMBA.items()]
+    program = ["env", *settings, sys.executable, "-m", "tests.kernel.guest", str(folder)]
+    console = boot(kernel, program, folder, time_limit_s=TIME_LIMIT_S)
+    (folder / "console.txt").write_text(console)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def guest(results: Path) -> Callable[[str], Any]:
+    """Returns what a chapter of the guest's program saw; no answer is a failure."""
+
+    def saw(chapter: str) -> Any:
+        answer = results / f"{chapter}.json"
+        if not answer.exists():
+            console = (results / "console.txt").read_text()
+            pytest.fail(f"the guest gave no answer to {chapter!r}; its console:\n{console[-3000:]}")
+        said = json.loads(answer.read_text())
+        if "failed" in said:
+            pytest.fail(f"in the guest, {chapter!r} failed:\n{said['failed']}")
+        return said["saw"]
+
+    return saw
+
+
+def compile_for_guest() -> None:
+    command = ["run", "--source", "sim:tour", "--device", "memory", "--speed", "max"]
+    subprocess.run(
+        [sys.executable, "-m", "neurotouch_hid", *command, "--show", "nothing"],
+        cwd=ROOT,
+        env={**os.environ, **NUMBA},
+        check=True,
+    )

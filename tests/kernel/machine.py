@@ -1,0 +1,146 @@
+"""A Debian kernel under QEMU that sees this machine's files and runs one program on them."""
+
+import os
+import select
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+CACHE = ROOT / ".cache/kernel"
+
+PACKAGES = {
+    "apt-get": "apt",
+    "busybox": "busybox-static",
+    "depmod": "kmod",
+    "dpkg": "dpkg",
+    "qemu-system-x86_64": "qemu-system-x86",
+    "udevadm": "udev",
+}
+"""The programs that are needed here or in the guest, and the Debian packages that hold them."""
+
+KVM_PATIENCE_S = 30.0
+"""With working hardware virtualisation the guest answers within a few seconds."""
+
+
+class MissingError(Exception):
+    """This machine cannot boot the kernel; the message says what is missing."""
+
+
+def require_packages() -> None:
+    """Check that everything needed is installed.
+
+    Raises:
+        MissingError: names the packages.
+    """
+    path = f"{os.environ['PATH']}:/usr/sbin:/sbin"
+    missing = [name for program, name in PACKAGES.items() if not shutil.which(program, path=path)]
+    if missing:
+        raise MissingError(f"these Debian packages are missing: {' '.join(missing)}")
+    if not _vng().exists():
+        raise MissingError("virtme-ng is missing: pip install --group dev")
+
+
+def fetch_kernel() -> Path:
+    """Return Debian's kernel image, its modules beside it; downloaded and unpacked once.
+
+    Raises:
+        MissingError: the package cannot be had.
+    """
+    cached = sorted(CACHE.glob("linux-image-*/boot/vmlinuz-*"))
+    if cached:
+        return cached[-1]
+    listed = _output("apt-cache", "depends", "linux-image-amd64")
+    names = [line.split()[-1] for line in listed.splitlines() if "Depends: linux-image-" in line]
+    if not names:
+        raise MissingError("apt knows no linux-image-amd64: run apt-get update (on Debian)")
+    unpacked = CACHE / f"unpacking-{os.getpid()}"
+    unpacked.mkdir(parents=True)
+    try:
+        _output("apt-get", "download", names[0], cwd=unpacked)
+        for package in unpacked.glob("*.deb"):
+            _output("dpkg", "-x", str(package), str(unpacked))
+            package.unlink()
+        version = next((unpacked / "lib/modules").iterdir()).name
+        _output("/sbin/depmod", "-b", str(unpacked), version)
+        kernel = CACHE / names[0] / "boot" / f"vmlinuz-{version}"
+        unpacked.rename(CACHE / names[0])
+    except subprocess.CalledProcessError as error:
+        raise MissingError(f"{error.cmd[0]} failed: {error.stderr.strip()}") from error
+    finally:
+        shutil.rmtree(unpacked, ignore_errors=True)
+    return kernel
+
+
+def boot(kernel: Path, program: list[str], results: Path, *, time_limit_s: float) -> str:
+    """Boot, run the program as root, power off; return what the console showed.
+
+    Args:
+        kernel: the image.
+        program: the command. It must first make a file called ``booted`` in ``results``.
+        results: a folder that the guest can write; everything else is read-only there.
+        time_limit_s: after this time the machine is switched off.
+    """
+    command = [
+        str(_vng()),
+        "--verbose",
+        "--force-9p",
+        "--disable-microvm",
+        f"--rwdir={results}",
+        *("--run", str(kernel)),
+        *("--user", "root"),
+        *("--cpus", "2"),
+        *("--memory", "2G"),
+    ]
+    booted = results / "booted"
+    if os.access("/dev/kvm", os.R_OK | os.W_OK):
+        # Where nested virtualisation is broken, QEMU ends at once or hangs.
+        console = _run([*command, "--", *program], booted, KVM_PATIENCE_S, time_limit_s)
+        if booted.exists():
+            return console
+    return _run([*command, "--disable-kvm", "--", *program], booted, time_limit_s, time_limit_s)
+
+
+def _run(command: list[str], booted: Path, patience_s: float, time_limit_s: float) -> str:
+    """Run the command on a terminal of its own, which vng asks for; return what it printed."""
+    terminal, inside = os.openpty()
+    # vng starts helpers by name.
+    environment = {**os.environ, "PATH": f"{_vng().parent}:{os.environ['PATH']}:/usr/sbin:/sbin"}
+    process = subprocess.Popen(
+        command,
+        cwd=ROOT,
+        env=environment,
+        stdin=inside,
+        stdout=inside,
+        stderr=inside,
+        start_new_session=True,
+    )
+    os.close(inside)
+    begun = time.monotonic()
+    printed = bytearray()
+    try:
+        while time.monotonic() - begun < (time_limit_s if booted.exists() else patience_s):
+            if not select.select([terminal], [], [], 1.0)[0]:
+                continue
+            try:
+                printed += os.read(terminal, 1 << 16)
+            except OSError:  # everybody at the other end has gone
+                break
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        os.close(terminal)
+    return printed.decode(errors="replace")
+
+
+def _vng() -> Path:
+    return Path(sys.executable).with_name("vng")
+
+
+def _output(*command: str, cwd: Path = ROOT) -> str:
+    done = subprocess.run(command, cwd=cwd, check=True, capture_output=True, text=True)
+    return done.stdout
