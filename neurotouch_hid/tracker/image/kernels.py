@@ -30,37 +30,38 @@ def threshold_blocks(
     """
     h, w = pixels.shape
     rows, columns = threshold.shape
-    total = np.zeros((rows + 2, columns + 2), np.int32)
-    square = np.zeros((rows + 2, columns + 2), np.int32)
-    count = np.zeros((rows + 2, columns + 2), np.int32)
+    # Sums of each block, with a border of empty blocks: intensity, its square, pixels.
+    sums = np.zeros((3, rows + 2, columns + 2), np.int32)
+    total, square = np.empty(w, np.int32), np.empty(w, np.int32)  # of 8 rows, column by column
+    brightest = np.empty(w, np.uint8)
     for i in range(rows):
-        n_rows = min(BLOCK_PX, h - i * BLOCK_PX)
+        total[:], square[:], brightest[:] = 0, 0, 0
+        top, bottom = i * BLOCK_PX, min(h, (i + 1) * BLOCK_PX)
+        for y in range(top, bottom):
+            row = pixels[y]
+            for x in range(w):
+                v = np.int32(row[x])
+                total[x] += v
+                square[x] += v * v
+            for x in range(w):
+                brightest[x] = max(brightest[x], row[x])
         for j in range(columns):
-            n_columns = min(BLOCK_PX, w - j * BLOCK_PX)
-            s, q, top = np.int32(0), np.int32(0), np.int32(0)
-            if n_rows == BLOCK_PX and n_columns == BLOCK_PX:  # fixed limits: vectorised
-                for y in range(BLOCK_PX):
-                    for x in range(BLOCK_PX):
-                        v = np.int32(pixels[i * BLOCK_PX + y, j * BLOCK_PX + x])
-                        s += v
-                        q += v * v
-                        top = max(top, v)
-            else:
-                for y in range(n_rows):
-                    for x in range(n_columns):
-                        v = np.int32(pixels[i * BLOCK_PX + y, j * BLOCK_PX + x])
-                        s += v
-                        q += v * v
-                        top = max(top, v)
-            total[i + 1, j + 1], square[i + 1, j + 1] = s, q
-            peak[i, j] = top
-            count[i + 1, j + 1] = n_rows * n_columns
+            left, right = j * BLOCK_PX, min(w, (j + 1) * BLOCK_PX)
+            s, q, p = 0, 0, np.uint8(0)
+            for x in range(left, right):
+                s += total[x]
+                q += square[x]
+                p = max(p, brightest[x])
+            sums[0, i + 1, j + 1], sums[1, i + 1, j + 1] = s, q
+            sums[2, i + 1, j + 1] = (bottom - top) * (right - left)
+            peak[i, j] = p
+    tall = sums[:, :-2] + sums[:, 1:-1] + sums[:, 2:]
+    wide = tall[:, :, :-2] + tall[:, :, 1:-1] + tall[:, :, 2:]
     for i in range(rows):
         for j in range(columns):
-            n = count[i : i + 3, j : j + 3].sum()
-            mean = total[i : i + 3, j : j + 3].sum() / n
-            variance = square[i : i + 3, j : j + 3].sum() / n - mean * mean
-            sigma = math.sqrt(max(variance, 0.0))
+            n = wide[2, i, j]
+            mean = wide[0, i, j] / n
+            sigma = math.sqrt(max(wide[1, i, j] / n - mean * mean, 0.0))
             threshold[i, j] = mean + max(n_sigma * sigma, min_contrast)
             background[i, j] = mean - 0.25 * sigma  # markers cover some 5 % of a window
 
