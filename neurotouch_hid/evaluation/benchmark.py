@@ -14,6 +14,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
 from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.profile import load_profile
@@ -169,9 +170,14 @@ def _wait_ready(process: subprocess.Popen[str]) -> None:
 
 
 def _reap(process: subprocess.Popen[str]) -> resource.struct_rusage:
-    """Waits for the end of a process and returns what it used."""
-    for _ in process.stderr or ():
-        pass
-    usage = os.wait4(process.pid, 0)[2]
-    process.returncode = 0
+    """Waits for the end of a process and returns what it used.
+
+    Raises:
+        NeuroTouchError: it did not end well, so its figures would mean nothing.
+    """
+    said = "".join(process.stderr or ())
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        raise NeuroTouchError(f"A measured process failed: {said.strip()}")
     return usage
