@@ -18,7 +18,7 @@ KINDS = tuple(GestureKind)[1:]
 MODEL = 1  # raised when the simulator changes, so that old files are written anew
 REST_US = 600_000  # at the start of each recording, so that the gel can be found
 NONE_SHARE = 0.4  # [NT, figure of the labels]: 15,000 of 37,912 frames show no gesture
-HIDDEN_US = 200_000  # of each attack and release, below what is labelled
+HIDDEN_US = 250_000  # of each attack and release, below what is labelled
 MANIFEST = "dataset.json"
 SLICE_US = 20_000
 
@@ -124,18 +124,20 @@ def simulate_recipe(recipe: Recipe) -> Simulator:
 def draw_script(
     name: str, kind: GestureKind, duration_us: int, person: Person, rng: np.random.Generator
 ) -> Script:
-    """A person doing one gesture again and again, with the paper's share of rest between."""
+    """A person doing one gesture again and again, with the paper's share of rest between.
+
+    The last gesture may run over the end, as when a camera is switched off.
+    """
     strokes = list[Stroke]()
     t_us = REST_US
-    while True:
+    while t_us < duration_us:
         stroke = replace(draw_stroke(kind, rng, person), start_us=t_us)
-        if stroke.end_us > duration_us:
-            return Script(name, tuple(strokes), duration_us)
         strokes.append(stroke)
         shown_us = stroke.attack_us + stroke.hold_us + stroke.release_us
         hidden_us = PRESS_US + 4 * stroke.creep_us + HIDDEN_US  # of the stroke, but too weak to be labelled
-        pause_us = max(shown_us * NONE_SHARE / (1.0 - NONE_SHARE) - hidden_us, 100_000)
+        pause_us = max(shown_us * NONE_SHARE / (1.0 - NONE_SHARE) - hidden_us, 60_000)
         t_us = stroke.end_us + int(pause_us * rng.uniform(0.5, 1.5))
+    return Script(name, tuple(strokes), duration_us)
 
 
 def _record(recipe: Recipe, path: Path) -> Iterator[float]:

@@ -85,7 +85,7 @@ def test_gel_moves_about_twice_as_far_along_the_drag_as_across():
 def test_twist_agrees_with_finite_elements():
     """Twist of 0.5 rad, 8 mm off the axis, a = 7: mm at a distance from the contact."""
     for r, expected in [(5.5, 3.1), (8, 1.35), (12, 0.65), (18, 0.36)]:
-        ring = np.array([[0.0, r], [0.0, -r]]) + (8.0, 0.0)
+        ring = np.array([[8.0, r], [8.0, -r]])
         moved = move(ring, [(8.0, 0.0)], [7.0], [(0, 0, 0.05)], [0.0])[:, :2] - ring
         at_half_rad = 10.0 * np.linalg.norm(moved, axis=1).mean()
         assert at_half_rad == pytest.approx(expected, abs=0.4), r

@@ -1,0 +1,85 @@
+import json
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from neurotouch_hid.geometry import Rig
+from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.recording import Recording, labels_path, read_labels
+from neurotouch_hid.source.simulator import dataset
+from neurotouch_hid.source.simulator.camera import Camera
+from neurotouch_hid.source.simulator.gel import Motion
+from neurotouch_hid.source.simulator.people import meet_person
+
+
+@pytest.fixture(scope="module")
+def small_set(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("set") / "new"
+    seen = []
+    paths = dataset.write_dataset(folder, users=1, minutes=0.1, seed=2, progress=seen.append)
+    return folder, paths, seen
+
+
+def test_a_set_holds_one_recording_per_user_and_gesture(small_set):
+    folder, paths, seen = small_set
+    assert [path.stem for path in paths] == [f"user1-{kind.label}" for kind in dataset.KINDS]
+    assert not list(folder.glob(".*"))
+    assert [p.path for p in seen if p.share == 1.0] == paths
+    assert all(p.n_files == 5 and 0 <= p.share <= 1 for p in seen)
+
+
+def test_a_recording_is_what_its_recipe_simulates(small_set):
+    _, paths, _ = small_set
+    recipe = dataset.plan_dataset(1, 0.1, 2)[0]
+    events = [packet.events for packet in dataset.simulate_recipe(recipe)]
+    read = [batch for batch, _ in Recording(paths[0])]
+    assert np.array_equal(np.concatenate(read), np.concatenate(events))
+    labels = read_labels(labels_path(paths[0]))
+    assert [truth.t_us for truth in labels] == list(range(5_000, recipe.duration_us, 40_000))
+
+
+def test_finished_recordings_are_kept_and_others_written_again(small_set):
+    folder, paths, _ = small_set
+    stamps = [path.stat().st_mtime_ns for path in paths]
+    manifest = json.loads((folder / dataset.MANIFEST).read_text())
+    del manifest[paths[1].stem]  # as if stopped while it was written
+    (folder / dataset.MANIFEST).write_text(json.dumps(manifest))
+    labels_path(paths[2]).unlink()
+    dataset.write_dataset(folder, users=1, minutes=0.1, seed=2)
+    again = [path.stat().st_mtime_ns for path in paths]
+    changed = [old != new for old, new in zip(stamps, again, strict=True)]
+    assert changed == [False, True, True, False, False]
+
+
+def test_a_set_is_distributed_like_the_papers():
+    labels, speeds, contacts = Counter(), [], []
+    sizes = {kind: [] for kind in dataset.KINDS}
+    for recipe in dataset.plan_dataset(2, 2.5, 1):
+        kind = GestureKind[recipe.gesture.upper()]
+        person, config = meet_person(1000 * recipe.seed + recipe.user)
+        rng = np.random.default_rng((recipe.seed, recipe.user, kind))
+        script = dataset.draw_script(recipe.name, kind, recipe.duration_us, person, rng)
+        rig: Rig = config.camera.rig
+        motion = Motion(script, Camera(config.camera), rig.px_per_mm, config.gel)
+        truths = [motion.truth(t) for t in range(5_000, recipe.duration_us, 40_000)]
+        labels.update(truth.kind for truth in truths)
+        sizes[kind] += [truth.intensity_mm for truth in truths if truth.kind]
+        speeds.append(np.diff([truth.intensity_mm for truth in truths]) / 0.04)
+        contacts += [rig.to_mm(truth.contacts_px) for truth in truths if truth.kind]
+    shares = {kind: n / labels.total() for kind, n in labels.items()}
+    assert shares[GestureKind.NONE] == pytest.approx(0.4, abs=0.06)
+    assert all(0.08 < shares[kind] < 0.16 for kind in dataset.KINDS)
+    means = {kind: np.mean(values) for kind, values in sizes.items()}
+    assert max(means, key=means.get) == GestureKind.PUSH
+    assert min(means, key=means.get) == GestureKind.ZOOM
+    assert 4.5 < means[GestureKind.PUSH] < 8.0
+    assert max(max(values) for values in sizes.values()) < 19.0
+    everything = np.concatenate(list(sizes.values()))
+    assert 0.6 < (everything < 6.0).mean() < 0.9
+    speed = np.concatenate(speeds)
+    assert 90 < np.abs(speed).max() < 240
+    assert abs(np.median(speed)) < 1.0
+    points = np.concatenate(contacts)
+    assert np.hypot(*points.T).max() < 28.0
+    assert {len(c) for c in contacts} == {1, 2, 3}
