@@ -1,16 +1,19 @@
 """Plays labelled recordings through the line and counts, on as many cores as wanted."""
 
+import signal
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from functools import reduce
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from operator import add
 from pathlib import Path
 from typing import Any
 
 from neurotouch_hid.device import MemoryDevice
+from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.evaluation.comparison import Comparison
 from neurotouch_hid.evaluation.labels import LabelTrack
 from neurotouch_hid.evaluation.metrics import summarise
@@ -58,6 +61,7 @@ def evaluate_files(
     Raises:
         RecordingError: a recording or its labels cannot be read; all labels are read first.
         GelNotFoundError: no frame of a recording shows the gel.
+        NeuroTouchError: a process was killed.
     """
     for path in paths:
         read_labels(labels_path(path))
@@ -79,12 +83,24 @@ def _play_all(
         yield from ((path, evaluate_file(path, config)) for path in paths)
         return
     # Fresh processes: forking one that has loaded kernels and OpenCV threads is not safe.
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+    pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_die_silently)
+    try:
         futures = {pool.submit(evaluate_file, path, config): path for path in paths}
-        try:
-            yield from ((futures[done], done.result()) for done in as_completed(futures))
-        finally:
-            pool.shutdown(wait=False, cancel_futures=True)
+        yield from ((futures[done], done.result()) for done in as_completed(futures))
+    except BrokenProcessPool as error:
+        raise NeuroTouchError(
+            "A process of the evaluation was ended from outside.",
+            hint="Too little memory? Play fewer recordings at once.",
+        ) from error
+    finally:
+        for process in active_children():  # those that still play, after an error or Ctrl-C
+            process.terminate()
+        pool.shutdown()
+
+
+def _die_silently() -> None:
+    """Ctrl-C reaches every process of a terminal; only the first one has something to say."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def evaluate_file(path: Path, config: GestureConfig) -> Tally:
