@@ -134,7 +134,9 @@ def draw_script(
         stroke = replace(draw_stroke(kind, rng, person), start_us=t_us)
         strokes.append(stroke)
         shown_us = stroke.attack_us + stroke.hold_us + stroke.release_us
-        hidden_us = PRESS_US + 4 * stroke.creep_us + HIDDEN_US  # of the stroke, but too weak to be labelled
+        hidden_us = (
+            PRESS_US + 4 * stroke.creep_us + HIDDEN_US
+        )  # of the stroke, but too weak to be labelled
         pause_us = max(shown_us * NONE_SHARE / (1.0 - NONE_SHARE) - hidden_us, 60_000)
         t_us = stroke.end_us + int(pause_us * rng.uniform(0.5, 1.5))
     return Script(name, tuple(strokes), duration_us)

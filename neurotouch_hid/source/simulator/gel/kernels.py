@@ -141,21 +141,25 @@ def resist_squeeze(
         moved: (n, 3) float64 mm, updated.
     """
     for _ in range(SQUEEZE_SWEEPS):
+        n_pushed = 0
         for i in range(len(mobility)):
             for slot in range(neighbours.shape[1]):
                 j = neighbours[i, slot]
-                both = mobility[i] + (mobility[j] if j > i else 0.0)
-                if j <= i or both <= 0.0:
-                    continue
-                closest = MIN_STRETCH * math.hypot(rest[j, 0] - rest[i, 0], rest[j, 1] - rest[i, 1])
+                if j <= i:
+                    continue  # each pair once
+                x, y = rest[j, 0] - rest[i, 0], rest[j, 1] - rest[i, 1]
+                closest2 = MIN_STRETCH * MIN_STRETCH * (x * x + y * y)
                 x, y = moved[j, 0] - moved[i, 0], moved[j, 1] - moved[i, 1]
-                length = math.hypot(x, y)
-                if 1e-6 < length < closest:
-                    push = (closest - length) / (length * both)
+                length2, both = x * x + y * y, mobility[i] + mobility[j]
+                if 1e-12 < length2 < closest2 and both > 0.0:
+                    push = (math.sqrt(closest2 / length2) - 1.0) / both
                     moved[i, 0] -= push * mobility[i] * x
                     moved[i, 1] -= push * mobility[i] * y
                     moved[j, 0] += push * mobility[j] * x
                     moved[j, 1] += push * mobility[j] * y
+                    n_pushed += 1
+        if n_pushed == 0:
+            break
 
 
 @nb.njit(cache=True, nogil=True)
