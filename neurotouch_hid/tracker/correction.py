@@ -11,6 +11,7 @@ from neurotouch_hid.tracker.image import kernels as image_kernels
 
 _GATE_PX = 3.5  # a third of the pitch: nobody else's blob
 _MAX_BLUR_PX = 2.0  # smeared markers merge with their neighbours
+_MIN_EXPOSURE_US = 5_000  # assumed where a recording does not say
 _MAX_AREA_RATIO = 1.8  # to the median: two markers in one blob
 _MAX_MISSED = 3  # sharp frames without a blob before a marker counts as lost
 _MIN_MATCHED = 60  # a third; with fewer the picture or all tracks are wrong
@@ -31,7 +32,8 @@ class FrameCorrection:
 
     def apply(self, frame: Frame) -> None:
         """Correct all tracks by a frame whose exposure ends now."""
-        begin_px = self._positions_at(frame.exposure_begin_us)
+        begin_us = min(frame.exposure_begin_us, frame.exposure_end_us - _MIN_EXPOSURE_US)
+        begin_px = self._positions_at(begin_us)
         then_px = self._positions_at(frame.t_us)
         end_px = self._positions_at(frame.exposure_end_us)
         if begin_px is None or then_px is None or end_px is None:

@@ -135,7 +135,7 @@ def filter_events(
         if i < 0:
             continue
         s = state[i]
-        elapsed = (e.t - s[T]) * SECOND
+        elapsed = max((e.t - s[T]) * SECOND, 0.0)
         dt = min(elapsed, tuning.memory_s)
         keep = 1.0 - dt * forget
         step = 0.5 * dt * (1.0 + keep)
@@ -164,7 +164,7 @@ def predict(t_us: float, memory_s: float, tracks: Tracks, out_px: NDArray[np.flo
     """Where every marker is at ``t_us``; since its last event its velocity has been fading."""
     for i in range(len(tracks.state)):
         s = tracks.state[i]
-        dt = min((t_us - s[T]) * SECOND, memory_s)
+        dt = min(max((t_us - s[T]) * SECOND, 0.0), memory_s)
         step = dt * (1.0 - 0.5 * dt / memory_s)
         out_px[i, 0] = s[X] + s[VX] * step
         out_px[i, 1] = s[Y] + s[VY] * step

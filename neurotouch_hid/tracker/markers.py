@@ -140,14 +140,14 @@ class MarkerTracker:
         if not self._anchored:
             return self._unknown(packet.t_end_us)
         if packet.gap or self._end_us != packet.t_begin_us:
-            self._n_gaps += 1
+            self._n_gaps += self._end_us is not None
             self._restart(packet.t_begin_us)
         events = packet.events
         if not (events.flags.writeable and events.flags.c_contiguous):
             events = np.array(events, EVENT_DTYPE)
         start = 0
         for frame in packet.frames:
-            start = self._advance(events, start, frame.exposure_end_us)
+            start = self._advance(events, start, min(frame.exposure_end_us, packet.t_end_us))
             self._correction.apply(frame)
         self._advance(events, start, packet.t_end_us)
         self._end_us = packet.t_end_us

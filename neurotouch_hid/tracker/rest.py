@@ -10,6 +10,9 @@ from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame, Re
 from neurotouch_hid.tracker.image import BlobConfig, BlobFinder, Blobs, kernels
 from neurotouch_hid.tracker.image.lattice import Lattice, LatticeConfig, find_lattice
 
+_SAME_BEND_PX = 0.1  # two pictures of one undeformed gel differ by less
+_STILL_GATE_PX = 2.0  # farther is no small motion
+
 
 @dataclass(frozen=True, slots=True)
 class RestConfig:
@@ -24,17 +27,20 @@ class RestConfig:
             on our simulation; 0.24 mm gives 0.97). The ten markers under one finger are just
             over 5 %.
         min_found: markers that must be seen at their places.
-        settle_frames: a gel that rests somewhere else for so many frames (its mount was bumped, or
-            a hand lay on it at the start) becomes the new reference if it fits the lattice at
-            least as well as the old one. 1 s at 25 Hz.
-        max_settle_px: median motion of a marker in that time.
+        settle_frames: a gel that lies still for so many frames becomes the reference even if it is
+            bent like no undeformed gel (odd optics), and the new reference if it lies elsewhere and
+            is bent no more than the old one (its mount was bumped, or a hand lay on it at the
+            start). 1 s at 25 Hz.
+        max_still_px: median motion of a marker between two frames of a gel that lies still.
+        max_odd_bend_px: limit for odd optics; one finger that pushes by 1.5 mm.
     """
 
     max_chamfer_px2: float = 2.5
     max_displacement_mm: float = 0.24
     min_found: int = 160
     settle_frames: int = 25
-    max_settle_px: float = 0.2
+    max_still_px: float = 0.1
+    max_odd_bend_px: float = 1.5
     blobs: BlobConfig = field(default_factory=BlobConfig)
     lattice: LatticeConfig = field(default_factory=LatticeConfig)
 
@@ -67,7 +73,7 @@ class _Reference:
 
     def __init__(self, lattice: Lattice, blobs: Blobs) -> None:
         self.position_px = lattice.position_px
-        self.residual_px = lattice.residual_px
+        self.bend_px = lattice.bend_px
         rig = fit_rig(lattice.position_px)
         self.px_per_mm = rig.px_per_mm
         self.gate_px = 0.35 * PITCH_MM * rig.px_per_mm
@@ -115,8 +121,8 @@ class RestDetector:
         self._finder = BlobFinder(self._config.blobs)
         self._reference: _Reference | None = None
         self._match = np.empty(N_MARKERS, np.int32)
-        self._settled: NDArray[np.float64] | None = None
-        self._n_settled = 0
+        self._still_px: NDArray[np.float64] = np.empty((0, 2))
+        self._n_still = 0
         self._stats = RestStats(0, 0, 0, 0, float("nan"), float("nan"), "no frame yet")
 
     def stats(self) -> RestStats:
@@ -133,8 +139,9 @@ class RestDetector:
     def _search(self, frame: Frame, blobs: Blobs) -> RestField | None:
         """Take the frame as the reference if it shows the undeformed lattice."""
         lattice = find_lattice(blobs.centroid_px, self._config.lattice, self._rig)
-        reason = self._refusal(lattice, frame)
-        n_found = min(len(blobs.centroid_px), N_MARKERS) if lattice is None else lattice.n_found
+        settled = self._count_still(blobs)
+        reason = self._refusal(lattice, frame, odd=settled)
+        n_found = 0 if lattice is None else lattice.n_found
         if lattice is None or reason:
             self._count(n_found, reason)
             return None
@@ -159,7 +166,7 @@ class RestDetector:
             and displacement <= c.max_displacement_mm * reference.px_per_mm
             and n_found >= c.min_found
         ):
-            self._settled, self._n_settled = None, 0
+            self._n_still = 0
             self._count(n_found, "", distance, displacement)
             position = position.copy()
             position[found] = measured
@@ -169,47 +176,50 @@ class RestDetector:
 
     def _settle(self, frame: Frame, blobs: Blobs, reference: _Reference) -> RestField | None:
         """Take a new reference if the gel has come to rest somewhere else."""
-        c = self._config
-        points = blobs.centroid_px
-        if self._settled is not None and len(points) >= c.min_found:
-            step = np.empty(len(self._settled), np.int32)
-            n = kernels.match_points(self._settled, points, reference.gate_px, step)
-            moved = np.hypot(*(points[step[step >= 0]] - self._settled[step >= 0]).T)
-            if n >= c.min_found and np.median(moved) <= c.max_settle_px:
-                self._n_settled += 1
-                if self._n_settled % c.settle_frames:
-                    return None
-                lattice = find_lattice(points, c.lattice)
-                if (
-                    lattice is None
-                    or self._refusal(lattice, frame)
-                    or lattice.residual_px > reference.residual_px
-                ):
-                    return None
-                self._refer(lattice, blobs)
-                return RestField(frame.t_us, lattice.position_px.astype(np.float32))
-        self._settled = points.copy()
-        self._n_settled = 0
-        return None
+        if not self._count_still(blobs):
+            return None
+        lattice = find_lattice(blobs.centroid_px, self._config.lattice)
+        if (
+            lattice is None
+            or self._refusal(lattice, frame)
+            or lattice.bend_px > reference.bend_px + _SAME_BEND_PX
+        ):
+            return None
+        self._refer(lattice, blobs)
+        return RestField(frame.t_us, lattice.position_px.astype(np.float32))
+
+    def _count_still(self, blobs: Blobs) -> bool:
+        """True once every ``settle_frames`` frames in a row in which the markers stay in place."""
+        c, before, now = self._config, self._still_px, blobs.centroid_px.copy()
+        self._still_px = now
+        same = np.empty(len(before), np.int32)
+        n = kernels.match_points(before, now, _STILL_GATE_PX, same)
+        if n < c.min_found:
+            self._n_still = 0
+            return False
+        moved = np.hypot(*(now[same[same >= 0]] - before[same >= 0]).T)
+        self._n_still = self._n_still + 1 if np.median(moved) <= c.max_still_px else 0
+        return self._n_still > 0 and self._n_still % c.settle_frames == 0
 
     def _refer(self, lattice: Lattice, blobs: Blobs) -> None:
         self._reference = _Reference(lattice, blobs)
-        self._settled, self._n_settled = None, 0
+        self._n_still = 0
         s = self._stats
         self._stats = RestStats(
             s.n_frames, s.n_rest, s.n_references + 1, lattice.n_found, 0.0, 0.0, ""
         )
 
-    def _refusal(self, lattice: Lattice | None, frame: Frame) -> str:
-        """Why this is no gel at rest, or an empty string."""
+    def _refusal(self, lattice: Lattice | None, frame: Frame, *, odd: bool = False) -> str:
+        """Why this is no gel at rest, or an empty string; ``odd`` allows for odd optics."""
         c = self._config.lattice
+        max_bend_px = self._config.max_odd_bend_px if odd else c.max_bend_px
         if lattice is None or lattice.n_found < c.min_found:
             n = 0 if lattice is None else lattice.n_found
             return f"found {n} of {N_MARKERS} markers; {_describe(frame)}"
-        if lattice.residual_px > c.max_residual_px or lattice.n_displaced > c.max_displaced:
+        if lattice.bend_px > max_bend_px or lattice.n_displaced > c.max_displaced:
             return (
                 f"found {lattice.n_found} of {N_MARKERS} markers, off their lattice by "
-                f"{lattice.residual_px:.1f} px; the gel seems to be touched"
+                f"{lattice.bend_px:.1f} px; the gel seems to be touched"
             )
         return ""
 
@@ -234,8 +244,8 @@ class RestDetector:
 
 def _describe(frame: Frame) -> str:
     """What is wrong with a frame that shows too few markers."""
-    bright = float(np.percentile(frame.pixels, 98.0))
-    if bright < 40.0:
+    # Markers cover 1 % of the pixels: half of that is white if half of the gel is well lit.
+    if float(np.percentile(frame.pixels, 99.5)) < 50.0:
         return "the frame is too dark"
     if float(np.percentile(frame.pixels, 50.0)) > 200.0:
         return "the frame is too bright"

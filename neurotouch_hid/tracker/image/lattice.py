@@ -8,13 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import GEL_RADIUS_MM, LATTICE_MM, N_MARKERS, PITCH_MM, Rig
+from neurotouch_hid.geometry import GEL_RADIUS_MM, LATTICE_MM, N_MARKERS, NEIGHBOURS, PITCH_MM, Rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 
 _SITES = np.rint(LATTICE_MM / PITCH_MM).astype(np.intp)
 _REACH = int(GEL_RADIUS_MM // PITCH_MM)  # sites are -7..7
 _DISC = np.zeros((2 * _REACH + 1, 2 * _REACH + 1), dtype=np.bool_)
 _DISC[_SITES[:, 1] + _REACH, _SITES[:, 0] + _REACH] = True
+
+_AROUND = np.column_stack([np.arange(N_MARKERS), NEIGHBOURS])  # each marker and its neighbours
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,16 +26,16 @@ class LatticeConfig:
     Attributes:
         min_px_per_mm, max_px_per_mm: range of scales searched; nominal 2.5 [NT, "Results"].
         min_found: markers that must be seen; the rest is filled in from the fitted model.
-        max_residual_px: RMS deviation of the seen markers from the smooth model. Measured on
-            simulated gels: 0.08 at rest, 0.35 for a print tolerance of 0.1 mm, 0.4 for one finger
-            that pushes by 1 mm, 0.7 for 2 mm.
+        max_bend_px: largest ``Lattice.bend_px`` of an undeformed gel. Measured on simulated gels:
+            0.2 for strong optics and a print tolerance of 0.1 mm, 0.7 to 1.4 for one finger that
+            pushes by 1 mm.
         max_displaced: markers that are not at their place but for which a blob lies near it.
     """
 
     min_px_per_mm: float = 1.8
     max_px_per_mm: float = 3.2
     min_found: int = 160
-    max_residual_px: float = 0.45
+    max_bend_px: float = 0.6
     max_displaced: int = 4
 
 
@@ -45,13 +47,14 @@ class Lattice:
         position_px: (177, 2) float64, columns x, y, in the order of ``geometry.LATTICE_MM``;
             markers that were not seen are filled in from the model.
         blob: (177,) intp, the blob of each marker, -1 where none was seen.
-        residual_px: RMS deviation of the seen markers from the model.
+        bend_px: the largest mean deviation from the model of a marker and its neighbours, so that
+            the tolerance of single markers averages out.
         n_displaced: markers not seen at their place with a blob near it that is no other marker.
     """
 
     position_px: NDArray[np.float64]
     blob: NDArray[np.intp]
-    residual_px: float
+    bend_px: float
     n_displaced: int
 
     @property
@@ -68,7 +71,7 @@ def find_lattice(
     Scale and rotation come from the most frequent vector between neighbours, the rotation being
     the smallest of the four that a square lattice allows; then the lattice grows from blob to
     blob, is laid on the disc of 177 sites where most of them are taken, and a smooth model
-    (similarity, perspective and dome to third order) decides what belongs to it.
+    (similarity, perspective, dome and lens to fifth order) decides what belongs to it.
 
     Args:
         centroid_px: (n, 2) float64.
@@ -99,10 +102,11 @@ def find_lattice(
         return None
     position = model.copy()
     position[found] = centroid_px[blob[found]]
-    residual = float(np.sqrt(np.square(position - model)[found].sum(axis=1).mean()))
+    off = np.where(_AROUND[:, :, None] >= 0, (position - model)[_AROUND], 0.0)
+    bend = off.sum(axis=1) / (_AROUND >= 0).sum(axis=1, keepdims=True)
     free = np.setdiff1d(np.arange(len(centroid_px)), blob[found])
     displaced = _assign(model[~found], centroid_px[free], abs(basis)) >= 0
-    return Lattice(position, blob, residual, int(displaced.sum()))
+    return Lattice(position, blob, float(np.hypot(*bend.T).max()), int(displaced.sum()))
 
 
 def _find_basis(points: NDArray[np.float64], config: LatticeConfig) -> complex | None:
@@ -205,7 +209,9 @@ def _fit_model(points: NDArray[np.float64], blob: NDArray[np.intp]) -> NDArray[n
     u = LATTICE_MM / GEL_RADIUS_MM
     x, y = u[:, 0], u[:, 1]
     r2 = x * x + y * y
-    design = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y, x * r2, y * r2], axis=1)
+    design = np.stack(
+        [np.ones_like(x), x, y, x * x, x * y, y * y, x * r2, y * r2, x * r2**2, y * r2**2], axis=1
+    )
     use = np.flatnonzero(blob >= 0)
     target = points[blob[use]]
     model: NDArray[np.float64] = LATTICE_MM

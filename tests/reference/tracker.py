@@ -1,0 +1,125 @@
+"""Slow plain twins of the kernels of the tracker."""
+
+import math
+import statistics
+
+SECOND = 1e-6
+
+
+def nearest(x, y, gate, positions):
+    """The index of the nearest position nearer than the gate, or -1."""
+    distance = [math.hypot(x - px, y - py) for px, py in positions]
+    best = min(range(len(distance)), key=distance.__getitem__)
+    return best if distance[best] < gate else -1
+
+
+def filter_events(events, state, tuning):
+    """Matrix Kalman filter; ``state`` rows x, y, vx, vy, a, b, c, t are changed in place."""
+    taken = []
+    for t, x, y, _ in events:
+        i = nearest(x, y, tuning.gate_px, [row[:2] for row in state])
+        taken.append(i)
+        if i < 0:
+            continue
+        px, py, vx, vy, a, b, c, since = state[i]
+        elapsed = max((t - since) * SECOND, 0.0)
+        dt = min(elapsed, tuning.memory_s)
+        fade = 1 - dt / tuning.memory_s
+        step = dt * (1 + fade) / 2  # the mean velocity while it fades
+        grow = elapsed / (1 + (elapsed / tuning.quiet_s) ** 2)
+        # F P F' + Q with F = [[1, grow], [0, 1]]
+        a, b, c = (
+            a + 2 * grow * b + grow * grow * c + tuning.q_x * grow,
+            b + grow * c,
+            c + tuning.q_v * grow,
+        )
+        px, py = px + vx * step, py + vy * step
+        rx, ry = x - px, y - py
+        r = tuning.r_px2 * (1 + ((rx * rx + ry * ry) / tuning.spread_px**2) ** 2)
+        k1, k2 = a / (a + r), b / (a + r)
+        state[i] = [
+            px + k1 * rx, py + k1 * ry, vx * fade + k2 * rx, vy * fade + k2 * ry,
+            a - k1 * a, b - k1 * b, c - k2 * b, t,
+        ]  # fmt: skip
+    return taken
+
+
+def expect(positions, rest, neighbours, usable):
+    """(expected x, y) and spread of each marker; None where too few neighbours have a say."""
+    answers = []
+    for i in range(len(positions)):
+        around = [j for j in neighbours[i] if j >= 0 and usable[j]]
+        if len(around) < 3:
+            answers.append(None)
+            continue
+        expected, spreads = [], []
+        for axis in (0, 1):
+            moved = sorted(positions[j][axis] - rest[j][axis] for j in around)
+            expected.append(rest[i][axis] + statistics.median(moved))
+            quarter = len(moved) // 4
+            spreads.append((moved[-1 - quarter] - moved[quarter]) / 2)
+        answers.append((*expected, max(spreads)))
+    return answers
+
+
+def threshold(pixels, n_sigma, min_contrast, block):
+    """Threshold and background of every block from the pixels of the 3 x 3 blocks around it."""
+    h, w = pixels.shape
+    answers = []
+    for i in range(-(-h // block)):
+        row = []
+        for j in range(-(-w // block)):
+            window = pixels[
+                max(i - 1, 0) * block : (i + 2) * block, max(j - 1, 0) * block : (j + 2) * block
+            ].astype(float)
+            mean, sigma = window.mean(), window.std()
+            row.append((mean + max(n_sigma * sigma, min_contrast), mean - sigma / 4))
+        answers.append(row)
+    return answers
+
+
+def find_blobs(pixels, threshold_of, background_of, min_area, max_area):
+    """Sets of pixels (y, x), with centroids (x, y), by repeated merging of neighbours."""
+    h, w = pixels.shape
+    bright = {(y, x) for y in range(h) for x in range(w) if pixels[y, x] > threshold_of(y, x)}
+    blobs = []
+    while bright:
+        blob = {bright.pop()}
+        while True:
+            grown = {
+                (y + dy, x + dx) for y, x in blob for dy, dx in ((0, 1), (1, 0), (0, -1), (-1, 0))
+            } & bright
+            if not grown:
+                break
+            blob |= grown
+            bright -= grown
+        if min_area <= len(blob) <= max_area:
+            weight = {(y, x): float(pixels[y, x]) - background_of(y, x) for y, x in blob}
+            mass = sum(weight.values())
+            centre = [sum(v * p[k] for p, v in weight.items()) / mass for k in (1, 0)]
+            blobs.append((blob, *centre))
+    return blobs
+
+
+def squared_distance(point, points):
+    return min((point[0] - q[0]) ** 2 + (point[1] - q[1]) ** 2 for q in points)
+
+
+def chamfer(p, q):
+    forward = statistics.fmean(squared_distance(point, q) for point in p)
+    return forward + statistics.fmean(squared_distance(point, p) for point in q)
+
+
+def match_points(targets, points, gate):
+    """Index of the point of each target, -1 for none in the gate, -2 for doubt."""
+    answers = []
+    for i, target in enumerate(targets):
+        order = sorted((math.dist(target, p), j) for j, p in enumerate(points))
+        if not order or order[0][0] >= gate:
+            answers.append(-1)
+            continue
+        distance, j = order[0]
+        clear = len(order) < 2 or order[1][0] >= 2 * distance
+        mutual = min(range(len(targets)), key=lambda k: math.dist(targets[k], points[j])) == i
+        answers.append(j if clear and mutual else -2)
+    return answers

@@ -1,0 +1,99 @@
+"""The compiled loops on frames against their plain twins."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from neurotouch_hid.tracker.image import BlobConfig, BlobFinder, kernels
+from tests.reference import tracker as reference
+
+BLOCK = kernels.BLOCK_PX
+
+
+def draw_dots(rng, n=120):
+    """A frame (260, 346) of noise, a slope of light and round dots of many sizes."""
+    y, x = np.mgrid[:260, :346]
+    image = 20.0 + 0.1 * x + rng.normal(0, 2, x.shape)
+    for _ in range(n):
+        u, v, r = rng.uniform(0, 346), rng.uniform(0, 260), rng.uniform(0.5, 4.0)
+        image += rng.uniform(20, 150) * np.clip(r + 0.5 - np.hypot(x - u, y - v), 0, 1)
+    return np.clip(image, 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_threshold_equals_the_statistics_of_each_window(seed):
+    pixels = draw_dots(np.random.default_rng(seed))
+    threshold = np.empty((33, 44))
+    background, peak = np.empty_like(threshold), np.empty(threshold.shape, np.int32)
+    kernels.threshold_blocks(pixels, 1.5, 10.0, threshold, background, peak)
+    twin = np.array(reference.threshold(pixels, 1.5, 10.0, BLOCK))
+    np.testing.assert_allclose(threshold, twin[:, :, 0], atol=1e-6)
+    np.testing.assert_allclose(background, twin[:, :, 1], atol=1e-6)
+    assert peak[32, 43] == pixels[256:, 344:].max()
+    assert peak[3, 5] == pixels[24:32, 40:48].max()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_blobs_are_the_connected_regions(seed):
+    pixels = draw_dots(np.random.default_rng(seed))
+    config = BlobConfig()
+    blobs = BlobFinder(config).find(pixels)
+    level = reference.threshold(pixels, config.n_sigma, config.min_contrast, BLOCK)
+    twin = reference.find_blobs(
+        pixels,
+        lambda y, x: level[y // BLOCK][x // BLOCK][0],
+        lambda y, x: level[y // BLOCK][x // BLOCK][1],
+        config.min_area_px,
+        config.max_area_px,
+    )
+    expected = {frozenset(y * 346 + x for y, x in members): (cx, cy) for members, cx, cy in twin}
+    parts = np.split(blobs.members, blobs.begin[1:-1])
+    assert len(parts) == len(expected) > 60
+    for part, centroid in zip(parts, blobs.centroid_px, strict=True):
+        np.testing.assert_allclose(centroid, expected[frozenset(part.tolist())], atol=1e-6)
+
+
+def test_a_white_frame_and_a_black_frame_have_no_blobs():
+    finder = BlobFinder()
+    for level in (0, 255):
+        pixels = np.full((260, 346), level, np.uint8)
+        pixels.setflags(write=False)
+        assert len(finder.find(pixels).centroid_px) == 0
+
+
+def test_more_blobs_than_anyone_asked_for_are_cut_off():
+    pixels = np.zeros((260, 346), np.uint8)
+    pixels[::4, ::4] = pixels[1::4, ::4] = 200
+    assert len(BlobFinder().find(pixels).centroid_px) == 1024
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 60), st.integers(1, 60))
+@settings(max_examples=25, deadline=None)
+def test_distances_and_chamfer_are_exact(seed, n, m):
+    rng = np.random.default_rng(seed)
+    h, w = 30, 40
+    p, q = (np.unique(rng.integers(0, h * w, k)).astype(np.int32) for k in (n, m))
+    p_mask, q_mask = np.zeros((h, w), np.uint8), np.zeros((h, w), np.uint8)
+    p_mask.flat[p], q_mask.flat[q] = 1, 1
+    q_px2 = np.empty((h, w), np.int32)
+    kernels.distance_map(q_mask, q_px2)
+    p_points, q_points = ([divmod(int(i), w) for i in index] for index in (p, q))
+    for y, x in rng.integers(0, (h, w), (20, 2)).tolist():
+        exact = reference.squared_distance((y, x), q_points)
+        assert q_px2[y, x] == exact
+        assert kernels.ring_distance(y * w + x, q_mask) == exact
+    assert kernels.chamfer(p, p_mask, q, q_px2) == pytest.approx(
+        reference.chamfer(p_points, q_points)
+    )
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(0, 40), st.integers(0, 40))
+@settings(max_examples=50, deadline=None)
+def test_pairs_are_mutual_and_clear(seed, n, m):
+    rng = np.random.default_rng(seed)
+    targets, points = rng.uniform(0, 30, (n, 2)), rng.uniform(0, 30, (m, 2))
+    out = np.empty(n, np.int32)
+    n_pairs = kernels.match_points(targets, points, 4.0, out)
+    assert out.tolist() == reference.match_points(targets.tolist(), points.tolist(), 4.0)
+    assert n_pairs == (out >= 0).sum()

@@ -1,0 +1,146 @@
+"""The compiled event filter and neighbour check against their plain twins."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from neurotouch_hid.geometry import LATTICE_MM, NEIGHBOURS, Rig
+from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+from neurotouch_hid.tracker import TrackerConfig, kernels
+from tests.reference import tracker as reference
+
+REST_PX = Rig((172.0, 130.0), 2.5, 0.1).to_px(LATTICE_MM)
+TUNING = TrackerConfig().tuning()
+
+
+def make_tracks(position_px, n_past=4):
+    n, n_cells = len(position_px), kernels.GRID_ROWS * kernels.GRID_COLUMNS
+    tracks = kernels.Tracks(
+        state=np.zeros((n, 8)),
+        near=np.zeros((n_cells, kernels.CELL_CAPACITY), np.int16),
+        n_near=np.zeros(n_cells, np.int16),
+        cell=np.full(n, -1, np.int16),
+        lost=np.zeros(n, np.bool_),
+        rest_px=np.array(position_px, np.float64),
+        neighbours=NEIGHBOURS[:n].copy(),
+        past_px=np.zeros((n_past, n, 2)),
+        past_us=np.full(n_past, -1, np.int64),
+        clock=np.zeros(3, np.int64),
+    )
+    for i, (x, y) in enumerate(position_px):
+        kernels.place(i, x, y, 1.0, 0.0, tracks)
+    return tracks
+
+
+def make_events(rng, n, until_us=20_000):
+    events = np.zeros(n, EVENT_DTYPE)
+    events["t"] = np.sort(rng.integers(0, until_us, n))
+    events["x"] = rng.integers(0, SENSOR_WIDTH_PX, n)
+    events["y"] = rng.integers(0, SENSOR_HEIGHT_PX, n)
+    return events
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.0, 8.0))
+@settings(max_examples=15, deadline=None)
+def test_filter_equals_a_matrix_filter_with_a_search_of_all(seed, scatter):
+    rng = np.random.default_rng(seed)
+    position = REST_PX + rng.normal(0, scatter, REST_PX.shape)
+    tracks, events = make_tracks(position), make_events(rng, 600)
+    near = rng.integers(0, len(position), 600)  # most events lie around a marker
+    events["x"][:500] = np.clip(position[near, 0] + rng.normal(0, 2, 600), 0, 345)[:500]
+    events["y"][:500] = np.clip(position[near, 1] + rng.normal(0, 2, 600), 0, 259)[:500]
+    state = tracks.state.tolist()
+
+    assert kernels.filter_events(events, 0, 20_000, tracks, TUNING) == 600
+
+    taken = reference.filter_events(events.tolist(), state, TUNING)
+    assert sum(i >= 0 for i in taken) > 300
+    np.testing.assert_allclose(tracks.state, state, rtol=1e-9, atol=1e-9)
+
+
+def test_filter_stops_at_the_moment_given():
+    events = make_events(np.random.default_rng(1), 300)
+    tracks = make_tracks(REST_PX)
+    cut = kernels.filter_events(events, 0, 9_000, tracks, TUNING)
+    assert cut == (events["t"] < 9_000).sum()
+    assert tracks.state[:, kernels.T].max() < 9_000
+
+
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=20, deadline=None)
+def test_grid_finds_the_nearest_wherever_markers_wander(seed):
+    rng = np.random.default_rng(seed)
+    tracks = make_tracks(rng.uniform(-20, 370, (177, 2)))
+    for i in rng.integers(0, 177, 400):
+        x, y = rng.uniform((-30, -30), (380, 290))
+        kernels.place(i, x, y, 1.0, 0.0, tracks)
+    position = tracks.state[:, :2].tolist()
+    for x, y in rng.integers(0, (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX), (100, 2)).tolist():
+        assert kernels.nearest(x, y, 36.0, tracks) == reference.nearest(x, y, 6.0, position)
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.2, 1.0))
+@settings(max_examples=20, deadline=None)
+def test_expectation_is_the_median_of_the_neighbours(seed, share):
+    rng = np.random.default_rng(seed)
+    position = REST_PX + rng.normal(0, 5, REST_PX.shape)
+    usable = rng.random(177) < share
+    expected, spread = np.empty((177, 2)), np.empty(177)
+    kernels.expect(position, usable, make_tracks(REST_PX), expected, spread)
+    twin = reference.expect(position.tolist(), REST_PX.tolist(), NEIGHBOURS.tolist(), usable)
+    for i, answer in enumerate(twin):
+        if answer is None:
+            assert np.isnan(expected[i]).all()
+        else:
+            np.testing.assert_allclose((*expected[i], spread[i]), answer, atol=1e-9)
+
+
+def test_check_brings_a_runaway_back_and_leaves_a_steep_field_alone():
+    # 18 mm of push at 8 mm from the centre of a finger: 45 px here, 27 px one pitch further.
+    r = np.hypot(*(LATTICE_MM - (4.0, 2.0)).T)
+    field = np.stack([45.0 / (1.0 + (r / 9.0) ** 2), np.zeros_like(r)], axis=1)
+    tracks = make_tracks(REST_PX + field)
+    tracks.rest_px[:] = REST_PX
+    kernels.check_neighbours(2_000, tracks, TUNING)
+    assert not tracks.lost.any()
+
+    kernels.place(60, *(tracks.state[60, :2] + (0.0, 17.0)), 1.0, 2_000.0, tracks)
+    kernels.check_neighbours(4_000, tracks, TUNING)
+    assert np.flatnonzero(tracks.lost).tolist() == [60]
+    np.testing.assert_allclose(tracks.state[60, :2], (REST_PX + field)[60], atol=4.0)
+    assert tracks.clock[1:].tolist() == [2, 1]
+
+
+def test_prediction_goes_on_for_a_while_and_then_stops():
+    tracks = make_tracks(REST_PX[:1])
+    tracks.state[0, kernels.VX] = 100.0
+    out = np.empty((1, 2))
+
+    def travelled(t_us):
+        kernels.predict(t_us, 0.02, tracks, out)
+        return out[0, 0] - REST_PX[0, 0]
+
+    assert travelled(1_000.0) == pytest.approx(0.1 * (1 - 0.025))
+    assert travelled(20_000.0) == pytest.approx(1.0)
+    assert travelled(5_000_000.0) == pytest.approx(1.0)
+
+
+def test_slices_do_not_change_what_advance_does():
+    events = make_events(np.random.default_rng(3), 20_000, until_us=50_000)
+    whole, cut = make_tracks(REST_PX), make_tracks(REST_PX)
+    kernels.advance(events, 0, 50_000, whole, TUNING)
+    start = 0
+    for until_us in (*range(1_500, 50_000, 1_500), 50_000):
+        start = kernels.advance(events, start, until_us, cut, TUNING)
+    for name, one, other in zip(whole._fields, whole, cut, strict=True):
+        assert np.array_equal(one, other), name
+
+
+def test_shift_moves_the_past_too():
+    tracks = make_tracks(REST_PX)
+    kernels.check_neighbours(2_000, tracks, TUNING)
+    kernels.shift(np.array([5]), np.array([[30.0, -20.0]]), tracks)
+    np.testing.assert_allclose(tracks.past_px[0, 5], REST_PX[5] + (30.0, -20.0))
+    x, y = np.rint(REST_PX[5] + (30.0, -20.0)).astype(int)
+    assert kernels.nearest(int(x), int(y), 1.0, tracks) == 5

@@ -1,0 +1,240 @@
+"""All markers, followed through simulated gestures, noise, gaps and mistakes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from neurotouch_hid.geometry import LATTICE_MM, N_MARKERS, Rig
+from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, GestureKind, RestField
+from neurotouch_hid.source.simulator import Simulator, SimulatorConfig
+from neurotouch_hid.source.simulator.camera import CameraConfig
+from neurotouch_hid.source.simulator.script import Finger, Stroke, sequence
+from neurotouch_hid.source.simulator.sensor import SensorConfig
+from neurotouch_hid.tracker import MarkerTracker, RestDetector
+
+REST_PX = Rig((172.0, 130.0), 2.5).to_px(LATTICE_MM).astype(np.float32)
+
+
+def stroke(*fingers, kind=GestureKind.PUSH, move_us=250_000, hold_us=150_000):
+    return Stroke(kind, fingers, attack_us=move_us, hold_us=hold_us, release_us=move_us)
+
+
+def twist(turn_rad, radius_mm=12.0):
+    around = [(radius_mm * np.cos(a), radius_mm * np.sin(a)) for a in (0.3, 2.4, 4.5)]
+    return stroke(*(Finger(c, turn_rad=turn_rad) for c in around), kind=GestureKind.TWIST_CW)
+
+
+def play(*strokes, shot_hz=1.0, rig=None, seed=1):
+    """Packets of a script, and the true markers at the end of each."""
+    config = SimulatorConfig(
+        camera=CameraConfig(rig=rig or Rig((172.5, 129.5), 2.5)),
+        sensor=SensorConfig(shot_hz=shot_hz),
+    )
+    simulator = Simulator(sequence("test", *strokes, rest_us=150_000), config, seed=seed)
+    packets, truth = [], []
+    for packet in simulator:
+        packets.append(packet)
+        truth.append(simulator.truth(packet.t_end_us).markers_px)
+    return packets, np.array(truth)
+
+
+def follow(packets, tracker=None, *, frames=True, detector=None):
+    """What the line would show: rest detection in step, then the tracker."""
+    tracker, detector = tracker or MarkerTracker(), detector or RestDetector()
+    fields = []
+    for packet in packets:
+        for frame in packet.frames:
+            rest = detector.update(frame)
+            if rest is not None and (frames or not tracker.stats().n_anchors):
+                tracker.anchor(rest)
+        fields.append(tracker.update(packet if frames else replace(packet, frames=())))
+    return fields
+
+
+def errors(fields, truth):
+    """(slices, 177) px, NaN before the anchor."""
+    return np.hypot(*(np.array([f.position_px for f in fields]) - truth).transpose(2, 0, 1))
+
+
+@pytest.fixture(scope="module")
+def gestures():
+    return play(
+        stroke(Finger((2.0, 3.0), (6.0, -5.0))),
+        twist(0.6),
+        stroke(Finger((-9.0, 0.0), (5.0, 0.0)), Finger((9.0, 0.0), (-5.0, 0.0))),
+        shot_hz=5.0,
+        rig=Rig((176.0, 126.0), 2.4, 0.2),
+    )
+
+
+def test_no_marker_is_lost_in_noise(gestures):
+    packets, truth = gestures
+    fields = follow(packets)
+    error = errors(fields, truth)[10:]
+    assert np.median(error) < 0.4
+    assert (error > 3.0).mean() < 0.002
+    assert (error[-1] < 1.0).all()
+    assert np.mean([f.valid for f in fields[10:]]) > 0.98
+
+
+def test_neighbours_alone_keep_the_markers_together(gestures):
+    packets, truth = gestures
+    error = errors(follow(packets, frames=False), truth)[10:]
+    assert np.median(error) < 1.0
+    assert (error[-1] > 3.0).mean() < 0.05
+
+
+def test_a_fast_long_push_is_followed():
+    # Minimum jerk: 17 mm in 150 ms is 210 mm/s, the fastest of the paper.
+    fast = stroke(Finger((-6.0, 1.0), (16.5, 4.0)), move_us=152_000)
+    packets, truth = play(fast)
+    speed = np.hypot(*np.diff(truth, axis=0).transpose(2, 0, 1)).max() / 0.01
+    assert speed > 480.0
+    fields = follow(packets)
+    error = errors(fields, truth)[10:]
+    assert np.median(error) < 0.4
+    assert (error[-1] < 2.0).all()
+    assert (error > 3.0).mean() < 0.01
+
+
+def test_a_replay_is_the_same_bit_for_bit(gestures):
+    packets, _ = gestures
+    for one, other in zip(follow(packets[:60]), follow(packets[:60]), strict=True):
+        assert np.array_equal(one.position_px, other.position_px, equal_nan=True)
+        assert np.array_equal(one.valid, other.valid)
+
+
+def merge(packets, n):
+    for k in range(0, len(packets), n):
+        part = packets[k : k + n]
+        events = np.concatenate([p.events for p in part])
+        frames = tuple(f for p in part for f in p.frames)
+        yield EventPacket(part[0].t_begin_us, part[-1].t_end_us, events, frames)
+
+
+def test_long_slices_end_where_short_ones_do(gestures):
+    packets, truth = gestures
+    rest = RestField(0, truth[0])
+    short, long = MarkerTracker(), MarkerTracker()
+    short.anchor(rest)
+    long.anchor(rest)
+    fine = [short.update(p) for p in packets[:120]][9::10]
+    coarse = [long.update(p) for p in merge(packets[:120], 10)]
+    for one, other in zip(fine, coarse, strict=True):
+        assert np.array_equal(one.position_px, other.position_px)
+        assert np.array_equal(one.valid, other.valid)
+
+
+def packet(k, events=(), gap=0):
+    return EventPacket(k * 10_000, (k + 1) * 10_000, np.array([*events], EVENT_DTYPE), gap=gap)
+
+
+def test_nothing_is_known_before_the_anchor():
+    tracker = MarkerTracker()
+    field = tracker.update(packet(0))
+    assert field.t_us == 10_000
+    assert np.isnan(field.rest_px).all()
+    assert np.isnan(field.position_px).all()
+    assert not field.valid.any()
+    tracker.anchor(RestField(5_000, REST_PX))
+    field = tracker.update(packet(1))
+    assert field.valid.all()
+    np.testing.assert_allclose(field.position_px, REST_PX, atol=1e-4)
+    assert tracker.stats().n_gaps == 0
+
+
+def test_a_field_is_not_changed_by_the_next_one():
+    tracker = MarkerTracker()
+    tracker.anchor(RestField(0, REST_PX))
+    one = tracker.update(packet(0))
+    before = one.position_px.copy(), one.valid.copy()
+    x, y = np.rint(REST_PX[80]).astype(int)
+    tracker.update(packet(1, [(11_000 + 10 * k, x + 2, y, True) for k in range(100)]))
+    assert np.array_equal(one.position_px, before[0])
+    assert np.array_equal(one.valid, before[1])
+
+
+def test_events_that_cannot_be_written_are_read():
+    tracker = MarkerTracker()
+    tracker.anchor(RestField(0, REST_PX))
+    x, y = np.rint(REST_PX[80]).astype(int)
+    slice_ = packet(0, [(1_000 + 10 * k, x + 2, y, True) for k in range(100)])
+    slice_.events.setflags(write=False)
+    assert tracker.update(slice_).position_px[80, 0] > REST_PX[80, 0] + 0.5
+
+
+@pytest.mark.parametrize("lost", ["gap", "jump", "backwards"])
+def test_missing_events_end_all_motion(lost):
+    tracker = MarkerTracker()
+    tracker.anchor(RestField(0, REST_PX))
+    x, y = np.rint(REST_PX[80]).astype(int)
+    run = [(100 * k, x + int(0.05 * k), y, True) for k in range(100)]
+    moving = tracker.update(packet(0, run))
+    k, gap = {"gap": (1, 500), "jump": (90, 0), "backwards": (0, 0)}[lost]
+    still = tracker.update(packet(k, gap=gap))
+    assert moving.position_px[80, 0] > REST_PX[80, 0] + 2.0
+    assert np.abs(still.position_px - moving.position_px).max() < 1.0
+    assert tracker.update(packet(k + 1)).position_px[80, 0] == still.position_px[80, 0]
+    assert tracker.stats().n_gaps == 1
+
+
+def test_the_rest_position_stays_one_object_and_follows_slowly():
+    tracker = MarkerTracker()
+    tracker.anchor(RestField(0, REST_PX))
+    first = tracker.update(packet(0)).rest_px
+    touched = REST_PX.copy()
+    touched[70:76] += 1.5  # a light touch that passed for rest
+    drifted = REST_PX + np.float32(0.3)
+    for k in range(1, 10):
+        tracker.anchor(RestField(k * 10_000, touched))
+        assert tracker.update(packet(k)).rest_px is first
+    for k in range(10, 100):
+        tracker.anchor(RestField(k * 10_000, drifted))
+        last = tracker.update(packet(k)).rest_px
+    assert last is not first
+    np.testing.assert_allclose(last, drifted, atol=0.15)
+
+
+def test_a_bumped_camera_moves_the_rest_position_at_once():
+    tracker = MarkerTracker()
+    tracker.anchor(RestField(0, REST_PX))
+    tracker.update(packet(0))
+    tracker.anchor(RestField(9_000, REST_PX + np.float32(6.0)))
+    field = tracker.update(packet(1))
+    np.testing.assert_allclose(field.rest_px, REST_PX + 6.0, atol=1e-4)
+    np.testing.assert_allclose(field.position_px, REST_PX + 6.0, atol=0.01)
+
+
+def swap(tracker, i, j):
+    """Let two tracks change places, as crossing markers would."""
+    state = tracker._tracks.state
+    state[[i, j], :2] = state[[j, i], :2]
+    for k in (i, j):
+        tracker._tracks.past_px[:, k] = state[k, :2]
+
+
+def test_swapped_markers_are_told_apart_at_the_next_rest(gestures):
+    packets, truth = gestures
+    tracker, detector = MarkerTracker(), RestDetector()
+    follow(packets[:10], tracker, detector=detector)
+    swap(tracker, 88, 89)
+    fields = follow(packets[10:20], tracker, detector=detector)
+    assert (errors(fields, truth[10:20])[-1] < 1.0).all()
+    assert fields[-1].valid.all()
+    assert fields[0].position_px.shape == (N_MARKERS, 2)
+
+
+def test_a_marker_that_nobody_sees_is_not_valid(gestures):
+    packets, truth = gestures
+    tracker = MarkerTracker()
+    tracker.anchor(RestField(0, truth[0]))
+    x, y = np.rint(truth[0][20]).astype(int)
+    for p in packets[:14]:
+        dirty = []
+        for frame in p.frames:
+            pixels = frame.pixels.copy()
+            pixels[y - 4 : y + 5, x - 4 : x + 5] = pixels.min()
+            dirty.append(replace(frame, pixels=pixels))
+        field = tracker.update(replace(p, frames=tuple(dirty)))
+    assert np.flatnonzero(~field.valid).tolist() == [20]

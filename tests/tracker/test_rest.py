@@ -1,0 +1,143 @@
+"""The gel is found, and rest told from touch."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from neurotouch_hid.geometry import LATTICE_MM, Rig
+from neurotouch_hid.messages import Frame
+from neurotouch_hid.tracker import RestConfig, RestDetector
+
+RIG = Rig((172.0, 130.0), 2.5, 0.1)
+
+
+def push(mm, contact_mm=(3.0, -2.0)):
+    """Displacement (177, 2) mm of a finger that drags to the right: a long tail, no bump."""
+    r = np.hypot(*(LATTICE_MM - contact_mm).T)
+    rim = np.clip(1 - (np.hypot(*LATTICE_MM.T) / 31) ** 2, 0, 1) ** 0.4
+    return np.stack([mm * rim / (1 + (r / 9.0) ** 2), np.zeros_like(r)], axis=1)
+
+
+def picture(moved_mm=0.0, rig=RIG, level=150.0, spots=8, seed=0):
+    """A frame of the gel: dots of 1 mm, uneven light, noise, bright spots outside."""
+    rng = np.random.default_rng(seed)
+    y, x = np.mgrid[:260, :346]
+    light = level * (1 + 0.3 * (x - 173) / 173)
+    image = 0.15 * light
+    for u, v in rig.to_px(LATTICE_MM + moved_mm):
+        a, b = slice(max(int(v) - 4, 0), int(v) + 6), slice(max(int(u) - 4, 0), int(u) + 6)
+        near = np.hypot(x[a, b] - u, y[a, b] - v)
+        image[a, b] += light[a, b] * np.clip(0.5 * rig.px_per_mm + 0.5 - near, 0, 1)
+    spot = np.random.default_rng(99)
+    for _ in range(spots):
+        angle, far = spot.uniform(0, 2 * np.pi), spot.uniform(34, 50) * rig.px_per_mm
+        u, v = rig.centre_px[0] + far * np.cos(angle), rig.centre_px[1] + far * np.sin(angle)
+        image += 200 * np.exp(-((x - u) ** 2 + (y - v) ** 2) / (2 * spot.uniform(0.8, 3) ** 2))
+    return np.clip(image + rng.normal(0, 2, image.shape), 0, 255).astype(np.uint8)
+
+
+def show(detector, *pictures):
+    """What the detector says of the last of some pictures."""
+    answer = None
+    for pixels in pictures:
+        begin_us = 40_000 * detector.stats().n_frames
+        answer = detector.update(Frame(pixels, begin_us, begin_us + 10_000))
+    return answer
+
+
+@pytest.mark.parametrize("px_per_mm", [2.1, 2.5, 2.9])
+@pytest.mark.parametrize("rotation_rad", [-0.26, 0.0, 0.2])
+def test_the_first_picture_at_rest_gives_all_markers(px_per_mm, rotation_rad):
+    rig = Rig((176.0, 127.0), px_per_mm, rotation_rad)
+    detector = RestDetector()
+    rest = show(detector, picture(rig=rig))
+    assert rest is not None
+    assert rest.t_us == 5_000
+    assert rest.position_px.dtype == np.float32
+    assert np.abs(rest.position_px - rig.to_px(LATTICE_MM)).max() < 0.35
+    assert detector.stats().n_found == 177
+    assert detector.stats().reason == ""
+
+
+def test_rest_is_measured_in_each_frame():
+    rig = replace(RIG, centre_px=(172.3, 130.2))
+    rest = show(RestDetector(), picture(), picture(rig=rig, seed=1))
+    assert rest is not None
+    assert np.abs((rest.position_px - rig.to_px(LATTICE_MM)).mean(axis=0)).max() < 0.03
+
+
+@pytest.mark.parametrize(("mm", "at_rest"), [(0.0, True), (0.1, True), (0.6, False), (9.0, False)])
+def test_touch_is_not_rest(mm, at_rest):
+    detector = RestDetector()
+    rest = show(detector, picture(), picture(push(mm), seed=1))
+    assert (rest is not None) == at_rest
+    assert (detector.stats().reason == "") == at_rest
+    assert show(detector, picture(seed=2)) is not None
+
+
+@pytest.mark.parametrize(("mm", "at_rest"), [(1.0, True), (4.0, False)])
+def test_the_paper_has_the_chamfer_distance_only(mm, at_rest):
+    detector = RestDetector(RestConfig(max_displacement_mm=np.inf))
+    rest = show(detector, picture(), picture(push(mm), seed=1))
+    assert (rest is not None) == at_rest
+    assert (detector.stats().chamfer_px2 <= 2.5) == at_rest
+
+
+@pytest.mark.parametrize("mm", [1.5, 3.0, 8.0])
+def test_a_hand_on_the_gel_at_the_start_is_not_taken_for_rest(mm):
+    detector = RestDetector()
+    assert show(detector, picture(push(mm))) is None
+    assert detector.stats().n_references == 0
+    assert detector.stats().reason
+    assert show(detector, picture(seed=1)) is not None
+
+
+@pytest.mark.parametrize(
+    ("pixels", "why"),
+    [
+        (np.zeros((260, 346), np.uint8), "too dark"),
+        (np.full((260, 346), 255, np.uint8), "too bright"),
+        (picture(rig=replace(RIG, centre_px=(20.0, 130.0))), "whole gel"),
+    ],
+)
+def test_it_says_why_there_is_no_gel(pixels, why):
+    detector = RestDetector()
+    assert show(detector, pixels) is None
+    assert why in detector.stats().reason
+    assert "of 177 markers" in detector.stats().reason
+
+
+def test_a_bumped_camera_gives_a_new_reference_but_a_long_push_does_not():
+    detector = RestDetector()
+    show(detector, picture())
+    assert show(detector, *(picture(push(3.0), seed=s) for s in range(30))) is None
+    assert detector.stats().n_references == 1
+    bumped = replace(RIG, centre_px=(179.0, 126.0))
+    answers = [show(detector, picture(rig=bumped, seed=s)) for s in range(60)]
+    assert detector.stats().n_references == 2
+    assert answers[-1] is not None
+    assert np.abs(answers[-1].position_px - bumped.to_px(LATTICE_MM)).max() < 0.35
+
+
+def test_a_light_that_grows_weaker_is_still_rest():
+    detector = RestDetector()
+    show(detector, picture())
+    assert show(detector, picture(level=90.0, seed=1)) is not None
+    assert detector.stats().n_found == 177
+
+
+def test_a_known_rig_is_taken():
+    rig = Rig((172.0, 130.0), 2.5, 1.2)
+    detector = RestDetector(rig=rig)
+    rest = show(detector, picture(rig=rig))
+    assert rest is not None
+    assert np.abs(rest.position_px - rig.to_px(LATTICE_MM)).max() < 0.35
+
+
+def test_odd_optics_are_taken_when_the_gel_lies_still():
+    swirl = 0.1 * np.sin(LATTICE_MM[:, ::-1] / 4.0)  # no smooth model has that: 1 mm of waves
+    detector = RestDetector()
+    answers = [show(detector, picture(4.0 * swirl, seed=s)) for s in range(27)]
+    assert answers[0] is None
+    assert answers[-1] is not None
