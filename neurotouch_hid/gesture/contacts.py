@@ -1,11 +1,12 @@
 """Where the fingers are: homography outliers, then local maxima of the displacement."""
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.gesture.kernels import find_homography_outliers, find_peaks
+from neurotouch_hid.gesture.kernels import find_peaks
 
-_CONFIDENCE, _MAX_ROUNDS = 0.995, 2000  # OpenCV's defaults, which the paper does not change
+_MIN_POINTS = 4  # a homography has eight degrees of freedom
 _NO_POINTS = np.zeros((0, 2))
 
 
@@ -16,23 +17,22 @@ def find_outliers(
 ) -> NDArray[np.bool_]:
     """Markers that leave the global pattern: S(t_k) [NT, "Contact Point Detection"].
 
+    OpenCV's RANSAC starts from a fixed seed, so equal markers give equal answers, bit for bit.
+
     Args:
-        rest_px: (n, 2) float64 px, columns x, y, n >= 1.
+        rest_px: (n, 2) float64 px, columns x, y.
         position_px: (n, 2) float64 px, the same markers now.
-        threshold_px: reprojThreshold, > 0.
+        threshold_px: reprojThreshold, > 0 (OpenCV takes 3 px for 0).
 
     Returns:
-        (n,) bool; equal markers give equal answers, bit for bit.
+        (n,) bool; all False where no homography is found.
     """
-    centre = rest_px.mean(axis=0)
-    scale = 1 / max(float(np.abs(rest_px - centre).max()), 1.0)
-    outlier: NDArray[np.bool_] = find_homography_outliers(
-        (rest_px - centre) * scale,
-        (position_px - centre) * scale,
-        threshold_px * scale,
-        _CONFIDENCE,
-        _MAX_ROUNDS,
-    )
+    if len(rest_px) < _MIN_POINTS:
+        return np.zeros(len(rest_px), np.bool_)
+    matrix, inlier = cv2.findHomography(rest_px, position_px, cv2.RANSAC, threshold_px)
+    if matrix is None:
+        return np.zeros(len(rest_px), np.bool_)
+    outlier: NDArray[np.bool_] = inlier.ravel() == 0
     return outlier
 
 

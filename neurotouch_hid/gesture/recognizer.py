@@ -28,6 +28,8 @@ class GestureConfig:
         rest_gate_px: mean displacement within r that ends rest, 0.2 mm. The ten markers that r
             holds at the gel's rim leave 0.1 px an axis of an error of 0.3 px; the largest of all
             such means stays below 0.4 px.
+        min_tracked: measured markers, about half, without which nothing is recognised: a lost gel
+            presses no buttons.
     """
 
     method: Literal["paper"] = "paper"
@@ -36,6 +38,7 @@ class GestureConfig:
     min_neighbours: int = 4
     threshold_floor_px: float = 0.6
     rest_gate_px: float = 0.5
+    min_tracked: int = 90
 
 
 class GestureRecognizer:
@@ -56,6 +59,8 @@ class GestureRecognizer:
         if self._rig is None:
             return _no_gesture(markers.t_us)
         use = markers.valid & np.isfinite(markers.position_px).all(axis=1)
+        if int(use.sum()) < self._config.min_tracked:
+            return _no_gesture(markers.t_us)
         rest_px = markers.rest_px[use].astype(np.float64)
         position_px = markers.position_px[use].astype(np.float64)
         if _at_rest(rest_px, position_px, self._config):

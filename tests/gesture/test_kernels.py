@@ -4,12 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from neurotouch_hid.gesture.kernels import (
-    find_homography_outliers,
-    find_near,
-    find_peaks,
-    smooth_displacement,
-)
+from neurotouch_hid.gesture.kernels import find_near, find_peaks, smooth_displacement
 from tests.reference import gesture as reference
 
 
@@ -46,31 +41,3 @@ def test_smooth_displacement_equals_its_twin(seed, n):
     mean = smooth_displacement(rest, displacement, 30.0)
     expected = reference.smooth_displacement(rest, displacement, 30.0)
     np.testing.assert_allclose(mean, np.reshape(expected, (n, 2)), atol=1e-12)
-
-
-@settings(max_examples=60, deadline=None)
-@given(st.integers(0, 2**32 - 1), st.integers(0, 60), st.floats(0.0, 0.6))
-def test_find_homography_outliers_equals_its_twin(seed, n, spoiled):
-    rng = np.random.default_rng(seed)
-    source = rng.uniform(-1, 1, (n, 2))
-    bend = rng.normal(0, 0.05, (3, 3)) + np.eye(3)
-    target = np.c_[source, np.ones(n)] @ bend.T
-    target = target[:, :2] / target[:, 2:] + rng.normal(0, 0.005, (n, 2))
-    target += (rng.random((n, 1)) < spoiled) * rng.normal(0, 0.2, (n, 2))
-    outlier = find_homography_outliers(source, target, 0.02, 0.995, 2000)
-    expected = reference.find_homography_outliers(source, target, 0.02, 0.995, 2000)
-    assert outlier.tolist() == expected
-
-
-def test_find_homography_outliers_finds_the_points_that_were_moved():
-    source = np.stack(np.meshgrid(np.linspace(-1, 1, 9), np.linspace(-1, 1, 9)), -1).reshape(-1, 2)
-    moved = np.hypot(*(source - (0.5, 0.25)).T) < 0.4
-    target = source * 1.1 + 0.1 * moved[:, None]
-    outlier = find_homography_outliers(source, target, 0.03, 0.995, 2000)
-    assert moved.sum() > 5
-    assert outlier.tolist() == moved.tolist()
-
-
-def test_points_on_a_line_have_no_homography():
-    line = np.stack([np.linspace(-1, 1, 12), np.linspace(-1, 1, 12)], axis=1)
-    assert find_homography_outliers(line, line, 0.1, 0.995, 50).all()
