@@ -18,7 +18,7 @@ KINDS = tuple(GestureKind)[1:]
 MODEL = 1  # raised when the simulator changes, so that old files are written anew
 REST_US = 600_000  # at the start of each recording, so that the gel can be found
 NONE_SHARE = 0.4  # [NT, figure of the labels]: 15,000 of 37,912 frames show no gesture
-HIDDEN_US = 250_000  # of each attack and release, below what is labelled
+HIDDEN_US = 350_000  # of each attack and release, below what is labelled
 MANIFEST = "dataset.json"
 SLICE_US = 20_000
 

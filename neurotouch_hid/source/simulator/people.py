@@ -8,11 +8,10 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.source.simulator.camera import CameraConfig
 from neurotouch_hid.source.simulator.gel import GelConfig
+from neurotouch_hid.source.simulator.optics import CameraConfig, LightConfig
 from neurotouch_hid.source.simulator.script import Finger, Stroke
 from neurotouch_hid.source.simulator.sensor import SensorConfig
-from neurotouch_hid.source.simulator.sensor.light import LightConfig
 from neurotouch_hid.source.simulator.simulator import SimulatorConfig
 from neurotouch_hid.source.simulator.strokes import Hand, Timing, pinch, push, twist, zoom
 
@@ -20,6 +19,7 @@ PEAK_SPEED = 1.875  # of a minimum-jerk motion, times its mean speed
 TOP_SPEED_MM_S = 210.0  # [NT, "Dataset"]
 REACH_MM = 22.0  # nobody works on the rim [NT, figure of the contact points]
 TWO_FINGER_PUSH = 0.07  # share of pushes with two fingers
+MOST_TURN_RAD = 0.9  # how far a wrist turns with its fingers on something
 THREE_FINGERS = 0.3  # share of the other gestures with three
 
 # Mean and largest displacement of the contacts at full size, mm. Frames of attack and release pull
@@ -171,6 +171,8 @@ def _draw_hand(
         spread = max(spread, closest - 1.0 + size_mm)
     elif kind == GestureKind.ZOOM:
         spread = closest + rng.uniform(0.0, 2.5)
+    else:
+        spread = max(spread, size_mm / MOST_TURN_RAD)
     spread = min(spread, 18.0)
     widest = spread + size_mm if kind == GestureKind.ZOOM else spread
     middle = _keep_inside(np.array(middle_mm), max(REACH_MM - widest, 0.0))

@@ -9,11 +9,10 @@ import numpy as np
 
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, Truth
-from neurotouch_hid.source.simulator.camera import Camera, CameraConfig
 from neurotouch_hid.source.simulator.gel import KNOT_US, GelConfig, Motion
+from neurotouch_hid.source.simulator.optics import Camera, CameraConfig, LightConfig
 from neurotouch_hid.source.simulator.script import Script
 from neurotouch_hid.source.simulator.sensor import Sensor, SensorConfig
-from neurotouch_hid.source.simulator.sensor.light import LightConfig
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +74,7 @@ class Simulator:
 
     def _run(self) -> Iterator[EventPacket]:
         events, frames = np.empty(0, EVENT_DTYPE), list[Frame]()
-        made_us = t_us = 0
+        made_us = t_us = n_lost = 0
         while self._script.endless or t_us < self._script.duration_us:
             end_us = t_us + self._slice_us
             parts = [events]
@@ -89,6 +88,7 @@ class Simulator:
             events = np.concatenate(parts)
             cut = int(np.searchsorted(events["t"], end_us))
             n_frames = sum(frame.exposure_end_us < end_us for frame in frames)
-            yield EventPacket(t_us, end_us, events[:cut], tuple(frames[:n_frames]))
+            gap, n_lost = self._sensor.n_lost - n_lost, self._sensor.n_lost
+            yield EventPacket(t_us, end_us, events[:cut], tuple(frames[:n_frames]), gap)
             events, frames = events[cut:], frames[n_frames:]
             t_us = end_us

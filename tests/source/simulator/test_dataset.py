@@ -8,8 +8,8 @@ from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.recording import Recording, labels_path, read_labels
 from neurotouch_hid.source.simulator import dataset
-from neurotouch_hid.source.simulator.camera import Camera
 from neurotouch_hid.source.simulator.gel import Motion
+from neurotouch_hid.source.simulator.optics import Camera
 from neurotouch_hid.source.simulator.people import meet_person
 
 

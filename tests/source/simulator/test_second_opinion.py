@@ -4,11 +4,17 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.source.simulator import Simulator, SimulatorConfig, Timing, push, sequence
-from neurotouch_hid.source.simulator.camera import Camera, CameraConfig
 from neurotouch_hid.source.simulator.gel import KNOT_US, GelConfig, Motion
-from neurotouch_hid.source.simulator.sensor import SensorConfig, kernels
-from neurotouch_hid.source.simulator.sensor.light import LightConfig, paint
-from neurotouch_hid.source.simulator.sensor.pixel import PROFILE_SCALE, marker_profile
+from neurotouch_hid.source.simulator.optics import (
+    PROFILE_SCALE,
+    Camera,
+    CameraConfig,
+    LightConfig,
+    kernels,
+    marker_profile,
+    paint,
+)
+from neurotouch_hid.source.simulator.sensor import SensorConfig
 
 eventcv = pytest.importorskip("eventcv")
 

@@ -5,14 +5,17 @@ from hypothesis import strategies as st
 
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EVENT_DTYPE
-from neurotouch_hid.source.simulator.camera import Camera, CameraConfig
-from neurotouch_hid.source.simulator.sensor import kernels
-from neurotouch_hid.source.simulator.sensor.light import LightConfig, paint
-from neurotouch_hid.source.simulator.sensor.pixel import (
+from neurotouch_hid.source.simulator.optics import (
     PROFILE_SCALE,
+    Camera,
+    CameraConfig,
+    LightConfig,
     marker_profile,
-    response_tables,
+    paint,
 )
+from neurotouch_hid.source.simulator.optics import kernels as optics
+from neurotouch_hid.source.simulator.sensor import kernels
+from neurotouch_hid.source.simulator.sensor.pixel import response_tables
 from tests.reference import sensor as reference
 
 N_PIXELS = 346 * 260
@@ -44,17 +47,17 @@ def knots_of(rng, n=12):
 def test_draw_equals_its_twin(seed, u):
     knots = knots_of(np.random.default_rng(seed))
     base, light = paint(LightConfig(seed=seed), RIG)
-    canvas = np.zeros(N_PIXELS, kernels.POINT_DTYPE)
+    canvas = np.zeros(N_PIXELS, optics.POINT_DTYPE)
     canvas["base"] = canvas["image"] = base.ravel()
     canvas["light"] = light.ravel()
     touched, counts = np.zeros(N_PIXELS, np.int32), np.zeros(4, np.int64)
     profile = marker_profile(0.6)
     for at in (0.0, u):  # the second picture must not show the first
-        kernels.draw(knots, at, profile, PROFILE_SCALE, canvas, touched, counts)
+        optics.draw(knots, at, profile, PROFILE_SCALE, canvas, touched, counts)
     expected = reference.draw(knots, u, profile, PROFILE_SCALE, base, light)
     assert np.allclose(canvas["image"].reshape(260, 346), expected, atol=0.01)
     shown = np.flatnonzero(np.abs(expected - base) > 0.01)
-    assert set(shown) <= set(touched[: counts[kernels.N_TOUCHED]].tolist())
+    assert set(shown) <= set(touched[: counts[optics.N_TOUCHED]].tolist())
 
 
 @settings(max_examples=25, deadline=None)
@@ -69,7 +72,7 @@ def test_sense_fires_as_a_pixel_followed_microsecond_by_microsecond(steps, on, o
     levels, gains = response_tables(300.0)
     images = np.repeat(steps, 12).astype(np.float32)
     start = float(np.interp(images[0] * kernels.LEVEL_SCALE, np.arange(len(levels)), levels))
-    canvas, pixels = np.zeros(1, kernels.POINT_DTYPE), np.zeros(1, kernels.PIXEL_DTYPE)
+    canvas, pixels = np.zeros(1, optics.POINT_DTYPE), np.zeros(1, kernels.PIXEL_DTYPE)
     pixels[0] = (start, start, on, off, leak, True, -np.inf, 0.0)
     twin = {name: float(pixels[name][0]) for name in ("signal", "reference", "on", "off", "leak")}
     active, counts = np.zeros(1, np.int32), np.zeros(4, np.int64)
@@ -112,7 +115,7 @@ def test_sort_tick_sorts_and_shares_the_stamp_of_a_row(times, row_us):
 
 def test_noise_comes_at_the_rates_asked_for():
     canvas, pixels = (
-        np.zeros(N_PIXELS, kernels.POINT_DTYPE),
+        np.zeros(N_PIXELS, optics.POINT_DTYPE),
         np.zeros(N_PIXELS, kernels.PIXEL_DTYPE),
     )
     canvas["image"][: N_PIXELS // 2] = 255.0
@@ -134,7 +137,7 @@ def test_noise_comes_at_the_rates_asked_for():
 
 
 def test_a_full_buffer_counts_what_it_loses():
-    canvas, pixels = np.zeros(100, kernels.POINT_DTYPE), np.zeros(100, kernels.PIXEL_DTYPE)
+    canvas, pixels = np.zeros(100, optics.POINT_DTYPE), np.zeros(100, kernels.PIXEL_DTYPE)
     pixels["free_us"] = -np.inf
     events, counts = np.zeros(3, EVENT_DTYPE), np.zeros(4, np.int64)
     hot, random = np.empty(0, np.int32), np.array([3], np.uint64)

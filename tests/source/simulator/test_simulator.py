@@ -21,8 +21,8 @@ from neurotouch_hid.source.simulator import (
     twist,
     zoom,
 )
-from neurotouch_hid.source.simulator.camera import CameraConfig
 from neurotouch_hid.source.simulator.gel import Motion
+from neurotouch_hid.source.simulator.optics import CameraConfig
 from neurotouch_hid.source.simulator.sensor import SensorConfig
 
 SHORT = Timing(120_000, 100_000, 120_000)

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import GEL_RADIUS_MM, LATTICE_MM, N_MARKERS, NEIGHBOURS
 from neurotouch_hid.messages import GestureKind, Truth
-from neurotouch_hid.source.simulator.camera import Camera
 from neurotouch_hid.source.simulator.gel.kernels import deform
+from neurotouch_hid.source.simulator.optics import Camera
 from neurotouch_hid.source.simulator.script import Script, Stroke, motion_at
 
 KNOT_US = 4_000  # fast enough for the quickest hand: 210 mm/s is 0.84 mm a knot
@@ -165,7 +165,9 @@ class _Grip:
 
 def _mobility(stroke: Stroke) -> NDArray[np.float64]:
     """How freely each marker gives way, (177,) float64: not under a finger, little at the rim."""
-    mobility = np.maximum(1.0 - (np.hypot(*LATTICE_MM.T) / GEL_RADIUS_MM) ** 2, 0.0)
+    mobility: NDArray[np.float64] = np.maximum(
+        1.0 - (np.hypot(*LATTICE_MM.T) / GEL_RADIUS_MM) ** 2, 0.0
+    )
     for finger in stroke.fingers:
         away = np.hypot(*(LATTICE_MM - finger.contact_mm).T)
         mobility[away <= finger.radius_mm] = 0.0

@@ -1,4 +1,4 @@
-"""The compiled loops of the sensor: markers to a picture, the picture to events."""
+"""The compiled loops of the sensor: a moving picture to events."""
 
 import math
 
@@ -6,7 +6,8 @@ import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+from neurotouch_hid.messages import SENSOR_WIDTH_PX
+from neurotouch_hid.source.simulator.optics.kernels import N_TOUCHED, draw, expose
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -14,14 +15,6 @@ Records = NDArray[np.void]
 
 SETTLED = 1e-3  # log units: a pixel this close to its input rests
 LEVEL_SCALE = 8.0  # entries of the photoreceptor's tables per DN
-
-POINT_DTYPE = np.dtype(
-    [("base", "<f4"), ("light", "<f4"), ("image", "<f4"), ("exposed", "<f4"), ("is_touched", "?")],
-    align=True,
-)
-"""The picture at one pixel, in DN of an 8-bit frame: ``base`` without markers, ``light`` under a
-white marker, ``image`` now, ``exposed`` sum of ``image - base`` over the ticks of the exposure,
-``is_touched`` whether a marker is drawn here."""
 
 PIXEL_DTYPE = np.dtype(
     [
@@ -41,7 +34,7 @@ the last reset minus the leak up to ``seen_us``, thresholds ``on`` and ``off``, 
 units per µs, ``is_active`` whether the signal may change, ``free_us`` end of the refractory
 period."""
 
-N_TOUCHED, N_ACTIVE, N_EVENTS, N_LOST = range(4)  # places in ``counts``
+N_ACTIVE, N_EVENTS, N_LOST = 1, 2, 3  # places in ``counts``, beside N_TOUCHED
 
 
 @nb.njit(cache=True, nogil=True)
@@ -64,71 +57,6 @@ def random_poisson(mean: float, state: NDArray[np.uint64]) -> int:
         n += 1
         total -= math.log(1.0 - random_uniform(state))
     return n
-
-
-@nb.njit(cache=True, nogil=True, error_model="numpy")
-def draw(
-    knots: Floats,
-    u: float,
-    profile: Singles,
-    profile_scale: float,
-    canvas: Records,
-    touched: NDArray[np.int32],
-    counts: NDArray[np.int64],
-) -> None:
-    """Redraw all markers at share ``u`` of the way from the second to the third knot.
-
-    Args:
-        knots: (4, n, 6) float64, four equally spaced moments: x, y px, the quadratic form (xx, xy,
-            yy) of the marker's outline in 1/px², brightness 0..1.
-        u: 0..1.
-        profile: (m,) float32, brightness of a marker over its squared relative radius.
-        profile_scale: entries of ``profile`` per unit of squared relative radius.
-        canvas: (260 * 346,) POINT_DTYPE, updated.
-        touched: (260 * 346,) int32, the pixels where a marker is drawn, updated.
-        counts: (4,) int64, N_TOUCHED updated.
-    """
-    for slot in range(counts[N_TOUCHED]):
-        point = canvas[touched[slot]]
-        point["image"] = point["base"]
-        point["is_touched"] = False
-    n = 0
-    u2, u3 = u * u, u * u * u
-    w0, w1 = 0.5 * (-u3 + 2.0 * u2 - u), 0.5 * (3.0 * u3 - 5.0 * u2 + 2.0)
-    w2, w3 = 0.5 * (-3.0 * u3 + 4.0 * u2 + u), 0.5 * (u3 - u2)
-    last = len(profile) - 1
-    reach2 = last / profile_scale
-    for i in range(knots.shape[1]):
-        gain = (1.0 - u) * knots[1, i, 5] + u * knots[2, i, 5]
-        if gain <= 0.0:
-            continue
-        x = w0 * knots[0, i, 0] + w1 * knots[1, i, 0] + w2 * knots[2, i, 0] + w3 * knots[3, i, 0]
-        y = w0 * knots[0, i, 1] + w1 * knots[1, i, 1] + w2 * knots[2, i, 1] + w3 * knots[3, i, 1]
-        xx = (1.0 - u) * knots[1, i, 2] + u * knots[2, i, 2]
-        xy = (1.0 - u) * knots[1, i, 3] + u * knots[2, i, 3]
-        yy = (1.0 - u) * knots[1, i, 4] + u * knots[2, i, 4]
-        det = xx * yy - xy * xy
-        half_x, half_y = math.sqrt(reach2 * yy / det), math.sqrt(reach2 * xx / det)
-        top, bottom = max(0, math.ceil(y - half_y)), min(SENSOR_HEIGHT_PX - 1, int(y + half_y))
-        left, right = max(0, math.ceil(x - half_x)), min(SENSOR_WIDTH_PX - 1, int(x + half_x))
-        for row in range(top, bottom + 1):
-            dy = row - y
-            for col in range(left, right + 1):
-                dx = col - x
-                q = (xx * dx * dx + 2.0 * xy * dx * dy + yy * dy * dy) * profile_scale
-                k = int(q)
-                if k >= last:
-                    continue
-                pixel = row * SENSOR_WIDTH_PX + col
-                point = canvas[pixel]
-                if not point["is_touched"]:
-                    point["is_touched"] = True
-                    touched[n] = pixel
-                    n += 1
-                cover = gain * (profile[k] + (q - k) * (profile[k + 1] - profile[k]))
-                white = max(point["light"], point["base"])
-                point["image"] = min(point["image"] + cover * (white - point["base"]), white)
-    counts[N_TOUCHED] = n
 
 
 @nb.njit(cache=True, nogil=True)
@@ -346,14 +274,6 @@ def sort_tick(first: int, t_us: int, tick_us: int, row_us: int, events: Records,
         k = part[i]["t"] - t_us
         events[first + place[k]] = part[i]
         place[k] += 1
-
-
-@nb.njit(cache=True, nogil=True)
-def expose(canvas: Records, touched: NDArray[np.int32], counts: NDArray[np.int64]) -> None:
-    """Add the picture of one tick to the frame."""
-    for slot in range(counts[N_TOUCHED]):
-        point = canvas[touched[slot]]
-        point["exposed"] += point["image"] - point["base"]
 
 
 @nb.njit(cache=True, nogil=True)

@@ -6,25 +6,22 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import MARKER_DIAMETER_MM, NOMINAL_PX_PER_MM, Rig
+from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
+from neurotouch_hid.source.simulator.optics import PROFILE_SCALE, LightConfig, marker_profile, paint
+from neurotouch_hid.source.simulator.optics.kernels import POINT_DTYPE, draw
 from neurotouch_hid.source.simulator.sensor.kernels import (
     LEVEL_SCALE,
     N_EVENTS,
+    N_LOST,
     PIXEL_DTYPE,
-    POINT_DTYPE,
     advance,
-    draw,
 )
-from neurotouch_hid.source.simulator.sensor.light import LightConfig, paint
 
 TICK_US = 500  # the picture is rendered at 2 kHz: a marker at 525 px/s moves 0.26 px
 WINDOW_US = 20_000  # how often leaking pixels are looked for
 MAX_EVENTS = 1 << 19  # room for one call
 LINEAR_DN = 20.0  # below it the photoreceptor's response is linear (v2e's lin-log)
-PROFILE_REACH = 2.6  # markers are drawn out to this multiple of their radius
-PROFILE_STEPS = 512
-PROFILE_SCALE = PROFILE_STEPS / PROFILE_REACH**2
 LEAK_SPREAD = 0.23  # log units; v2e spreads the rate by 0.1 decades
 
 
@@ -104,6 +101,11 @@ class Sensor:
         self._pixels["signal"] = signal
         # Where each pixel stands between its thresholds after a long past.
         self._pixels["reference"] = signal - self._start * self._pixels["on"]
+
+    @property
+    def n_lost(self) -> int:
+        """Events that found no room so far."""
+        return int(self._counts[N_LOST])
 
     def run(
         self, knots: NDArray[np.float64], knot_us: int, begin_us: int, end_us: int
@@ -188,26 +190,6 @@ class Sensor:
         shape = (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
         image = np.clip(np.rint(pixels), 0, 255).astype(np.uint8).reshape(shape)
         return Frame(image, end_us - config.exposure_us, end_us)
-
-
-def marker_profile(blur_px: float) -> NDArray[np.float32]:
-    """Brightness of a blurred white disc over its squared relative radius, 0 at the last entry.
-
-    Returns:
-        (PROFILE_STEPS + 1,) float32.
-    """
-    radius_px = 0.5 * MARKER_DIAMETER_MM * NOMINAL_PX_PER_MM
-    sigma = math.hypot(blur_px, 12**-0.5) / radius_px  # the pixel's own width blurs as well
-    axis = np.linspace(-1.0, 1.0, 161)
-    x, y = np.meshgrid(axis, axis)
-    inside = np.hypot(x, y) <= 1.0
-    radius = PROFILE_REACH * np.sqrt(np.linspace(0.0, 1.0, PROFILE_STEPS + 1))
-    d2 = (x[inside] - radius[:, None]) ** 2 + y[inside] ** 2
-    area = (axis[1] - axis[0]) ** 2
-    profile: NDArray[np.float64] = (
-        np.exp(-d2 / (2 * sigma**2)).sum(axis=1) * area / (2 * np.pi * sigma**2)
-    )
-    return np.asarray(profile - profile[-1], np.float32)
 
 
 def response_tables(cutoff_hz: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

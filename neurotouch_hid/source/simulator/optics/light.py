@@ -1,12 +1,17 @@
-"""The light in the picture: uneven, with bright spots beside the gel."""
+"""The light in the picture: uneven, with bright spots beside the gel, and blurred markers."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import GEL_RADIUS_MM, Rig
+from neurotouch_hid.geometry import GEL_RADIUS_MM, MARKER_DIAMETER_MM, NOMINAL_PX_PER_MM, Rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+
+PROFILE_REACH = 2.6  # markers are drawn out to this multiple of their radius
+PROFILE_STEPS = 512
+PROFILE_SCALE = PROFILE_STEPS / PROFILE_REACH**2
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,3 +59,23 @@ def paint(config: LightConfig, rig: Rig) -> tuple[NDArray[np.float64], NDArray[n
         d2 = (dx - far * np.cos(angle)) ** 2 + (dy - far * np.sin(angle)) ** 2
         base += config.spot_dn * np.exp(-((d2 / (2 * size**2)) ** 2))
     return np.minimum(base, 255.0), config.white_dn * light
+
+
+def marker_profile(blur_px: float) -> NDArray[np.float32]:
+    """Brightness of a blurred white disc over its squared relative radius, 0 at the last entry.
+
+    Returns:
+        (PROFILE_STEPS + 1,) float32.
+    """
+    radius_px = 0.5 * MARKER_DIAMETER_MM * NOMINAL_PX_PER_MM
+    sigma = math.hypot(blur_px, 12**-0.5) / radius_px  # the pixel's own width blurs as well
+    axis = np.linspace(-1.0, 1.0, 161)
+    x, y = np.meshgrid(axis, axis)
+    inside = np.hypot(x, y) <= 1.0
+    radius = PROFILE_REACH * np.sqrt(np.linspace(0.0, 1.0, PROFILE_STEPS + 1))
+    d2 = (x[inside] - radius[:, None]) ** 2 + y[inside] ** 2
+    area = (axis[1] - axis[0]) ** 2
+    profile: NDArray[np.float64] = (
+        np.exp(-d2 / (2 * sigma**2)).sum(axis=1) * area / (2 * np.pi * sigma**2)
+    )
+    return np.asarray(profile - profile[-1], np.float32)
