@@ -140,8 +140,8 @@ class RestDetector:
         """Take the frame as the reference if it shows the undeformed lattice."""
         lattice = find_lattice(blobs.centroid_px, self._config.lattice, self._rig)
         settled = self._count_still(blobs)
-        reason = self._refusal(lattice, frame, odd=settled)
-        n_found = 0 if lattice is None else lattice.n_found
+        n_found = min(len(blobs.centroid_px), N_MARKERS) if lattice is None else lattice.n_found
+        reason = self._refusal(lattice, n_found, frame, odd=settled)
         if lattice is None or reason:
             self._count(n_found, reason)
             return None
@@ -181,7 +181,7 @@ class RestDetector:
         lattice = find_lattice(blobs.centroid_px, self._config.lattice)
         if (
             lattice is None
-            or self._refusal(lattice, frame)
+            or self._refusal(lattice, lattice.n_found, frame)
             or lattice.bend_px > reference.bend_px + _SAME_BEND_PX
         ):
             return None
@@ -209,16 +209,17 @@ class RestDetector:
             s.n_frames, s.n_rest, s.n_references + 1, lattice.n_found, 0.0, 0.0, ""
         )
 
-    def _refusal(self, lattice: Lattice | None, frame: Frame, *, odd: bool = False) -> str:
+    def _refusal(
+        self, lattice: Lattice | None, n_found: int, frame: Frame, *, odd: bool = False
+    ) -> str:
         """Why this is no gel at rest, or an empty string; ``odd`` allows for odd optics."""
         c = self._config.lattice
         max_bend_px = self._config.max_odd_bend_px if odd else c.max_bend_px
         if lattice is None or lattice.n_found < c.min_found:
-            n = 0 if lattice is None else lattice.n_found
-            return f"found {n} of {N_MARKERS} markers; {_describe(frame)}"
+            return f"found {n_found} of {N_MARKERS} markers; {_describe(frame)}"
         if lattice.bend_px > max_bend_px or lattice.n_displaced > c.max_displaced:
             return (
-                f"found {lattice.n_found} of {N_MARKERS} markers, off their lattice by "
+                f"found {n_found} of {N_MARKERS} markers, off their lattice by "
                 f"{lattice.bend_px:.1f} px; the gel seems to be touched"
             )
         return ""
