@@ -41,6 +41,8 @@ class FrameCorrection:
         sharp = np.hypot(*(end_px - begin_px).T) <= _MAX_BLUR_PX
         blobs = self._finder.find(frame.pixels)
         points = blobs.centroid_px
+        if len(points) < _MIN_MATCHED:
+            return
         blob = self._assign(then_px, blobs, sharp)
         seen = blob >= 0
         if seen.sum() < _MIN_MATCHED:
@@ -86,7 +88,7 @@ class FrameCorrection:
         if not len(before):
             return None
         later = after[0] if len(after) else before[0]  # the moment is after the last check
-        px: NDArray[np.float64] = past_px[before[0]] * (1.0 - part) + past_px[later] * part
+        px: NDArray[np.float64] = past_px[:, before[0]] * (1.0 - part) + past_px[:, later] * part
         return px
 
     def _assign(
@@ -114,9 +116,9 @@ class FrameCorrection:
             lost |= self._stray
             known = np.isfinite(self._expected_px[:, 0])
             open_ = np.flatnonzero((blob < 0) & lost & sharp & known)
-            free = np.setdiff1d(np.flatnonzero(~merged), blob[blob >= 0])
-            if not len(open_) or not len(free):
+            if not len(open_):
                 break
+            free = np.setdiff1d(np.flatnonzero(~merged), blob[blob >= 0])
             match = np.empty(len(open_), np.int32)
             if not image_kernels.match_points(
                 self._expected_px[open_], points[free], _GATE_PX, match

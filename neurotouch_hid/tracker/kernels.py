@@ -28,7 +28,7 @@ class Tracks(NamedTuple):
         lost: (n,) bool, the position is a guess.
         rest_px: (n, 2) float64, positions while the gel is undeformed.
         neighbours: (n, 8) intp, -1 where there is none.
-        past_px: (k, n, 2) float64, ring of the positions at the last k checks.
+        past_px: (n, k, 2) float64, ring of the positions at the last k checks.
         past_us: (k,) int64, the moments of these checks, -1 where there is none.
         clock: (3,) int64: moment of the next check (µs), checks done, markers seated anew.
     """
@@ -186,7 +186,7 @@ def shift(markers: NDArray[np.intp], by_px: NDArray[np.float64], tracks: Tracks)
         i = markers[k]
         for axis in range(2):
             tracks.state[i, X + axis] += by_px[k, axis]
-            tracks.past_px[:, i, axis] += by_px[k, axis]
+            tracks.past_px[i, :, axis] += by_px[k, axis]
         seat(i, tracks)
 
 
@@ -274,7 +274,7 @@ def check_neighbours(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     """Note all positions at ``t_us`` and seat anew what strays from its neighbours."""
     n = len(tracks.state)
     slot = tracks.clock[1] % len(tracks.past_us)
-    position = tracks.past_px[slot]
+    position = tracks.past_px[:, slot]
     predict(float(t_us), tuning.memory_s, tracks, position)
     expected, spread, stray = np.empty((n, 2)), np.empty(n), np.empty(n, np.bool_)
     expect(position, ~tracks.lost, tracks, expected, spread)

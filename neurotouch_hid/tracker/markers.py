@@ -98,7 +98,7 @@ class MarkerTracker:
             lost=np.zeros(n, np.bool_),
             rest_px=np.full((n, 2), np.nan),
             neighbours=NEIGHBOURS.copy(),  # writeable: kernels are compiled for one type only
-            past_px=np.zeros((_PAST, n, 2)),
+            past_px=np.zeros((n, _PAST, 2)),
             past_us=np.full(_PAST, -1, np.int64),
             clock=np.zeros(3, np.int64),
         )

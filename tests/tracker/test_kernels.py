@@ -24,7 +24,7 @@ def make_tracks(position_px, n_past=4):
         lost=np.zeros(n, np.bool_),
         rest_px=np.array(position_px, np.float64),
         neighbours=NEIGHBOURS[:n].copy(),
-        past_px=np.zeros((n_past, n, 2)),
+        past_px=np.zeros((n, n_past, 2)),
         past_us=np.full(n_past, -1, np.int64),
         clock=np.zeros(3, np.int64),
     )
@@ -141,6 +141,6 @@ def test_shift_moves_the_past_too():
     tracks = make_tracks(REST_PX)
     kernels.check_neighbours(2_000, tracks, TUNING)
     kernels.shift(np.array([5]), np.array([[30.0, -20.0]]), tracks)
-    np.testing.assert_allclose(tracks.past_px[0, 5], REST_PX[5] + (30.0, -20.0))
+    np.testing.assert_allclose(tracks.past_px[5, 0], REST_PX[5] + (30.0, -20.0))
     x, y = np.rint(REST_PX[5] + (30.0, -20.0)).astype(int)
     assert kernels.nearest(int(x), int(y), 1.0, tracks) == 5

@@ -225,7 +225,7 @@ def swap(tracker, i, j):
     state = tracker._tracks.state
     state[[i, j], :2] = state[[j, i], :2]
     for k in (i, j):
-        tracker._tracks.past_px[:, k] = state[k, :2]
+        tracker._tracks.past_px[k] = state[k, :2]
 
 
 def test_swapped_markers_are_told_apart_at_the_next_rest(gestures):
@@ -252,3 +252,18 @@ def test_a_marker_that_nobody_sees_is_not_valid(gestures):
             dirty.append(replace(frame, pixels=pixels))
         field = tracker.update(replace(p, frames=tuple(dirty)))
     assert np.flatnonzero(~field.valid).tolist() == [20]
+
+
+@pytest.mark.parametrize("level", [0, 255])
+def test_a_frame_that_shows_nothing_changes_nothing(gestures, level):
+    packets, truth = gestures
+    blank = np.full((260, 346), level, np.uint8)
+    one, other = MarkerTracker(), MarkerTracker()
+    for tracker in (one, other):
+        tracker.anchor(RestField(0, truth[0]))
+    for p in packets[:40]:
+        frames = tuple(replace(frame, pixels=blank) for frame in p.frames)
+        with_frames = one.update(replace(p, frames=frames))
+        without = other.update(replace(p, frames=()))
+    assert np.array_equal(with_frames.position_px, without.position_px)
+    assert with_frames.valid.all()
