@@ -23,7 +23,7 @@ from ruamel.yaml.events import (
 )
 from ruamel.yaml.reader import ReaderError
 
-from neurotouch_hid.profile.faults import Fault, Mark, format_path
+from neurotouch_hid.profile.faults import Fault, Keys, Mark, format_path
 
 MAX_DEPTH: Final = 16
 MAX_NODES: Final = 5_000
@@ -78,7 +78,7 @@ def parse_document(text: str) -> tuple[Node | None, list[Fault]]:
         for event in YAML(typ="safe", pure=True).parse(text):
             builder.take(event)
     except _RefusalError as refusal:
-        return None, [builder.blame(refusal.mark, refusal.sentence, refusal.hint)]
+        return None, [builder.blame(refusal.mark, refusal.sentence, refusal.hint, "NT103")]
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = Mark(mark.line, mark.column) if mark else builder.last
@@ -88,14 +88,17 @@ def parse_document(text: str) -> tuple[Node | None, list[Fault]]:
         place = Mark(before.count("\n"), len(before) - before.rfind("\n") - 1)
         return None, [
             Fault(
-                place, "", f"the character U+{ord(text[error.position]):04X} is not allowed in YAML"
+                place,
+                "",
+                f"the character U+{ord(text[error.position]):04X} is not allowed in YAML",
+                code="NT101",
             )
         ]
     except (OverflowError, ValueError):
         # ruamel.yaml hands a \U escape beyond Unicode to chr() unchecked.
         return None, [builder.blame(builder.last, "this escape is no character")]
     if builder.root is None and not builder.faults:
-        return None, [Fault(Mark(0, 0), "", "the profile is empty")]
+        return None, [Fault(Mark(0, 0), "", "the profile is empty", code="NT101")]
     return builder.root, builder.faults
 
 
@@ -122,9 +125,9 @@ class _Builder:
         self._n_nodes = 0
         self._n_documents = 0
 
-    def blame(self, mark: Mark, sentence: str, hint: str = "") -> Fault:
+    def blame(self, mark: Mark, sentence: str, hint: str = "", code: str = "NT102") -> Fault:
         """A fault at the place the walk has reached."""
-        return Fault(mark, format_path(self._path), sentence, hint)
+        return Fault(mark, format_path(self._path), sentence, hint, code)
 
     def take(self, event: Event) -> None:
         """Go one event further.
@@ -168,7 +171,9 @@ class _Builder:
         first = self._stack[-1].keys.setdefault(self._key, mark)
         if first is not mark:
             where = f"line {first.line + 1}, column {first.column + 1}"
-            self.faults.append(self.blame(mark, f"this key stands already in {where}"))
+            self.faults.append(
+                self.blame(mark, f"this key stands already in {where}", code="NT104")
+            )
 
     def _take_value(self, event: NodeEvent, mark: Mark) -> None:
         parent = self._stack[-1] if self._stack else None
@@ -202,7 +207,7 @@ class _Builder:
         if not event.implicit[0]:
             return text
         if text in _EMPTY:
-            self.faults.append(self.blame(mark, "a value is missing here"))
+            self.faults.append(self.blame(mark, "a value is missing here", code="NT105"))
         return _resolve(text, mark)
 
     def _close(self) -> None:
@@ -228,3 +233,34 @@ def _resolve(text: str, mark: Mark) -> Any:
             raise _RefusalError(mark, f"a number has at most {MAX_NUMBER_CHARS} characters")
         return int(text) if is_int else float(text)
     return _SPECIAL.get(text, text)
+
+
+def find_node(root: Node, keys: Keys) -> tuple[Node, bool]:
+    """The node the keys lead to, or the last one on the way, and whether it was reached."""
+    node = root
+    for key in keys:
+        if key not in node.children:
+            return node, False
+        node = node.children[key]
+    return node, True
+
+
+def find_mark(root: Node, keys: Keys) -> Mark:
+    """The value's place; of a mapping or list in block style, its key's."""
+    node, found = find_node(root, keys)
+    if found and not isinstance(node.value, dict | list):
+        return node.mark
+    return find_key_mark(root, keys)
+
+
+def find_key_mark(root: Node, keys: Keys) -> Mark:
+    """Where the last key stands, or as much of the way to it as there is."""
+    while keys:
+        parent, _ = find_node(root, keys[:-1])
+        if isinstance(keys[-1], str) and keys[-1] in parent.keys:
+            return parent.keys[keys[-1]]
+        node, found = find_node(root, keys)
+        if found:
+            return node.mark
+        keys = keys[:-1]
+    return root.mark

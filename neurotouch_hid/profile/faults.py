@@ -4,11 +4,14 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Final
+from typing import Final, Literal
 
 SHOWN_FAULTS: Final = 20
 SHOWN_COLUMNS: Final = 100
 _LINE_BREAK: Final = re.compile("\r\n|[\r\n\x85\u2028\u2029]")  # what the YAML reader counts
+
+Keys = tuple[str | int, ...]
+"""The way to a place in a document: keys of mappings, indices of lists."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -29,12 +32,19 @@ class Fault:
         path: the keys that lead to it, ``bindings[0].do.axis``; empty at the top.
         sentence: what is wrong.
         hint: what stands beside the caret, or empty.
+        code: its stable code, see ``codes``.
     """
 
     mark: Mark
     path: str
     sentence: str
     hint: str = ""
+    code: str = "NT102"
+
+    @property
+    def severity(self) -> Literal["error", "warning"]:
+        """A warning (NT2xx) does not keep a profile from being loaded."""
+        return "warning" if self.code.startswith("NT2") else "error"
 
 
 def format_path(keys: Iterable[str | int]) -> str:
@@ -50,23 +60,23 @@ def make_printable(text: str) -> str:
 
 def suggest(word: str, known: Sequence[str]) -> str:
     """``did you mean 'zoom'?``, or empty if no known word is near."""
-    near = get_close_matches(word.lower()[:SHOWN_COLUMNS], known, n=1)
+    near = get_close_matches(word[:SHOWN_COLUMNS].lower(), known, n=1)
     return f"did you mean '{near[0]}'?" if near else ""
 
 
 def format_faults(faults: Iterable[Fault], name: str, text: str) -> str:
-    """Every fault as ``name:line:column: error: path: sentence`` with the marked line below."""
+    """Every fault as ``name:line:column: error[code]: path: sentence``, the marked line below."""
     ordered = sorted(set(faults))
     lines = _LINE_BREAK.split(text)
     blocks = [_format_fault(fault, name, lines) for fault in ordered[:SHOWN_FAULTS]]
     if len(ordered) > SHOWN_FAULTS:
-        blocks.append(f"{name}: {len(ordered) - SHOWN_FAULTS} more errors")
+        blocks.append(f"{name}: {len(ordered) - SHOWN_FAULTS} more")
     return "\n".join(blocks)
 
 
 def _format_fault(fault: Fault, name: str, lines: Sequence[str]) -> str:
     mark = fault.mark
-    place = f"{name}:{mark.line + 1}:{mark.column + 1}: error: "
+    place = f"{name}:{mark.line + 1}:{mark.column + 1}: {fault.severity}[{fault.code}]: "
     header = place + (f"{fault.path}: " if fault.path else "") + fault.sentence
     line = lines[mark.line] if mark.line < len(lines) else ""
     first = max(0, mark.column - SHOWN_COLUMNS // 2) if len(line) > SHOWN_COLUMNS else 0

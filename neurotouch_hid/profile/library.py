@@ -21,10 +21,19 @@ def find_shipped_folder(package: Path = PACKAGE_FOLDER) -> Path:
 
 def find_user_folder() -> Path:
     """The folder for the user's own profiles; it need not exist."""
+    return _find_config_folder() / "profiles"
+
+
+def find_user_file() -> Path:
+    """The file of the user's own values; it need not exist."""
+    return _find_config_folder() / "user.yaml"
+
+
+def _find_config_folder() -> Path:
     config = Path(os.environ.get("XDG_CONFIG_HOME", ""))
     if not config.is_absolute():  # the XDG specification: a relative path is to be ignored
         config = Path("~/.config").expanduser()
-    return config / "neurotouch" / "profiles"
+    return config / "neurotouch"
 
 
 def list_profiles() -> dict[str, Path]:

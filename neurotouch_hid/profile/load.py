@@ -1,30 +1,89 @@
-"""Reads a profile file: every mistake in it at once, each with its line, column and a way out."""
+"""Reads profiles and the user's file: every mistake at once, with line, column and a way out."""
 
 import stat
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Final, Generic, TypeVar
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.document import parse_document
-from neurotouch_hid.profile.faults import Fault, Mark, format_faults, make_printable
-from neurotouch_hid.profile.library import find_profile
+from neurotouch_hid.profile.consistency import check_layers
+from neurotouch_hid.profile.document import Node, find_mark, parse_document
+from neurotouch_hid.profile.faults import (
+    Fault,
+    Mark,
+    format_faults,
+    format_path,
+    make_printable,
+    suggest,
+)
+from neurotouch_hid.profile.inheritance import build_on
+from neurotouch_hid.profile.library import find_profile, find_user_file
+from neurotouch_hid.profile.lint import find_warnings
 from neurotouch_hid.profile.schema import Profile
+from neurotouch_hid.profile.user import UserSettings
 from neurotouch_hid.profile.wording import locate_faults
 
 MAX_BYTES: Final = 64 * 1024
+MAX_STEPS: Final = 4
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+@dataclass(frozen=True, slots=True)
+class Checked(Generic[Model]):
+    """A file that has been read.
+
+    Attributes:
+        name: what the file is called in messages.
+        text: its text.
+        faults: its errors and warnings, in the order of the file.
+        written: what it says, or None if there are errors.
+        whole: the same with everything it is built on.
+    """
+
+    name: str
+    text: str
+    faults: tuple[Fault, ...]
+    written: Model | None = None
+    whole: Model | None = None
+
+    def format(self) -> str:
+        """All faults with the marked lines."""
+        return format_faults(self.faults, self.name, self.text)
+
+    def require(self) -> Model:
+        """What the file says.
+
+        Raises:
+            ProfileError: there are errors; the message holds them all.
+        """
+        if self.whole is None:
+            errors = [fault for fault in self.faults if fault.severity == "error"]
+            raise ProfileError(format_faults(errors, self.name, self.text))
+        return self.whole
 
 
 def load_profile(name_or_path: str | Path) -> Profile:
-    """The profile of this name or at this path.
+    """The profile of this name or at this path, with everything it is built on.
 
     Raises:
         ProfileError: there is none, or the file says something we cannot do; the message then holds
             all mistakes, each with ``file:line:column`` and the marked line.
     """
+    return check_profile(name_or_path).require()
+
+
+def check_profile(name_or_path: str | Path) -> Checked[Profile]:
+    """The profile of this name or at this path with all its faults, warnings included.
+
+    Raises:
+        ProfileError: there is no such file, or it cannot be read.
+    """
     path = find_profile(name_or_path)
-    return parse_profile(_read(path), name=make_printable(str(path)))
+    return _check_profile(_read(path), make_printable(str(path)), (path.resolve(),))
 
 
 def parse_profile(content: bytes, name: str) -> Profile:
@@ -37,33 +96,132 @@ def parse_profile(content: bytes, name: str) -> Profile:
     Raises:
         ProfileError: as ``load_profile``.
     """
-    if len(content) > MAX_BYTES:
-        raise ProfileError(
-            f"{name}: the file is larger than {MAX_BYTES // 1024} kB",
-            hint="A profile is a small text file; is this one?",
-        )
+    return check_content(content, name).require()
+
+
+def check_content(content: bytes, name: str) -> Checked[Profile]:
+    """The profile in the content of a file with all its faults, before it is saved."""
+    return _check_profile(content, name, ())
+
+
+def load_user(path: Path | None = None) -> UserSettings:
+    """The user's own values; those of a usual hand if there is no file.
+
+    Args:
+        path: the file; by default ``user.yaml`` in the user's folder.
+
+    Raises:
+        ProfileError: as ``load_profile``.
+    """
+    path = find_user_file() if path is None else path
+    if not path.exists():
+        return UserSettings()
+    return check_user(_read(path), make_printable(str(path))).require()
+
+
+def check_user(content: bytes, name: str) -> Checked[UserSettings]:
+    """The user's file with all its faults."""
+    return _check_model(content, name, UserSettings, lambda _, settings: (settings, []))
+
+
+Finish = Callable[[Node, Model], tuple[Model | None, list[Fault]]]
+
+
+def _check_model(
+    content: bytes, name: str, model: type[Model], finish: Finish[Model]
+) -> Checked[Model]:
+    """Text, YAML and model one after the other; ``finish`` sees a whole document."""
     try:
-        text = content.decode("utf-8-sig")
+        text = _decode(content)
+    except _UnreadableError as refusal:
+        return Checked(name, refusal.text, (refusal.fault,))
+    root, faults = parse_document(text)
+    if root is None:
+        return Checked(name, text, tuple(faults))
+    written: Model | None = None
+    try:
+        written = model.model_validate(root.value)
+    except ValidationError as error:
+        known = {fault.mark for fault in faults}
+        found = locate_faults(error, root, model)
+        faults += [fault for fault in found if fault.mark not in known]
+    whole = None
+    if isinstance(root.value, dict) and model is Profile:
+        faults += _find_missing(root)
+    if written is not None and not faults:
+        whole, faults = finish(root, written)
+        if any(fault.severity == "error" for fault in faults):
+            whole = None
+    return Checked(name, text, tuple(sorted(set(faults))), written if whole else None, whole)
+
+
+def _check_profile(content: bytes, name: str, chain: tuple[Path, ...]) -> Checked[Profile]:
+    """As ``check_content``; ``chain`` are the files that lead here by ``extends``."""
+
+    def finish(root: Node, profile: Profile) -> tuple[Profile | None, list[Fault]]:
+        whole, faults = profile, []
+        for i, base_name in enumerate(profile.extends):
+            keys = ("extends", i)
+            base, code, sentence = _load_base(base_name, chain)
+            if base is None:
+                faults.append(Fault(find_mark(root, keys), format_path(keys), sentence, code=code))
+            else:
+                whole = build_on(whole, base)
+        if faults:
+            return None, faults
+        faults = check_layers(profile, whole, root)
+        if not faults:
+            faults = find_warnings(profile, whole, root)
+        return whole, faults
+
+    return _check_model(content, name, Profile, finish)
+
+
+def _load_base(name: str, chain: tuple[Path, ...]) -> tuple[Profile | None, str, str]:
+    """The profile another one is built on, or the code of a fault and its sentence."""
+    try:
+        path = find_profile(name)
+        if path.resolve() in chain:
+            return None, "NT131", f"'{name}' is built on this profile itself"
+        if len(chain) >= MAX_STEPS:
+            return None, "NT131", f"'{name}' is built on too many others, one on the other"
+        content = _read(path)
+    except ProfileError as error:
+        return None, "NT130", error.message
+    checked = _check_profile(content, make_printable(str(path)), (*chain, path.resolve()))
+    if checked.whole is None:
+        first = checked.format().split("\n", 1)[0]
+        return None, "NT132", f"'{name}' has errors: {first}"
+    return checked.whole, "", ""
+
+
+def _find_missing(root: Node) -> list[Fault]:
+    """A profile has bindings of its own or of others."""
+    sources = ("bindings", "layers", "extends")
+    if any(key in root.keys or any(suggest(k, [key]) for k in root.keys) for key in sources):
+        return []
+    return [Fault(root.mark, "", "the key 'bindings' is missing", code="NT111")]
+
+
+class _UnreadableError(Exception):
+    """The content is no text we read."""
+
+    def __init__(self, fault: Fault, text: str) -> None:
+        self.fault, self.text = fault, text
+
+
+def _decode(content: bytes) -> str:
+    if len(content) > MAX_BYTES:
+        sentence = f"the file is larger than {MAX_BYTES // 1024} kB"
+        raise _UnreadableError(Fault(Mark(0, 0), "", sentence, code="NT101"), "")
+    try:
+        return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         before = content[: error.start].decode("utf-8", "replace")
         place = Mark(before.count("\n"), len(before) - before.rfind("\n") - 1)
-        fault = Fault(place, "", f"byte 0x{content[error.start]:02x} is not UTF-8 text")
-        raise _refuse([fault], name, content.decode("utf-8", "replace")) from None
-    root, faults = parse_document(text)
-    if root is not None:
-        try:
-            profile = Profile.model_validate(root.value)
-        except ValidationError as error:
-            known = {fault.mark for fault in faults}
-            faults += [fault for fault in locate_faults(error, root) if fault.mark not in known]
-        else:
-            if not faults:
-                return profile
-    raise _refuse(faults, name, text)
-
-
-def _refuse(faults: list[Fault], name: str, text: str) -> ProfileError:
-    return ProfileError(format_faults(faults, name, text))
+        sentence = f"byte 0x{content[error.start]:02x} is not UTF-8 text"
+        fault = Fault(place, "", sentence, code="NT101")
+        raise _UnreadableError(fault, content.decode("utf-8", "replace")) from None
 
 
 def _read(path: Path) -> bytes:

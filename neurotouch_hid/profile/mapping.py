@@ -1,162 +1,191 @@
-"""From gestures to the pad: a pure function of the gesture stream.
+"""From gestures to the outputs: a pure function of the gesture stream.
 
-The only memory is what hysteresis needs: which bindings are held, and which way a push goes. Host
-time never enters, so the same gestures give the same pad, whatever the speed.
+Host time never enters, so the same gestures give the same outputs, whatever the speed.
 """
 
-import math
-from collections.abc import Callable, Iterable
-from typing import Final, assert_never
+from typing import Final, Literal
 
-from neurotouch_hid.messages import Axis, Button, GamepadState, Gesture, GestureKind
-from neurotouch_hid.profile.curves import make_response
-from neurotouch_hid.profile.schema import Binding, Profile
-from neurotouch_hid.profile.targets import (
-    AxisTarget,
-    ButtonTarget,
-    Direction,
-    DpadTarget,
-    StickTarget,
-    TriggerTarget,
-)
+from neurotouch_hid.messages import GamepadState, Gesture
+from neurotouch_hid.profile.decision import Decision, Journal
+from neurotouch_hid.profile.engine.channel import Channel
+from neurotouch_hid.profile.engine.deck import Deck, make_channel
+from neurotouch_hid.profile.engine.output import Outputs
+from neurotouch_hid.profile.engine.reader import Reader
+from neurotouch_hid.profile.engine.reading import Reading
+from neurotouch_hid.profile.schema import Binding, Profile, SafetyGesture
+from neurotouch_hid.profile.targets import CommandName, CommandTarget
+from neurotouch_hid.profile.timing import PRESETS, FilterName, resolve_times
+from neurotouch_hid.profile.user import UserSettings
 
-Vector = tuple[float, float]
-Drive = Callable[[float, Vector | None], Iterable[tuple[Axis, float]]]
+State = Literal["running", "paused", "panic"]
 
-DIRECTIONS: Final[dict[Direction, Vector]] = {
-    "left": (-1.0, 0.0),
-    "right": (1.0, 0.0),
-    "up": (0.0, -1.0),
-    "down": (0.0, 1.0),
-}
-"""The middle of each sector of 90°, in gel coordinates: x right, y down, towards the user."""
-
-KEEP_COS: Final = math.cos(math.radians(45.0 + 10.0))
-"""A push keeps its sector until it has left it by 10°, so that a diagonal does not flicker."""
-
-_DPAD_AXES: Final = (Axis.DPAD_X, Axis.DPAD_Y)
-_STICK_AXES: Final = {
-    "left": (Axis.LEFT_X, Axis.LEFT_Y),
-    "right": (Axis.RIGHT_X, Axis.RIGHT_Y),
-}
-_TRIGGER_AXES: Final = {"left": Axis.LEFT_TRIGGER, "right": Axis.RIGHT_TRIGGER}
+SILENCE_US: Final = 200_000
+"""After a gap of this length in the stream nobody knows what the hand did: everything lets go."""
 
 
 class Mapping:
-    """Carries out a profile.
+    """Carries out a profile for a person.
 
-    Every gesture gives the whole pad. Where two bindings move one axis, the larger magnitude wins;
-    where they are equal, the binding that stands earlier in the profile. A button is down as long
-    as one of its bindings holds it. No gesture, or a measurement that is not a number, is exactly
-    neutral.
+    Every gesture gives all outputs. Where two bindings move one axis, the larger magnitude wins;
+    where they are equal, the binding that stands earlier. A button is down as long as one of its
+    bindings holds it. No gesture, or a measurement that is not a number, lets go of everything
+    that is not toggled, sticky or the end of a tap.
+
+    A change of layer or profile, a pause and a gap in the stream let go of everything; then the
+    gesture at hand must end before another one acts.
+
+    Args:
+        profile: what the gestures mean.
+        user: the person's own values; a usual hand without.
     """
 
-    def __init__(self, profile: Profile) -> None:
-        self._rules = tuple(_Rule(binding) for binding in profile.bindings)
-        self._direction: Direction | None = None
+    def __init__(self, profile: Profile, user: UserSettings | None = None) -> None:
+        self._user = user or UserSettings()
+        self._journal = Journal()
+        self._state: State = "running"
+        self._commands: list[str] = []
+        self._t_us: int | None = None
+        self._take(profile)
+
+    @property
+    def profile(self) -> Profile:
+        """The profile that holds."""
+        return self._profile
+
+    @property
+    def layer(self) -> str:
+        """The name of the layer that holds."""
+        return self._deck.name
+
+    @property
+    def state(self) -> State:
+        """Whether gestures act: running, paused (the same gesture goes on) or panic."""
+        return self._state
+
+    def decisions(self) -> tuple[Decision, ...]:
+        """The latest decisions, oldest first: what was pressed, and what was ignored and why."""
+        return self._journal.read()
+
+    def switch(self, profile: Profile) -> None:
+        """Lets go of everything and goes on with another profile at the next gesture."""
+        self._take(profile)
+        self._deck.armed = False
+
+    def pause(self) -> None:
+        """Lets go of everything until ``resume`` or the gesture that pauses."""
+        if self._state == "running":
+            self._enter("paused", "pause")
+
+    def panic(self) -> None:
+        """Lets go of everything until ``resume``."""
+        if self._state != "panic":
+            self._enter("panic", "panic")
+
+    def resume(self) -> None:
+        """Goes on at the next gesture."""
+        if self._state != "running":
+            self._enter("running", "resume")
+
+    def rezero(self) -> None:
+        """How the hand lies now is rest, for a person whose hand stays on the gel."""
+        self._reader.rezero()
 
     def update(self, gesture: Gesture) -> GamepadState:
-        """The pad for this gesture, given what was held before it."""
-        way = _find_way(gesture)
-        self._direction = _choose_direction(way, self._direction)
-        present = gesture.kind != GestureKind.NONE and math.isfinite(gesture.intensity_mm)
-        buttons = set()
-        axes: dict[Axis, float] = {}
-        for rule in self._rules:
-            rule.held = present and rule.holds(gesture, self._direction)
-            if not rule.held:
-                continue
-            if rule.button is not None:
-                buttons.add(rule.button)
-            for axis, value in rule.drive(gesture.intensity_mm, way):
-                if abs(value) > abs(axes.get(axis, 0.0)):
-                    axes[axis] = value
-        return GamepadState(gesture.t_us, frozenset(buttons), axes)
-
-
-class _Rule:
-    """A binding made ready for use, and whether it is held."""
-
-    __slots__ = ("button", "contacts", "direction", "drive", "held", "kind", "off_mm", "on_mm")
-
-    def __init__(self, binding: Binding) -> None:
-        condition = binding.condition
-        self.kind = condition.kind
-        self.direction = condition.direction
-        self.contacts = condition.contacts
-        self.on_mm, self.off_mm = binding.thresholds_mm
-        self.button: Button | None = None
-        if isinstance(binding.do, ButtonTarget):
-            self.button = Button(binding.do.button)
-        self.drive = _make_drive(binding)
-        self.held = False
-
-    def holds(self, gesture: Gesture, direction: Direction | None) -> bool:
-        """True if the binding acts on this gesture: pressed anew, or not yet let go."""
-        return (
-            gesture.kind == self.kind
-            and gesture.intensity_mm >= (self.off_mm if self.held else self.on_mm)
-            and (self.direction is None or self.direction == direction)
-            and (self.contacts is None or self.contacts == len(gesture.contacts_mm))
+        """All outputs for this gesture, given what came before it."""
+        t_us = self._journal.t_us = gesture.t_us
+        if self._t_us is not None and not 0 <= t_us - self._t_us <= SILENCE_US:
+            self._reader.forget()
+            self._deck.release()
+        self._t_us = t_us
+        reading = self._reader.read(gesture)
+        if self._reader.at_rest:
+            self._deck.armed = True
+        outputs = self._run(reading)
+        commands, self._commands = tuple(self._commands), []
+        return GamepadState(
+            t_us,
+            frozenset(outputs.buttons),
+            outputs.axes,
+            frozenset(outputs.keys),
+            frozenset(outputs.mouse_buttons),
+            outputs.pointer,
+            outputs.wheel,
+            commands,
         )
 
+    def _run(self, reading: Reading) -> Outputs:
+        wanted = self._hear_safety(reading)
+        outputs = Outputs()
+        if self._state == "running" and not wanted:
+            outputs = self._deck.run(reading, wanted)
+        elif self._state == "paused" and not wanted:
+            self._deck.listen(reading, wanted)
+        for command in wanted:
+            self._obey(command)
+        return outputs if self._state == "running" else Outputs()
 
-def _find_way(gesture: Gesture) -> Vector | None:
-    """The direction of a push as a unit vector; None for anything else or if it has none."""
-    x, y = gesture.translation_mm
-    length = math.hypot(x, y)
-    if gesture.kind != GestureKind.PUSH or not math.isfinite(length) or length == 0.0:
-        return None
-    return x / length, y / length
+    def _hear_safety(self, reading: Reading) -> list[str]:
+        """The safety gestures that have just been held long enough; they work in every state."""
+        heard = []
+        for channel, command in self._safety:
+            before = channel.down
+            if channel.busy or reading.kind in channel.kinds:
+                channel.update(reading)
+            if channel.down and not before:
+                heard.append(command)
+        return heard
 
+    def _obey(self, command: str) -> None:
+        match command:
+            case "pause" if self._state == "paused":
+                self.resume()
+            case "pause":
+                self.pause()
+            case "panic":
+                self.panic()
+            case _ if self._state == "running":
+                if command == "rezero":
+                    self.rezero()
+                self._commands.append(command)
+                self._journal.note("command", command)
 
-def _choose_direction(way: Vector | None, before: Direction | None) -> Direction | None:
-    """The sector of a push: the one before as long as it nearly fits, else the nearest."""
-    if way is None:
-        return None
+    def _enter(self, state: State, command: str) -> None:
+        self._state = state
+        self._deck.release()
+        self._commands.append(command)
+        self._journal.note("command", command)
 
-    def closeness(direction: Direction) -> float:
-        x, y = DIRECTIONS[direction]
-        return x * way[0] + y * way[1]
+    def _take(self, profile: Profile) -> None:
+        self._profile = profile
+        times = resolve_times(profile.timing, self._user.timing)
+        self._deck = Deck(profile, times, self._journal)
+        self._safety = self._make_safety(profile)
+        kinds = self._deck.kinds.union(*(channel.kinds for channel, _ in self._safety))
+        latch = profile.latch is not False
+        self._reader = Reader(self._user, self._choose_filter(profile), kinds, latch=latch)
 
-    if before is not None and closeness(before) >= KEEP_COS:
-        return before
-    return max(DIRECTIONS, key=closeness)
+    def _choose_filter(self, profile: Profile) -> FilterName:
+        """The user's own, else that of the user's patience, else the profile's in the same way."""
+        own = self._user.filter
+        if own is None and self._user.timing is None:
+            own = profile.filter
+        return own or resolve_times(profile.timing, self._user.timing).filter
 
-
-def _make_drive(binding: Binding) -> Drive:
-    """What the binding does to the axes, given the intensity and the way of the push."""
-    target = binding.do
-    match target:
-        case ButtonTarget():
-            return lambda _intensity_mm, _way: ()
-        case DpadTarget():
-            presses = tuple(zip(_DPAD_AXES, DIRECTIONS[target.dpad], strict=True))
-            return lambda _intensity_mm, _way: presses
-        case StickTarget():
-            return _make_stick_drive(binding, target)
-        case AxisTarget():
-            axis = Axis(target.axis)
-            sign = 1.0 if target.sign == "+" else -1.0
-        case TriggerTarget():
-            axis = _TRIGGER_AXES[target.trigger]
-            sign = 1.0
-        case _:
-            assert_never(target)
-    respond = make_response(binding.range_mm, target.deadzone, target.curve)
-    return lambda intensity_mm, _way: ((axis, sign * respond(intensity_mm)),)
-
-
-def _make_stick_drive(binding: Binding, target: StickTarget) -> Drive:
-    x_axis, y_axis = _STICK_AXES[target.stick]
-    x_sign = -1.0 if target.invert_x else 1.0
-    y_sign = -1.0 if target.invert_y else 1.0
-    respond = make_response(binding.range_mm, target.deadzone, target.curve)
-
-    def drive(intensity_mm: float, way: Vector | None) -> Iterable[tuple[Axis, float]]:
-        if way is None:
-            return ()
-        reach = respond(intensity_mm)
-        return (x_axis, x_sign * reach * way[0]), (y_axis, y_sign * reach * way[1])
-
-    return drive
+    def _make_safety(self, profile: Profile) -> list[tuple[Channel, str]]:
+        gestures: tuple[tuple[CommandName, SafetyGesture | None], ...] = (
+            ("panic", profile.safety.panic),
+            ("pause", profile.safety.pause),
+        )
+        return [
+            (
+                make_channel(
+                    Binding(when=gesture.condition, do=CommandTarget(command=name)),
+                    PRESETS["game"],
+                    (),
+                    self._journal,
+                ),
+                name,
+            )
+            for name, gesture in gestures
+            if gesture is not None
+        ]

@@ -6,18 +6,30 @@ from typing import Any, Final
 
 from pydantic import BaseModel, ValidationError
 
-from neurotouch_hid.profile.document import Node
-from neurotouch_hid.profile.faults import Fault, Mark, format_path, make_printable, suggest
-from neurotouch_hid.profile.schema import Binding, Condition, Profile
-from neurotouch_hid.profile.targets import CURVES, TARGETS
-
-Keys = tuple[str | int, ...]
+from neurotouch_hid.profile.conditions import Condition, WeakRelease
+from neurotouch_hid.profile.conditions import Sequence as Steps
+from neurotouch_hid.profile.document import Node, find_key_mark, find_mark, find_node
+from neurotouch_hid.profile.faults import Fault, Keys, Mark, format_path, make_printable, suggest
+from neurotouch_hid.profile.schema import Binding, Layer, Safety, SafetyGesture
+from neurotouch_hid.profile.shaping import CURVES
+from neurotouch_hid.profile.targets import MICE, TARGETS, Repeat
+from neurotouch_hid.profile.timing import Timing
+from neurotouch_hid.profile.user import Range, Ranges
 
 _MODELS: Final[Mapping[str, type[BaseModel]]] = {
-    "": Profile,
     "bindings": Binding,
+    "layers": Layer,
+    "safety": Safety,
+    "pause": SafetyGesture,
+    "panic": SafetyGesture,
+    "release": WeakRelease,
+    "repeat": Repeat,
+    "range": Ranges,
+    **dict.fromkeys(Ranges.model_fields, Range),
     "<pattern>": Condition,
-    **{f"<{key}>": model for key, model in (TARGETS | CURVES).items()},
+    "<sequence>": Steps,
+    "<timing>": Timing,
+    **{f"<{key}>": model for key, model in (TARGETS | MICE | CURVES).items()},
 }
 """The model whose keys stand at a place, by the last name (or union tag) on the way to it."""
 
@@ -28,47 +40,87 @@ _NEEDS: Final = {
     "int_type": "needs a whole number",
     "string_type": "needs a word",
     "bool_type": "needs true or false",
-    "tuple_type": "needs a list of two numbers, [rest, full]",
+    "tuple_type": "needs a list of two numbers, {pair}",
     "list_type": "needs a list",
     "model_type": "needs keys with values",
     "model_attributes_type": "needs keys with values",
 }
 
+_CODES: Final = {
+    "extra_forbidden": "NT110",
+    "missing": "NT111",
+    "literal_error": "NT112",
+    "enum": "NT112",
+    "greater_than_equal": "NT114",
+    "less_than_equal": "NT114",
+    "finite_number": "NT115",
+    "string_too_long": "NT116",
+    "too_short": "NT116",
+    "too_long": "NT116",
+    "one_of": "NT117",
+    "string_pattern_mismatch": "NT118",
+    "version": "NT119",
+    "direction": "NT121",
+    "thresholds": "NT122",
+    "range": "NT123",
+    "stick": "NT124",
+    "timed": "NT125",
+    "mode": "NT125",
+    "key": "NT127",
+    "key_twice": "NT127",
+    "chord": "NT127",
+    "points": "NT114",
+    **dict.fromkeys(_NEEDS, "NT113"),
+}
+"""By pydantic's name of an error, or ours; all others are keys that do not go together."""
 
-def locate_faults(error: ValidationError, root: Node) -> list[Fault]:
-    """Every error of the validation as a fault at its place in the document."""
+
+_UNITS: Final = {
+    "_mm": "mm",
+    "_mm_s": "mm/s",
+    "_ms": "ms",
+    "_deg": "deg",
+    "full": "mm",
+    "rest": "mm",
+}
+
+
+def locate_faults(error: ValidationError, root: Node, model: type[BaseModel]) -> list[Fault]:
+    """Every error of the validation of ``model`` as a fault at its place in the document."""
     details = error.errors(include_url=False, include_input=False)
-    faults = (_locate_fault(detail, root) for detail in details)
+    faults = (_locate_fault(detail, root, model) for detail in details)
     return [fault for fault in faults if fault is not None]
 
 
-def _locate_fault(detail: Mapping[str, Any], root: Node) -> Fault | None:
+def _locate_fault(detail: Mapping[str, Any], root: Node, model: type[BaseModel]) -> Fault | None:
     """The fault, or None for a missing key that stands there with a slip in it."""
     kind, context = detail["type"], detail.get("ctx", {})
     loc: Keys = (*detail["loc"], *context.get("at", ()))
     keys = tuple(key for key in loc[:-1] if key not in _TAGS) + loc[-1:]
-    known = tuple(_model(loc[:-1]).model_fields)
+    known = tuple(_find_model(loc[:-1], model).model_fields)
+    code = _CODES.get(kind, "NT126")
     if kind == "extra_forbidden":
         sentence = f"unknown key; known here: {', '.join(known)}"
         hint = suggest(str(keys[-1]), known)
-        return Fault(_key_mark(root, keys), format_path(keys), sentence, hint)
+        return Fault(find_key_mark(root, keys), format_path(keys), sentence, hint, code)
     keys = tuple(key for key in keys if key not in _TAGS)
-    mark = _value_mark(root, keys)
+    mark = find_mark(root, keys)
     if kind == "missing" and isinstance(keys[-1], str):
-        parent, _ = _walk(root, keys[:-1])
+        parent, _ = find_node(root, keys[:-1])
         if any(suggest(key, known) == suggest(keys[-1], known) for key in parent.keys):
             return None  # the unknown key is reported, with this one as its suggestion
-        return Fault(mark, format_path(keys[:-1]), f"the key '{keys[-1]}' is missing")
+        return Fault(mark, format_path(keys[:-1]), f"the key '{keys[-1]}' is missing", code=code)
     if kind == "missing":
-        keys, sentence, hint = keys[:-1], "needs two numbers, [rest, full]", ""
+        keys = keys[:-1]
+        sentence, hint = f"needs two numbers, {_pair(keys)}", ""
     elif kind == "one_of":
-        node, _ = _walk(root, keys)
+        node, _ = find_node(root, keys)
         mark, hint = _point_at_choice(node, mark, detail["msg"].partition(": ")[2].split(", "))
         sentence = detail["msg"]
     else:
-        node, found = _walk(root, keys)
+        node, found = find_node(root, keys)
         sentence, hint = _word(detail, keys, node if found else None)
-    return Fault(mark, format_path(keys), sentence, hint)
+    return Fault(mark, format_path(keys), sentence, hint, code)
 
 
 def _point_at_choice(node: Node, mark: Mark, forms: Sequence[str]) -> tuple[Mark, str]:
@@ -88,7 +140,7 @@ def _word(detail: Mapping[str, Any], keys: Keys, node: Node | None) -> tuple[str
     hint = ""
     match kind:
         case "literal_error" | "enum":
-            allowed = re.findall(r"'([^']*)'", context["expected"])
+            allowed = re.findall(r"[\w+-]+", context["expected"].replace(" or ", " "))
             sentence = f"{value} is not one of: {', '.join(allowed)}"
             if node is not None and isinstance(node.value, str):
                 hint = suggest(node.value, allowed)
@@ -107,9 +159,10 @@ def _word(detail: Mapping[str, Any], keys: Keys, node: Node | None) -> tuple[str
         case "too_long":
             sentence = f"has more than {context['max_length']} entries"
         case _ if kind in _NEEDS:
-            sentence = f"{_NEEDS[kind]}, not {value}"
+            sentence = f"{_NEEDS[kind].format(pair=_pair(keys))}, not {value}"
         case _:
-            sentence = detail["msg"]
+            sentence = make_printable(detail["msg"])
+            hint = context.get("hint", "")
     return sentence, hint
 
 
@@ -129,40 +182,17 @@ def _show(node: Node | None) -> str:
 
 
 def _unit(keys: Keys) -> str:
+    names = [key for key in keys if isinstance(key, str)] or [""]
+    unit = next((unit for suffix, unit in _UNITS.items() if names[-1].endswith(suffix)), "")
+    return f" {unit}" if unit else ""
+
+
+def _pair(keys: Keys) -> str:
+    """What the two numbers of a list are."""
     names = [key for key in keys if isinstance(key, str)]
-    return " mm" if names and names[-1].endswith("_mm") else ""
+    return "[rest, full]" if names and names[-1].startswith("range") else "[x, y]"
 
 
-def _model(parent: Keys) -> type[BaseModel]:
+def _find_model(parent: Keys, root: type[BaseModel]) -> type[BaseModel]:
     names = [key for key in parent if isinstance(key, str)]
-    return _MODELS.get(names[-1] if names else "", Profile)
-
-
-def _walk(root: Node, keys: Keys) -> tuple[Node, bool]:
-    """The node the keys lead to, or the last one on the way, and whether it was reached."""
-    node = root
-    for key in keys:
-        if key not in node.children:
-            return node, False
-        node = node.children[key]
-    return node, True
-
-
-def _value_mark(root: Node, keys: Keys) -> Mark:
-    """The value's place; of a mapping or list in block style, its key's."""
-    node, found = _walk(root, keys)
-    if found and not isinstance(node.value, dict | list):
-        return node.mark
-    return _key_mark(root, keys)
-
-
-def _key_mark(root: Node, keys: Keys) -> Mark:
-    while keys:
-        parent, _ = _walk(root, keys[:-1])
-        if isinstance(keys[-1], str) and keys[-1] in parent.keys:
-            return parent.keys[keys[-1]]
-        node, found = _walk(root, keys)
-        if found:
-            return node.mark
-        keys = keys[:-1]
-    return root.mark
+    return _MODELS.get(names[-1], root) if names else root

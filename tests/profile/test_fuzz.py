@@ -12,7 +12,7 @@ from neurotouch_hid.profile.document import parse_document
 from neurotouch_hid.profile.library import find_shipped_folder
 from neurotouch_hid.profile.load import parse_profile
 
-LOCATED = re.compile(r"p\.yaml:[1-9]\d*:[1-9]\d*: error: \S")
+LOCATED = re.compile(r"p\.yaml:[1-9]\d*:[1-9]\d*: error\[NT1\d\d\]: \S")
 SHIPPED = [path.read_text(encoding="utf-8") for path in find_shipped_folder().glob("*.yaml")]
 RELAXED = settings(
     max_examples=150,
@@ -83,6 +83,9 @@ VALUES = st.recursive(
                     *("version", "name", "bindings", "when", "do", "gesture", "direction"),
                     *("contacts", "on_mm", "off_mm", "stick", "axis", "sign", "trigger"),
                     *("button", "dpad", "range_mm", "deadzone", "curve", "expo", "power", "oops"),
+                    *("key", "mouse", "layer", "command", "mode", "repeat", "press", "zone"),
+                    *("sequence", "within_ms", "points", "centre_mm", "value", "follow"),
+                    *("layers", "below", "release", "drop", "level", "hold_ms", "extends"),
                     *("<stick>", "<word>", "[key]", "0"),
                 ]
             ),
@@ -106,8 +109,13 @@ def write_flow(value: object) -> str:
     return str(value).lower()
 
 
+TOP_KEYS = [
+    *("version", "name", "bindings", "layers", "extends", "timing", "filter", "latch", "safety")
+]
+
+
 @RELAXED
-@given(st.fixed_dictionaries({}, optional={"version": VALUES, "name": VALUES, "bindings": VALUES}))
+@given(st.fixed_dictionaries({}, optional=dict.fromkeys(TOP_KEYS, VALUES)))
 def test_well_formed_documents_of_any_shape(document: dict) -> None:
     check(write_flow(document).encode())
 

@@ -1,6 +1,7 @@
 """Wrong profiles: every mistake at its place, in plain words, all at once."""
 
 import os
+import re
 import textwrap
 
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.profile.load import MAX_BYTES, load_profile, parse_profile
 
+CODE = re.compile(r": error\[NT1\d\d\]: ")
 HEAD = "version: 1\nname: x\nbindings:\n"
 """Three lines that are right; the first binding begins in line 4."""
 
@@ -20,7 +22,9 @@ def complain(text: str | bytes) -> str:
 
 
 def headers(text: str | bytes) -> list[str]:
-    return [line for line in complain(text).splitlines() if line.startswith("p.yaml:")]
+    lines = [line for line in complain(text).splitlines() if line.startswith("p.yaml:")]
+    assert all(CODE.search(line) for line in lines[:20])
+    return [CODE.sub(": error: ", line) for line in lines]
 
 
 def binding(when: str = "push", do: str = "{button: a}") -> str:
@@ -31,46 +35,49 @@ FULL_TEXTS = [
     (
         binding(when="zom"),
         """\
-        p.yaml:4:11: error: bindings[0].when: 'zom' is not one of: push, pinch, zoom, twist_cw, \
-twist_ccw
+        p.yaml:4:11: error[NT112]: bindings[0].when: 'zom' is not one of: push, pinch, zoom, \
+twist_cw, twist_ccw, twist, scale, any
              4 |   - when: zom
                |           ^^^ did you mean 'zoom'?""",
     ),
     (
         binding(do="{stick: left, range_mm: [1, 25]}"),
         """\
-        p.yaml:5:37: error: bindings[0].do.range_mm[1]: 25 is too large, at most 18 mm
+        p.yaml:5:37: error[NT114]: bindings[0].do.range_mm[1]: 25 is too large, at most 18 mm
              5 |     do: {stick: left, range_mm: [1, 25]}
                |                                     ^^""",
     ),
     (
         "vesion: 1\nname: x\nbindings: []\n",
         """\
-        p.yaml:1:1: error: vesion: unknown key; known here: version, name, description, bindings
+        p.yaml:1:1: error[NT110]: vesion: unknown key; known here: version, name, description, \
+extends, timing, filter, latch, bindings, layers, safety
              1 | vesion: 1
                | ^^^^^^ did you mean 'version'?
-        p.yaml:3:1: error: bindings: needs at least one entry
+        p.yaml:3:1: error[NT116]: bindings: needs at least one entry
              3 | bindings: []
                | ^^^^^^^^""",
     ),
     (
         binding(do="{stik: left}"),
         """\
-        p.yaml:5:10: error: bindings[0].do: needs exactly one of: stick, axis, trigger, button, dpad
+        p.yaml:5:10: error[NT117]: bindings[0].do: needs exactly one of: stick, axis, \
+trigger, button, dpad, key, mouse, layer, command
              5 |     do: {stik: left}
                |          ^^^^ did you mean 'stick'?""",
     ),
     (
         binding(do="{stick: left, axis: left_x}"),
         """\
-        p.yaml:5:23: error: bindings[0].do: needs exactly one of: stick, axis, trigger, button, dpad
+        p.yaml:5:23: error[NT117]: bindings[0].do: needs exactly one of: stick, axis, \
+trigger, button, dpad, key, mouse, layer, command
              5 |     do: {stick: left, axis: left_x}
                |                       ^^^^ beside 'stick'""",
     ),
     (
         binding(do="{axis: left_y, sign: - , deadzone: 0.1}"),
         """\
-        p.yaml:5:30: error: bindings[0].do.sign: a '-' begins a list, which cannot stand here
+        p.yaml:5:30: error[NT102]: bindings[0].do.sign: a '-' begins a list, which cannot stand here
              5 |     do: {axis: left_y, sign: - , deadzone: 0.1}
                |                              ^ write "-" for a minus""",
     ),
@@ -82,9 +89,9 @@ def test_the_whole_message(text: str, expected: str) -> None:
     assert complain(text) == textwrap.dedent(expected)
 
 
-GESTURES = "push, pinch, zoom, twist_cw, twist_ccw"
+GESTURES = "push, pinch, zoom, twist_cw, twist_ccw, twist, scale, any"
 BUTTONS = "a, b, x, y, lb, rb, back, start, guide, ls, rs"
-ONE_TARGET = "needs exactly one of: stick, axis, trigger, button, dpad"
+ONE_TARGET = "needs exactly one of: stick, axis, trigger, button, dpad, key, mouse, layer, command"
 
 # § stands before each mistake; the sentences follow in that order.
 MISTAKES = [
@@ -119,7 +126,10 @@ MISTAKES = [
     (HEAD + "  - §when: \n    do: {button: a}\n", ["bindings[0].when: a value is missing here"]),
     (
         binding(when="{gesture: push, direction: §lft}"),
-        ["bindings[0].when.direction: 'lft' is not one of: left, right, up, down"],
+        [
+            "bindings[0].when.direction: 'lft' is not one of: left, right, up, down, "
+            "up_left, up_right, down_left, down_right"
+        ],
     ),
     (
         binding(when="{gesture: pinch, direction: §up}"),
@@ -157,7 +167,9 @@ MISTAKES = [
         binding(when="{§gestur: pinch}"),
         [
             "bindings[0].when.gestur: unknown key; "
-            "known here: gesture, direction, contacts, on_mm, off_mm"
+            "known here: gesture, direction, sectors, zone, contacts, level, phase, "
+            "min_speed_mm_s, on_mm, off_mm, press, hold_ms, accept_ms, ignore_repeat_ms, "
+            "trigger, release"
         ],
     ),
     (
@@ -170,7 +182,7 @@ MISTAKES = [
     (binding(do="{button: §on}"), [f"bindings[0].do.button: 'on' is not one of: {BUTTONS}"]),
     (
         binding(do="{button: a, §deadzone: 0.1}"),
-        ["bindings[0].do.deadzone: unknown key; known here: button"],
+        ["bindings[0].do.deadzone: unknown key; known here: mode, repeat, every_ms, max_s, button"],
     ),
     (
         binding(do="{stick: left, invert_y: §yes}"),
@@ -200,11 +212,11 @@ MISTAKES = [
     ),
     (
         binding(do="{stick: left, curve: §cubic}"),
-        ["bindings[0].do.curve: needs exactly one of: linear, expo, power"],
+        ["bindings[0].do.curve: needs exactly one of: linear, expo, power, points"],
     ),
     (
         binding(do="{stick: left, curve: {expo: 0.1, §power: 2}}"),
-        ["bindings[0].do.curve: needs exactly one of: linear, expo, power"],
+        ["bindings[0].do.curve: needs exactly one of: linear, expo, power, points"],
     ),
     (
         binding(do="{stick: left, curve: {expo: §2}}"),
@@ -223,7 +235,10 @@ MISTAKES = [
     ),
     (
         "§<stick>: 1\nversion: 1\nname: x\nbindings:\n  - when: push\n    do: {button: a}\n",
-        ["<stick>: unknown key; known here: version, name, description, bindings"],
+        [
+            "<stick>: unknown key; known here: version, name, description, extends, timing, "
+            "filter, latch, bindings, layers, safety"
+        ],
     ),
 ]
 
@@ -272,7 +287,7 @@ def test_hostile_text_is_refused_before_anything_is_built(text: str | bytes, exp
 
 def test_the_size_is_looked_at_first(tmp_path) -> None:
     message = complain(b"&" * (MAX_BYTES + 1))
-    assert message == "p.yaml: the file is larger than 64 kB"
+    assert message.startswith("p.yaml:1:1: error[NT101]: the file is larger than 64 kB\n")
     comment = b"#" * (MAX_BYTES - len(binding()) - 1) + b"\n"
     parse_profile(comment + binding().encode(), "p.yaml")
     (tmp_path / "large.yaml").write_bytes(b" " * (1 << 20))
@@ -282,8 +297,8 @@ def test_the_size_is_looked_at_first(tmp_path) -> None:
 
 def test_many_mistakes_are_counted_not_poured_out() -> None:
     message = complain(HEAD + "  - 1\n" * 100)
-    assert message.count("error:") == 20
-    assert message.endswith("p.yaml: 80 more errors")
+    assert message.count("error[NT113]:") == 20
+    assert message.endswith("p.yaml: 80 more")
 
 
 def test_a_long_line_is_cut_around_the_mistake() -> None:
@@ -334,6 +349,6 @@ def test_paths_that_cannot_be_read(tmp_path) -> None:
 def test_the_message_names_the_file_as_given(tmp_path, monkeypatch) -> None:
     (tmp_path / "mine.yaml").write_text(binding(when="zom"))
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(ProfileError, match=r"^mine\.yaml:4:11: error: ") as caught:
+    with pytest.raises(ProfileError, match=r"^mine\.yaml:4:11: error\[NT112\]: ") as caught:
         load_profile("mine.yaml")
     assert caught.value.exit_code == 6

@@ -1,6 +1,7 @@
 """Golden timelines: what the pad says, gesture by gesture."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,15 +9,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from neurotouch_hid.messages import Axis, Button, GamepadState, Gesture, GestureKind
-from neurotouch_hid.profile import Mapping, Profile
+from neurotouch_hid.profile import Mapping, Profile, UserSettings
 from neurotouch_hid.profile.load import parse_profile
 
 SLICE_US = 10_000
+RAW = UserSettings(filter="none")
 
 
-def make_profile(*bindings: str) -> Profile:
+def make_profile(*bindings: str, more: str = "latch: false") -> Profile:
     lines = "".join(f"  - {{{binding}}}\n" for binding in bindings)
-    return parse_profile(f"version: 1\nname: x\nbindings:\n{lines}".encode(), "x.yaml")
+    return parse_profile(f"version: 1\nname: x\n{more}\nbindings:\n{lines}".encode(), "x.yaml")
 
 
 def gesture(
@@ -38,8 +40,11 @@ def push(mm: float, degrees: float, contacts: int = 1) -> Gesture:
 
 def play(profile: Profile, *gestures: Gesture) -> list[str]:
     """What the pad says after each: pressed buttons and axes that are not at rest."""
-    mapping = Mapping(profile)
-    return [describe(mapping.update(gesture)) for gesture in gestures]
+    mapping = Mapping(profile, RAW)
+    return [
+        describe(mapping.update(replace(gesture, t_us=i * SLICE_US)))
+        for i, gesture in enumerate(gestures)
+    ]
 
 
 def describe(pad: GamepadState) -> str:
@@ -259,7 +264,7 @@ def test_a_push_without_a_way_moves_nothing() -> None:
     for way in ((0.0, 0.0), (math.nan, 1.0), (math.inf, 0.0)):
         lost = Gesture(0, GestureKind.PUSH, points, points, 9.0, way)
         assert (
-            Mapping(make_profile(*FOUR_WAYS, "when: push, do: {stick: left}"))
+            Mapping(make_profile(*FOUR_WAYS, "when: push, do: {stick: left}"), RAW)
             .update(lost)
             .is_neutral
         )
@@ -267,6 +272,6 @@ def test_a_push_without_a_way_moves_nothing() -> None:
 
 def test_the_pad_speaks_the_records_words() -> None:
     profile = make_profile(*(f"when: pinch, do: {{button: {button}}}" for button in Button))
-    pad = Mapping(profile).update(gesture(GestureKind.PINCH, 5))
+    pad = Mapping(profile, RAW).update(gesture(GestureKind.PINCH, 5))
     assert pad.buttons == frozenset(Button)
     assert all(isinstance(button, Button) for button in pad.buttons)

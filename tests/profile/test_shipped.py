@@ -10,7 +10,6 @@ from neurotouch_hid.messages import Axis, Button, GamepadState, Gesture, Gesture
 from neurotouch_hid.profile import Mapping, load_profile
 from neurotouch_hid.profile.library import find_shipped_folder
 from neurotouch_hid.profile.schema import Binding
-from neurotouch_hid.profile.targets import ButtonTarget
 
 NAMES = sorted(path.stem for path in find_shipped_folder().glob("*.yaml"))
 
@@ -51,14 +50,18 @@ def test_it_parses_under_its_own_name_with_a_line_for_editors(name: str) -> None
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_binding_can_be_reached_to_its_end(name: str) -> None:
-    for binding in load_profile(find_shipped_folder() / f"{name}.yaml").bindings:
-        most_mm = MOST_MM[binding.condition.kind]
-        needed_mm = binding.thresholds_mm[0] if is_button(binding) else binding.range_mm[1]
+    for binding in load_profile(find_shipped_folder() / f"{name}.yaml").all_layers[0].bindings:
+        most_mm = MOST_MM[binding.condition.kinds[0]]
+        needed_mm = (
+            binding.thresholds_mm[0]
+            if is_button(binding)
+            else binding.range_for(binding.condition.kinds[0])[1]
+        )
         assert needed_mm <= most_mm - 0.96, binding  # the mean error of the intensity
 
 
 def is_button(binding: Binding) -> bool:
-    return isinstance(binding.do, ButtonTarget)
+    return not binding.is_followed
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -71,13 +74,13 @@ def test_noise_at_rest_moves_nothing(name: str) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_buttons_keep_clear_of_the_analogue_range(name: str) -> None:
     """Whoever moves an axis to its end, give or take twice the mean error, presses nothing."""
-    bindings = load_profile(find_shipped_folder() / f"{name}.yaml").bindings
+    bindings = load_profile(find_shipped_folder() / f"{name}.yaml").all_layers[0].bindings
     for button in filter(is_button, bindings):
         on_mm, off_mm = button.thresholds_mm
         assert on_mm - off_mm >= 2 * 0.96
         for other in bindings:
-            if not is_button(other) and other.condition.kind == button.condition.kind:
-                assert on_mm >= other.range_mm[1] + 2 * 0.96
+            if not is_button(other) and other.condition.kinds == button.condition.kinds:
+                assert on_mm >= other.range_for(other.condition.kinds[0])[1] + 2 * 0.96
 
 
 def test_the_spacecraft_flies_as_in_the_paper() -> None:

@@ -1,0 +1,149 @@
+"""The layers of a profile at work: one of them holds at a time."""
+
+from neurotouch_hid.profile.decision import Journal
+from neurotouch_hid.profile.description import describe_binding
+from neurotouch_hid.profile.engine.channel import Channel
+from neurotouch_hid.profile.engine.output import Outputs
+from neurotouch_hid.profile.engine.pointer import PointerCare
+from neurotouch_hid.profile.engine.reading import Reading
+from neurotouch_hid.profile.layering import merge_bindings
+from neurotouch_hid.profile.schema import Binding, Profile
+from neurotouch_hid.profile.targets import CommandTarget, LayerTarget, MouseMotionTarget
+from neurotouch_hid.profile.timing import Times
+
+STOPPING = ("pause", "panic")
+"""The commands that are heard even while everything is paused."""
+
+
+class Deck:
+    """All channels of a profile, layer by layer.
+
+    Attributes:
+        kinds: every gesture that any binding waits for.
+        armed: the gesture at hand may act; false after a change until it has ended.
+    """
+
+    def __init__(self, profile: Profile, times: Times, journal: Journal) -> None:
+        layers = profile.all_layers
+        self._names = [layer.name for layer in layers]
+        self._layers = [
+            _Layer(merge_bindings(layer, layers[0]), times, journal) for layer in layers
+        ]
+        self._journal = journal
+        self._current = 0
+        self._holder: Channel | None = None
+        self._for_one_action = False
+        self.armed = True
+        self.kinds = frozenset(
+            kind for layer in self._layers for channel in layer.channels for kind in channel.kinds
+        )
+
+    @property
+    def name(self) -> str:
+        """The name of the layer that holds."""
+        return self._names[self._current]
+
+    def release(self) -> None:
+        """Lets go of everything, back to the first layer."""
+        self._enter(0)
+
+    def run(self, reading: Reading, commands: list[str]) -> Outputs:
+        """What the bindings put out; commands they give are added to ``commands``."""
+        if self._holder is not None:
+            self._holder.update(reading)
+            if not self._holder.down:
+                return self._go(0)
+        if not self.armed:
+            reading = Reading(reading.t_us)
+        layer = self._layers[self._current]
+        outputs = Outputs()
+        pressed, finished = [], False
+        for channel in layer.channels:
+            if not channel.busy and reading.kind not in channel.kinds:
+                continue
+            before = channel.down
+            channel.update(reading)
+            if channel.down != before and not channel.binding.is_followed:
+                if channel.down:
+                    pressed.append(channel)
+                elif channel.binding.mode not in ("sticky", "oneshot"):
+                    finished = True
+            if channel.down and channel.put is not None:
+                channel.put(outputs, reading)
+        if finished:
+            self._finish_action(layer)
+        for care in layer.cares:
+            care.tend(outputs, reading.t_us)
+        for channel in pressed:
+            self._journal.note("pressed", channel.label)
+            if isinstance(channel.binding.do, CommandTarget):
+                commands.append(channel.binding.do.command)
+            elif isinstance(channel.binding.do, LayerTarget):
+                return self._change(channel, channel.binding.do)
+        if finished and self._for_one_action:
+            return self._go(0)
+        return outputs
+
+    def listen(self, reading: Reading, commands: list[str]) -> None:
+        """While paused: hears only the bindings that pause or panic."""
+        if not self.armed:
+            return
+        for channel in self._layers[self._current].stopping:
+            before = channel.down
+            channel.update(reading)
+            if channel.down and not before and isinstance(channel.binding.do, CommandTarget):
+                commands.append(channel.binding.do.command)
+
+    def _finish_action(self, layer: "_Layer") -> None:
+        for channel in layer.channels:
+            channel.finish_action()
+
+    def _change(self, channel: Channel, target: LayerTarget) -> Outputs:
+        wanted = self._names.index(target.layer) if target.layer in self._names else 0
+        if wanted == self._current:
+            return self._go(0)
+        outputs = self._go(wanted)
+        self._holder = channel if target.mode == "hold" else None
+        self._for_one_action = target.mode == "oneshot"
+        return outputs
+
+    def _go(self, index: int) -> Outputs:
+        """Enters a layer: nothing is put out before the next gesture."""
+        self._enter(index)
+        self._journal.note("layer", self.name)
+        return Outputs()
+
+    def _enter(self, index: int) -> None:
+        for channel in self._layers[self._current].channels:
+            if channel.busy:
+                channel.reset()
+        self._current = index
+        self._holder = None
+        self._for_one_action = False
+        self.armed = False
+
+
+class _Layer:
+    """The channels of one layer, and who cares for its pointer."""
+
+    def __init__(self, bindings: tuple[Binding, ...], times: Times, journal: Journal) -> None:
+        self.channels = [make_channel(binding, times, bindings, journal) for binding in bindings]
+        self.stopping = [
+            channel
+            for channel in self.channels
+            if isinstance(channel.binding.do, CommandTarget)
+            and channel.binding.do.command in STOPPING
+        ]
+        self.cares = [
+            PointerCare(binding.do)
+            for binding in bindings
+            if isinstance(binding.do, MouseMotionTarget)
+        ]
+
+
+def make_channel(
+    binding: Binding, times: Times, siblings: tuple[Binding, ...], journal: Journal
+) -> Channel:
+    """A channel that writes into the journal why it ignored something."""
+    label = describe_binding(binding)
+    return Channel(binding, times, siblings, lambda why: journal.note("ignored", label, why), label)

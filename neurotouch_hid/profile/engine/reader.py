@@ -1,0 +1,224 @@
+"""From a gesture to a reading.
+
+orientation ─ neutral ─ filter ─ range ─ onset and latch ─ direction, zone, speed, phase
+
+The order is fixed: the person's orientation and rest come first, then the tremor filter (in real
+millimetres), then the conversion to a usual hand, so that thresholds count in its millimetres.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from neurotouch_hid.messages import Gesture, GestureKind
+from neurotouch_hid.profile.conditions import Zone
+from neurotouch_hid.profile.engine.calibration import make_conversion
+from neurotouch_hid.profile.engine.neutral import RestingHand
+from neurotouch_hid.profile.engine.one_euro import FILTERS, OneEuro
+from neurotouch_hid.profile.engine.reading import Phase, Reading
+from neurotouch_hid.profile.engine.regions import Vector, choose_direction, find_zone
+from neurotouch_hid.profile.targets import EightWay
+from neurotouch_hid.profile.timing import FilterName
+from neurotouch_hid.profile.user import UserSettings
+
+MOST_MM: Final = 60.0
+"""No displacement is larger than the gel; what claims to be is cut, so that sums stay finite."""
+
+LATCH_MM: Final = 2.5
+UNLATCH_MM: Final = 1.5
+"""The type of a gesture is kept from where it is right in more than 90 % of cases [NT, "Results"]
+until the gesture is nearly over."""
+
+ONSET_US: Final = 70_000
+"""How long a beginning gesture is watched where a push could still become something else: "a push
+is often reported first, before a two-finger gesture has formed" [NT, "Results"]."""
+
+PHASE_BEGIN_MM_S: Final = 20.0
+PHASE_END_MM_S: Final = 8.0
+"""From which speed on an intensity rises or falls, and below which it no longer does."""
+
+_SPEED_CUTOFF_HZ: Final = 5.0
+_MIRRORED: Final = {
+    GestureKind.TWIST_CW: GestureKind.TWIST_CCW,
+    GestureKind.TWIST_CCW: GestureKind.TWIST_CW,
+}
+
+
+@dataclass(slots=True)
+class _Memory:
+    """What is remembered of a gesture until it ends; the names are those of the reading."""
+
+    kind: GestureKind | None = None  # the latched one
+    onset_us: int | None = None
+    seen: bool = False
+    four: EightWay | None = None
+    eight: EightWay | None = None
+    zone: Zone | None = None
+    mm: float = 0.0
+    speed: float = 0.0
+    top_speed: float = 0.0
+    phase: Phase = "hold"
+
+
+class Reader:
+    """Makes readings from gestures; what it remembers ends with each gesture.
+
+    Args:
+        user: the person's own values.
+        filter_name: the tremor filter.
+        bound: the kinds of gestures any binding waits for.
+        latch: keep the kind until the gesture is let go.
+    """
+
+    def __init__(
+        self,
+        user: UserSettings,
+        filter_name: FilterName,
+        bound: frozenset[GestureKind],
+        *,
+        latch: bool,
+    ) -> None:
+        angle = math.radians(user.rotate_deg)
+        self._cos, self._sin = math.cos(angle), math.sin(angle)
+        self._mirror = user.mirror
+        self._turned = user.rotate_deg != 0.0 or user.mirror
+        self._resting = RestingHand() if user.neutral == "resting" else None
+        self._convert = make_conversion(user.range)
+        constants = FILTERS.get(filter_name)
+        self._filters = [OneEuro(*constants) for _ in range(3)] if constants else []
+        self._bound = bound
+        self._latch = latch
+        self._watches_onset = GestureKind.PUSH in bound and len(bound) > 1
+        self._t_us: int | None = None
+        self._memory = _Memory()
+
+    @property
+    def at_rest(self) -> bool:
+        """True if no gesture is there, nor one that begins."""
+        return self._memory.onset_us is None
+
+    def forget(self) -> None:
+        """Begins anew, as if the hand had been lifted."""
+        self._memory = _Memory()
+        for smooth in self._filters:
+            smooth.reset()
+
+    def rezero(self) -> None:
+        """How the hand lies now is rest, where it stays on the gel."""
+        if self._resting is not None:
+            self._resting.rezero()
+
+    def read(self, gesture: Gesture) -> Reading:
+        """What the hand does now; at rest if a measurement is not a number."""
+        step_us = 0 if self._t_us is None else gesture.t_us - self._t_us
+        self._t_us = gesture.t_us
+        kind, mm = gesture.kind, float(gesture.intensity_mm)
+        if kind == GestureKind.NONE or not math.isfinite(mm):
+            if self._resting is not None:
+                self._resting.lift(step_us)
+            self.forget()
+            return Reading(gesture.t_us)
+        mm = min(max(mm, 0.0), MOST_MM)
+        if self._mirror:
+            kind = _MIRRORED.get(kind, kind)
+        x, y = self._orient(gesture.translation_mm)
+        if self._resting is not None:
+            moved = self._resting.subtract(kind, mm, x, y, step_us)
+            if moved is None:
+                return Reading(gesture.t_us)
+            mm, x, y = moved
+        if self._filters:
+            mm, x, y = (
+                smooth.update(value, step_us)
+                for smooth, value in zip(self._filters, (mm, x, y), strict=True)
+            )
+        if self._memory.kind is not None:
+            kind = self._memory.kind
+        way = _find_way(x, y) if kind == GestureKind.PUSH else None
+        if self._convert is not None:
+            mm = self._convert(kind, mm, way)
+        self._measure_speed(mm, step_us)
+        if not self._decide(kind, mm, gesture.t_us):
+            return Reading(gesture.t_us)
+        return self._describe(gesture, kind, mm, way)
+
+    def _orient(self, vector: Vector) -> Vector:
+        """A vector of the gel as the person sees it; (0, 0) if it is not a number."""
+        x, y = vector
+        if not (math.isfinite(x) and math.isfinite(y)):
+            return 0.0, 0.0
+        x = min(max(x, -MOST_MM), MOST_MM)
+        y = min(max(y, -MOST_MM), MOST_MM)
+        if not self._turned:
+            return x, y
+        x, y = x * self._cos - y * self._sin, x * self._sin + y * self._cos
+        return (-x if self._mirror else x), y
+
+    def _measure_speed(self, mm: float, step_us: int) -> None:
+        step_s = min(max(step_us, 1_000), 50_000) * 1e-6
+        turn = 2.0 * math.pi * _SPEED_CUTOFF_HZ * step_s
+        speed = (mm - self._memory.mm) / step_s
+        self._memory.speed += turn / (turn + 1.0) * (speed - self._memory.speed)
+        self._memory.top_speed = max(self._memory.top_speed, self._memory.speed)
+        self._memory.mm = mm
+        if self._memory.speed > PHASE_BEGIN_MM_S:
+            self._memory.phase = "attack"
+        elif self._memory.speed < -PHASE_BEGIN_MM_S:
+            self._memory.phase = "release"
+        elif abs(self._memory.speed) < PHASE_END_MM_S:
+            self._memory.phase = "hold"
+
+    def _decide(self, kind: GestureKind, mm: float, t_us: int) -> bool:
+        """True once it is clear what the gesture is; latches it as far as the profile wants."""
+        if self._memory.onset_us is None:
+            self._memory.onset_us = t_us
+        if (
+            self._watches_onset
+            and not self._memory.seen
+            and mm < LATCH_MM
+            and t_us - self._memory.onset_us < ONSET_US
+        ):
+            return False
+        self._memory.seen = True
+        if self._latch and mm >= LATCH_MM and kind in self._bound:
+            self._memory.kind = kind
+        elif mm < UNLATCH_MM:
+            self._memory.kind = None
+        return True
+
+    def _describe(
+        self, gesture: Gesture, kind: GestureKind, mm: float, way: Vector | None
+    ) -> Reading:
+        self._memory.four = choose_direction(way, self._memory.four, 4)
+        self._memory.eight = choose_direction(way, self._memory.eight, 8)
+        position = self._find_position(gesture)
+        if position is not None and self._memory.zone is None:
+            x, y = self._orient(gesture.translation_mm)
+            self._memory.zone = find_zone(position[0] - x, position[1] - y)
+        return Reading(
+            gesture.t_us,
+            kind,
+            mm,
+            way,
+            self._memory.four,
+            self._memory.eight,
+            self._memory.zone,
+            position,
+            len(gesture.contacts_mm),
+            self._memory.speed,
+            self._memory.top_speed,
+            self._memory.phase,
+        )
+
+    def _find_position(self, gesture: Gesture) -> Vector | None:
+        points = gesture.contacts_mm.tolist()
+        if not points:
+            return None
+        x = sum(point[0] for point in points) / len(points)
+        y = sum(point[1] for point in points) / len(points)
+        return self._orient((x, y)) if math.isfinite(x) and math.isfinite(y) else None
+
+
+def _find_way(x: float, y: float) -> Vector | None:
+    length = math.hypot(x, y)
+    return (x / length, y / length) if length > 0.0 else None
