@@ -8,10 +8,11 @@ from numba import njit
 from numpy.typing import NDArray
 
 X, Y, VX, VY, A, B, C, T = range(8)
-CELL_PX = 12  # an event looks at the 2 x 2 cells around it: exact for gates up to half a cell
-CELL_CAPACITY = 64  # markers in 2 x 2 cells: 3 px apart, everywhere
-GRID_COLUMNS = 31  # 346 px in cells, and a border on both sides
-GRID_ROWS = 24  # 260 px in cells, and a border on both sides
+CELL_PX = 8  # an event looks at the 2 x 2 cells around it: exact for gates up to half a cell
+SHIFT = np.uint64(3)  # log2(CELL_PX)
+CELL_CAPACITY = 32  # markers in 2 x 2 cells: as many as 3 px apart
+GRID_COLUMNS = 46  # 346 px in cells, and a border on both sides
+GRID_ROWS = 35  # 260 px in cells, and a border on both sides
 SECOND = 1e-6  # in µs
 
 
@@ -22,7 +23,7 @@ class Tracks(NamedTuple):
         state: (n, 8) float64, a cache line each. Columns: position X, Y (px), velocity VX, VY
             (px/s), the covariance A = var(position) (px²), B = cov(position, velocity) (px²/s),
             C = var(velocity) (px²/s²), the same for x and y, and the moment T (µs) of all these.
-        near: (cells, k) int16, the markers in the 2 x 2 cells whose top left one this is.
+        near: (cells, k) uint16, the markers in the 2 x 2 cells whose top left one this is.
         n_near: (cells,) int16, their number.
         cell: (n,) int16, the cell a marker lies in, or -1.
         lost: (n,) bool, the position is a guess.
@@ -34,7 +35,7 @@ class Tracks(NamedTuple):
     """
 
     state: NDArray[np.float64]
-    near: NDArray[np.int16]
+    near: NDArray[np.uint16]
     n_near: NDArray[np.int16]
     cell: NDArray[np.int16]
     lost: NDArray[np.bool_]
@@ -98,7 +99,9 @@ def seat(i: int, tracks: Tracks) -> None:
 @njit(cache=True, nogil=True, inline="always")
 def nearest(x: int, y: int, gate_px2: float, tracks: Tracks) -> int:
     """The marker nearest to pixel (x, y) among those nearer than the gate, or -1."""
-    corner = (y + CELL_PX // 2) // CELL_PX * GRID_COLUMNS + (x + CELL_PX // 2) // CELL_PX
+    # Unsigned: an index that may be negative would cost a test for each use.
+    row, column = np.uint64(y + CELL_PX // 2) >> SHIFT, np.uint64(x + CELL_PX // 2) >> SHIFT
+    corner = row * np.uint64(GRID_COLUMNS) + column
     best, best_px2 = -1, gate_px2
     for k in range(tracks.n_near[corner]):
         i = tracks.near[corner, k]
@@ -134,7 +137,7 @@ def filter_events(
         i = nearest(x, y, gate_px2, tracks)
         if i < 0:
             continue
-        s = state[i]
+        s = state[np.uint64(i)]
         elapsed = max((e.t - s[T]) * SECOND, 0.0)
         dt = min(elapsed, tuning.memory_s)
         keep = 1.0 - dt * forget

@@ -21,8 +21,8 @@ class TrackerConfig:
     """How events move markers.
 
     Attributes:
-        gate_px: an event farther from every marker than this is nobody's. 0.4 of the pitch, since
-            markers that are pressed together come within 3.5 px.
+        gate_px: an event farther from every marker than this is nobody's; at most 4, half a cell of
+            the grid. 0.4 of the pitch: markers that are pressed together come within 3.5 px.
         r_px2: variance of an event about its marker's centre, px². Larger than the marker: its
             events are not independent of each other.
         spread_px: beyond this distance an event counts as noise more and more.
@@ -92,7 +92,7 @@ class MarkerTracker:
         n, n_cells = N_MARKERS, kernels.GRID_ROWS * kernels.GRID_COLUMNS
         self._tracks = kernels.Tracks(
             state=np.zeros((n, 8)),
-            near=np.zeros((n_cells, kernels.CELL_CAPACITY), np.int16),
+            near=np.zeros((n_cells, kernels.CELL_CAPACITY), np.uint16),
             n_near=np.zeros(n_cells, np.int16),
             cell=np.full(n, -1, np.int16),
             lost=np.zeros(n, np.bool_),

@@ -18,7 +18,7 @@ def make_tracks(position_px, n_past=4):
     n, n_cells = len(position_px), kernels.GRID_ROWS * kernels.GRID_COLUMNS
     tracks = kernels.Tracks(
         state=np.zeros((n, 8)),
-        near=np.zeros((n_cells, kernels.CELL_CAPACITY), np.int16),
+        near=np.zeros((n_cells, kernels.CELL_CAPACITY), np.uint16),
         n_near=np.zeros(n_cells, np.int16),
         cell=np.full(n, -1, np.int16),
         lost=np.zeros(n, np.bool_),
@@ -77,7 +77,7 @@ def test_grid_finds_the_nearest_wherever_markers_wander(seed):
         kernels.place(i, x, y, 1.0, 0.0, tracks)
     position = tracks.state[:, :2].tolist()
     for x, y in rng.integers(0, (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX), (100, 2)).tolist():
-        assert kernels.nearest(x, y, 36.0, tracks) == reference.nearest(x, y, 6.0, position)
+        assert kernels.nearest(x, y, 16.0, tracks) == reference.nearest(x, y, 4.0, position)
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.2, 1.0))
