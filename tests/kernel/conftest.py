@@ -30,8 +30,8 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
         if os.environ.get("NEUROTOUCH_REQUIRE_KERNEL") == "1":
             pytest.fail(f"real-kernel tests are required, but {error}")
         pytest.skip(f"real-kernel tests: {error}")
-    compile_for_guest()
     folder = tmp_path_factory.mktemp("kernel")
+    prepare_tour(folder / "tour.aedat4")
     settings = [f"{name}={value}" for name, value in NUMBA.items()]
     program = ["env", *settings, sys.executable, "-m", "tests.kernel.guest", str(folder)]
     console = boot(kernel, program, folder, time_limit_s=TIME_LIMIT_S)
@@ -56,11 +56,14 @@ def guest(results: Path) -> Callable[[str], Any]:
     return saw
 
 
-def compile_for_guest() -> None:
-    command = ["run", "--source", "sim:tour", "--device", "memory", "--speed", "max"]
-    subprocess.run(
-        [sys.executable, "-m", "neurotouch_hid", *command, "--show", "nothing"],
-        cwd=ROOT,
-        env={**os.environ, **NUMBA},
-        check=True,
-    )
+def prepare_tour(recording: Path) -> None:
+    """Record the tour for the guest, and play it here once, which compiles all it needs."""
+    play = ["run", "--source", f"file:{recording}", "--device", "memory", "--speed", "max"]
+    for module in (["tests.kernel.tour", str(recording)], ["neurotouch_hid", *play]):
+        subprocess.run(
+            [sys.executable, "-m", *module],
+            cwd=ROOT,
+            env={**os.environ, **NUMBA},
+            stdout=subprocess.DEVNULL,
+            check=True,
+        )

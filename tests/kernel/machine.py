@@ -92,7 +92,7 @@ def boot(kernel: Path, program: list[str], results: Path, *, time_limit_s: float
         f"--rwdir={results}",
         *("--run", str(kernel)),
         *("--user", "root"),
-        *("--cpus", "2"),
+        *("--cpus", "1"),
         *("--memory", "2G"),
     ]
     booted = results / "booted"
