@@ -3,10 +3,15 @@
 from dataclasses import dataclass
 
 import pytest
+from hypothesis import settings
 
 from neurotouch_hid.messages import EventPacket, GestureKind, Truth
 from neurotouch_hid.source.simulator import Simulator
 from neurotouch_hid.source.simulator.script import Finger, Stroke, sequence
+
+# No test is timed, compiled kernels take their time at the first call; the same examples each time.
+settings.register_profile("steady", deadline=None, derandomize=True)
+settings.load_profile("steady")
 
 
 @dataclass(frozen=True)
