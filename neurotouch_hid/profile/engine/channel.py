@@ -50,6 +50,7 @@ class Channel:
     """
 
     __slots__ = (
+        "_direction",
         "_gate",
         "_mode",
         "_plan",
@@ -77,9 +78,11 @@ class Channel:
         self.binding = binding
         self.label = label
         self.kinds = frozenset(binding.condition.kinds)
-        if isinstance(binding.when, Sequence):
+        sequence = isinstance(binding.when, Sequence)
+        if sequence:
             self.kinds = frozenset(kind for kind in GestureKind if kind != GestureKind.NONE)
         self.put, self._slew = make_output(binding)
+        self._direction = None if sequence else _make_direction_test(binding.condition)
         self._tests = _make_tests(binding.condition)
         self._plan = _Plan(binding, times, siblings, say)
         self.reset()
@@ -96,6 +99,10 @@ class Channel:
         if self._slew is not None:
             self._slew.rest()
 
+    def may_act(self, reading: Reading) -> bool:
+        """True if the kind and direction of the gesture are right, whatever else is asked."""
+        return reading.kind in self.kinds and (self._direction is None or self._direction(reading))
+
     def update(self, reading: Reading) -> None:
         """Takes one reading."""
         threshold = self._threshold
@@ -104,7 +111,9 @@ class Channel:
             held = self._steps.update(reading)
             busy = self._steps.busy
         else:
-            if reading.kind in self.kinds and all(test(reading) for test in self._tests):
+            if self.may_act(reading) and (
+                not self._tests or all(test(reading) for test in self._tests)
+            ):
                 held = threshold.update(reading.mm, reading.t_us)
             elif threshold.held:
                 threshold.reset()
@@ -234,15 +243,18 @@ def _same_place(a: Condition, b: Condition) -> bool:
     return all(getattr(a, key) == getattr(b, key) for key in keys)
 
 
+def _make_direction_test(condition: Condition) -> Test | None:
+    direction = condition.direction
+    if direction is None:
+        return None
+    if (condition.sectors or (8 if "_" in direction else 4)) == 4:
+        return lambda reading: reading.four == direction
+    return lambda reading: reading.eight == direction
+
+
 def _make_tests(condition: Condition) -> tuple[Test, ...]:
-    """What must be true beside the kind and the intensity."""
+    """What must be true beside kind, direction and intensity."""
     tests: list[Test] = []
-    if (direction := condition.direction) is not None:
-        sectors = condition.sectors or (8 if "_" in direction else 4)
-        if sectors == 4:
-            tests.append(lambda reading: reading.four == direction)
-        else:
-            tests.append(lambda reading: reading.eight == direction)
     if (zone := condition.zone) is not None:
         tests.append(lambda reading: reading.zone == zone)
     if (contacts := condition.contacts) is not None:

@@ -58,8 +58,9 @@ class Deck:
         layer = self._layers[self._current]
         outputs = Outputs()
         pressed, finished = [], False
+        wanted = layer.find_wanted(reading)
         for channel in layer.channels:
-            if not channel.busy and reading.kind not in channel.kinds:
+            if not channel.busy and channel not in wanted:
                 continue
             before = channel.down
             channel.update(reading)
@@ -139,6 +140,16 @@ class _Layer:
             for binding in bindings
             if isinstance(binding.do, MouseMotionTarget)
         ]
+        self._wanted: dict[tuple[object, ...], frozenset[Channel]] = {}
+
+    def find_wanted(self, reading: Reading) -> frozenset[Channel]:
+        """The channels this gesture may set off; found once for each kind and direction."""
+        key = (reading.kind, reading.four, reading.eight)
+        wanted = self._wanted.get(key)
+        if wanted is None:
+            wanted = frozenset(channel for channel in self.channels if channel.may_act(reading))
+            self._wanted[key] = wanted
+        return wanted
 
 
 def make_channel(
