@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Final
 
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.profile.conditions import Condition, Sequence
+from neurotouch_hid.profile.conditions import Condition, PressName, Sequence
 from neurotouch_hid.profile.engine.modes import Mode, make_mode
 from neurotouch_hid.profile.engine.output import make_output
 from neurotouch_hid.profile.engine.press import (
@@ -188,27 +188,38 @@ class _Plan:
     def make_presses(self) -> tuple[Press, ...]:
         if self._binding.is_followed or isinstance(self._binding.when, Sequence):
             return ()
-        condition, times, say = self._condition, self._times, self._say
+        condition = self._condition
         presses: list[Press] = []
         hard = [other for other in self._others if other.level == "hard"]
         if condition.level == "soft" and hard:
             presses.append(Soft(min(other.thresholds_mm[0] for other in hard)))
-        match condition.press:
-            case "tap":
-                delayed = any(other.press == "double" for other in self._others)
-                wait_ms = times.double_ms if delayed else 0
-                presses.append(Tap(1000 * times.tap_ms, 1000 * wait_ms, say))
-            case "double":
-                presses.append(
-                    Double(1000 * times.tap_ms, 1000 * times.gap_ms, 1000 * times.double_ms, say)
-                )
-            case "hold" | "long":
-                usual_ms = times.hold_ms if condition.press == "hold" else times.long_ms
-                presses.append(Hold(1000 * _choose(condition.hold_ms, usual_ms), say))
-            case _:
-                if self._acts_on_release():
-                    presses.append(Released(say))
+        presses += self._make_press(condition.press)
         return tuple(presses)
+
+    def _make_press(self, name: PressName | None) -> list[Press]:
+        times, say = self._times, self._say
+        tap_us, double_us = 1000 * times.tap_ms, 1000 * times.double_ms
+        match name:
+            case "tap":
+                return [Tap(0, tap_us, double_us if self._has_beside("double") else 0, say)]
+            case "double":
+                return [Double(tap_us, 1000 * times.gap_ms, double_us, say)]
+            case "hold" if self._has_beside("long"):
+                long_us = min(
+                    1000 * _choose(other.hold_ms, times.long_ms)
+                    for other in self._others
+                    if other.press == "long"
+                )
+                return [
+                    Tap(1000 * _choose(self._condition.hold_ms, times.hold_ms), long_us, 0, say)
+                ]
+            case "hold" | "long":
+                usual_ms = times.hold_ms if name == "hold" else times.long_ms
+                return [Hold(1000 * _choose(self._condition.hold_ms, usual_ms), say)]
+        return [Released(say)] if self._acts_on_release() else []
+
+    def _has_beside(self, press: PressName) -> bool:
+        return any(other.press == press for other in self._others)
 
     def _acts_on_release(self) -> bool:
         """True if it acts when the gesture ends; what is repeated or held cannot."""

@@ -175,10 +175,10 @@ class Released:
 
 
 class Tap:
-    """A short press after a short gesture, and after the wait for a second one, if any."""
+    """A short press after a gesture of the right length, and after the wait for a second one."""
 
-    def __init__(self, tap_us: int, wait_us: int, say: Say) -> None:
-        self._tap_us, self._wait_us = tap_us, wait_us
+    def __init__(self, least_us: int, most_us: int, wait_us: int, say: Say) -> None:
+        self._least_us, self._most_us, self._wait_us = least_us, most_us, wait_us
         self._say = say
         self.busy = False
         self._since_us: int | None = None
@@ -196,10 +196,12 @@ class Tap:
         elif self._since_us is not None:
             lasted_us = t_us - self._since_us
             self._since_us = None
-            if lasted_us <= self._tap_us:
-                self._begin_us = t_us + self._wait_us
+            if lasted_us < self._least_us:
+                self._say(f"lasted {lasted_us // 1000} ms < {self._least_us // 1000} ms")
+            elif lasted_us > self._most_us:
+                self._say(f"lasted {lasted_us // 1000} ms > {self._most_us // 1000} ms")
             else:
-                self._say(f"lasted {lasted_us // 1000} ms > {self._tap_us // 1000} ms of a tap")
+                self._begin_us = t_us + self._wait_us
         begin_us = self._begin_us
         self.busy = held or (begin_us is not None and t_us < begin_us + PULSE_US)
         return begin_us is not None and begin_us <= t_us < begin_us + PULSE_US
