@@ -34,8 +34,9 @@ def command(scene: str, profile: str, seconds: float | None, show: str) -> None:
 
     mapping = load_profile(profile)
     gesture = GestureConfig()
-    with open_source(f"sim:{scene}") as packets:
-        prepare_kernels(mapping, gesture)
+    source = f"sim:{scene}"
+    with open_source(source) as packets:
+        prepare_kernels(mapping, gesture, source)
         try:
             pad = open_device("uinput")
         except DeviceError as error:

@@ -4,6 +4,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from itertools import islice
 from pathlib import Path
 
 import click
@@ -14,15 +15,25 @@ from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.monitor import LinesMonitor, PictureMonitor, TraceWriter
 from neurotouch_hid.profile import Profile
 from neurotouch_hid.runtime import Pipeline, Tap, run_line, stop_on_signals, warm_up
-from neurotouch_hid.source import Source
+from neurotouch_hid.source import Source, open_source
 
 _PATIENCE_S = 1.0
+_WARM_SLICES = 5  # up to the first frame
 
 
-def prepare_kernels(profile: Profile, gesture: GestureConfig) -> None:
-    """Loads the compiled kernels; says so if they have to be compiled first."""
+def prepare_kernels(profile: Profile, gesture: GestureConfig, source: str) -> None:
+    """Loads the compiled kernels of the line and of the source; says so if they must be compiled.
+
+    Args:
+        profile: what the gestures mean.
+        gesture: how they are recognised.
+        source: what will be played, as the user wrote it.
+    """
     with _notice("Compiling for this processor (only the first time, about half a minute) ..."):
         warm_up(Pipeline.build(profile, gesture))
+        with open_source(source, speed="max") as first_slices:
+            for _ in islice(first_slices, _WARM_SLICES):
+                pass
 
 
 def play(

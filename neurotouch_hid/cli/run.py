@@ -75,7 +75,7 @@ def command(
     gesture = GestureConfig(method=method)
     with open_source(source, speed=speed, seed=seed) as packets:
         check_device(device)  # before the kernels compile, and again for real after it
-        prepare_kernels(mapping, gesture)
+        prepare_kernels(mapping, gesture, source)
         live = speed == "recorded" and not packets.name.startswith("file:")
         pipeline = Pipeline.build(mapping, gesture, rig=packets.rig, live=live)
         with open_device(device) as pad:
