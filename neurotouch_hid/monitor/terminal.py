@@ -97,7 +97,7 @@ def draw(step: Step, title: str) -> list[str]:
         "",
         *(f"{axis:<14} {_axis(axis, pad.axes.get(axis, 0.0))}" for axis in Axis),
         "",
-        "buttons    " + " ".join(b.upper() if b in pad.buttons else "·" * len(b) for b in Button),
+        "buttons    " + "".join(f"[{b.upper()}]" if b in pad.buttons else f" {b} " for b in Button),
     ]
     gel = _gel(step)
     right += [""] * (len(gel) - len(right))
