@@ -125,7 +125,8 @@ class Condition(Strict):
     press: PressName | None = Field(
         default=None,
         description="tap: pressed and let go quickly. double: the second of two taps. hold: kept "
-        "for a while. long: kept for longer still; a hold beside it then acts when it ends sooner. Default: as soon and as long as it is there.",
+        "for a while. long: kept for longer still; a hold beside it then acts when it ends sooner. "
+        "Default: as soon and as long as the gesture is there.",
         json_schema_extra=make_optional(),
     )
     hold_ms: Ms | None = Field(

@@ -16,6 +16,7 @@ from neurotouch_hid.profile.engine.press import (
     Say,
     Soft,
     Tap,
+    Test,
     Threshold,
 )
 from neurotouch_hid.profile.engine.reading import Reading
@@ -26,8 +27,6 @@ from neurotouch_hid.profile.timing import Times
 
 WEAK_DROP: Final = 0.35
 """Share of the peak by which the intensity falls where a weak hand wants to let go."""
-
-Test = Callable[[Reading], bool]
 
 
 class Channel:
@@ -198,25 +197,37 @@ class _Plan:
 
     def _make_press(self, name: PressName | None) -> list[Press]:
         times, say = self._times, self._say
-        tap_us, double_us = 1000 * times.tap_ms, 1000 * times.double_ms
+        tap_us, gap_us, double_us = (
+            1000 * ms for ms in (times.tap_ms, times.gap_ms, times.double_ms)
+        )
         match name:
             case "tap":
-                return [Tap(0, tap_us, double_us if self._has_beside("double") else 0, say)]
+                wait_us = double_us if self._has_beside("double") else 0
+                return [Tap((0, tap_us), wait_us, gap_us, say)]
             case "double":
-                return [Double(tap_us, 1000 * times.gap_ms, double_us, say)]
+                return [Double(tap_us, gap_us, double_us, say)]
             case "hold" if self._has_beside("long"):
                 long_us = min(
                     1000 * _choose(other.hold_ms, times.long_ms)
                     for other in self._others
                     if other.press == "long"
                 )
-                return [
-                    Tap(1000 * _choose(self._condition.hold_ms, times.hold_ms), long_us, 0, say)
-                ]
+                hold_us = 1000 * _choose(self._condition.hold_ms, times.hold_ms)
+                return [Tap((hold_us, long_us), 0, 0, say)]
             case "hold" | "long":
                 usual_ms = times.hold_ms if name == "hold" else times.long_ms
                 return [Hold(1000 * _choose(self._condition.hold_ms, usual_ms), say)]
-        return [Released(say)] if self._acts_on_release() else []
+        return (
+            [Released(self._binding.thresholds_mm[1], self._fits, say)]
+            if self._acts_on_release()
+            else []
+        )
+
+    def _fits(self, reading: Reading) -> bool:
+        """True if the gesture is still the one the binding waits for, however far it goes."""
+        condition = self._condition
+        direction = _make_direction_test(condition)
+        return reading.kind in condition.kinds and (direction is None or direction(reading))
 
     def _has_beside(self, press: PressName) -> bool:
         return any(other.press == press for other in self._others)

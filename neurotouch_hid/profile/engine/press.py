@@ -8,10 +8,10 @@ import math
 from collections.abc import Callable
 from typing import Final, Protocol
 
-from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.engine.reading import Reading
 
 Say = Callable[[str], None]
+Test = Callable[[Reading], bool]
 
 PULSE_US: Final = 50_000
 """How long something is down that only ever happens for a moment: three frames of a game."""
@@ -151,21 +151,21 @@ class Soft:
 class Released:
     """A short press when the gesture ends; none if it has turned into another one before."""
 
-    def __init__(self, say: Say) -> None:
+    def __init__(self, off_mm: float, fits: Test, say: Say) -> None:
+        self._off_mm, self._fits = off_mm, fits
         self._say = say
         self.busy = False
         self._began = False
-        self._kind = GestureKind.NONE
         self._until_us: int | None = None
 
     def update(self, held: bool, reading: Reading, _since_us: int) -> bool:
         """Whether the short press is on."""
         if held:
-            self._began, self._kind = True, reading.kind
+            self._began = True
             self._until_us = None
         elif self._began:
             self._began = False
-            if reading.kind == GestureKind.NONE or reading.mm < 2.5:
+            if reading.mm < self._off_mm or self._fits(reading):
                 self._until_us = reading.t_us + PULSE_US
             else:
                 self._say("turned into another gesture before it ended")
@@ -175,14 +175,20 @@ class Released:
 
 
 class Tap:
-    """A short press after a gesture of the right length, and after the wait for a second one."""
+    """A short press after a gesture of the right length, and after the wait for a second one.
 
-    def __init__(self, least_us: int, most_us: int, wait_us: int, say: Say) -> None:
-        self._least_us, self._most_us, self._wait_us = least_us, most_us, wait_us
+    A second tap within that wait makes it a double tap; one that comes sooner than ``gap_us`` is a
+    tremor and changes nothing.
+    """
+
+    def __init__(self, length_us: tuple[int, int], wait_us: int, gap_us: int, say: Say) -> None:
+        self._least_us, self._most_us = length_us
+        self._wait_us, self._gap_us = wait_us, gap_us
         self._say = say
         self.busy = False
         self._since_us: int | None = None
-        self._begin_us: int | None = None
+        self._begin_us: int | None = None  # of the short press
+        self._counts = True
 
     def update(self, held: bool, reading: Reading, since_us: int) -> bool:
         """Whether the short press is on."""
@@ -190,21 +196,31 @@ class Tap:
         if held:
             if self._since_us is None:
                 self._since_us = since_us
-            if self._begin_us is not None and t_us < self._begin_us:
-                self._say("another tap follows")
-            self._begin_us = None
+                self._begin(since_us)
         elif self._since_us is not None:
-            lasted_us = t_us - self._since_us
+            if self._counts:
+                self._end(t_us, t_us - self._since_us)
             self._since_us = None
-            if lasted_us < self._least_us:
-                self._say(f"lasted {lasted_us // 1000} ms < {self._least_us // 1000} ms")
-            elif lasted_us > self._most_us:
-                self._say(f"lasted {lasted_us // 1000} ms > {self._most_us // 1000} ms")
-            else:
-                self._begin_us = t_us + self._wait_us
         begin_us = self._begin_us
         self.busy = held or (begin_us is not None and t_us < begin_us + PULSE_US)
         return begin_us is not None and begin_us <= t_us < begin_us + PULSE_US
+
+    def _begin(self, t_us: int) -> None:
+        waits = self._begin_us is not None and t_us < self._begin_us
+        self._counts = not waits
+        if waits and self._begin_us is not None:
+            pause_us = t_us - (self._begin_us - self._wait_us)
+            if pause_us >= self._gap_us:
+                self._begin_us = None
+                self._say("another tap follows")
+
+    def _end(self, t_us: int, lasted_us: int) -> None:
+        if lasted_us < self._least_us:
+            self._say(f"lasted {lasted_us // 1000} ms < {self._least_us // 1000} ms")
+        elif lasted_us > self._most_us:
+            self._say(f"lasted {lasted_us // 1000} ms > {self._most_us // 1000} ms")
+        else:
+            self._begin_us = t_us + self._wait_us
 
 
 class Double:
