@@ -2,7 +2,6 @@
 
 import json
 from collections import Counter
-from itertools import pairwise
 
 import pytest
 
@@ -55,14 +54,26 @@ def read_trace(results) -> list[tuple[int, ...]]:
     return reports
 
 
-def held(reports: list[tuple[int, ...]]) -> list[tuple[int, ...]]:
-    """Return the changes among the reports, neutral ones left out.
+def follows(seen: list[tuple[int, ...]], traced: list[tuple[int, ...]]) -> bool:
+    """Say whether the reader saw every line of the trace, in order, and nothing else.
 
-    In the slow guest the line now and then takes longer than the stall time, and the pad is
-    neutral for a moment.
+    The trace is rounded, so a step of one is no difference. Neutral reports are left out: in the
+    slow guest the line may take longer than the stall time, and the pad is neutral for a moment.
     """
-    pressed = [report for report in reports if report != NEUTRAL]
-    return pressed[:1] + [after for before, after in pairwise(pressed) if after != before]
+    left = [report for report in seen if report != NEUTRAL]
+    now = NEUTRAL
+    for line in traced:
+        if line == NEUTRAL:
+            continue
+        if left and is_close(left[0], line):
+            now = left.pop(0)
+        elif not is_close(now, line):
+            return False
+    return not left
+
+
+def is_close(one: tuple[int, ...], other: tuple[int, ...]) -> bool:
+    return all(abs(a - b) <= 1 for a, b in zip(one, other, strict=True))
 
 
 @pytest.fixture(scope="module")
@@ -84,7 +95,9 @@ def test_a_game_sees_nothing_else_move(tour, library):
 
 
 def test_a_reader_sees_exactly_what_the_trace_says(tour, results):
-    assert held(read_reports(tour["events"])) == held(read_trace(results))
+    seen, traced = read_reports(tour["events"]), read_trace(results)
+    assert len(seen) > 100
+    assert follows(seen, traced)
 
 
 def test_each_gesture_mostly_moves_what_the_profile_says(tour, results):

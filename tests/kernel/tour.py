@@ -1,24 +1,42 @@
-"""Writes one lap of the simulated tour as a recording: ``python -m tests.kernel.tour FILE``.
+"""Writes a short simulated tour of all gestures: ``python -m tests.kernel.tour RECORDING``.
 
-The guest is too slow to simulate all of it.
+The slow guest only plays it. (Ending the driver is tested with the simulator in the guest.)
 """
 
+import math
 import sys
 
 from neurotouch_hid.recording import RecordingWriter
-from neurotouch_hid.source import open_source
+from neurotouch_hid.source.simulator import (
+    Hand,
+    Simulator,
+    Timing,
+    pinch,
+    push,
+    sequence,
+    twist,
+    zoom,
+)
 
-LAP_US = 18_000_000
-"""Pushes to four sides, pinch, zoom, a twist to either side, and the rest after them."""
+TIMING = Timing(attack_us=200_000, hold_us=150_000, release_us=200_000)
+
+STROKES = (
+    push(0.0, 10.0, timing=TIMING),
+    push(math.pi, 10.0, timing=TIMING),
+    push(math.pi / 2, 10.0, timing=TIMING),
+    push(-math.pi / 2, 10.0, timing=TIMING),
+    pinch(7.0, timing=TIMING),
+    zoom(6.0, Hand(spread_mm=8.0), timing=TIMING),
+    twist(0.6, timing=TIMING),
+    twist(-0.6, timing=TIMING),
+)
 
 
 def main() -> None:
-    source = open_source("sim:tour", speed="max")
-    with source as packets, RecordingWriter(sys.argv[1]) as writer:
+    script = sequence("every gesture", *STROKES, rest_us=400_000, gap_us=0)
+    with Simulator(script) as packets, RecordingWriter(sys.argv[1]) as writer:
         for packet in packets:
             writer.write(packet)
-            if packet.t_end_us >= LAP_US:
-                break
 
 
 main()

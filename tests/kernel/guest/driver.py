@@ -31,7 +31,7 @@ def play_tour(results: Path) -> dict[str, Any]:
                     for control, value in look(game).items():
                         low, high = seen[name].get(control, (0, 0))
                         seen[name][control] = [min(low, value), max(high, value)]
-                time.sleep(0.05)
+                time.sleep(0.1)
     return {**reader.report(), "exit_code": process.returncode, **seen}
 
 
