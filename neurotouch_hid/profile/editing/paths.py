@@ -1,0 +1,228 @@
+"""Ways to a value as people write them: ``push.curve.expo``, ``layers.fly.pinch.on_mm``.
+
+A part is a key, a number in a list (``bindings[0]`` or ``bindings.0``), the name of a layer, or the
+gesture of a binding in one word (``push_left_tap``; with ``#2`` the second of that kind). A binding
+may be named without its list, and what stands under its ``when`` and ``do`` without those.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Final
+
+from pydantic import BaseModel
+
+from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.profile.conditions import Condition, Sequence, WeakRelease
+from neurotouch_hid.profile.faults import Keys, format_path, make_printable, suggest
+from neurotouch_hid.profile.schema import Layer, Profile, Safety, SafetyGesture
+from neurotouch_hid.profile.shaping import CURVES
+from neurotouch_hid.profile.targets import MICE, TARGETS, Repeat
+from neurotouch_hid.profile.timing import Timing
+from neurotouch_hid.profile.user import Range, Ranges, UserSettings
+
+_PART: Final = re.compile(r"\[(\d+)\]|([^.\[\]]+)")
+_INSIDE: Final[dict[str, type[BaseModel]]] = {
+    "timing": Timing,
+    "safety": Safety,
+    "pause": SafetyGesture,
+    "panic": SafetyGesture,
+    "repeat": Repeat,
+    "release": WeakRelease,
+    "range": Ranges,
+    **dict.fromkeys(Ranges.model_fields, Range),
+}
+"""The model of what stands under a key."""
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """A way to a value.
+
+    Attributes:
+        keys: the whole way.
+        exists: whether the value stands there.
+        widen: keys whose value is a word and must become keys of its own, and the key of that word:
+            ``when: push`` becomes ``when: {gesture: push}``.
+    """
+
+    keys: Keys
+    exists: bool
+    widen: tuple[Keys, str] | None = None
+
+
+def find_way(document: Any, path: str, model: type[BaseModel] = Profile) -> Way:
+    """The way a person means.
+
+    Args:
+        document: the plain value of the document.
+        path: what the person wrote.
+        model: what the document is.
+
+    Raises:
+        ProfileError: it leads nowhere, or a part could mean several things.
+    """
+    parts = [number or word for number, word in _PART.findall(path)]
+    if not parts or _PART.sub("", path).replace(".", ""):
+        raise _refuse(path, "")
+    value, keys = document, ()
+    for i, part in enumerate(parts):
+        hop = _hop(value, part, keys)
+        if hop is None:
+            return _find_new(value, keys, parts[i:], path, model)
+        for key in hop:
+            value = value[key]
+        keys = (*keys, *hop)
+    return Way(keys, True)
+
+
+def list_ways(document: Any, model: type[BaseModel] = Profile) -> Iterator[str]:
+    """Every way of the document that people may write, the shortest form of each, in its order."""
+    for key, value in document.items() if isinstance(document, dict) else ():
+        if key == "bindings":
+            yield from _list_bindings(value, "")
+        elif key == "layers":
+            for layer in value:
+                yield from _list_bindings(layer.get("bindings", []), f"layers.{layer.get('name')}.")
+        else:
+            yield from _list_leaves(key, value)
+    for key in model.model_fields:
+        if key not in document and key not in ("bindings", "layers"):
+            yield key
+
+
+def name_binding(binding: Any) -> str:
+    """The gesture of a binding in one word: ``push_left_tap``, ``pinch``, ``push_up-zoom``."""
+    when = binding.get("when") if isinstance(binding, dict) else None
+    if isinstance(when, dict) and isinstance(when.get("sequence"), list):
+        return "-".join(map(str, when["sequence"]))
+    if not isinstance(when, dict):
+        return str(when)
+    keys = ("gesture", "direction", "zone", "level", "press", "phase")
+    return "_".join(str(when[key]) for key in keys if key in when)
+
+
+def name_bindings(bindings: Any) -> list[str]:
+    """The names of all bindings of a list; from the second of a name on with its number."""
+    names: list[str] = []
+    seen: dict[str, int] = {}
+    for name in map(name_binding, bindings):
+        seen[name] = seen.get(name, 0) + 1
+        names.append(name if seen[name] == 1 else f"{name}#{seen[name]}")
+    return names
+
+
+def _hop(value: Any, part: str, keys: Keys) -> Keys | None:
+    """The keys a part leads over, or None if it leads nowhere."""
+    if isinstance(value, list):
+        if part.isdecimal():
+            return (int(part),) if int(part) < len(value) else None
+        is_layers = bool(keys) and keys[-1] == "layers"
+        names = [str(item.get("name")) for item in value] if is_layers else name_bindings(value)
+        return (names.index(part),) if part in names else None
+    if not isinstance(value, dict):
+        return None
+    if part in value:
+        return (part,)
+    if "bindings" in value and part in (names := name_bindings(value["bindings"])):
+        return ("bindings", names.index(part))
+    for inner in ("do", "when"):
+        if isinstance(value.get(inner), dict) and part in value[inner]:
+            return (inner, part)
+    return None
+
+
+def _find_new(
+    value: Any, keys: Keys, rest: list[str], path: str, model: type[BaseModel]
+) -> Way:
+    """The way to a key that does not stand there yet."""
+    part = rest[0]
+    if isinstance(value, dict) and len(rest) == 1:
+        if "when" in value and "do" in value:
+            do = _find_target(value["do"])
+            if part in Condition.model_fields and (do is None or part not in do.model_fields):
+                when = value["when"]
+                widen = None if isinstance(when, dict) else ((*keys, "when"), "gesture")
+                return Way((*keys, "when", part), False, widen)
+            if do is not None and part in do.model_fields:
+                return Way((*keys, "do", part), False)
+        if part in list_known(value, keys, model):
+            return Way((*keys, part), False)
+    if keys[-1:] == ("timing",) and part in Timing.model_fields and len(rest) == 1:
+        return Way((*keys, part), False, (keys, "preset"))
+    if isinstance(value, dict) and part in _INSIDE and len(rest) > 1:
+        return _find_new({}, (*keys, part), rest[1:], path, model)
+    raise _refuse(path, _advise(value, part, keys, model))
+
+
+def list_known(value: Any, keys: Keys, model: type[BaseModel]) -> list[str]:
+    """The keys that may stand in a mapping at a place."""
+    names = [key for key in keys if isinstance(key, str)]
+    if not names:
+        return list(model.model_fields)
+    last = names[-1]
+    if last == "when":
+        found: type[BaseModel] | None = Sequence if "sequence" in value else Condition
+    elif last == "do":
+        found = _find_target(value)
+    elif last == "curve":
+        found = next((CURVES[key] for key in value if key in CURVES), None)
+    elif last == "layers":
+        found = Layer
+    else:
+        found = _INSIDE.get(last)
+    return list(found.model_fields) if found is not None else []
+
+
+def _find_target(do: Any) -> type[BaseModel] | None:
+    if not isinstance(do, dict):
+        return None
+    if do.get("mouse") in MICE:
+        return MICE[do["mouse"]]
+    return next((TARGETS[key] for key in do if key in TARGETS), None)
+
+
+def _advise(value: Any, part: str, keys: Keys, model: type[BaseModel]) -> str:
+    known: list[str] = []
+    if isinstance(value, dict):
+        known = [*value, *list_known(value, keys, model)]
+        if "bindings" in value:
+            known += name_bindings(value["bindings"])
+        if "do" in value:
+            do, when = _find_target(value["do"]), Condition
+            known += [*when.model_fields, *(do.model_fields if do is not None else ())]
+    elif isinstance(value, list):
+        named = bool(keys) and keys[-1] == "layers"
+        known = [str(item.get("name")) for item in value] if named else name_bindings(value)
+    known = list(dict.fromkeys(known))
+    near = suggest(part, known)
+    where = f"Known in {format_path(keys)}" if keys else "Known here"
+    return near[:1].upper() + near[1:] or (f"{where}: {', '.join(known)}." if known else "")
+
+
+def _refuse(path: str, hint: str) -> ProfileError:
+    shown = make_printable(path[:100])
+    example = "For example: push.curve.expo, layers.menu.pinch.on_mm, timing."
+    return ProfileError(f"'{shown}' leads to nothing in this file", hint=hint or example)
+
+
+def _list_bindings(bindings: Any, prefix: str) -> Iterator[str]:
+    for name, binding in zip(name_bindings(bindings), bindings, strict=True):
+        do, when = binding.get("do", {}), binding.get("when")
+        target = _find_target(do)
+        keys = [*(when if isinstance(when, dict) else ()), *Condition.model_fields]
+        keys += [*do, *(target.model_fields if target is not None else ())]
+        yield from (f"{prefix}{name}.{key}" for key in dict.fromkeys(keys))
+
+
+def _list_leaves(key: str, value: Any) -> Iterator[str]:
+    model = _INSIDE.get(key.rsplit(".", 1)[-1])
+    inner = value if isinstance(value, dict) else {}
+    if model is None or not isinstance(value, dict):
+        yield key
+    for name in dict.fromkeys([*inner, *(model.model_fields if model is not None else ())]):
+        yield from _list_leaves(f"{key}.{name}", inner.get(name))
+
+
+ROOTS: Final[dict[str, type[BaseModel]]] = {"profile": Profile, "user": UserSettings}
+"""What a file may be."""
