@@ -1,0 +1,120 @@
+"""What belongs to the person: ranges, orientation, a hand that stays on the gel, and their file."""
+
+import numpy as np
+import pytest
+
+from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.messages import Axis, Button, Gesture, GestureKind
+from neurotouch_hid.profile import Mapping, UserSettings, check_user, load_user, rehearse
+from neurotouch_hid.profile.engine.calibration import make_conversion
+from tests.profile.stage import make_profile, run
+
+STICK = make_profile("when: push, do: {stick: left, range_mm: [1, 8], deadzone: 0}")
+
+
+def settings(**values: object) -> UserSettings:
+    return UserSettings.model_validate({"filter": "none", **values})
+
+
+def push(mapping: Mapping, x: float, y: float) -> tuple[float, float]:
+    points = np.zeros((1, 2))
+    gesture = Gesture(0, GestureKind.PUSH, points, points, float(np.hypot(x, y)), (x, y))
+    axes = mapping.update(gesture).axes
+    return round(axes.get(Axis.LEFT_X, 0.0), 3), round(axes.get(Axis.LEFT_Y, 0.0), 3)
+
+
+def test_a_small_range_reaches_the_end() -> None:
+    user = settings(range={"push_left": {"rest": 0.5, "full": 3.5}})
+    assert push(Mapping(STICK, user), -3.5, 0.0) == (-1.0, 0.0)
+    assert push(Mapping(STICK, user), -2.0, 0.0) == (-0.5, 0.0)
+    assert push(Mapping(STICK, user), -0.5, 0.0) == (0.0, 0.0)
+    assert push(Mapping(STICK, user), 3.5, 0.0) == (round(2.5 / 7, 3), 0.0), "the others stay"
+
+
+def test_a_diagonal_blends_the_two_ranges_beside_it() -> None:
+    user = settings(
+        range={"push_left": {"rest": 1.0, "full": 3.0}, "push_up": {"rest": 1.0, "full": 9.0}}
+    )
+    convert = make_conversion(user.range)
+    assert convert is not None
+    half = 0.5**0.5
+    assert convert(GestureKind.PUSH, 6.0, (-half, -half)) == pytest.approx(8.0)
+    assert convert(GestureKind.PUSH, 3.0, (-1.0, 0.0)) == pytest.approx(8.0)
+    assert convert(GestureKind.PUSH, 9.0, (0.0, -1.0)) == pytest.approx(8.0)
+
+
+def test_thresholds_count_in_millimetres_of_a_usual_hand() -> None:
+    profile = make_profile("when: zoom, do: {button: a}")
+    weak = settings(range={"zoom": {"rest": 0.5, "full": 2.0}})
+    pressed = [state.buttons for state in run(Mapping(profile, weak), "zoom 1.6mm 100ms")]
+    assert frozenset({Button.A}) in pressed
+    assert not any(state.buttons for state in run(Mapping(profile, settings()), "zoom 1.6mm 100ms"))
+
+
+def test_the_gel_may_lie_turned_or_mirrored() -> None:
+    assert push(Mapping(STICK, settings(rotate_deg=90)), 8.0, 0.0) == (0.0, 1.0)
+    assert push(Mapping(STICK, settings(rotate_deg=-90)), 8.0, 0.0) == (0.0, -1.0)
+    assert push(Mapping(STICK, settings(mirror=True)), 8.0, 0.0) == (-1.0, 0.0)
+    twist = make_profile("when: twist_cw, do: {button: a}", "when: twist_ccw, do: {button: b}")
+    states = run(Mapping(twist, settings(mirror=True)), "twist_cw 5mm")
+    assert frozenset({Button.B}) in [state.buttons for state in states]
+
+
+RESTING = "push down 3mm 300ms hold 2s release 0ms"
+"""A heavy hand is laid on the gel; then it pushes from there."""
+
+
+def test_a_resting_hand_is_no_gesture_and_moves_from_where_it_lies() -> None:
+    mapping = Mapping(STICK, settings(neutral="resting"))
+    assert all(state.is_neutral for state in run(mapping, RESTING)[:225])
+    mapping = Mapping(STICK, settings(neutral="resting"))
+    laid = run(mapping, "push down 3mm 300ms hold 2s release 0ms; push down 8mm 0ms hold 1s")
+    moved = [state.axes.get(Axis.LEFT_Y, 0.0) for state in laid]
+    assert max(moved[:228]) == 0.0
+    assert moved[240] == pytest.approx((5.0 - 1.0) / 7.0, abs=0.01)
+
+
+def test_rezero_takes_the_pose_of_this_moment() -> None:
+    mapping = Mapping(STICK, settings(neutral="resting"))
+    moved = []
+    for i, gesture in enumerate(rehearse(f"{RESTING}; push down 6mm 0ms hold 1s")):
+        if i == 280:
+            mapping.rezero()
+        moved.append(mapping.update(gesture).axes.get(Axis.LEFT_Y, 0.0))
+    assert moved[279] == pytest.approx((3.0 - 1.0) / 7.0, abs=0.01)
+    assert not any(moved[280:])
+
+
+def test_a_slow_drift_becomes_rest_but_a_held_push_does_not() -> None:
+    mapping = Mapping(STICK, settings(neutral="resting"))
+    points = np.zeros((1, 2))
+    moved = []
+    for i in range(9_000):
+        seconds = max(0.0, i / 100 - 2.0)
+        mm = 3.0 + 0.02 * seconds + (4.0 if i >= 8_000 else 0.0)
+        gesture = Gesture(i * 10_000, GestureKind.PUSH, points, points, mm, (0.0, mm))
+        moved.append(mapping.update(gesture).axes.get(Axis.LEFT_Y, 0.0))
+    assert not any(moved[:8_000]), "1.6 mm in 80 s would be past the rest of the range"
+    assert moved[-1] > 0.9 * moved[8_010] > 0.3
+
+
+def test_a_lifted_hand_is_neutral_everywhere() -> None:
+    mapping = Mapping(STICK, settings(neutral="resting"))
+    states = run(mapping, f"{RESTING}; rest 500ms")
+    assert states[-1].is_neutral
+
+
+def test_the_file_has_defaults_faults_and_a_place(tmp_path) -> None:
+    assert load_user(tmp_path / "none.yaml") == UserSettings()
+    (tmp_path / "user.yaml").write_text("range: {zom: {rest: 0.4, full: 25}}\nmirror: yes\n")
+    with pytest.raises(ProfileError) as caught:
+        load_user(tmp_path / "user.yaml")
+    lines = [line for line in caught.value.message.splitlines() if "error" in line]
+    assert [line.partition("user.yaml:")[2] for line in lines] == [
+        "1:9: error[NT110]: range.zom: unknown key; known here: push_left, push_right, push_up, "
+        "push_down, pinch, zoom, twist_cw, twist_ccw",
+        "2:9: error[NT113]: mirror: needs true or false, not 'yes'",
+    ]
+    text = b"range:\n  zoom: {rest: 3, full: 2}\n  pinch: {full: 25}\ntiming: {preset: fast}\n"
+    codes = [fault.code for fault in check_user(text, "user.yaml").faults]
+    assert codes == ["NT123", "NT114", "NT112"]
