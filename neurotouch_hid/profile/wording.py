@@ -155,7 +155,8 @@ def _word(detail: Mapping[str, Any], keys: Keys, node: Node | None) -> tuple[str
         case "string_too_long":
             sentence = f"is longer than {context['max_length']} characters"
         case "too_short":
-            sentence = "needs at least one entry"
+            least = context["min_length"]
+            sentence = "needs at least " + ("one entry" if least == 1 else f"{least} entries")
         case "too_long":
             sentence = f"has more than {context['max_length']} entries"
         case _ if kind in _NEEDS:
