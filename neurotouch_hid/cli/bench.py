@@ -2,9 +2,14 @@
 
 import json
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import click
+
+from neurotouch_hid.cli.method import choose_method
+
+if TYPE_CHECKING:
+    from neurotouch_hid.gesture import Method
 
 _ROWS = (
     ("tracker", "tracker_events_per_s", 1e-6, "million events/s", "20"),
@@ -15,9 +20,9 @@ _ROWS = (
 
 
 @click.command(epilog="\b\nExamples:\n  neurotouch bench\n  neurotouch bench --json bench.json")
-@click.option("--method", type=click.Choice(["paper"]), default="paper", show_default=True)
+@choose_method
 @click.option("--json", "json_path", type=click.Path(path_type=Path, dir_okay=False))
-def command(method: Literal["paper"], json_path: Path | None) -> None:
+def command(method: "Method", json_path: Path | None) -> None:
     """Measure the speed of every stage on this machine, on one core.
 
     Slices are 10 ms of sensor time at the paper's speeds.

@@ -3,9 +3,14 @@
 import json
 import os
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING
 
 import click
+
+from neurotouch_hid.cli.method import choose_method
+
+if TYPE_CHECKING:
+    from neurotouch_hid.gesture import Method
 
 
 @click.command(
@@ -16,13 +21,7 @@ import click
 @click.argument(
     "files", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILE..."
 )
-@click.option(
-    "--method",
-    type=click.Choice(["paper"]),
-    default="paper",
-    show_default=True,
-    help="How gestures are recognised.",
-)
+@choose_method
 @click.option(
     "--json",
     "json_path",
@@ -37,9 +36,7 @@ import click
     show_default="all cores",
     help="Recordings to play at once.",
 )
-def command(
-    files: tuple[Path, ...], method: Literal["paper"], json_path: Path | None, jobs: int
-) -> None:
+def command(files: tuple[Path, ...], method: "Method", json_path: Path | None, jobs: int) -> None:
     """Play each FILE.aedat4 and compare what is recognised with FILE.labels.csv beside it."""
     from neurotouch_hid.evaluation import evaluate_files, format_table
     from neurotouch_hid.gesture import GestureConfig

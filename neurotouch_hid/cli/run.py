@@ -1,9 +1,14 @@
 """``neurotouch run``: the driver."""
 
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import click
+
+from neurotouch_hid.cli.method import choose_method
+
+if TYPE_CHECKING:
+    from neurotouch_hid.gesture import Method
 
 
 @click.command(
@@ -33,13 +38,7 @@ import click
     show_default=True,
     help="As recorded, or as fast as possible.",
 )
-@click.option(
-    "--method",
-    type=click.Choice(["paper"]),
-    default="paper",
-    show_default=True,
-    help="How gestures are recognised.",
-)
+@choose_method
 @click.option("--seed", default=0, show_default=True, help="Seed of the simulator.")
 @click.option(
     "--trace",
@@ -58,7 +57,7 @@ def command(
     source: str,
     device: str,
     speed: Literal["recorded", "max"],
-    method: Literal["paper"],
+    method: "Method",
     seed: int,
     trace: Path | None,
     show: str,

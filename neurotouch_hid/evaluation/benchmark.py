@@ -9,13 +9,13 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.errors import NeuroTouchError
-from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
+from neurotouch_hid.gesture import GestureConfig, GestureRecognizer, Method
 from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.recording import RecordingWriter
@@ -48,7 +48,7 @@ class Spread:
         return {"median": self.median, "p99": self.p99}
 
 
-def run_benchmark(method: Literal["paper"], progress: Callable[[str], None]) -> dict[str, Any]:
+def run_benchmark(method: Method, progress: Callable[[str], None]) -> dict[str, Any]:
     """Measures everything, one thread, nothing else running.
 
     Args:

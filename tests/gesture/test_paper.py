@@ -1,4 +1,4 @@
-"""The recognizer on elastic fields of one to three fingers."""
+"""The paper's method on elastic fields of one to three fingers."""
 
 import numpy as np
 import pytest
@@ -8,9 +8,11 @@ from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
 from neurotouch_hid.messages import GestureKind, MarkerField
 from tests.gesture.elastic import RIG, field, markers, random_scene
 
+PAPER = GestureConfig(method="paper")
+
 
 def recognize(displacement_mm, **kwargs):
-    return GestureRecognizer().update(markers(displacement_mm, **kwargs))
+    return GestureRecognizer(PAPER).update(markers(displacement_mm, **kwargs))
 
 
 def two_fingers(motion):
@@ -74,7 +76,7 @@ def test_invalid_markers_do_not_count():
 
 def test_no_gesture_before_the_gel_is_found():
     unknown = np.full((177, 2), np.nan, np.float32)
-    gesture = GestureRecognizer().update(MarkerField(3, unknown, unknown, np.zeros(177, bool)))
+    gesture = GestureRecognizer(PAPER).update(MarkerField(3, unknown, unknown, np.zeros(177, bool)))
     assert (gesture.t_us, gesture.kind) == (3, GestureKind.NONE)
 
 
@@ -91,7 +93,7 @@ def test_scale_of_the_image_gives_millimetres():
 def test_equal_input_gives_equal_answers_bit_for_bit():
     def run():
         rng = np.random.default_rng(1)
-        recognizer = GestureRecognizer()
+        recognizer = GestureRecognizer(PAPER)
         answers = []
         for kind in list(GestureKind)[1:]:
             scene = random_scene(rng, kind)
@@ -107,7 +109,7 @@ def test_equal_input_gives_equal_answers_bit_for_bit():
 
 def test_frames_are_judged_alone():
     fields = [two_fingers([[5, 0], [-5, 0]]), np.zeros_like(LATTICE_MM), two_fingers([[0, 5]] * 2)]
-    one = GestureRecognizer()
+    one = GestureRecognizer(PAPER)
     for displacement in fields + fields[::-1]:
         assert one.update(markers(displacement)).kind is recognize(displacement).kind
 
@@ -116,7 +118,7 @@ def test_paper_method_on_unequal_fingers():
     """Frame-wise accuracy where the labels name a gesture of at least 2.5 mm: the paper's 0.90."""
     rng = np.random.default_rng(11)
     right = []
-    recognizer = GestureRecognizer(GestureConfig(method="paper"))
+    recognizer = GestureRecognizer(PAPER)
     for kind in list(GestureKind)[1:]:
         for _ in range(8):
             scene = random_scene(rng, kind)

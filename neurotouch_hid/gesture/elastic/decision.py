@@ -1,0 +1,116 @@
+"""When a gesture begins and ends, in which phase it is, and which type it is, over sensor time."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.messages import GestureKind, Phase
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class DecisionConfig:
+    """Times and sizes of a decision.
+
+    Attributes:
+        on_mm: a motion of a finger that begins a gesture; people label from about 0.3 mm.
+        off_mm: all motions below it end the gesture.
+        on_us, off_us: for how long.
+        memory_us: time constant of the evidence for a type.
+        latch_mm: motion from which the type is final.
+        latch_us: how long one type must have led by then.
+        overrule: evidence over the latched type's that still changes it.
+        moving_mm_s: speed of a finger that is no hold.
+    """
+
+    on_mm: float = 0.3
+    off_mm: float = 0.25
+    on_us: int = 15_000
+    off_us: int = 25_000
+    memory_us: int = 60_000
+    latch_mm: float = 2.0
+    latch_us: int = 40_000
+    overrule: float = 3.0
+    moving_mm_s: float = 6.0
+
+
+class Decision:
+    """One gesture at a time, from rest to rest."""
+
+    def __init__(self, config: DecisionConfig | None = None) -> None:
+        self._config = config or DecisionConfig()
+        self.reset()
+
+    def reset(self) -> None:
+        """Back to rest."""
+        self.kind = GestureKind.NONE
+        self.phase = Phase.REST
+        self.speed_mm_s = 0.0
+        self.confidence = 1.0
+        self.is_latched = False
+        self.age_us = 0
+        self._evidence = np.zeros(len(GestureKind))
+        self._size_mm = 0.0
+        self._above_us = self._below_us = self._led_us = 0
+
+    @property
+    def is_forming(self) -> bool:
+        """The gesture may still turn out to be another one."""
+        return self.kind is GestureKind.NONE or not self.is_latched
+
+    def update(self, step_us: int, size_mm: float, parts_mm: Floats) -> None:
+        """Takes one slice.
+
+        Args:
+            step_us: time since the slice before.
+            size_mm: the largest motion of a finger.
+            parts_mm: (6,), what speaks for each type, see ``Motion``.
+        """
+        config = self._config
+        self._above_us = self._above_us + step_us if size_mm >= config.on_mm else 0
+        self._below_us = self._below_us + step_us if size_mm < config.off_mm else 0
+        if self.kind is GestureKind.NONE and self._above_us < config.on_us:
+            self._size_mm = size_mm
+            return
+        if self.kind is not GestureKind.NONE and self._below_us >= config.off_us:
+            self.reset()
+            return
+        self.age_us += step_us
+        self._follow(step_us, size_mm)
+        self._weigh(step_us, size_mm, parts_mm)
+
+    def _follow(self, step_us: int, size_mm: float) -> None:
+        rate = (size_mm - self._size_mm) / max(step_us, 1) * 1e6
+        share = 1.0 - math.exp(-step_us / 30_000)
+        self.speed_mm_s += share * (rate - self.speed_mm_s)
+        self._size_mm = size_mm
+        if self.speed_mm_s > self._config.moving_mm_s:
+            self.phase = Phase.ATTACK
+        elif self.speed_mm_s < -self._config.moving_mm_s:
+            self.phase = Phase.RELEASE
+        elif self.phase is not Phase.RELEASE:
+            self.phase = Phase.HOLD if self.age_us > 60_000 else Phase.ATTACK
+
+    def _weigh(self, step_us: int, size_mm: float, parts_mm: Floats) -> None:
+        config = self._config
+        keep = math.exp(-step_us / config.memory_us)
+        self._evidence = keep * self._evidence + (1 - keep) * parts_mm
+        best = GestureKind(int(self._evidence.argmax()))
+        order = np.sort(self._evidence)
+        margin = 1.0 - order[-2] / max(order[-1], 1e-9)
+        self.confidence = float(0.5 + 0.5 * margin)
+        if self.kind is GestureKind.NONE:
+            self.kind = best
+            return
+        if self.is_latched:
+            if self._evidence[best] > config.overrule * max(self._evidence[self.kind], 0.3):
+                self.kind = best
+            return
+        self._led_us = self._led_us + step_us if best is self.kind else 0
+        if self._evidence[best] > 1.1 * self._evidence[self.kind]:
+            self.kind = best
+        if size_mm >= config.latch_mm and self._led_us >= config.latch_us:
+            self.is_latched = True

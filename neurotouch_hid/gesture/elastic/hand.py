@@ -1,0 +1,240 @@
+"""The fingers on the gel, followed from slice to slice by fitting the field they cause."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.geometry import LATTICE_MM
+from neurotouch_hid.gesture.elastic.kernels import fill_responses, refine
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class HandConfig:
+    """How fingers are found in the field.
+
+    Attributes:
+        radius_mm: of a fingertip's contact patch, to begin with.
+        reach_mm: no finger's middle is further from the gel's centre.
+        spacing_mm: two fingertips cannot be nearer.
+        most: fingers of a gesture [NT, "Creation of the Gesture Detection Dataset"].
+        noise_gain: sum of squares, in noise variances, that a finger must explain.
+        field_gain: the same, in squares of the largest motion. Finite elements and the closed form
+            differ by less than 0.4 for one finger; a real second finger brings 1.3 and more.
+        model_error: rms difference of the gel and the closed form, share of the largest motion.
+        least_mm: a motion below this is no finger yet.
+        least_noise_mm: the least error of a tracked marker, one axis.
+    """
+
+    radius_mm: float = 6.5
+    reach_mm: float = 26.5
+    spacing_mm: float = 8.5
+    most: int = 3
+    noise_gain: float = 40.0
+    field_gain: float = 0.8
+    model_error: float = 0.05
+    least_mm: float = 0.2
+    least_noise_mm: float = 0.06
+
+
+@dataclass(slots=True, eq=False)
+class Fit:
+    """Fingers that explain one field.
+
+    Attributes:
+        centres: (k, 2) mm, on the gel at rest.
+        radii: (k,) mm.
+        motions: (k, 3) mm, mm, rad.
+        offset: (2,) mm, what everything moved by.
+        residual: (n, 2) mm.
+        cost: weighted sum of squares of the residual, mm².
+    """
+
+    centres: Floats
+    radii: Floats
+    motions: Floats
+    offset: Floats
+    residual: Floats
+    cost: float = 0.0
+
+    @property
+    def largest_mm(self) -> float:
+        """The largest motion of a finger."""
+        if not len(self.motions):
+            return 0.0
+        return float(np.sqrt((self.motions[:, :2] ** 2).sum(axis=1).max()))
+
+
+class Hand:
+    """Follows up to three fingers; keeps where each one stuck to the gel."""
+
+    def __init__(self, config: HandConfig | None = None) -> None:
+        self.config = config or HandConfig()
+        far = np.hypot(*LATTICE_MM.T) <= self.config.reach_mm
+        self._sites = np.ascontiguousarray(LATTICE_MM[far])
+        self._points: Floats = np.zeros((0, 2))
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all fingers."""
+        self.fit: Fit | None = None
+        self.ids: tuple[int, ...] = ()
+        self._trust = np.zeros(0)
+        self._next_id = 0
+
+    def place(self, points_mm: Floats) -> None:
+        """Take new positions (177, 2) mm of the markers at rest."""
+        self._points = points_mm
+        count = len(self._sites)
+        self._atoms = np.empty((count * 3, len(points_mm) * 2))
+        fill_responses(points_mm, self._sites, self.config.radius_mm, self._atoms)
+        rows = self._atoms.reshape(count, 3, -1)
+        self._inverse = np.linalg.inv(
+            np.einsum("san,sbn->sab", rows, rows) + np.diag([1e-6, 1e-6, 1e-2])
+        )
+
+    def update(self, moved_mm: Floats, weight: Floats, noise_mm: float, *, forming: bool) -> None:
+        """Fit the fingers to the displacements of one slice.
+
+        Args:
+            moved_mm: (177, 2) mm.
+            weight: (177,), 0 for markers that were not measured.
+            noise_mm: error of a marker, one axis.
+            forming: the gesture has just begun: look at everything afresh.
+        """
+        noise_mm = max(noise_mm, self.config.least_noise_mm)
+        warm = self.fit
+        if warm is not None:
+            warm = self._refine(warm, moved_mm, weight, noise_mm, 1)
+            warm = self._extend(warm, moved_mm, weight, noise_mm)
+        if warm is None or forming:
+            cold = self._search(moved_mm, weight, noise_mm)
+            if warm is None or (
+                cold is not None and self._judge(cold, noise_mm) < 0.9 * self._judge(warm, noise_mm)
+            ):
+                warm = cold
+        self._adopt(warm)
+
+    def _adopt(self, fit: Fit | None) -> None:
+        """Take a fit; fingers keep the names of those that were near."""
+        if fit is None:
+            self.fit, self.ids, self._trust = None, (), np.zeros(0)
+            return
+        ids, trust = [], []
+        old = self.fit
+        free = list(range(len(self.ids)))
+        for centre in fit.centres:
+            near = None
+            if old is not None and free:
+                near = min(free, key=lambda k: float(np.hypot(*(old.centres[k] - centre))))
+                if np.hypot(*(old.centres[near] - centre)) > self.config.spacing_mm:
+                    near = None
+            if near is None:
+                ids.append(self._next_id)
+                trust.append(0.0)
+                self._next_id += 1
+            else:
+                free.remove(near)
+                ids.append(self.ids[near])
+                trust.append(min(0.98 * float(self._trust[near]) + 0.25, 12.0))
+        self.fit, self.ids, self._trust = fit, tuple(ids), np.array(trust)
+
+    def _price(self, largest_mm: float, noise_mm: float) -> float:
+        """What a finger must explain to be believed, mm²."""
+        config = self.config
+        return config.noise_gain * noise_mm**2 + config.field_gain * largest_mm**2
+
+    def _judge(self, fit: Fit, noise_mm: float) -> float:
+        return fit.cost + len(fit.centres) * self._price(fit.largest_mm, noise_mm)
+
+    def _refine(self, fit: Fit, moved: Floats, weight: Floats, noise: float, n_steps: int) -> Fit:
+        new = Fit(
+            fit.centres.copy(),
+            fit.radii.copy(),
+            fit.motions.copy(),
+            np.zeros(2),
+            np.zeros_like(moved),
+        )
+        trust = self._trust
+        if len(trust) != len(fit.centres):
+            trust = np.zeros(len(fit.centres))
+            trust[: len(self._trust)] = self._trust[: len(trust)]
+        new.cost = refine(
+            self._points,
+            moved,
+            weight,
+            new.centres,
+            new.radii,
+            fit.centres.copy(),
+            trust,
+            new.motions,
+            new.offset,
+            new.residual,
+            noise,
+            self.config.model_error,
+            n_steps,
+        )
+        return new
+
+    def _gains(self, residual: Floats, weight: Floats, fit: Fit | None) -> Floats:
+        p = (self._atoms @ (residual * weight[:, None]).ravel()).reshape(-1, 3)
+        gain: Floats = (p * (self._inverse @ p[:, :, None])[:, :, 0]).sum(axis=1)
+        if fit is not None:
+            apart = np.hypot(*(self._sites[:, None] - fit.centres).transpose(2, 0, 1)).min(axis=1)
+            gain[apart < self.config.spacing_mm] = 0.0
+        return gain
+
+    def _extend(self, fit: Fit, moved: Floats, weight: Floats, noise: float) -> Fit:
+        """The fit with one finger more, if the field asks for it."""
+        if len(fit.centres) >= self.config.most:
+            return fit
+        gain = self._gains(fit.residual, weight, fit)
+        site = int(gain.argmax())
+        price = self._price(fit.largest_mm, noise)
+        if gain[site] < 0.4 * price:
+            return fit
+        more = self._add(fit, site, moved, weight, noise)
+        return more if fit.cost - more.cost > price and self._apart(more) else fit
+
+    def _add(self, fit: Fit, site: int, moved: Floats, weight: Floats, noise: float) -> Fit:
+        more = Fit(
+            np.vstack([fit.centres, self._sites[site]]),
+            np.append(fit.radii, self.config.radius_mm),
+            np.vstack([fit.motions, np.zeros(3)]),
+            fit.offset,
+            fit.residual,
+        )
+        more = self._refine(more, moved, weight, noise, 0)
+        return self._refine(more, moved, weight, noise, 3)
+
+    def _apart(self, fit: Fit) -> bool:
+        c = fit.centres
+        return all(
+            np.hypot(*(c[i] - c[j])) > 0.85 * self.config.spacing_mm
+            for i in range(len(c))
+            for j in range(i)
+        )
+
+    def _search(self, moved: Floats, weight: Floats, noise: float) -> Fit | None:
+        """Fingers found from nothing, the strongest first."""
+        nobody = Fit(np.zeros((0, 2)), np.zeros(0), np.zeros((0, 3)), np.zeros(2), moved)
+        common = np.median(moved[weight > 0], axis=0)
+        gain = self._gains(moved - common, weight, None)
+        site = int(gain.argmax())
+        if gain[site] < self.config.noise_gain * noise**2:
+            return None
+        fit = self._add(nobody, site, moved, weight, noise)
+        if fit.largest_mm < self.config.least_mm:
+            return None
+        best = fit
+        while len(fit.centres) < self.config.most:
+            gain = self._gains(fit.residual, weight, fit)
+            site = int(gain.argmax())
+            if gain[site] < 0.3 * self._price(fit.largest_mm, noise):
+                break
+            fit = self._add(fit, site, moved, weight, noise)
+            if self._apart(fit) and self._judge(fit, noise) < self._judge(best, noise):
+                best = fit
+        return best

@@ -1,0 +1,99 @@
+"""From displacements to a gesture by fitting the fingers that cause them."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.geometry import Rig
+from neurotouch_hid.gesture.elastic.decision import Decision
+from neurotouch_hid.gesture.elastic.hand import Hand
+from neurotouch_hid.gesture.elastic.motion import measure_motion
+from neurotouch_hid.messages import Gesture, GestureKind, no_gesture
+
+Floats = NDArray[np.float64]
+
+SHOWN_MM = 0.3  # people label a contact from about this motion on
+NOISE_US = 500_000  # time constant of the noise of the markers, measured at rest
+
+
+class ElasticMethod:
+    """Remembers the hand and the gesture from slice to slice."""
+
+    def __init__(self) -> None:
+        self._hand = Hand()
+        self._decision = Decision()
+        self._rest_px: NDArray[np.float32] | None = None
+        self._noise_mm = 0.08
+        self._shown: set[int] = set()
+
+    def reset(self) -> None:
+        """Forget the gesture."""
+        self._hand.reset()
+        self._decision.reset()
+        self._shown.clear()
+
+    def update(
+        self,
+        t_us: int,
+        step_us: int,
+        rest_px: NDArray[np.float32],
+        position_px: NDArray[np.float32],
+        use: NDArray[np.bool_],
+        rig: Rig,
+    ) -> Gesture:
+        """The gesture at the end of a slice.
+
+        Args:
+            t_us: the moment.
+            step_us: time since the slice before.
+            rest_px: (177, 2) px; a new array object when it changed.
+            position_px: (177, 2) px.
+            use: (177,), measured markers.
+            rig: of ``rest_px``.
+        """
+        if rest_px is not self._rest_px:
+            self._rest_px = rest_px
+            self._hand.place(rig.to_mm(rest_px))
+        moved = np.where(use[:, None], rig.vector_to_mm(position_px - rest_px), 0.0)
+        hand, decision = self._hand, self._decision
+        hand.update(moved, use.astype(np.float64), self._noise_mm, forming=decision.is_forming)
+        fit = hand.fit
+        if fit is None:
+            self._listen(moved[use], step_us)
+            decision.update(step_us, 0.0, np.zeros(len(GestureKind)))
+            if decision.kind is GestureKind.NONE:
+                self.reset()
+            return no_gesture(t_us)
+        motion = measure_motion(fit.centres, fit.radii, fit.motions)
+        decision.update(step_us, fit.largest_mm, motion.parts_mm)
+        if decision.kind is GestureKind.NONE:
+            if fit.largest_mm < hand.config.least_mm:
+                self.reset()
+            return no_gesture(t_us)
+        lengths = np.hypot(*fit.motions[:, :2].T)
+        self._shown |= {k for k, mm in zip(hand.ids, lengths, strict=True) if mm >= SHOWN_MM}
+        shown = np.array([k in self._shown for k in hand.ids])
+        if not shown.any():
+            shown[int(lengths.argmax())] = True
+        contacts = fit.centres[shown] + fit.motions[shown, :2]
+        return Gesture(
+            t_us=t_us,
+            kind=decision.kind,
+            contacts_mm=contacts,
+            contacts_px=rig.to_px(contacts),
+            intensity_mm=float(lengths[shown].mean()),
+            translation_mm=motion.translation_mm,
+            rotation_rad=motion.rotation_rad,
+            scale=motion.scale,
+            confidence=decision.confidence,
+            phase=decision.phase,
+            speed_mm_s=decision.speed_mm_s,
+            finger_ids=tuple(k for k, seen in zip(hand.ids, shown, strict=True) if seen),
+            motion_mm=fit.motions[shown, :2].copy(),
+        )
+
+    def _listen(self, moved: Floats, step_us: int) -> None:
+        """Measures the noise of the markers while nothing moves."""
+        spread = 1.4826 * float(np.median(np.abs(moved - np.median(moved, axis=0))))
+        self._noise_mm += (1.0 - math.exp(-step_us / NOISE_US)) * (spread - self._noise_mm)
