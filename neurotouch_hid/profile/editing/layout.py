@@ -101,9 +101,7 @@ def _make_part(node: Any, text: str) -> Part:  # at most document.MAX_DEPTH deep
     if isinstance(node, MappingNode):
         for key, value in node.value:
             part = _make_part(value, text)
-            entries.append(
-                Entry(str(key.value), key.start_mark.index, key.end_mark.index, part)
-            )
+            entries.append(Entry(str(key.value), key.start_mark.index, key.end_mark.index, part))
     elif is_list:
         for i, value in enumerate(node.value):
             part = _make_part(value, text)

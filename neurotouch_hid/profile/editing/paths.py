@@ -19,9 +19,10 @@ from neurotouch_hid.profile.schema import Layer, Profile, Safety, SafetyGesture
 from neurotouch_hid.profile.shaping import CURVES
 from neurotouch_hid.profile.targets import MICE, TARGETS, Repeat
 from neurotouch_hid.profile.timing import Timing
-from neurotouch_hid.profile.user import Range, Ranges, UserSettings
+from neurotouch_hid.profile.user import Range, Ranges
 
 _PART: Final = re.compile(r"\[(\d+)\]|([^.\[\]]+)")
+_PATH: Final = re.compile(r"[^.\[\]]+(\.[^.\[\]]+|\[\d+\])*")
 _INSIDE: Final[dict[str, type[BaseModel]]] = {
     "timing": Timing,
     "safety": Safety,
@@ -62,9 +63,9 @@ def find_way(document: Any, path: str, model: type[BaseModel] = Profile) -> Way:
     Raises:
         ProfileError: it leads nowhere, or a part could mean several things.
     """
-    parts = [number or word for number, word in _PART.findall(path)]
-    if not parts or _PART.sub("", path).replace(".", ""):
+    if not _PATH.fullmatch(path):
         raise _refuse(path, "")
+    parts = [number or word for number, word in _PART.findall(path)]
     value, keys = document, ()
     for i, part in enumerate(parts):
         hop = _hop(value, part, keys)
@@ -132,9 +133,7 @@ def _hop(value: Any, part: str, keys: Keys) -> Keys | None:
     return None
 
 
-def _find_new(
-    value: Any, keys: Keys, rest: list[str], path: str, model: type[BaseModel]
-) -> Way:
+def _find_new(value: Any, keys: Keys, rest: list[str], path: str, model: type[BaseModel]) -> Way:
     """The way to a key that does not stand there yet."""
     part = rest[0]
     if isinstance(value, dict) and len(rest) == 1:
@@ -222,7 +221,3 @@ def _list_leaves(key: str, value: Any) -> Iterator[str]:
         yield key
     for name in dict.fromkeys([*inner, *(model.model_fields if model is not None else ())]):
         yield from _list_leaves(f"{key}.{name}", inner.get(name))
-
-
-ROOTS: Final[dict[str, type[BaseModel]]] = {"profile": Profile, "user": UserSettings}
-"""What a file may be."""

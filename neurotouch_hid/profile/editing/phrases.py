@@ -1,0 +1,115 @@
+"""Bindings as people say them: ``push left tap``, ``toggle button a``; as ``description`` words them.
+
+When: a gesture, then any of a direction, ``at the ZONE``, ``with 2 fingers``, ``soft``, ``hard``,
+``tap``, ``double``, ``hold``, ``long``, ``from 7 mm``; or gestures joined by ``then``.
+Do: ``stick left``, ``axis right_x -``, ``trigger right``, ``button a``, ``dpad up``, ``key ctrl+c``,
+``mouse left``, ``mouse pointer``, ``mouse wheel``, ``layer NAME``, ``pause``, ``panic``, ``rezero``,
+``next profile``; before it a mode: ``toggle``, ``sticky``, ``oneshot``, ``turbo``.
+"""
+
+import re
+from typing import Any, Final, get_args
+
+from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.profile.conditions import GestureName, PressName, Zone
+from neurotouch_hid.profile.editing.values import parse_value
+from neurotouch_hid.profile.faults import make_printable, suggest
+from neurotouch_hid.profile.targets import TARGETS, CommandName, EightWay, ModeName
+
+_GESTURES: Final = sorted(get_args(GestureName), key=len, reverse=True)
+_WAYS: Final = sorted(get_args(EightWay), key=len, reverse=True)
+_COMMANDS: Final = get_args(CommandName)
+_MODES: Final = get_args(ModeName)
+_KEYS: Final = {
+    **dict.fromkeys(_WAYS, "direction"),
+    **dict.fromkeys(get_args(PressName), "press"),
+    **dict.fromkeys(("soft", "hard"), "level"),
+}
+_LONG: Final = {
+    r"\bat (?:the )?(\w+)\b": "zone",
+    r"\bwith (\d+) fingers?\b": "contacts",
+    r"\bfrom ([\d.]+) ?mm\b": "on_mm",
+    r"\bin (?:its )?(\w+)\b": "phase",
+}
+
+
+def parse_when(words: str) -> Any:
+    """What a profile writes after ``when:``.
+
+    Raises:
+        ProfileError: the words mean no gesture.
+    """
+    if words.lstrip().startswith("{"):
+        return parse_value(words)
+    if " then " in words:
+        return {"sequence": [_join(step) for step in words.split(" then ")]}
+    rest, found = words.lower(), {}
+    for pattern, key in _LONG.items():
+        hit = re.search(pattern, rest)
+        if hit is not None:
+            value = hit[1]
+            found[key] = int(value) if key == "contacts" else value
+            if key == "on_mm":
+                found[key] = parse_value(value)
+            rest = rest[: hit.start()] + rest[hit.end() :]
+    if found.get("zone") not in (None, *get_args(Zone)):
+        raise _refuse(words, str(found["zone"]), get_args(Zone))
+    gesture, *others = _split(rest, [*_GESTURES, *_KEYS]) or [""]
+    if gesture not in _GESTURES:
+        raise _refuse(words, gesture, _GESTURES)
+    for word in others:
+        if word not in _KEYS or _KEYS[word] in found:
+            raise _refuse(words, word, list(_KEYS))
+        found[_KEYS[word]] = word
+    order = ("direction", "zone", "contacts", "level", "press", "phase", "on_mm")
+    narrowed = {key: found[key] for key in order if key in found}
+    return {"gesture": gesture, **narrowed} if narrowed else gesture
+
+
+def parse_do(words: str) -> dict[str, Any]:
+    """What a profile writes after ``do:``.
+
+    Raises:
+        ProfileError: the words mean no output.
+    """
+    if words.lstrip().startswith("{"):
+        value = parse_value(words)
+        return value if isinstance(value, dict) else {}
+    parts = words.lower().split()
+    command = _join(words)
+    if command in _COMMANDS:
+        return {"command": command}
+    mode = {"mode": parts.pop(0)} if parts and parts[0] in _MODES else {}
+    if len(parts) < 2 or parts[0] not in TARGETS:
+        raise _refuse(words, parts[0] if parts else "", [*TARGETS, *_COMMANDS, *_MODES])
+    target, *what = parts
+    if target == "axis" and what[-1] in ("+", "-") and len(what) > 1:
+        return {"axis": "_".join(what[:-1]), "sign": what[-1], **mode}
+    name = "_".join(what)
+    return {target: "motion" if (target, name) == ("mouse", "pointer") else name, **mode}
+
+
+def _join(words: str) -> str:
+    return "_".join(words.lower().split())
+
+
+def _split(words: str, known: list[str]) -> list[str]:
+    """The words, with those that belong together joined: ``twist cw`` is ``twist_cw``."""
+    line = "_".join(words.replace("-", "_").split())
+    found = []
+    longest = sorted(known, key=len, reverse=True)
+    while line:
+        word = next((w for w in longest if line == w or line.startswith(f"{w}_")), None)
+        word = word if word is not None else line.partition("_")[0]
+        found.append(word)
+        line = line[len(word) :].lstrip("_")
+    return found
+
+
+def _refuse(words: str, word: str, known: Any) -> ProfileError:
+    shown, near = make_printable(words[:80]), suggest(word, list(known)) if word else ""
+    choice = f"Known: {', '.join(known)}."
+    return ProfileError(
+        f"'{shown}' is not understood" + (f": '{make_printable(word[:40])}'" if word else ""),
+        hint=near[:1].upper() + near[1:] or choice,
+    )

@@ -1,0 +1,204 @@
+"""The edits people ask for: set a value, go back to a default, bind, unbind, rename, upgrade."""
+
+from typing import Any, Final
+
+from pydantic import BaseModel
+
+from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.profile.editing.changes import (
+    append_item,
+    insert_key,
+    remove_value,
+    replace_value,
+)
+from neurotouch_hid.profile.editing.layout import read_layout
+from neurotouch_hid.profile.editing.paths import find_way, list_known, name_bindings
+from neurotouch_hid.profile.faults import Keys, suggest
+from neurotouch_hid.profile.schema import Profile
+
+VERSION: Final = 1
+SPOKEN: Final = (
+    "sequence",
+    "gesture",
+    "direction",
+    "zone",
+    "contacts",
+    "level",
+    "press",
+    "phase",
+    "on_mm",
+)
+"""The keys of ``when`` that tell bindings apart for people."""
+
+MODELINE: Final = "# yaml-language-server: $schema="
+
+
+def set_value(text: str, path: str, value: Any, model: type[BaseModel] = Profile) -> str:
+    """The text with a value at the place a person names; what is missing on the way is added.
+
+    Raises:
+        ProfileError: the path leads nowhere.
+    """
+    _, document = read_layout(text, "the file")
+    way = find_way(document, path, model)
+    if way.exists:
+        return replace_value(text, way.keys, value)
+    if way.widen is not None:
+        keys, key = way.widen
+        text = replace_value(text, keys, {key: _look(document, keys)})
+    return insert_at(text, way.keys, value, model)
+
+
+def reset_value(text: str, path: str, model: type[BaseModel] = Profile) -> str:
+    """The text without the value at the place a person names, so that the default holds.
+
+    Raises:
+        ProfileError: the path leads nowhere, or nothing stands there.
+    """
+    _, document = read_layout(text, "the file")
+    way = find_way(document, path, model)
+    if not way.exists:
+        raise ProfileError(f"'{path}' is not set, its default holds already")
+    return remove_value(text, way.keys)
+
+
+def insert_at(text: str, keys: Keys, value: Any, model: type[BaseModel] = Profile) -> str:
+    """The text with a value at a new place, with the mappings on the way that are missing."""
+    _, document = read_layout(text, "the file")
+    n = len(keys) - 1
+    while n and _look(document, keys[:n]) is None:
+        value, n = {keys[n]: value}, n - 1
+    parent = _look(document, keys[:n])
+    return insert_key(text, keys[:n], str(keys[n]), value, list_known(parent, keys[:n], model))
+
+
+def bind(text: str, when: Any, do: Any, layer: str | None = None, *, add: bool = False) -> str:
+    """The text with a binding; one for the same ``when`` gets a new ``do`` instead.
+
+    Args:
+        text: the profile.
+        when: a gesture as a profile writes it.
+        do: an output as a profile writes it.
+        layer: the name of the layer; by default the first one.
+        add: keep one for the same ``when`` and stand beside it.
+
+    Raises:
+        ProfileError: there is no such layer.
+    """
+    _, document = read_layout(text, "the file")
+    keys = find_bindings(document, layer)
+    bindings = _look(document, keys)
+    if bindings is None:
+        return insert_at(text, keys, [{"when": when, "do": do}])
+    same = [i for i, binding in enumerate(bindings) if _is_same(binding["when"], when)]
+    if same and not add:
+        return replace_value(text, (*keys, same[0], "do"), do)
+    return append_item(text, keys, {"when": when, "do": do})
+
+
+def unbind(text: str, when: Any, do: Any = None, layer: str | None = None) -> str:
+    """The text without the bindings for ``when``, or only without those of them that do ``do``.
+
+    Raises:
+        ProfileError: there is no such layer or binding, or it is the last one.
+    """
+    _, document = read_layout(text, "the file")
+    keys = find_bindings(document, layer)
+    bindings = _look(document, keys) or []
+    gone = [
+        i
+        for i, binding in enumerate(bindings)
+        if _is_same(binding["when"], when) and (do is None or _is_part(do, binding["do"]))
+    ]
+    if not gone:
+        names = ", ".join(name_bindings(bindings))
+        raise ProfileError("there is no such binding", hint=f"Bindings here: {names or 'none'}.")
+    if len(gone) == len(bindings):
+        raise ProfileError(
+            "the last binding of a layer cannot be removed", hint="Bind something else first."
+        )
+    for i in reversed(gone):
+        text = remove_value(text, (*keys, i))
+    return text
+
+
+def find_bindings(document: Any, layer: str | None) -> Keys:
+    """The way to the bindings of a layer; of the first one without a name.
+
+    Raises:
+        ProfileError: there is no such layer.
+    """
+    layers = document.get("layers", [])
+    names = [str(inner.get("name")) for inner in layers]
+    if layer in names:
+        return ("layers", names.index(layer), "bindings")
+    if layer is None or layer == "base":
+        return ("bindings",) if "bindings" in document or not layers else ("layers", 0, "bindings")
+    near = suggest(layer, names)
+    raise ProfileError(
+        f"there is no layer '{layer}'", hint=near or f"Layers: {', '.join(names) or 'none'}."
+    )
+
+
+def adopt(text: str, name: str, schema: str) -> str:
+    """The text as a profile of this name in another folder: ``name`` and schema line made right.
+
+    Args:
+        text: the profile.
+        name: what it is to be called.
+        schema: the path of the schema, as seen from its new folder.
+    """
+    first, newline, rest = text.partition("\n")
+    if first.startswith(MODELINE):
+        text = MODELINE + schema + ("\r" if first.endswith("\r") else "") + newline + rest
+    _, document = read_layout(text, name)
+    if isinstance(document, dict) and "name" in document and document["name"] != name:
+        return replace_value(text, ("name",), name)
+    return text
+
+
+def upgrade(text: str, schema: str) -> str:
+    """The text in the present version of the format, with a schema line for editors.
+
+    Raises:
+        ProfileError: it is of a version we do not know.
+    """
+    _, document = read_layout(text, "the file")
+    if not isinstance(document, dict):
+        raise ProfileError("the file is not a profile")
+    version = document.get("version", 0)
+    if version not in range(VERSION + 1):
+        raise ProfileError(
+            f"the file is of version {version}, this program knows {VERSION}",
+            hint="Update the program.",
+        )
+    if version == 0:  # files from before there were versions
+        text = remove_value(text, ("version",)) if "version" in document else text
+        begin = read_layout(text, "the file")[0].begin
+        text = f"{text[:begin]}version: {VERSION}\n{text[begin:]}"
+    if MODELINE not in text:
+        text = f"{MODELINE}{schema}\n{text}"
+    return text
+
+
+def _look(document: Any, keys: Keys) -> Any:
+    for key in keys:
+        if isinstance(document, dict) and key not in document:
+            return None
+        document = document[key]
+    return document
+
+
+def _is_same(when: Any, named: Any) -> bool:
+    """True if people say both in the same words; thresholds and times beyond those do not count."""
+    first, second = (_say(value) for value in (when, named))
+    return first == second
+
+
+def _say(when: Any) -> Any:
+    narrowed = {"gesture": when} if isinstance(when, str) else when
+    return {key: value for key, value in narrowed.items() if key in SPOKEN}
+
+
+def _is_part(do: Any, whole: Any) -> bool:
+    return all(whole.get(key) == value for key, value in do.items())

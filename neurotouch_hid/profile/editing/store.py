@@ -1,0 +1,170 @@
+"""Saving: whole or not at all, with the versions before kept beside."""
+
+import os
+import re
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.profile.faults import make_printable
+
+KEPT: Final = 20
+_VERSION_FILE: Final = re.compile(r"(\d{6})-([\w-]+)\.yaml")
+
+
+@dataclass(frozen=True, slots=True)
+class Version:
+    """What a file was once.
+
+    Attributes:
+        number: counts up from 1.
+        stamp: when it was replaced.
+        path: where it is kept.
+    """
+
+    number: int
+    stamp: str
+    path: Path
+
+
+class Store:
+    """A file and its earlier versions in ``.history/NAME/`` beside it.
+
+    Args:
+        path: the file; its name without the suffix is NAME. It need not exist.
+        stamp: gives the present moment as letters, digits, ``-`` and ``_``.
+        kept: how many versions are kept.
+    """
+
+    def __init__(self, path: Path, stamp: Callable[[], str], *, kept: int = KEPT) -> None:
+        self.path = path
+        self._stamp = stamp
+        self._kept = kept
+        self._folder = path.parent / ".history" / path.stem
+
+    def read(self) -> bytes | None:
+        """What stands there now, or None."""
+        try:
+            return self.path.read_bytes()
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            raise _fail(self.path, "read", error) from None
+
+    def save(self, content: bytes, *, over: bytes | None) -> None:
+        """Puts the content in the file's place and keeps what stood there.
+
+        Args:
+            content: the new content.
+            over: what the edit began with; None if there was no file.
+
+        Raises:
+            ProfileError: somebody else changed the file meanwhile, or it cannot be written; then
+                it is as it was.
+        """
+        if self.read() != over:
+            raise ProfileError(
+                f"{self.path} was changed by somebody else meanwhile", hint="Do it once more."
+            )
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            if over is not None:
+                self.keep(over)
+            write_whole(self.path, content)
+        except OSError as error:
+            raise _fail(self.path, "written; it is as it was", error) from None
+
+    def keep(self, content: bytes) -> None:
+        """Keeps a content as the newest version, without touching the file."""
+        versions = self.versions()
+        if versions and versions[0].path.read_bytes() == content:
+            return
+        number = versions[0].number + 1 if versions else 1
+        self._folder.mkdir(parents=True, exist_ok=True)
+        write_whole(self._folder / f"{number:06d}-{self._stamp()}.yaml", content)
+        for version in versions[self._kept - 1 :]:
+            version.path.unlink(missing_ok=True)
+
+    def versions(self) -> list[Version]:
+        """The versions before, newest first."""
+        found = []
+        for path in self._folder.glob("*.yaml") if self._folder.is_dir() else ():
+            parts = _VERSION_FILE.fullmatch(path.name)
+            if parts is not None:
+                found.append(Version(int(parts[1]), parts[2], path))
+        return sorted(found, key=lambda version: version.number, reverse=True)
+
+    def undo(self) -> Version:
+        """Takes the file back to the version before; again, to the one before that.
+
+        What stands there now stays among the versions, so nothing is lost.
+
+        Raises:
+            ProfileError: there is none, or it cannot be written.
+        """
+        content, versions = self.read(), self.versions()
+        known = [version.path.read_bytes() for version in versions]
+        place = known.index(content) if content in known else -1
+        if place + 1 >= len(versions):
+            raise ProfileError(f"there is nothing to undo for '{self.path.stem}'")
+        return self._put_back(versions[place + 1], content, is_known=place >= 0)
+
+    def restore(self, number: int) -> Version:
+        """Takes the file back to a version.
+
+        Raises:
+            ProfileError: there is none of this number, or it cannot be written.
+        """
+        content, versions = self.read(), self.versions()
+        version = next((version for version in versions if version.number == number), None)
+        if version is None:
+            numbers = ", ".join(str(version.number) for version in versions) or "none"
+            raise ProfileError(
+                f"'{self.path.stem}' has no version {number}", hint=f"Versions kept: {numbers}."
+            )
+        return self._put_back(version, content, is_known=False)
+
+    def _put_back(self, version: Version, content: bytes | None, *, is_known: bool) -> Version:
+        back = version.path.read_bytes()
+        try:
+            if content is not None and not is_known:
+                self.keep(content)
+            write_whole(self.path, back)
+        except OSError as error:
+            raise _fail(self.path, "written; it is as it was", error) from None
+        return version
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Writes a file so that at every moment the old or the new one is there, never a part.
+
+    A link stays a link, and the file's mode stays.
+
+    Raises:
+        OSError: it could not be written; the old file is still there.
+    """
+    path = path.resolve()
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        with part.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        if path.exists():
+            shutil.copymode(path, part)
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+    folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)
+
+
+def _fail(path: Path, what: str, error: OSError) -> ProfileError:
+    reason = error.strerror or str(error)
+    return ProfileError(f"{make_printable(str(path))} cannot be {what}: {reason}")
