@@ -71,11 +71,9 @@ class FrameCorrection:
         t_us = float(tracks.state[:, kernels.T].max())
         now_px = tracks.state[:, :2].copy()
         kernels.expect(now_px, ~astray, tracks, self._expected_px, self._spread_px)
-        for i in np.flatnonzero(astray):
-            x, y = self._expected_px[i]
-            if not np.isfinite(x):
-                x, y = rest.position_px[i]
-            kernels.place(i, x, y, 1.0, t_us, tracks)
+        unknown = ~np.isfinite(self._expected_px)
+        self._expected_px[unknown] = rest.position_px[unknown]
+        kernels.place(np.flatnonzero(astray), self._expected_px[astray], 1.0, t_us, tracks)
         tracks.lost[astray] = True
 
     def _positions_at(self, t_us: int) -> NDArray[np.float64] | None:

@@ -7,12 +7,16 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+
 X, Y, VX, VY, A, B, C, T = range(8)
-CELL_PX = 8  # an event looks at the 2 x 2 cells around it: exact for gates up to half a cell
-SHIFT = np.uint64(3)  # log2(CELL_PX)
-CELL_CAPACITY = 32  # markers in 2 x 2 cells: as many as 3 px apart
-GRID_COLUMNS = 46  # 346 px in cells, and a border on both sides
-GRID_ROWS = 35  # 260 px in cells, and a border on both sides
+TILE_PX = 4  # every tile lists the markers that its events may belong to
+SHIFT = np.uint64(2)  # log2(TILE_PX)
+TILE_COLUMNS = -(-SENSOR_WIDTH_PX // TILE_PX)
+TILE_ROWS = -(-SENSOR_HEIGHT_PX // TILE_PX)
+TILE_CAPACITY = 32  # markers within reach of a tile: as many as 3 px apart
+REACH_PX = 6.0  # the largest gate, 4 px, and what a marker at 750 px/s moves between two checks
+SEAT_PX = 0.5  # a marker is listed anew when it has moved so far
 SECOND = 1e-6  # in µs
 
 
@@ -23,9 +27,10 @@ class Tracks(NamedTuple):
         state: (n, 8) float64, a cache line each. Columns: position X, Y (px), velocity VX, VY
             (px/s), the covariance A = var(position) (px²), B = cov(position, velocity) (px²/s),
             C = var(velocity) (px²/s²), the same for x and y, and the moment T (µs) of all these.
-        near: (cells, k) uint16, the markers in the 2 x 2 cells whose top left one this is.
-        n_near: (cells,) int16, their number.
-        cell: (n,) int16, the cell a marker lies in, or -1.
+        near: (tiles, k) uint16, the markers that were seated within ``REACH_PX`` of a tile, along
+            x and along y.
+        n_near: (tiles,) int16, their number.
+        seat_px: (n, 2) float64, where each marker was when it was seated; NaN before.
         lost: (n,) bool, the position is a guess.
         rest_px: (n, 2) float64, positions while the gel is undeformed.
         neighbours: (n, 8) intp, -1 where there is none.
@@ -37,7 +42,7 @@ class Tracks(NamedTuple):
     state: NDArray[np.float64]
     near: NDArray[np.uint16]
     n_near: NDArray[np.int16]
-    cell: NDArray[np.int16]
+    seat_px: NDArray[np.float64]
     lost: NDArray[np.bool_]
     rest_px: NDArray[np.float64]
     neighbours: NDArray[np.intp]
@@ -61,50 +66,66 @@ class Tuning(NamedTuple):
     max_stray_ratio: float
 
 
-@njit(cache=True, nogil=True, inline="always")
-def _cell_of(x: float, y: float) -> int:
-    column = min(max(math.floor(x * (1.0 / CELL_PX)) + 1, 0), GRID_COLUMNS - 1)
-    row = min(max(math.floor(y * (1.0 / CELL_PX)) + 1, 0), GRID_ROWS - 1)
-    return row * GRID_COLUMNS + column
+@njit(cache=True, nogil=True)
+def _tiles_near(x: float, y: float) -> tuple[int, int, int, int]:
+    """The tiles within reach of a place: first and last row (excluded), the same for columns."""
+    top, bottom = math.floor((y - REACH_PX) / TILE_PX), math.floor((y + REACH_PX) / TILE_PX)
+    left, right = math.floor((x - REACH_PX) / TILE_PX), math.floor((x + REACH_PX) / TILE_PX)
+    return (
+        max(top, 0),
+        min(bottom + 1, TILE_ROWS),
+        max(left, 0),
+        min(right + 1, TILE_COLUMNS),
+    )
 
 
 @njit(cache=True, nogil=True)
-def _move(i: int, old: int, new: int, tracks: Tracks) -> None:
-    """Strike marker ``i`` off the four lists around its old cell, enter it around its new one."""
-    for offset in (0, 1, GRID_COLUMNS, GRID_COLUMNS + 1):
-        corner = old - offset
-        if old >= 0 and corner >= 0:
-            n = tracks.n_near[corner]
-            for k in range(n):
-                if tracks.near[corner, k] == i:
-                    tracks.near[corner, k] = tracks.near[corner, n - 1]
-                    tracks.n_near[corner] = n - 1
-                    break
-    for offset in (0, 1, GRID_COLUMNS, GRID_COLUMNS + 1):
-        corner = new - offset
-        if corner >= 0 and tracks.n_near[corner] < tracks.near.shape[1]:
-            tracks.near[corner, tracks.n_near[corner]] = i
-            tracks.n_near[corner] += 1
-    tracks.cell[i] = new
+def seat(tracks: Tracks) -> None:
+    """Keep the lists of the tiles true after markers have moved."""
+    # The arrays are taken out of the tuple: handing it on for each marker would cost 50 ns.
+    state, seat_px, near, n_near = tracks.state, tracks.seat_px, tracks.near, tracks.n_near
+    for i in range(len(state)):
+        x, y = state[i, X], state[i, Y]
+        old_x, old_y = seat_px[i, X], seat_px[i, Y]
+        if abs(x - old_x) <= SEAT_PX and abs(y - old_y) <= SEAT_PX:
+            continue
+        if not math.isnan(old_x):
+            top, bottom, left, right = _tiles_near(old_x, old_y)
+            for row in range(top, bottom):
+                for tile in range(row * TILE_COLUMNS + left, row * TILE_COLUMNS + right):
+                    _strike(i, tile, near, n_near)
+        top, bottom, left, right = _tiles_near(x, y)
+        for row in range(top, bottom):
+            for tile in range(row * TILE_COLUMNS + left, row * TILE_COLUMNS + right):
+                _enter(i, tile, near, n_near)
+        seat_px[i, X], seat_px[i, Y] = x, y
 
 
-@njit(cache=True, nogil=True, inline="always")
-def seat(i: int, tracks: Tracks) -> None:
-    """Keep the lists of the grid true after marker ``i`` has moved."""
-    cell = _cell_of(tracks.state[i, X], tracks.state[i, Y])
-    if cell != tracks.cell[i]:
-        _move(i, tracks.cell[i], cell, tracks)
+@njit(cache=True, nogil=True)
+def _strike(i: int, tile: int, near: NDArray[np.uint16], n_near: NDArray[np.int16]) -> None:
+    last = n_near[tile] - 1
+    for k in range(last + 1):
+        if near[tile, k] == i:
+            near[tile, k] = near[tile, last]
+            n_near[tile] = last
+            return
+
+
+@njit(cache=True, nogil=True)
+def _enter(i: int, tile: int, near: NDArray[np.uint16], n_near: NDArray[np.int16]) -> None:
+    if n_near[tile] < near.shape[1]:
+        near[tile, n_near[tile]] = i
+        n_near[tile] += 1
 
 
 @njit(cache=True, nogil=True, inline="always")
 def nearest(x: int, y: int, gate_px2: float, tracks: Tracks) -> int:
     """The marker nearest to pixel (x, y) among those nearer than the gate, or -1."""
     # Unsigned: an index that may be negative would cost a test for each use.
-    row, column = np.uint64(y + CELL_PX // 2) >> SHIFT, np.uint64(x + CELL_PX // 2) >> SHIFT
-    corner = row * np.uint64(GRID_COLUMNS) + column
+    tile = (np.uint64(y) >> SHIFT) * np.uint64(TILE_COLUMNS) + (np.uint64(x) >> SHIFT)
     best, best_px2 = -1, gate_px2
-    for k in range(tracks.n_near[corner]):
-        i = tracks.near[corner, k]
+    for k in range(tracks.n_near[tile]):
+        i = tracks.near[tile, k]
         dx, dy = x - tracks.state[i, X], y - tracks.state[i, Y]
         px2 = dx * dx + dy * dy
         closer = px2 < best_px2
@@ -158,7 +179,6 @@ def filter_events(
         s[VX], s[VY] = s[VX] * keep + k2 * dx, s[VY] * keep + k2 * dy
         s[A], s[B], s[C] = a - k1 * a, b - k1 * b, c - k2 * b
         s[T] = e.t
-        seat(i, tracks)
     return start
 
 
@@ -174,12 +194,19 @@ def predict(t_us: float, memory_s: float, tracks: Tracks, out_px: NDArray[np.flo
 
 
 @njit(cache=True, nogil=True)
-def place(i: int, x: float, y: float, variance_px2: float, t_us: float, tracks: Tracks) -> None:
-    """Put marker ``i``, at rest, where it is known to be."""
-    s = tracks.state[i]
-    s[X], s[Y], s[VX], s[VY], s[T] = x, y, 0.0, 0.0, t_us
-    s[A], s[B], s[C] = variance_px2, 0.0, 100.0
-    seat(i, tracks)
+def place(
+    markers: NDArray[np.intp],
+    at_px: NDArray[np.float64],
+    variance_px2: float,
+    t_us: float,
+    tracks: Tracks,
+) -> None:
+    """Put ``markers`` (k,), at rest, where they are known to be: (k, 2) px."""
+    for k in range(len(markers)):
+        s = tracks.state[markers[k]]
+        s[X], s[Y], s[VX], s[VY], s[T] = at_px[k, 0], at_px[k, 1], 0.0, 0.0, t_us
+        s[A], s[B], s[C] = variance_px2, 0.0, 100.0
+    seat(tracks)
 
 
 @njit(cache=True, nogil=True)
@@ -190,7 +217,7 @@ def shift(markers: NDArray[np.intp], by_px: NDArray[np.float64], tracks: Tracks)
         for axis in range(2):
             tracks.state[i, X + axis] += by_px[k, axis]
             tracks.past_px[i, :, axis] += by_px[k, axis]
-        seat(i, tracks)
+    seat(tracks)
 
 
 @njit(cache=True, nogil=True)
@@ -282,12 +309,12 @@ def check_neighbours(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     expected, spread, stray = np.empty((n, 2)), np.empty(n), np.empty(n, np.bool_)
     expect(position, ~tracks.lost, tracks, expected, spread)
     strays(position, expected, spread, tuning, stray)
-    for i in range(n):
-        if stray[i]:
-            position[i] = expected[i]
-            place(i, position[i, 0], position[i, 1], 4.0, float(t_us), tracks)
-            tracks.lost[i] = True
-            tracks.clock[2] += 1
+    astray = np.flatnonzero(stray)
+    for i in astray:
+        position[i] = expected[i]
+        tracks.lost[i] = True
+    place(astray, position[astray], 4.0, float(t_us), tracks)
+    tracks.clock[2] += len(astray)
     tracks.past_us[slot] = t_us
     tracks.clock[1] += 1
 

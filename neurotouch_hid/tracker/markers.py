@@ -89,12 +89,12 @@ class MarkerTracker:
         """Start without a gel; the first ``anchor`` gives one."""
         self._config = config or TrackerConfig()
         self._tuning = self._config.tuning()
-        n, n_cells = N_MARKERS, kernels.GRID_ROWS * kernels.GRID_COLUMNS
+        n, n_tiles = N_MARKERS, kernels.TILE_ROWS * kernels.TILE_COLUMNS
         self._tracks = kernels.Tracks(
             state=np.zeros((n, 8)),
-            near=np.zeros((n_cells, kernels.CELL_CAPACITY), np.uint16),
-            n_near=np.zeros(n_cells, np.int16),
-            cell=np.full(n, -1, np.int16),
+            near=np.zeros((n_tiles, kernels.TILE_CAPACITY), np.uint16),
+            n_near=np.zeros(n_tiles, np.int16),
+            seat_px=np.full((n, 2), np.nan),
             lost=np.zeros(n, np.bool_),
             rest_px=np.full((n, 2), np.nan),
             neighbours=NEIGHBOURS.copy(),  # writeable: kernels are compiled for one type only
@@ -124,8 +124,7 @@ class MarkerTracker:
             tracks.rest_px[:] = measured
             if not self._anchored:
                 t_us = float(rest.t_us if self._end_us is None else self._end_us)
-                for i, (x, y) in enumerate(measured):
-                    kernels.place(i, x, y, 1.0, t_us, tracks)
+                kernels.place(np.arange(N_MARKERS), measured, 1.0, t_us, tracks)
                 self._restart(int(t_us))
                 self._anchored = True
         else:

@@ -6,6 +6,9 @@ import statistics
 SECOND = 1e-6
 
 
+TILE, REACH = 4, 6.0
+
+
 def nearest(x, y, gate, positions):
     """The index of the nearest position nearer than the gate, or -1."""
     distance = [math.hypot(x - px, y - py) for px, py in positions]
@@ -13,11 +16,23 @@ def nearest(x, y, gate, positions):
     return best if distance[best] < gate else -1
 
 
-def filter_events(events, state, tuning):
+def listed(x, y, seat):
+    """Whether a marker that was seated there can be reached from the tile of pixel (x, y)."""
+    return all(
+        TILE * (v // TILE) <= s + REACH and s - REACH < TILE * (v // TILE + 1)
+        for v, s in ((x, seat[0]), (y, seat[1]))
+    )
+
+
+def filter_events(events, state, seat, tuning):
     """Matrix Kalman filter; ``state`` rows x, y, vx, vy, a, b, c, t are changed in place."""
     taken = []
     for t, x, y, _ in events:
-        i = nearest(x, y, tuning.gate_px, [row[:2] for row in state])
+        near = [
+            row[:2] if listed(x, y, s) else (math.inf,) * 2
+            for row, s in zip(state, seat, strict=True)
+        ]
+        i = nearest(x, y, tuning.gate_px, near)
         taken.append(i)
         if i < 0:
             continue

@@ -15,12 +15,12 @@ TUNING = TrackerConfig().tuning()
 
 
 def make_tracks(position_px, n_past=4):
-    n, n_cells = len(position_px), kernels.GRID_ROWS * kernels.GRID_COLUMNS
+    n, n_tiles = len(position_px), kernels.TILE_ROWS * kernels.TILE_COLUMNS
     tracks = kernels.Tracks(
         state=np.zeros((n, 8)),
-        near=np.zeros((n_cells, kernels.CELL_CAPACITY), np.uint16),
-        n_near=np.zeros(n_cells, np.int16),
-        cell=np.full(n, -1, np.int16),
+        near=np.zeros((n_tiles, kernels.TILE_CAPACITY), np.uint16),
+        n_near=np.zeros(n_tiles, np.int16),
+        seat_px=np.full((n, 2), np.nan),
         lost=np.zeros(n, np.bool_),
         rest_px=np.array(position_px, np.float64),
         neighbours=NEIGHBOURS[:n].copy(),
@@ -28,9 +28,13 @@ def make_tracks(position_px, n_past=4):
         past_us=np.full(n_past, -1, np.int64),
         clock=np.zeros(3, np.int64),
     )
-    for i, (x, y) in enumerate(position_px):
-        kernels.place(i, x, y, 1.0, 0.0, tracks)
+    put(tracks, range(n), position_px)
     return tracks
+
+
+def put(tracks, markers, at_px, t_us=0.0):
+    at_px = np.array(at_px, np.float64).reshape(-1, 2)
+    kernels.place(np.array(markers, np.intp), at_px, 1.0, t_us, tracks)
 
 
 def make_events(rng, n, until_us=20_000):
@@ -50,11 +54,11 @@ def test_filter_equals_a_matrix_filter_with_a_search_of_all(seed, scatter):
     near = rng.integers(0, len(position), 600)  # most events lie around a marker
     events["x"][:500] = np.clip(position[near, 0] + rng.normal(0, 2, 600), 0, 345)[:500]
     events["y"][:500] = np.clip(position[near, 1] + rng.normal(0, 2, 600), 0, 259)[:500]
-    state = tracks.state.tolist()
+    state, seat = tracks.state.tolist(), tracks.seat_px.tolist()
 
     assert kernels.filter_events(events, 0, 20_000, tracks, TUNING) == 600
 
-    taken = reference.filter_events(events.tolist(), state, TUNING)
+    taken = reference.filter_events(events.tolist(), state, seat, TUNING)
     assert sum(i >= 0 for i in taken) > 300
     np.testing.assert_allclose(tracks.state, state, rtol=1e-9, atol=1e-9)
 
@@ -73,8 +77,8 @@ def test_grid_finds_the_nearest_wherever_markers_wander(seed):
     rng = np.random.default_rng(seed)
     tracks = make_tracks(rng.uniform(-20, 370, (177, 2)))
     for i in rng.integers(0, 177, 400):
-        x, y = rng.uniform((-30, -30), (380, 290))
-        kernels.place(i, x, y, 1.0, 0.0, tracks)
+        put(tracks, [i], rng.uniform((-30, -30), (380, 290)))
+    tracks.state[:, :2] += rng.uniform(-2, 2, (177, 2))  # what they move between two checks
     position = tracks.state[:, :2].tolist()
     for x, y in rng.integers(0, (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX), (100, 2)).tolist():
         assert kernels.nearest(x, y, 16.0, tracks) == reference.nearest(x, y, 4.0, position)
@@ -105,7 +109,7 @@ def test_check_brings_a_runaway_back_and_leaves_a_steep_field_alone():
     kernels.check_neighbours(2_000, tracks, TUNING)
     assert not tracks.lost.any()
 
-    kernels.place(60, *(tracks.state[60, :2] + (0.0, 17.0)), 1.0, 2_000.0, tracks)
+    put(tracks, [60], tracks.state[60, :2] + (0.0, 17.0), 2_000.0)
     kernels.check_neighbours(4_000, tracks, TUNING)
     assert np.flatnonzero(tracks.lost).tolist() == [60]
     np.testing.assert_allclose(tracks.state[60, :2], (REST_PX + field)[60], atol=4.0)
