@@ -66,7 +66,8 @@ def find_way(document: Any, path: str, model: type[BaseModel] = Profile) -> Way:
     if not _PATH.fullmatch(path):
         raise _refuse(path, "")
     parts = [number or word for number, word in _PART.findall(path)]
-    value, keys = document, ()
+    value = document
+    keys: Keys = ()
     for i, part in enumerate(parts):
         hop = _hop(value, part, keys)
         if hop is None:
@@ -116,21 +117,23 @@ def name_bindings(bindings: Any) -> list[str]:
 def _hop(value: Any, part: str, keys: Keys) -> Keys | None:
     """The keys a part leads over, or None if it leads nowhere."""
     if isinstance(value, list):
-        if part.isdecimal():
-            return (int(part),) if int(part) < len(value) else None
-        is_layers = bool(keys) and keys[-1] == "layers"
-        names = [str(item.get("name")) for item in value] if is_layers else name_bindings(value)
+        names = _name_items(value, keys)
+        if part.isdecimal() and int(part) < len(value):
+            return (int(part),)
         return (names.index(part),) if part in names else None
-    if not isinstance(value, dict):
-        return None
-    if part in value:
-        return (part,)
+    if not isinstance(value, dict) or part in value:
+        return (part,) if isinstance(value, dict) else None
     if "bindings" in value and part in (names := name_bindings(value["bindings"])):
         return ("bindings", names.index(part))
-    for inner in ("do", "when"):
-        if isinstance(value.get(inner), dict) and part in value[inner]:
-            return (inner, part)
-    return None
+    inner = (key for key in ("do", "when") if isinstance(value.get(key), dict))
+    return next(((key, part) for key in inner if part in value[key]), None)
+
+
+def _name_items(items: Any, keys: Keys) -> list[str]:
+    """What the items of a list at a place are called: layers by name, bindings by gesture."""
+    if keys[-1:] == ("layers",):
+        return [str(item.get("name")) for item in items]
+    return name_bindings(items) if keys[-1:] == ("bindings",) else []
 
 
 def _find_new(value: Any, keys: Keys, rest: list[str], path: str, model: type[BaseModel]) -> Way:
@@ -191,8 +194,7 @@ def _advise(value: Any, part: str, keys: Keys, model: type[BaseModel]) -> str:
             do, when = _find_target(value["do"]), Condition
             known += [*when.model_fields, *(do.model_fields if do is not None else ())]
     elif isinstance(value, list):
-        named = bool(keys) and keys[-1] == "layers"
-        known = [str(item.get("name")) for item in value] if named else name_bindings(value)
+        known = _name_items(value, keys)
     known = list(dict.fromkeys(known))
     near = suggest(part, known)
     where = f"Known in {format_path(keys)}" if keys else "Known here"

@@ -1,10 +1,11 @@
-"""Bindings as people say them: ``push left tap``, ``toggle button a``; as ``description`` words them.
+"""Bindings as people say them, worded like ``description``: ``push left tap``, ``toggle button a``.
 
 When: a gesture, then any of a direction, ``at the ZONE``, ``with 2 fingers``, ``soft``, ``hard``,
 ``tap``, ``double``, ``hold``, ``long``, ``from 7 mm``; or gestures joined by ``then``.
-Do: ``stick left``, ``axis right_x -``, ``trigger right``, ``button a``, ``dpad up``, ``key ctrl+c``,
-``mouse left``, ``mouse pointer``, ``mouse wheel``, ``layer NAME``, ``pause``, ``panic``, ``rezero``,
-``next profile``; before it a mode: ``toggle``, ``sticky``, ``oneshot``, ``turbo``.
+Do: ``stick left``, ``axis right_x -``, ``trigger right``, ``button a``, ``dpad up``,
+``key ctrl+c``, ``mouse left``, ``mouse pointer``, ``mouse wheel``, ``layer NAME``, ``pause``,
+``panic``, ``rezero``, ``next profile``; before it a mode: ``toggle``, ``sticky``, ``oneshot``,
+``turbo``.
 """
 
 import re

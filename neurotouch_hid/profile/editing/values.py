@@ -11,21 +11,9 @@ from neurotouch_hid.profile.faults import make_printable
 
 _PLAIN: Final = re.compile(r"[A-Za-z][A-Za-z0-9_+]*( [A-Za-z0-9_+]+)*|[A-Za-z0-9_-]*[A-Za-z]")
 _TREACHEROUS: Final = frozenset(
-    [
-        "y",
-        "n",
-        "yes",
-        "no",
-        "on",
-        "off",
-        "true",
-        "false",
-        "null",
-        "none",
-        "nan",
-        "inf",
-    ]  # what YAML 1.1 or people may misread
+    ("y", "n", "yes", "no", "on", "off", "true", "false", "null", "none", "nan", "inf")
 )
+"""Words that YAML 1.1, YAML 1.2 or a person takes for something else."""
 
 
 def format_value(value: Any, quote: str = '"') -> str:
