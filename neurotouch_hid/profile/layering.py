@@ -1,9 +1,9 @@
 """Which bindings hold in a layer: its own, and those of the first that it does not cover."""
 
-from neurotouch_hid.profile.conditions import Condition, Sequence
+from neurotouch_hid.profile.conditions import Sequence
 from neurotouch_hid.profile.schema import Binding, Layer
 
-_NARROWING = ("direction", "zone", "contacts", "level", "phase", "press")
+_NARROWING = ("direction", "zone", "contacts", "level", "phase", "press", "min_speed_mm_s")
 
 
 def merge_bindings(upper: Layer, first: Layer) -> tuple[Binding, ...]:
@@ -22,10 +22,9 @@ def covers(upper: Binding, lower: Binding) -> bool:
     """True if ``upper`` acts whenever ``lower`` would: its gesture, and no narrower."""
     if isinstance(upper.when, Sequence) or isinstance(lower.when, Sequence):
         return upper.when == lower.when
-    return _is_within(lower.condition, upper.condition)
-
-
-def _is_within(narrow: Condition, wide: Condition) -> bool:
+    wide, narrow = upper.condition, lower.condition
+    if wide.on_mm is not None and wide.on_mm > lower.thresholds_mm[0]:
+        return False
     return set(narrow.kinds) <= set(wide.kinds) and all(
         getattr(wide, key) in (None, getattr(narrow, key)) for key in _NARROWING
     )

@@ -9,6 +9,7 @@ from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.messages import Button
 from neurotouch_hid.profile import Mapping, check_content, check_profile, explain, load_profile
 from neurotouch_hid.profile.codes import CODES
+from neurotouch_hid.profile.description import describe_target
 from neurotouch_hid.profile.keys import KEYS, parse_chord
 from tests.profile.stage import RAW, run
 
@@ -172,6 +173,26 @@ def test_a_profile_built_on_another_says_only_what_is_different(folder: Path) ->
     assert any(state.axes for state in states)
     assert not any("left_trigger" in state.axes for state in states)
     assert check_profile("mine").written != whole
+
+
+@pytest.mark.parametrize(
+    ("when", "kept"),
+    [
+        ("pinch", []),
+        ("{gesture: pinch, on_mm: 4}", ["trigger left"]),
+        ("{gesture: pinch, on_mm: 12}", ["trigger left", "button a"]),
+        ("{gesture: pinch, press: tap}", ["trigger left", "button a"]),
+        ("{gesture: pinch, contacts: 2, on_mm: 8}", ["trigger left", "button a"]),
+        ("any", []),
+        ("zoom", ["trigger left", "button a"]),
+    ],
+)
+def test_what_covers_what(folder: Path, when: str, kept: list[str]) -> None:
+    write(folder, "mine", f"extends: [default]\nbindings:\n  - {{when: {when}, do: {{key: a}}}}\n")
+    (layer,) = load_profile("mine").all_layers
+    pinches = [binding for binding in layer.bindings if binding.condition.gesture == "pinch"]
+    words = [describe_target(binding.do) for binding in pinches]
+    assert [word for word in words if word != "key a"] == kept
 
 
 def test_nothing_but_extends_is_enough_and_the_first_base_wins(folder: Path) -> None:

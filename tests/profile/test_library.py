@@ -55,7 +55,7 @@ def test_a_name_that_is_nearly_right(user_folder: Path) -> None:
         load_profile("spacecaft")
     message = "no profile is called 'spacecaft': did you mean 'spacecraft'?"
     assert caught.value.message == message
-    assert "default, spacecraft" in str(caught.value.hint)
+    assert "Profiles: default, flight, " in str(caught.value.hint)
     assert str(user_folder) in str(caught.value.hint)
 
 

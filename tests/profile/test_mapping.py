@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from neurotouch_hid.messages import Axis, Button, GamepadState, Gesture, GestureKind
-from neurotouch_hid.profile import Mapping, Profile, UserSettings
+from neurotouch_hid.profile import Mapping, Profile, UserSettings, list_profiles, load_profile
 from neurotouch_hid.profile.load import parse_profile
 
 SLICE_US = 10_000
@@ -275,3 +275,27 @@ def test_the_pad_speaks_the_records_words() -> None:
     pad = Mapping(profile, RAW).update(gesture(GestureKind.PINCH, 5))
     assert pad.buttons == frozenset(Button)
     assert all(isinstance(button, Button) for button in pad.buttons)
+
+
+SHIPPED = {name: load_profile(path) for name, path in list_profiles().items()}
+PEOPLE = (
+    UserSettings(),
+    UserSettings(timing="slow", mirror=True, rotate_deg=33.0, neutral="resting"),
+    UserSettings.model_validate({"range": {"push_left": {"full": 2.0}, "zoom": {"full": 1.6}}}),
+)
+
+
+@settings(derandomize=True, deadline=None, max_examples=40)
+@given(st.lists(st.tuples(gestures(), st.integers(-5, 3)), max_size=30), st.sampled_from(PEOPLE))
+def test_no_stream_harms_a_shipped_profile(
+    stream: list[tuple[Gesture, int]], user: UserSettings
+) -> None:
+    for profile in SHIPPED.values():
+        mapping, again, t_us = Mapping(profile, user), Mapping(profile, user), 0
+        for wild, step in stream:
+            t_us += 10 ** (step + 3) if step >= 0 else step
+            gesture_ = replace(wild, t_us=t_us)
+            pad = mapping.update(gesture_)
+            assert pad == again.update(gesture_)
+            assert all(-1.0 <= value <= 1.0 for value in pad.axes.values())
+            assert all(math.isfinite(value) for value in (*pad.pointer, pad.wheel))

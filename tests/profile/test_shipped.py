@@ -7,9 +7,30 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.messages import Axis, Button, GamepadState, Gesture, GestureKind
-from neurotouch_hid.profile import Mapping, load_profile
+from neurotouch_hid.profile import Mapping, UserSettings, check_profile, load_profile
+from neurotouch_hid.profile.conditions import Sequence
+from neurotouch_hid.profile.description import describe_target
+from neurotouch_hid.profile.engine.output import STICK_AXES, TRIGGER_AXES
+from neurotouch_hid.profile.engine.regions import FOUR_WAYS
+from neurotouch_hid.profile.keys import MOUSE_BUTTONS
+from neurotouch_hid.profile.layering import merge_bindings
 from neurotouch_hid.profile.library import find_shipped_folder
 from neurotouch_hid.profile.schema import Binding
+from neurotouch_hid.profile.targets import (
+    AxisTarget,
+    ButtonTarget,
+    CommandTarget,
+    DpadTarget,
+    KeyTarget,
+    LayerTarget,
+    MouseButtonTarget,
+    MouseMotionTarget,
+    MouseWheelTarget,
+    StickTarget,
+    TriggerTarget,
+)
+from neurotouch_hid.profile.timing import Times, resolve_times
+from tests.profile.stage import run
 
 NAMES = sorted(path.stem for path in find_shipped_folder().glob("*.yaml"))
 
@@ -48,16 +69,168 @@ def test_it_parses_under_its_own_name_with_a_line_for_editors(name: str) -> None
     assert (path.parent / "schema" / "profile-1.json").is_file()
 
 
+SHIPPED = {
+    *("default", "spacecraft", "platformer", "racing", "flight", "mouse", "keyboard-arrows"),
+    *("media-keys", "menu-switch", "one-hand-left", "one-hand-right", "push-only"),
+    "slow-and-steady",
+}
+
+
+def test_all_are_there() -> None:
+    assert set(NAMES) == SHIPPED
+
+
 @pytest.mark.parametrize("name", NAMES)
-def test_every_binding_can_be_reached_to_its_end(name: str) -> None:
-    for binding in load_profile(find_shipped_folder() / f"{name}.yaml").all_layers[0].bindings:
-        most_mm = MOST_MM[binding.condition.kinds[0]]
-        needed_mm = (
-            binding.thresholds_mm[0]
-            if is_button(binding)
-            else binding.range_for(binding.condition.kinds[0])[1]
-        )
-        assert needed_mm <= most_mm - 0.96, binding  # the mean error of the intensity
+def test_nothing_in_it_is_risky(name: str) -> None:
+    checked = check_profile(find_shipped_folder() / f"{name}.yaml")
+    assert not checked.faults, checked.format()
+
+
+def write_script(binding: Binding, times: Times) -> str:
+    """Gestures that do what the binding waits for, as a person would."""
+    pause = f"; rest {max(300, times.ignore_repeat_ms + 100)}ms; "
+    tap_ms = (times.accept_ms + times.tap_ms) // 2
+    if isinstance(binding.when, Sequence):
+        steps = (step.replace("push_", "push ") for step in binding.when.sequence)
+        return pause.join(f"{step} 4mm 40ms hold {tap_ms}ms" for step in steps)
+    condition = binding.condition
+    gesture = {"twist": "twist_cw", "scale": "zoom", "any": "pinch"}.get(
+        condition.gesture, condition.gesture
+    )
+    kind = condition.kinds[0]
+    most_mm = MOST_MM[kind] - 0.96  # the mean error of the intensity
+    needed_mm = (
+        binding.range_for(kind)[1]
+        if binding.is_followed
+        else min(condition.thresholds_mm[0] + 1, most_mm)
+    )
+    assert needed_mm <= most_mm, binding
+    hold_ms = times.accept_ms + 300
+    match condition.press:
+        case "tap" | "double":
+            hold_ms = tap_ms - 40
+        case "hold":
+            hold_ms = (condition.hold_ms or times.hold_ms) + 100
+        case "long":
+            hold_ms = (condition.hold_ms or times.long_ms) + 200
+    if binding.is_followed:
+        hold_ms = 1000
+    once = f"{gesture} {condition.direction or ''} {needed_mm}mm 60ms hold {hold_ms}ms"
+    if condition.press == "double":
+        return f"{once}; rest {(times.gap_ms + times.double_ms) // 2}ms; {once}"
+    return once
+
+
+def has_acted(binding: Binding, states: list[GamepadState]) -> bool:
+    """True if the outputs show what the binding does, to its end where it moves something."""
+    moved = {axis: max(abs(state.axes.get(axis, 0.0)) for state in states) for axis in Axis}
+    match binding.do:
+        case ButtonTarget(button=button):
+            acted = any(button in state.buttons for state in states)
+        case DpadTarget(dpad=way):
+            x, y = FOUR_WAYS[way]
+            axis, value = (Axis.DPAD_X, x) if x else (Axis.DPAD_Y, y)
+            acted = any(state.axes.get(axis) == value for state in states)
+        case KeyTarget() as target:
+            acted = any(set(target.kernel_names) <= state.keys for state in states)
+        case MouseButtonTarget(mouse=button):
+            acted = any(MOUSE_BUTTONS[button] in state.mouse_buttons for state in states)
+        case MouseMotionTarget(speed_px_s=speed):
+            acted = max(math.hypot(*state.pointer) for state in states) > 0.95 * speed
+        case MouseWheelTarget(clicks_per_s=speed):
+            acted = max(abs(state.wheel) for state in states) > 0.95 * speed
+        case StickTarget(stick=side, saturate=end):
+            acted = math.hypot(*(moved[axis] for axis in STICK_AXES[side])) > 0.95 * end
+        case AxisTarget(axis=axis, saturate=end, value=value):
+            acted = moved[Axis(axis)] > 0.95 * (value or end)
+        case TriggerTarget(trigger=side, saturate=end, value=value):
+            acted = moved[TRIGGER_AXES[side]] >= 0.95 * (value or end)
+        case CommandTarget(command=command):
+            acted = any(command in state.commands for state in states)
+        case _:
+            raise AssertionError(binding)
+    return acted
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_action_of_every_layer_can_be_reached(name: str) -> None:
+    profile = load_profile(find_shipped_folder() / f"{name}.yaml")
+    times = resolve_times(profile.timing, None)
+    layers = profile.all_layers
+    merged = {layer.name: merge_bindings(layer, layers[0]) for layer in layers}
+    ways, todo = {layers[0].name: ""}, [layers[0].name]
+    while todo:
+        here = todo.pop(0)
+        for binding in merged[here]:
+            script = ways[here] + write_script(binding, times)
+            mapping = Mapping(profile, UserSettings(filter="none"))
+            states = run(mapping, script + "; rest 1s")
+            if isinstance(binding.do, LayerTarget):
+                after = layers[0].name if binding.do.layer == here else binding.do.layer
+                assert mapping.layer == after, (here, script)
+                if after not in ways:
+                    ways[after] = script + "; rest 1s; "
+                    todo.append(after)
+            else:
+                assert has_acted(binding, states), (here, script, binding.do)
+    assert ways.keys() == merged.keys()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_gel_can_pause_it_and_go_on(name: str) -> None:
+    profile = load_profile(find_shipped_folder() / f"{name}.yaml")
+    safety = profile.safety.pause
+    assert safety is not None
+    gesture = "pinch" if safety.gesture == "any" else safety.gesture
+    held = f"{gesture} {safety.direction or ''} {safety.on_mm + 1}mm hold {safety.hold_ms + 500}ms"
+    mapping = Mapping(profile)
+    states = run(mapping, f"{held}; rest 500ms")
+    assert mapping.state == "paused"
+    assert states[-1].is_neutral
+    run(mapping, f"{held}; rest 500ms", states[-1].t_us + 10_000)
+    assert mapping.state == "running"
+
+
+EVERYTHING = {
+    *(f"button {button.value}" for button in Button),
+    *(f"dpad {way}" for way in FOUR_WAYS),
+    *("stick left", "stick right", "trigger left", "trigger right"),
+}
+
+
+def targets(name: str) -> set[str]:
+    profile = load_profile(find_shipped_folder() / f"{name}.yaml")
+    words = (
+        describe_target(binding.do) for layer in profile.all_layers for binding in layer.bindings
+    )
+    return {word.removeprefix("toggle ") for word in words}
+
+
+def test_push_only_is_a_whole_controller_of_pushes() -> None:
+    profile = load_profile(find_shipped_folder() / "push-only.yaml")
+    conditions = [binding.condition for layer in profile.all_layers for binding in layer.bindings]
+    conditions += [profile.safety.pause.condition]
+    assert {condition.kinds for condition in conditions} == {(GestureKind.PUSH,)}
+    assert all(condition.contacts is None for condition in conditions), "one finger is enough"
+    assert targets("push-only") >= EVERYTHING
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_one_hand_is_a_controller_for_one_hand(side: str) -> None:
+    missing = {f"button {name}" for name in ("guide", "lb", "rb", "ls", "rs")}
+    assert targets(f"one-hand-{side}") >= EVERYTHING - missing
+
+
+def test_the_one_handed_ones_mirror_each_other() -> None:
+    left, right = (
+        load_profile(find_shipped_folder() / f"one-hand-{side}.yaml").model_dump_json()
+        for side in ("left", "right")
+    )
+    swapped = (
+        left.replace("twist_cw", "#").replace("twist_ccw", "twist_cw").replace("#", "twist_ccw")
+    )
+    swapped = swapped.replace("one-hand-left", "one-hand-right").replace("left hand", "right hand")
+    assert swapped == right
 
 
 def is_button(binding: Binding) -> bool:
@@ -71,7 +244,7 @@ def test_noise_at_rest_moves_nothing(name: str) -> None:
     assert shipped(name).update(gesture(GestureKind.NONE, 5.0)) == GamepadState(0)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", ["default", "spacecraft", "flight", "push-only"])
 def test_buttons_keep_clear_of_the_analogue_range(name: str) -> None:
     """Whoever moves an axis to its end, give or take twice the mean error, presses nothing."""
     bindings = load_profile(find_shipped_folder() / f"{name}.yaml").all_layers[0].bindings

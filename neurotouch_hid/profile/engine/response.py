@@ -59,7 +59,7 @@ def make_bend(curve: Curve) -> Response:
 
 def _invert_expo(expo: float, y: float) -> float:
     """The x with (1 - expo) x + expo x³ = y: that curve mirrored at the diagonal."""
-    if expo < 1e-3:  # nearly straight; Cardano's formula loses its digits here
+    if expo < 1e-3 or y >= 1.0:  # nearly straight, Cardano's formula loses its digits; or the end
         return y
     half = y / (2.0 * expo)
     root = math.hypot(half, math.sqrt(((1.0 - expo) / (3.0 * expo)) ** 3))
