@@ -65,7 +65,8 @@ def follows(seen: list[tuple[int, ...]], traced: list[tuple[int, ...]]) -> bool:
     for line in traced:
         if line == NEUTRAL:
             continue
-        if left and is_close(left[0], line):
+        changed = left[:1] == [line] or (now != line and left and is_close(left[0], line))
+        if changed:
             now = left.pop(0)
         elif not is_close(now, line):
             return False
