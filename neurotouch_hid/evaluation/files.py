@@ -2,7 +2,7 @@
 
 import signal
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
@@ -17,6 +17,8 @@ from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.evaluation.comparison import Comparison
 from neurotouch_hid.evaluation.labels import LabelTrack
 from neurotouch_hid.evaluation.metrics import summarise
+from neurotouch_hid.evaluation.moments import Moment
+from neurotouch_hid.evaluation.statistics import LabelStatistics
 from neurotouch_hid.evaluation.tally import Tally
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.profile import load_profile
@@ -26,21 +28,49 @@ from neurotouch_hid.source import open_source
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Played:
+    """What came of one recording.
+
+    Attributes:
+        tally: what was counted.
+        worst: its worst moments, the worst first.
+        labels: what its labels are like.
+    """
+
+    tally: Tally
+    worst: list[Moment]
+    labels: LabelStatistics
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Evaluation:
     """What ``evaluate_files`` found.
 
     Attributes:
-        files: the tally of each recording by its name: the file's name without ``.aedat4``, or the
-            whole path where two share one.
+        files: each recording by its name: the file's name without ``.aedat4``, or the whole path
+            where two share one.
     """
 
-    files: dict[str, Tally]
+    files: dict[str, Played]
+
+    def total(self) -> Tally:
+        """The tally of all recordings together."""
+        return reduce(add, (played.tally for played in self.files.values()), Tally())
 
     def report(self) -> dict[str, Any]:
         """The figures of all files together and, under ``files``, of each; ready for JSON."""
-        total = reduce(add, self.files.values(), Tally())
-        each = {name: summarise(tally) for name, tally in self.files.items()}
-        return {**summarise(total), "files": each}
+        each = {name: summarise(played.tally) for name, played in self.files.items()}
+        return {**summarise(self.total()), "files": each}
+
+
+def combine_reports(reports: Mapping[str, dict[str, Any]]) -> dict[str, Any]:
+    """The reports of one or more methods as one, ready for JSON.
+
+    One report stays as it is. Of several, the first lies at the top, and each, the first included,
+    under ``methods`` by its method.
+    """
+    first = next(iter(reports.values()))
+    return first if len(reports) == 1 else {**first, "methods": dict(reports)}
 
 
 def evaluate_files(
@@ -66,19 +96,19 @@ def evaluate_files(
     for path in paths:
         read_labels(labels_path(path))
     stems = Counter(path.stem for path in paths)
-    tallies = {}
-    for path, tally in _play_all(paths, config, min(jobs, len(paths))):
-        tallies[path] = tally
+    finished = {}
+    for path, played in _play_all(paths, config, min(jobs, len(paths))):
+        finished[path] = played
         if progress is not None:
             progress(path)
     return Evaluation(
-        {path.stem if stems[path.stem] == 1 else str(path): tallies[path] for path in paths}
+        {path.stem if stems[path.stem] == 1 else str(path): finished[path] for path in paths}
     )
 
 
 def _play_all(
     paths: Sequence[Path], config: GestureConfig, jobs: int
-) -> Iterator[tuple[Path, Tally]]:
+) -> Iterator[tuple[Path, Played]]:
     if jobs <= 1:
         yield from ((path, evaluate_file(path, config)) for path in paths)
         return
@@ -103,13 +133,15 @@ def _die_silently() -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
-def evaluate_file(path: Path, config: GestureConfig) -> Tally:
-    """The tally of one recording; see ``evaluate_files``."""
-    comparison = Comparison(LabelTrack(read_labels(labels_path(path))))
+def evaluate_file(path: Path, config: GestureConfig) -> Played:
+    """What comes of one recording; see ``evaluate_files``."""
+    labels = read_labels(labels_path(path))
+    comparison = Comparison(LabelTrack(labels))
     profile = load_profile("default")
     warm_up(Pipeline.build(profile, config))  # compiling is no part of the speed
     with open_source(f"file:{path}", speed="max") as source, MemoryDevice() as pad:
         pipeline = Pipeline.build(profile, config, rig=source.rig)
         stats = run_line(source, pipeline, pad, [comparison])
     comparison.tally.host_s = stats.host_s
-    return comparison.tally
+    statistics = LabelStatistics.of(labels, comparison.rig)
+    return Played(comparison.tally, comparison.worst.ranked(), statistics)

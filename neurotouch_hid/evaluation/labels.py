@@ -1,6 +1,6 @@
 """What the labels of a recording say at any moment between the first and the last of them."""
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from itertools import permutations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.errors import RecordingError
-from neurotouch_hid.messages import Truth
+from neurotouch_hid.messages import GestureKind, Truth
 
 
 class LabelTrack:
@@ -28,6 +28,7 @@ class LabelTrack:
             )
         self._labels = labels
         self._times = [label.t_us for label in labels]
+        self._active = [label.t_us for label in labels if label.kind is not GestureKind.NONE]
 
     def at(self, t_us: int) -> Truth | None:
         """The truth at a moment, or None before the first and after the last label.
@@ -61,6 +62,11 @@ class LabelTrack:
         around = self._labels[max(k - 1, 0) : k + 1]
         nearest = min(around, key=lambda label: abs(label.t_us - t_us))
         return nearest if self._covers(t_us) else None
+
+    def is_rest(self, t_us: int, margin_us: int) -> bool:
+        """True where no gesture is labelled within ``margin_us`` before and after."""
+        first_after = bisect_left(self._active, t_us - margin_us)
+        return first_after == bisect_right(self._active, t_us + margin_us)
 
     def _covers(self, t_us: int) -> bool:
         """True within the labels, a typical half label distance more at both ends."""

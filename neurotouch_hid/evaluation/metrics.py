@@ -1,11 +1,14 @@
 """From a tally to the paper's figures, ready for JSON: fractions of 1, None where undefined."""
 
+import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.evaluation.reliability import N_BINS, Reliability
 from neurotouch_hid.evaluation.tally import BIN_MM, Tally
+from neurotouch_hid.evaluation.timing import Timing
 from neurotouch_hid.messages import GestureKind
 
 _LABELS = [kind.label for kind in GestureKind]
@@ -20,9 +23,9 @@ def summarise(tally: Tally) -> dict[str, Any]:
     rest = _score(found, found + invented, found + missed)
     return {
         "gesture_accuracy": _ratio(int(np.trace(confusion)), total),
-        "count_accuracy": _ratio(tally.right_counts, total),
-        "distance_mm": _ratio(tally.distance_mm, tally.distances),
-        "intensity_mae_mm": _ratio(tally.intensity_error_mm, performed),
+        "count_accuracy": _ratio(int(tally.right_counts.sum()), total),
+        "distance_mm": _ratio(float(tally.distance_mm.sum()), int(tally.distances.sum())),
+        "intensity_mae_mm": _ratio(float(tally.intensity_error_mm.sum()), performed),
         **{f"rest_{name}": rest[name] for name in ("f1", "precision", "recall")},
         "per_gesture": {
             kind.label: _score(
@@ -38,6 +41,10 @@ def summarise(tally: Tally) -> dict[str, Any]:
         "frames": tally.frames,
         "events": tally.events,
         "realtime_factor": _ratio(tally.sensor_s, tally.host_s),
+        "gesture_accuracy_from_2.5_mm": _ratio(tally.firm_types, tally.firm),
+        "by_gesture": {kind.label: _describe_gesture(tally, kind) for kind in GestureKind},
+        **_summarise_timing(tally.timing),
+        "reliability": _summarise_reliability(tally.reliability),
     }
 
 
@@ -55,6 +62,57 @@ def balance(confusion: NDArray[np.int64]) -> list[list[float | None]]:
         ]
         for i in range(len(rows))
     ]
+
+
+def _describe_gesture(tally: Tally, kind: GestureKind) -> dict[str, float | None]:
+    """What [NT] shows by labelled type; no contact and no intensity is labelled for none."""
+    labelled = int(tally.confusion[kind].sum())
+    performed = labelled if kind is not GestureKind.NONE else 0
+    return {
+        "count_accuracy": _ratio(int(tally.right_counts[kind]), labelled),
+        "distance_mm": _ratio(float(tally.distance_mm[kind]), int(tally.distances[kind])),
+        "intensity_mae_mm": _ratio(float(tally.intensity_error_mm[kind]), performed),
+        "observations": labelled,
+    }
+
+
+def _summarise_timing(timing: Timing) -> dict[str, Any]:
+    """A gesture that never gets its type is infinitely late: None where that is the figure."""
+    late = [math.inf] * (timing.gestures - len(timing.times_ms))
+    times_ms = sorted(timing.times_ms + late)
+    return {
+        "time_to_type_ms": {
+            "median": _quantile(times_ms, 0.5),
+            "p95": _quantile(times_ms, 0.95),
+            "gestures": timing.gestures,
+            "never": len(late),
+        },
+        "type_changes": _ratio(timing.changes, timing.gestures),
+        "false_gestures_per_10_min": _ratio(600.0 * timing.false_gestures, timing.rest_s),
+        "at_rest_s": round(timing.rest_s, 3),
+    }
+
+
+def _summarise_reliability(reliability: Reliability) -> dict[str, Any]:
+    """By bins of confidence; ``error`` is the mean of |confidence - accuracy| over the slices."""
+    seen, right = reliability.observations, reliability.right
+    confidence = [_ratio(reliability.confidence.get(k, 0.0), seen[k]) for k in range(N_BINS)]
+    gaps = [abs(reliability.confidence[k] - right[k]) for k in seen]
+    return {
+        "edges": [k / N_BINS for k in range(N_BINS + 1)],
+        "confidence": confidence,
+        "accuracy": [_ratio(right[k], seen[k]) for k in range(N_BINS)],
+        "observations": [seen[k] for k in range(N_BINS)],
+        "error": _ratio(sum(gaps), seen.total()),
+    }
+
+
+def _quantile(ascending: list[float], share: float) -> float | None:
+    """The smallest value that ``share`` of all values do not exceed; None if it is infinite."""
+    if not ascending:
+        return None
+    value = ascending[math.ceil(share * len(ascending)) - 1]
+    return value if math.isfinite(value) else None
 
 
 def _bin(tally: Tally) -> dict[str, list[float | None]]:
