@@ -3,11 +3,11 @@
 import json
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from neurotouch_hid.cli.method import choose_method
+from neurotouch_hid.cli.method import METHODS
 
 if TYPE_CHECKING:
     from neurotouch_hid.gesture import Method
@@ -16,18 +16,35 @@ if TYPE_CHECKING:
 @click.command(
     epilog="\b\nExamples:\n"
     "  neurotouch evaluate play/*.aedat4\n"
-    "  neurotouch evaluate play/*.aedat4 --method paper --json play.json"
+    "  neurotouch evaluate play/*.aedat4 --method paper --json play.json\n"
+    "  neurotouch evaluate play/*.aedat4 --method neurotouch --method paper --report play-report"
 )
 @click.argument(
     "files", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILE..."
 )
-@choose_method
+@click.option(
+    "--method",
+    "methods",
+    type=click.Choice(METHODS),
+    default=METHODS[:1],
+    multiple=True,
+    show_default=True,
+    help="How gestures are recognised; several times to compare methods.",
+)
 @click.option(
     "--json",
     "json_path",
     type=click.Path(path_type=Path, dir_okay=False),
     metavar="OUT",
-    help="Write all figures to this file.",
+    help="Write all figures to this file; of several methods, the first at the top and each "
+    "under methods.NAME.",
+)
+@click.option(
+    "--report",
+    "report_path",
+    type=click.Path(path_type=Path, file_okay=False),
+    metavar="DIR",
+    help="Write a page with all figures, the paper's beside them, and the worst moments.",
 )
 @click.option(
     "--jobs",
@@ -36,22 +53,49 @@ if TYPE_CHECKING:
     show_default="all cores",
     help="Recordings to play at once.",
 )
-def command(files: tuple[Path, ...], method: "Method", json_path: Path | None, jobs: int) -> None:
+def command(
+    files: tuple[Path, ...],
+    methods: "tuple[Method, ...]",
+    json_path: Path | None,
+    report_path: Path | None,
+    jobs: int,
+) -> None:
     """Play each FILE.aedat4 and compare what is recognised with FILE.labels.csv beside it."""
-    from neurotouch_hid.evaluation import evaluate_files, format_table
+    from neurotouch_hid.evaluation import Evaluation, combine_reports, evaluate_files, format_table
     from neurotouch_hid.gesture import GestureConfig
 
+    if report_path is not None:
+        from neurotouch_hid.evaluation.report import check_folder, write_report
+
+        check_folder(report_path)
+    methods = tuple(dict.fromkeys(methods))
+    evaluations = dict[str, Evaluation]()
     done = 0
 
     def tell(path: Path) -> None:
         nonlocal done
         done += 1
-        click.echo(f"{done} of {len(files)}: {path}", err=True)
+        click.echo(f"{done} of {len(files) * len(methods)}: {path}", err=True)
 
-    evaluation = evaluate_files(files, GestureConfig(method=method), jobs=jobs, progress=tell)
-    report = evaluation.report()
+    for method in methods:
+        if len(methods) > 1:
+            click.echo(f"Method {method}", err=True)
+        config = GestureConfig(method=method)
+        evaluations[method] = evaluate_files(files, config, jobs=jobs, progress=tell)
+    reports = {method: evaluation.report() for method, evaluation in evaluations.items()}
     if json_path is not None:
-        part = json_path.with_name(json_path.name + ".part")
-        part.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-        part.replace(json_path)
-    click.echo(format_table(report))
+        _write_json(json_path, combine_reports(reports))
+    if report_path is not None:
+        write_report(report_path, evaluations, lambda doing: click.echo(doing, err=True))
+    for name, report in reports.items():
+        if len(reports) > 1:
+            click.echo(f"\nmethod {name}")
+        click.echo(format_table(report))
+    if report_path is not None:
+        click.echo(f"\nThe report is in {report_path / 'report.html'}.")
+
+
+def _write_json(path: Path, report: dict[str, Any]) -> None:
+    part = path.with_name(path.name + ".part")
+    part.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+    part.replace(path)

@@ -3,8 +3,10 @@
 import json
 
 import pytest
+from click.testing import CliRunner
 
-from neurotouch_hid.errors import GelNotFoundError, RecordingError
+from neurotouch_hid.cli.evaluate import command
+from neurotouch_hid.errors import GelNotFoundError, NeuroTouchError, RecordingError
 from neurotouch_hid.evaluation import evaluate_files, format_table
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
@@ -88,3 +90,30 @@ def test_an_error_of_a_recording_comes_through(recordings, tmp_path, jobs):
     with pytest.raises((RecordingError, GelNotFoundError)) as caught:
         evaluate_files([broken, recordings[0]], CONFIG, jobs=jobs)
     assert "broken" in caught.value.message
+
+
+def test_methods_side_by_side(recordings, tmp_path):
+    numbers, report = tmp_path / "out.json", tmp_path / "report"
+    methods = ["--method", "paper", "--method", "neurotouch", "--method", "paper"]
+    result = CliRunner().invoke(
+        command,
+        [str(recordings[0]), *methods, "--json", str(numbers), "--report", str(report)],
+        catch_exceptions=False,
+    )
+    assert result.exit_code == 0
+    figures = json.loads(numbers.read_text(encoding="utf-8"))
+    assert list(figures["methods"]) == ["paper", "neurotouch"]
+    assert {**figures["methods"]["paper"], "methods": figures["methods"]} == figures
+    assert "2 of 2" in result.stderr
+    assert result.stdout.count("gesture type accuracy") == 2
+    assert json.loads((report / "report.json").read_text(encoding="utf-8")) == figures
+
+
+def test_a_folder_that_cannot_take_the_report_is_told_before_anything_is_played(
+    recordings, tmp_path
+):
+    (tmp_path / "mine.txt").write_text("mine")
+    with pytest.raises(NeuroTouchError, match="something else"):
+        CliRunner().invoke(
+            command, [str(recordings[0]), "--report", str(tmp_path)], catch_exceptions=False
+        )

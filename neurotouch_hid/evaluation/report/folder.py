@@ -1,0 +1,70 @@
+"""The folder of a report: complete or not there, and never in place of something else."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from neurotouch_hid.errors import NeuroTouchError
+
+PAGE, NUMBERS, FIGURES = "report.html", "report.json", "figures"
+
+
+def check_folder(folder: Path) -> None:
+    """Says before the long work whether a report can be written there; makes the folders above it.
+
+    Raises:
+        NeuroTouchError: it cannot be written, or something that is no report would be lost.
+    """
+    folder = folder.resolve()
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        is_taken = folder.exists() and not _is_replaceable(folder)
+    except OSError as error:
+        raise _explain(folder, error) from error
+    if is_taken:
+        raise NeuroTouchError(
+            f"{folder} holds something else than a report.",
+            hint="Name a new folder; only an empty one or an older report is replaced.",
+        )
+    if not os.access(folder.parent, os.W_OK | os.X_OK):
+        raise NeuroTouchError(f"The report cannot be written: no right to write to {folder.parent}")
+
+
+@contextmanager
+def fill_folder(folder: Path) -> Iterator[Path]:
+    """A new empty folder to fill; it takes its place at the end, or leaves no trace on an error.
+
+    Raises:
+        NeuroTouchError: see ``check_folder``; or the disk is full.
+    """
+    check_folder(folder)
+    folder = folder.resolve()
+    try:
+        with TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-") as beside:
+            new = Path(beside) / "new"
+            (new / FIGURES).mkdir(parents=True)
+            yield new
+            if folder.exists():
+                folder.rename(Path(beside) / "old")
+            new.rename(folder)
+    except OSError as error:
+        raise _explain(folder, error) from error
+
+
+def _is_replaceable(folder: Path) -> bool:
+    """True for an empty folder and for a report to which nobody added anything."""
+    names = {entry.name for entry in folder.iterdir()}
+    if not names:
+        return True
+    figures = (folder / FIGURES).iterdir() if FIGURES in names else ()
+    return (
+        PAGE in names
+        and names <= {PAGE, NUMBERS, FIGURES}
+        and all(entry.suffix == ".svg" for entry in figures)
+    )
+
+
+def _explain(folder: Path, error: OSError) -> NeuroTouchError:
+    return NeuroTouchError(f"The report cannot be written to {folder}: {error.strerror}")

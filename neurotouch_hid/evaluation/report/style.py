@@ -1,0 +1,133 @@
+"""How every figure looks: colours that the colour-blind tell apart, light and dark."""
+
+import io
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.patheffects import AbstractPathEffect, withStroke
+
+INK, MUTED, GRID, PAPER = "#1f2328", "#59636e", "#d5dae0", "#fffffe"
+"""Text, secondary text, grid, background; each has a twin in ``_DARK`` and no other use."""
+_DARK = {INK: "#e6edf3", MUTED: "#9aa4ae", GRID: "#30363d", PAPER: "#0d1117"}
+
+BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY = (
+    "#0072b2",
+    "#d55e00",
+    "#009e73",
+    "#cc79a7",
+    "#e69f00",
+    "#56b4e9",
+)
+"""Okabe and Ito's palette."""
+METHOD_COLOURS = (BLUE, VERMILION, GREEN, PURPLE)
+METHOD_MARKERS = ("o", "s", "^", "v")
+METHOD_HATCHES = ("", "////", "....", "xxxx")
+METHOD_DASHES = ("-", "--", "-.", ":")
+
+_RC: dict[Any, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 11,
+    "axes.titlesize": 12,
+    "axes.titlelocation": "left",
+    "axes.titlepad": 10,
+    "axes.labelsize": 11,
+    "axes.edgecolor": MUTED,
+    "axes.labelcolor": INK,
+    "axes.titlecolor": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.facecolor": PAPER,
+    "axes.axisbelow": True,
+    "boxplot.whiskers": (0.0, 100.0),  # percentiles: from end to end
+    "figure.facecolor": PAPER,
+    "figure.constrained_layout.use": True,
+    "figure.constrained_layout.h_pad": 0.08,
+    "figure.constrained_layout.w_pad": 0.08,
+    "grid.color": GRID,
+    "grid.linewidth": 0.8,
+    "hatch.linewidth": 0.8,
+    "legend.frameon": False,
+    "legend.labelcolor": INK,
+    "lines.linewidth": 2.0,
+    "text.color": INK,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.labelsize": 10,
+    "ytick.labelsize": 10,
+    "svg.hashsalt": "neurotouch",  # the same figure, the same file
+}
+
+
+@contextmanager
+def apply_style() -> Iterator[None]:
+    """Within it, figures are made and drawn in our style; nothing outside changes."""
+    with mpl.rc_context(_RC):
+        yield
+
+
+def render_svg(figure: Figure) -> str:
+    """The figure as SVG that turns dark with the viewer's ``prefers-color-scheme``.
+
+    Colours stay written where they are used, so that programs without style sheets show the light
+    figure; the style sheet only overrides those that have a dark twin.
+    """
+    stream = io.StringIO()
+    blank = dict.fromkeys(("Creator", "Date", "Format", "Type"))
+    figure.savefig(stream, format="svg", metadata=blank)
+    svg = stream.getvalue()
+    rules = "".join(
+        f'[style*="{name}: {light}"]{{{name}:{dark}!important}}'
+        for light, dark in _DARK.items()
+        for name in ("fill", "stroke")
+    )
+    sheet = f"<style>@media (prefers-color-scheme:dark){{{rules}}}</style>"
+    svg = svg[svg.index("<svg") :]  # without the reference to a DTD
+    return re.sub(r"(<svg[^>]*>)", lambda tag: tag[1] + sheet, svg, count=1)
+
+
+def add_grid(axes: Axes, axis: str = "y") -> None:
+    """Thin lines behind the data, along one axis."""
+    axes.grid(visible=True, axis=axis)  # type: ignore[arg-type]
+    axes.tick_params(length=0)
+
+
+def add_legend(figure: Figure, handles: Sequence[Artist]) -> None:
+    """One legend above all panels."""
+    figure.legend(handles=handles, loc="outside upper left", ncols=len(handles))
+
+
+def method_bars(methods: Iterable[str]) -> list[Artist]:
+    """The legend's entries for the bars of each method."""
+    return [
+        Patch(facecolor=colour, hatch=hatch, edgecolor=PAPER, lw=0, label=f"method {name}")
+        for name, colour, hatch in zip(methods, METHOD_COLOURS, METHOD_HATCHES, strict=False)
+    ]
+
+
+def method_lines(methods: Iterable[str]) -> list[Artist]:
+    """The legend's entries for the lines of each method."""
+    looks = zip(methods, METHOD_COLOURS, METHOD_MARKERS, METHOD_DASHES, strict=False)
+    return [
+        Line2D([], [], color=colour, marker=marker, ms=7, ls=dash, label=f"method {name}")
+        for name, colour, marker, dash in looks
+    ]
+
+
+def paper_line() -> Line2D:
+    """The legend's entry for a dashed line at the paper's own figure."""
+    return Line2D([], [], color=INK, ls=(0, (4, 2)), lw=1.5, label="published in the paper")
+
+
+def outline() -> list[AbstractPathEffect]:
+    """Path effects that keep a text readable on a line."""
+    return [withStroke(linewidth=3, foreground=PAPER)]
