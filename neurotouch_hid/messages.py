@@ -8,73 +8,36 @@ time.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from enum import IntEnum, StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
+
+from neurotouch_hid.vocabulary import Axis, Button, GestureKind, Phase
+
+__all__ = [
+    "EVENT_DTYPE",
+    "SENSOR_HEIGHT_PX",
+    "SENSOR_WIDTH_PX",
+    "Axis",
+    "Button",
+    "EventPacket",
+    "Frame",
+    "GamepadState",
+    "Gesture",
+    "GestureKind",
+    "MarkerField",
+    "Phase",
+    "RestField",
+    "Step",
+    "Truth",
+    "no_gesture",
+]
 
 SENSOR_WIDTH_PX = 346
 SENSOR_HEIGHT_PX = 260
 
 EVENT_DTYPE = np.dtype([("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "?")], align=True)
 """One event, 16 bytes: ``t`` µs, ``x`` and ``y`` px, ``p`` True for ON. The AEDAT4 event struct."""
-
-
-class GestureKind(IntEnum):
-    """What the user does. Clockwise is as seen by the user. The label is the lower-case name."""
-
-    NONE = 0
-    PUSH = 1
-    PINCH = 2
-    ZOOM = 3
-    TWIST_CW = 4
-    TWIST_CCW = 5
-
-    @property
-    def label(self) -> str:
-        """The name used in labels, traces and profiles, for example ``twist_cw``."""
-        return self.name.lower()
-
-
-class Phase(StrEnum):
-    """How far a gesture is: [NT, "Creation of the Gesture Detection Dataset"]."""
-
-    REST = "rest"
-    ATTACK = "attack"
-    HOLD = "hold"
-    RELEASE = "release"
-
-
-class Button(StrEnum):
-    """The buttons of the pad, by the words printed on it.
-
-    Not the kernel's names: there ``BTN_NORTH`` is the button labelled X, which lies west.
-    """
-
-    A = "a"
-    B = "b"
-    X = "x"
-    Y = "y"
-    LB = "lb"
-    RB = "rb"
-    BACK = "back"
-    START = "start"
-    GUIDE = "guide"
-    LS = "ls"
-    RS = "rs"
-
-
-class Axis(StrEnum):
-    """The axes of the pad: sticks and D-pad -1..1 (right and down are positive), triggers 0..1."""
-
-    LEFT_X = "left_x"
-    LEFT_Y = "left_y"
-    RIGHT_X = "right_x"
-    RIGHT_Y = "right_y"
-    LEFT_TRIGGER = "left_trigger"
-    RIGHT_TRIGGER = "right_trigger"
-    DPAD_X = "dpad_x"
-    DPAD_Y = "dpad_y"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

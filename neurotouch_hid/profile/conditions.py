@@ -5,10 +5,10 @@ from typing import Annotated, Final, Literal, Self
 from pydantic import Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
-from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.strict import Strict, give_unit, make_optional
 from neurotouch_hid.profile.targets import EightWay
 from neurotouch_hid.profile.timing import Ms, Trigger
+from neurotouch_hid.vocabulary import GestureKind
 
 DEFAULT_ON_MM: Final = 2.5
 """Where an output that is either pressed or not presses: the type of a gesture is right in more

@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from typing import Final
 
-from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.conditions import Condition, Sequence
 from neurotouch_hid.profile.consistency import find_bindings
 from neurotouch_hid.profile.document import Node, find_mark
@@ -12,6 +11,7 @@ from neurotouch_hid.profile.layering import merge_bindings
 from neurotouch_hid.profile.schema import Binding, Profile
 from neurotouch_hid.profile.targets import LayerTarget
 from neurotouch_hid.profile.timing import PRESETS
+from neurotouch_hid.vocabulary import GestureKind
 
 COUNTING_MM: Final = 7.0
 """From here on the number of fingers is right in 90 % of cases [NT, "Results"]."""

@@ -9,7 +9,6 @@ from typing import Annotated, Any, Final, Literal, Self
 from pydantic import AfterValidator, BaseModel, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.conditions import Condition, GestureName, Sequence, When
 from neurotouch_hid.profile.shaping import Linear, Planar, Shaped
 from neurotouch_hid.profile.strict import Strict, give_unit, make_optional
@@ -23,6 +22,7 @@ from neurotouch_hid.profile.targets import (
     Target,
 )
 from neurotouch_hid.profile.timing import FilterName, TimingSetting
+from neurotouch_hid.vocabulary import GestureKind
 
 NAME_PATTERN: Final = r"^[a-z0-9_-]{1,64}$"
 FIRST_LAYER: Final = "base"

@@ -5,11 +5,11 @@ from typing import Annotated, Final, Literal, Self
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
-from neurotouch_hid.messages import Button
 from neurotouch_hid.profile.keys import parse_chord
 from neurotouch_hid.profile.shaping import Linear, Planar
 from neurotouch_hid.profile.strict import Strict, find_tag, give_unit, make_optional
 from neurotouch_hid.profile.timing import Ms
+from neurotouch_hid.vocabulary import Button
 
 Side = Literal["left", "right"]
 StickAxis = Literal["left_x", "left_y", "right_x", "right_y"]

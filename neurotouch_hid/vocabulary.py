@@ -1,0 +1,63 @@
+"""The words for gestures and for the controls of the pad; all stages and profiles use them.
+
+Apart from the records, so that a profile can be checked without loading numpy.
+"""
+
+from enum import IntEnum, StrEnum
+
+
+class GestureKind(IntEnum):
+    """What the user does. Clockwise is as seen by the user. The label is the lower-case name."""
+
+    NONE = 0
+    PUSH = 1
+    PINCH = 2
+    ZOOM = 3
+    TWIST_CW = 4
+    TWIST_CCW = 5
+
+    @property
+    def label(self) -> str:
+        """The name used in labels, traces and profiles, for example ``twist_cw``."""
+        return self.name.lower()
+
+
+class Phase(StrEnum):
+    """How far a gesture is: [NT, "Creation of the Gesture Detection Dataset"]."""
+
+    REST = "rest"
+    ATTACK = "attack"
+    HOLD = "hold"
+    RELEASE = "release"
+
+
+class Button(StrEnum):
+    """The buttons of the pad, by the words printed on it.
+
+    Not the kernel's names: there ``BTN_NORTH`` is the button labelled X, which lies west.
+    """
+
+    A = "a"
+    B = "b"
+    X = "x"
+    Y = "y"
+    LB = "lb"
+    RB = "rb"
+    BACK = "back"
+    START = "start"
+    GUIDE = "guide"
+    LS = "ls"
+    RS = "rs"
+
+
+class Axis(StrEnum):
+    """The axes of the pad: sticks and D-pad -1..1 (right and down are positive), triggers 0..1."""
+
+    LEFT_X = "left_x"
+    LEFT_Y = "left_y"
+    RIGHT_X = "right_x"
+    RIGHT_Y = "right_y"
+    LEFT_TRIGGER = "left_trigger"
+    RIGHT_TRIGGER = "right_trigger"
+    DPAD_X = "dpad_x"
+    DPAD_Y = "dpad_y"
