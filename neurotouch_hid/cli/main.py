@@ -15,6 +15,9 @@ from neurotouch_hid.errors import NeuroTouchError
 _SUMMARIES = {
     "run": "Drive the virtual gamepad from a camera, a recording or the simulator.",
     "demo": "Try it without a camera: a simulated gel drives the pad.",
+    "profile": "Look at profiles, change them, try them, share them.",
+    "explain": "Say what the code of a fault means.",
+    "schema": "Print the JSON Schema of profiles, for editors.",
     "simulate": "Write a simulated data set, recordings with labels.",
     "evaluate": "Measure the recognition on labelled recordings, as the paper does.",
     "bench": "Measure the speed of every stage on this machine.",

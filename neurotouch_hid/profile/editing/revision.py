@@ -191,14 +191,13 @@ def _look(document: Any, keys: Keys) -> Any:
 
 def _is_same(when: Any, named: Any) -> bool:
     """True if people say both in the same words; thresholds and times beyond those do not count."""
-    first, second = (_say(value) for value in (when, named))
-    return first == second
+    return _say(when) == _say(named)
 
 
-def _say(when: Any) -> Any:
+def _say(when: Any) -> dict[str, Any]:
     narrowed = {"gesture": when} if isinstance(when, str) else when
     return {key: value for key, value in narrowed.items() if key in SPOKEN}
 
 
-def _is_part(do: Any, whole: Any) -> bool:
-    return bool(do.items() <= whole.items())
+def _is_part(do: dict[str, Any], whole: dict[str, Any]) -> bool:
+    return all(whole.get(key) == value for key, value in do.items())

@@ -109,7 +109,10 @@ class Store:
         known = [version.path.read_bytes() for version in versions]
         place = known.index(content) if content in known else -1
         if place + 1 >= len(versions):
-            raise ProfileError(f"there is nothing to undo for '{self.path.stem}'")
+            raise ProfileError(
+                f"there is nothing to undo: '{self.path.stem}' has no version before this one",
+                hint=f"All versions: neurotouch profile history {self.path.stem}",
+            )
         return self._put_back(versions[place + 1], content, is_known=place >= 0)
 
     def restore(self, number: int) -> Version:

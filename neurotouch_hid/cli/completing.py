@@ -1,0 +1,34 @@
+"""What the shell offers while a name or a key is typed."""
+
+import click
+
+from neurotouch_hid.errors import NeuroTouchError
+
+
+def complete_profile(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Names of profiles."""
+    from neurotouch_hid.profile.library import list_profiles
+
+    return [name for name in list_profiles() if name.startswith(incomplete)]
+
+
+def complete_key(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Ways to the values of the profile that stands before on the line."""
+    from neurotouch_hid.profile.document import parse_document
+    from neurotouch_hid.profile.editing import list_ways, read_text
+    from neurotouch_hid.profile.library import find_profile
+
+    try:
+        text, _ = read_text(find_profile(ctx.params.get("name") or "default"))
+    except NeuroTouchError:
+        return []
+    root, _ = parse_document(text)
+    ways = list_ways(root.value) if root is not None else ()
+    return [way for way in ways if way.startswith(incomplete)]
+
+
+def complete_code(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Codes of faults."""
+    from neurotouch_hid.profile.codes import CODES
+
+    return [code for code in CODES if code.startswith(incomplete.upper())]

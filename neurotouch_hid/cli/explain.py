@@ -1,0 +1,27 @@
+"""``neurotouch explain``: what the code of a fault means."""
+
+import click
+
+from neurotouch_hid.cli.completing import complete_code
+from neurotouch_hid.cli.output import json_option, print_json
+
+
+@click.command(
+    epilog="\b\nExamples:\n  neurotouch explain NT203\n  neurotouch explain            all codes"
+)
+@click.argument("code", required=False, shell_complete=complete_code)
+@json_option
+def command(code: str | None, as_json: bool) -> None:
+    """Say what the CODE of a fault means and what to do; without one, list them all."""
+    from neurotouch_hid.profile.codes import CODES, explain
+
+    if as_json:
+        chosen = {code.upper(): explain(code)} if code is not None else CODES
+        print_json([{"code": key, "title": e.title, "text": e.text} for key, e in chosen.items()])
+    elif code is not None:
+        explanation = explain(code)
+        click.echo(f"{code.upper()}: {explanation.title}")
+        click.echo(explanation.text)
+    else:
+        for key, explanation in CODES.items():
+            click.echo(f"{key}: {explanation.title}")

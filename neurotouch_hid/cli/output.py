@@ -1,0 +1,87 @@
+"""How commands speak: plain lines for screen readers and pipes, a little colour on a terminal."""
+
+import json
+import os
+import sys
+import time
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
+
+import click
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+def plain_option(command: Command) -> Command:
+    """Adds ``--plain``, which gives the command its ``plain`` argument."""
+    return click.option(
+        "--plain",
+        is_flag=True,
+        callback=lambda _ctx, _param, value: is_plain(asked=value),
+        help="One fact per line, the status first: for screen readers. Automatic when not on a "
+        "terminal or with NT_ACCESSIBLE=1.",
+    )(command)
+
+
+def json_option(command: Command) -> Command:
+    """Adds ``--json``, which gives the command its ``as_json`` argument."""
+    return click.option("--json", "as_json", is_flag=True, help="Print it as JSON.")(command)
+
+
+def is_plain(*, asked: bool = False) -> bool:
+    """True if output is one fact per line."""
+    return (
+        asked
+        or os.environ.get("NT_ACCESSIBLE", "0") not in ("", "0")
+        or os.environ.get("TERM") == "dumb"
+        or not sys.stdout.isatty()
+    )
+
+
+def paint(text: str, colour: str, *, plain: bool) -> str:
+    """The text in colour where that helps nobody less; ``NO_COLOR`` is honoured."""
+    if plain or os.environ.get("NO_COLOR"):
+        return text
+    return click.style(text, fg=colour)
+
+
+def say(status: str, sentence: str, fix: str = "", *, plain: bool = True) -> None:
+    """A line that begins with its status, and the way out in the line below."""
+    colours = {"OK": "green", "WARNING": "yellow", "FAILED": "red"}
+    click.echo(f"{paint(status, colours.get(status, 'cyan'), plain=plain)} {sentence}")
+    if fix:
+        click.echo(f"Fix: {fix}")
+
+
+def show_changes(lines: Sequence[tuple[str, int, str]], *, plain: bool) -> None:
+    """Lines that differ, as ``compare`` finds them."""
+    for verb, number, text in lines:
+        if plain:
+            click.echo(f"line {number} {verb}: {text.strip() or 'an empty line'}")
+        else:
+            sign, colour = ("-", "red") if verb == "removed" else ("+", "green")
+            click.echo(paint(f"{number:>5} {sign} {text}", colour, plain=plain))
+
+
+def print_json(value: Any) -> None:
+    """The value as JSON."""
+    click.echo(json.dumps(value, indent=2, ensure_ascii=False, default=str))
+
+
+def make_stamp() -> str:
+    """The present moment, for the name of a version."""
+    return time.strftime("%Y-%m-%d_%H-%M-%S")
+
+
+def choose(question: str, choices: Sequence[str], *, default: int | None = None) -> int:
+    """Asks for one of several by number; waits for ever. Gives its index.
+
+    Raises:
+        click.Abort: the input has ended.
+    """
+    click.echo(question)
+    for number, choice in enumerate(choices, 1):
+        click.echo(f"  {number}. {choice}")
+    shown = None if default is None else default + 1
+    answer = click.prompt("Number", type=click.IntRange(1, len(choices)), default=shown)
+    return int(answer) - 1

@@ -1,0 +1,3 @@
+"""``neurotouch profile edit``."""
+
+COMMANDS = ()

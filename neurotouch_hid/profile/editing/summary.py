@@ -1,0 +1,102 @@
+"""A whole profile in words, one fact a line."""
+
+from collections.abc import Iterator
+from typing import Final
+
+from neurotouch_hid.profile.description import describe_binding, describe_condition
+from neurotouch_hid.profile.editing.values import format_value
+from neurotouch_hid.profile.layering import merge_bindings
+from neurotouch_hid.profile.schema import Binding, Layer, Profile
+from neurotouch_hid.profile.timing import resolve_times
+from neurotouch_hid.profile.user import UserSettings
+
+TOUR: Final = "\n".join(
+    f"{gesture} {amount} {way}; rest 1500ms"
+    for gesture, amount in (
+        ("push left", "11mm"),
+        ("push right", "11mm"),
+        ("push up", "11mm"),
+        ("push down", "11mm"),
+        ("pinch", "11mm"),
+        ("zoom", "7.9mm"),
+        ("twist_cw", "11mm"),
+        ("twist_ccw", "11mm"),
+    )
+    for way in ("tap", "300ms hold 2s")
+)
+"""Every movement once quickly and once held, as far as people go."""
+
+_SAID: Final = frozenset(
+    ("gesture", "direction", "zone", "contacts", "level", "press", "phase", "on_mm", "sequence")
+) | frozenset(("stick", "axis", "sign", "trigger", "button", "dpad", "key", "mouse", "layer"))
+
+
+def summarize(profile: Profile, user: UserSettings | None = None) -> Iterator[str]:
+    """The profile line by line.
+
+    Args:
+        profile: as written, or with everything it is built on.
+        user: the person; then every time and the layers' inherited bindings are given too.
+    """
+    yield f"profile: {profile.name}"
+    if profile.description:
+        yield f"description: {profile.description}"
+    if profile.extends:
+        yield f"built on: {', '.join(profile.extends)}"
+    yield from _summarize_times(profile, user)
+    layers = profile.all_layers
+    for layer in layers:
+        shown = layer
+        if user is not None and layer is not layers[0]:
+            bindings = list(merge_bindings(layer, layers[0]))
+            shown = layer.model_copy(update={"bindings": bindings})
+        yield from _summarize_layer(shown, alone=len(layers) == 1)
+    for name in ("pause", "panic"):
+        gesture = getattr(profile.safety, name)
+        if gesture is not None:
+            words = describe_condition(gesture.condition)
+            yield f"{name}: {words}, held {gesture.hold_ms} ms"
+
+
+def summarize_binding(binding: Binding) -> str:
+    """A binding with everything it sets, ``push -> stick left, range_mm [1.0, 8.0]``."""
+    words = [describe_binding(binding)]
+    for part in (binding.when, binding.do):
+        if not isinstance(part, str):
+            written = part.model_dump(mode="json", exclude_unset=True)
+            words += [
+                f"{key} {format_value(value)}"
+                for key, value in written.items()
+                if key not in _SAID and key not in ("mode", "command")
+            ]
+    return ", ".join(words)
+
+
+def _summarize_times(profile: Profile, user: UserSettings | None) -> Iterator[str]:
+    if user is None:
+        for key in ("timing", "filter", "latch"):
+            value = getattr(profile, key)
+            if value is not None:
+                plain = (
+                    value if isinstance(value, str | bool) else value.model_dump(exclude_unset=True)
+                )
+                yield f"{key}: {format_value(plain)}"
+        return
+    times = resolve_times(profile.timing, user.timing)
+    for key in times.__slots__:
+        value = getattr(times, key)
+        if key == "filter":
+            value = user.filter or (profile.filter if user.timing is None else None) or value
+        yield f"{key}: {format_value(value)}"
+    for movement, range_ in user.range:
+        if range_ is not None:
+            yield f"your range of {movement}: {range_.rest:g} to {range_.full:g} mm"
+    for key in ("handedness", "mirror", "rotate_deg", "neutral"):
+        yield f"your {key}: {format_value(getattr(user, key))}"
+
+
+def _summarize_layer(layer: Layer, *, alone: bool) -> Iterator[str]:
+    if not alone:
+        yield f"layer: {layer.name}, what it does not bind is {layer.below}"
+    for number, binding in enumerate(layer.bindings):
+        yield f"  binding {number}: {summarize_binding(binding)}"
