@@ -134,7 +134,7 @@ def _cell(column: int, row: int, value: float) -> Rectangle:
 def draw_times(timings: Mapping[str, Timing], reports: Reports) -> Figure:
     """How soon gestures have their type, how many lose it again, how many are invented at rest."""
     figure = Figure(figsize=(9.6, 4.2))
-    axes, changes, invented = figure.subplots(1, 3, width_ratios=(4, 1, 1))
+    axes, changes, invented = figure.subplots(1, 3, width_ratios=(3.6, 1, 1))
     for k, timing in enumerate(timings.values()):
         _draw_shares(axes, timing, k)
     for share, name in ((0.5, "median"), (0.95, "p95")):
@@ -154,7 +154,7 @@ def draw_times(timings: Mapping[str, Timing], reports: Reports) -> Figure:
     changes.set_title("Gestures that\nchange type")
     values = [[report["false_gestures_per_10_min"]] for report in reports.values()]
     draw_bars(invented, values, [""], "", size=10)
-    invented.set_title("False gestures in\n10 min at rest")
+    invented.set_title("False gestures\nin 10 min rest")
     add_legend(figure, method_lines(reports))
     return figure
 

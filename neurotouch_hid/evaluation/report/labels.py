@@ -14,7 +14,7 @@ from neurotouch_hid.evaluation.paper import (
     LABELS_NONE,
     SPEED_RANGE_MM_S,
 )
-from neurotouch_hid.evaluation.report.style import BLUE, INK, MUTED, SKY, add_grid
+from neurotouch_hid.evaluation.report.style import BLUE, INK, MUTED, SKY, add_grid, add_legend
 from neurotouch_hid.evaluation.statistics import LabelStatistics
 from neurotouch_hid.evaluation.tally import BIN_MM
 from neurotouch_hid.geometry import GEL_RADIUS_MM
@@ -45,7 +45,7 @@ def draw_classes(labels: LabelStatistics) -> Figure:
     published = Line2D(
         [], [], color=INK, marker="D", mfc="none", ms=6, lw=1.5, label="share in the paper's data"
     )
-    axes.legend(handles=[published], loc="upper right")
+    add_legend(figure, [published])
     return figure
 
 
@@ -138,5 +138,5 @@ def draw_boxes(labels: LabelStatistics) -> Figure:
     published = Line2D(
         [], [], color=MUTED, marker="_", mew=2, ms=9, label="range in the paper's data"
     )
-    axes.legend(handles=[published], loc="upper right")
+    add_legend(figure, [published])
     return figure
