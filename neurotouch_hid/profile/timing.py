@@ -32,6 +32,7 @@ class Times:
         trigger: act when a gesture begins or when it ends.
         weak_release: let go when the intensity falls clearly, even above the threshold.
         filter: the tremor filter that goes with it.
+        floor: the person's own times, if there are some: nothing in a profile goes below them.
     """
 
     accept_ms: int
@@ -46,6 +47,19 @@ class Times:
     trigger: Trigger
     weak_release: bool
     filter: FilterName
+    floor: "Times | None" = None
+
+    def choose_ms(self, name: str, own: int | None) -> int:
+        """The time of this name, or a binding's own one, which may not go below the person's."""
+        if own is None:
+            return int(getattr(self, name))
+        return own if self.floor is None else max(own, int(getattr(self.floor, name)))
+
+    def choose_trigger(self, own: Trigger | None) -> Trigger:
+        """The trigger, or a binding's own one; who acts by letting go always does."""
+        if own is None or (self.floor is not None and self.floor.trigger == "release"):
+            return self.trigger
+        return own
 
 
 PRESETS: Final[dict[PresetName, Times]] = {
@@ -109,12 +123,13 @@ def resolve_times(game: str | Timing | None, user: str | Timing | None) -> Times
         **{
             field.name: max(getattr(times, field.name), getattr(floor, field.name))
             for field in fields(Times)
-            if field.name not in ("trigger", "weak_release", "filter", "gap_ms")
+            if field.name not in ("trigger", "weak_release", "filter", "gap_ms", "floor")
         },
         gap_ms=floor.gap_ms,
         trigger="release" if "release" in (times.trigger, floor.trigger) else "press",
         weak_release=times.weak_release or floor.weak_release,
         filter=floor.filter,
+        floor=floor,
     )
 
 

@@ -196,3 +196,13 @@ def test_the_slower_of_profile_and_user_holds() -> None:
     assert tell(profile, long(1000), user)[0] == "320 button a down"
     profile = make_profile("when: pinch, do: {button: a}", more="timing: {accept_ms: 30}")
     assert tell(profile, long(1000), user)[0] == "140 button a down"
+
+
+def test_no_binding_is_faster_than_the_person() -> None:
+    profile = make_profile("when: {gesture: pinch, accept_ms: 30}, do: {button: a}")
+    assert tell(profile, long(1000))[0] == "50 button a down"
+    user = UserSettings(filter="none", timing="steady")
+    assert tell(profile, long(1000), user)[0] == "140 button a down"
+    profile = make_profile("when: {gesture: pinch, trigger: press}, do: {button: a}")
+    user = UserSettings(filter="none", timing="slow")
+    assert tell(profile, long(1000), user)[0] == "1060 button a down"

@@ -6,13 +6,14 @@ import pytest
 from pydantic import TypeAdapter
 
 from neurotouch_hid.messages import Button, GestureKind
-from neurotouch_hid.profile import profile_schema
+from neurotouch_hid.profile import profile_schema, user_schema
 from neurotouch_hid.profile.conditions import GestureName
 from neurotouch_hid.profile.library import find_shipped_folder
 from neurotouch_hid.profile.shaping import Curve
 
 SCHEMA = profile_schema()
-MODELS = {"Profile": SCHEMA, **SCHEMA["$defs"]}
+USER = user_schema()
+MODELS = {"Profile": SCHEMA, **SCHEMA["$defs"], "UserSettings": USER, **USER["$defs"]}
 FIELDS = [
     (name, key, field)
     for name, model in MODELS.items()
@@ -20,10 +21,11 @@ FIELDS = [
 ]
 
 
-def test_the_shipped_schema_is_current() -> None:
-    shipped = find_shipped_folder() / "schema" / "profile-1.json"
-    assert json.loads(shipped.read_text(encoding="utf-8")) == SCHEMA, (
-        "write it anew: json.dumps(profile_schema(), indent=2, ensure_ascii=False)"
+@pytest.mark.parametrize(("name", "schema"), [("profile-1", SCHEMA), ("user-1", USER)])
+def test_the_shipped_schema_is_current(name: str, schema: dict) -> None:
+    shipped = find_shipped_folder() / "schema" / f"{name}.json"
+    assert json.loads(shipped.read_text(encoding="utf-8")) == schema, (
+        "write it anew: json.dumps(..., indent=2, ensure_ascii=False)"
     )
 
 
@@ -32,9 +34,10 @@ def test_every_key_says_what_it_is(model: str, key: str, field: dict) -> None:
     assert field["description"].endswith(".")
     assert "efault: " in field["description"] or "No default." in field["description"]
     assert ("No default." in field["description"]) == (key in MODELS[model].get("required", []))
-    if key.endswith("_mm"):
-        assert field["x-unit"] == "mm"
-        assert "mm" in field["description"]
+    for suffix, unit in (("_mm", "mm"), ("_ms", "ms"), ("_mm_s", "mm/s"), ("_deg", "deg")):
+        if key.endswith(suffix):
+            assert field["x-unit"] == unit
+            assert {"deg": "degrees"}.get(unit, unit) in field["description"]
 
 
 @pytest.mark.parametrize("model", [name for name, m in MODELS.items() if "properties" in m])
@@ -56,6 +59,7 @@ def test_every_number_has_bounds_and_nothing_may_be_empty() -> None:
                 walk(child)
 
     walk(SCHEMA)
+    walk(USER)
 
 
 def test_no_key_or_value_reads_as_true_or_false_in_yaml_1_1() -> None:

@@ -140,6 +140,19 @@ def test_a_recognised_gesture_stays_what_it_is() -> None:
     assert pressed(BOTH, flicker, "latch: false") == "aaabbaa..bb"
 
 
+def test_a_push_keeps_its_way_while_it_looks_like_something_else() -> None:
+    profile = make_profile("when: push, do: {stick: left}", "when: zoom, do: {button: b}")
+    mapping = Mapping(profile, RAW)
+    points = np.zeros((2, 2))
+    ways = [(5.0, 0.0), (0.1, -0.3), (5.0, 0.0)]
+    kinds = [PUSH, ZOOM, PUSH]
+    states = [
+        mapping.update(Gesture(10_000 * i, kind, points, points, 5.0, way))
+        for i, (kind, way) in enumerate(zip(kinds, ways, strict=True))
+    ]
+    assert states[0].axes == states[1].axes == states[2].axes
+
+
 def test_what_nobody_waits_for_is_not_kept() -> None:
     late = stream((PUSH, 5, 3), (ZOOM, 5, 3))
     assert pressed(("when: zoom, do: {button: b}",), late) == "...bbb"

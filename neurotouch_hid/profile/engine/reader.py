@@ -54,6 +54,7 @@ class _Memory:
     four: EightWay | None = None
     eight: EightWay | None = None
     zone: Zone | None = None
+    way: Vector | None = None  # of the push, while it looks like one
     mm: float = 0.0
     speed: float = 0.0
     top_speed: float = 0.0
@@ -132,9 +133,10 @@ class Reader:
                 smooth.update(value, step_us)
                 for smooth, value in zip(self._filters, (mm, x, y), strict=True)
             )
-        if self._memory.kind is not None:
-            kind = self._memory.kind
-        way = _find_way(x, y) if kind == GestureKind.PUSH else None
+        seen, kind = kind, self._memory.kind or kind
+        if seen == GestureKind.PUSH:
+            self._memory.way = _find_way(x, y)
+        way = self._memory.way if kind == GestureKind.PUSH else None
         if self._convert is not None:
             mm = self._convert(kind, mm, way)
         self._measure_speed(mm, step_us)
