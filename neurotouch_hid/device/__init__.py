@@ -1,7 +1,11 @@
-"""Fifth stage: the virtual gamepad that every program takes for a standard controller."""
+"""Fifth stage: the virtual gamepad that every program takes for a standard controller.
 
+Where a profile asks for them, a keyboard and a mouse stand beside it.
+"""
+
+from neurotouch_hid.device.claim import Companion
+from neurotouch_hid.device.composite import CompositeDevice
 from neurotouch_hid.device.device import Device, check_device, open_device
 from neurotouch_hid.device.memory import MemoryDevice
-from neurotouch_hid.device.uinput import UinputDevice
 
-__all__ = ["Device", "MemoryDevice", "UinputDevice", "check_device", "open_device"]
+__all__ = ["Companion", "CompositeDevice", "Device", "MemoryDevice", "check_device", "open_device"]

@@ -5,10 +5,10 @@ the ids, and map it by the *order* of its codes: one button more or less shifts 
 """
 
 import math
-from dataclasses import dataclass
 
 from evdev import ecodes
 
+from neurotouch_hid.device.claim import Claim, Control, make_key
 from neurotouch_hid.messages import Axis, Button, GamepadState
 
 NAME = "Microsoft X-Box 360 pad"
@@ -22,45 +22,24 @@ PHYS = "neurotouch/pad0"
 """Where the pad claims to be plugged in; udev rules and we find our own devices by it."""
 
 
-@dataclass(frozen=True, slots=True)
-class Control:
-    """One event code of the pad. At rest its value is 0.
-
-    Attributes:
-        type: EV_KEY or EV_ABS.
-        code: the event code.
-        minimum: the smallest value it can have.
-        maximum: the largest.
-    """
-
-    type: int
-    code: int
-    minimum: int
-    maximum: int
-
-
-def _key(code: int) -> Control:
-    return Control(ecodes.EV_KEY, code, 0, 1)
-
-
 def _axis(code: int, minimum: int, maximum: int) -> Control:
     return Control(ecodes.EV_ABS, code, minimum, maximum)
 
 
 BUTTONS = {
-    Button.A: _key(ecodes.BTN_SOUTH),
-    Button.B: _key(ecodes.BTN_EAST),
+    Button.A: make_key(ecodes.BTN_SOUTH),
+    Button.B: make_key(ecodes.BTN_EAST),
     # By label, as the kernel's xpad driver sends them and SDL expects them: BTN_X is BTN_NORTH,
     # although the button marked X lies west.
-    Button.X: _key(ecodes.BTN_NORTH),
-    Button.Y: _key(ecodes.BTN_WEST),
-    Button.LB: _key(ecodes.BTN_TL),
-    Button.RB: _key(ecodes.BTN_TR),
-    Button.BACK: _key(ecodes.BTN_SELECT),
-    Button.START: _key(ecodes.BTN_START),
-    Button.GUIDE: _key(ecodes.BTN_MODE),
-    Button.LS: _key(ecodes.BTN_THUMBL),
-    Button.RS: _key(ecodes.BTN_THUMBR),
+    Button.X: make_key(ecodes.BTN_NORTH),
+    Button.Y: make_key(ecodes.BTN_WEST),
+    Button.LB: make_key(ecodes.BTN_TL),
+    Button.RB: make_key(ecodes.BTN_TR),
+    Button.BACK: make_key(ecodes.BTN_SELECT),
+    Button.START: make_key(ecodes.BTN_START),
+    Button.GUIDE: make_key(ecodes.BTN_MODE),
+    Button.LS: make_key(ecodes.BTN_THUMBL),
+    Button.RS: make_key(ecodes.BTN_THUMBR),
 }
 
 AXES = {
@@ -76,8 +55,7 @@ AXES = {
 
 CONTROLS = (*BUTTONS.values(), *AXES.values())
 
-NEUTRAL = (0,) * len(CONTROLS)
-"""The report of a pad that nobody touches."""
+CLAIM = Claim(NAME, (BUS, VENDOR, PRODUCT, VERSION), PHYS, CONTROLS)
 
 
 def encode(state: GamepadState) -> tuple[int, ...]:

@@ -1,49 +1,71 @@
-"""A pad that nobody sees: it remembers what was written, for tests and dry runs."""
+"""A device that nobody sees: it remembers what was written, for tests and dry runs."""
 
-from collections import deque
+from collections import Counter, deque
+from collections.abc import Iterable
 from threading import Lock
 from types import TracebackType
 from typing import Self
 
-from neurotouch_hid.device.gamepad import NEUTRAL, encode
+from neurotouch_hid.device import gamepad, keyboard, mouse
+from neurotouch_hid.device.claim import Companion, find_needed
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import GamepadState
 
+_Report = tuple[int, ...]
+
 
 class MemoryDevice:
-    """Keeps the states that a real pad would have shown as a change, oldest first.
+    """Keeps the states that real nodes would have shown as a change, oldest first.
 
     Attributes:
         name: what the user is told it is.
         states: the changes; the newest 10 000 (100 s of ceaseless motion), so that a dry run of
-            days does not grow.
+            days does not grow. A state in which the mouse moved is a change.
+        companions: the nodes that would stand beside the pad.
+        travel: how far the mouse went in all, in steps, by EV_REL code.
     """
 
     name = "memory"
 
-    def __init__(self) -> None:
+    def __init__(self, companions: Iterable[Companion] = ()) -> None:
         self.states: deque[GamepadState] = deque(maxlen=10_000)
-        self._report = NEUTRAL
+        self.companions = set(companions)
+        self.travel: Counter[int] = Counter()
+        self._motion = mouse.Motion()
+        self._reports = _encode(GamepadState(0))
         self._t_us = 0
         self._closed = False
         self._lock = Lock()
 
-    def write(self, state: GamepadState) -> None:
-        """Keep the state if it changes the pad.
+    def prepare(self, companions: Iterable[Companion]) -> None:
+        """Count these to the nodes.
 
         Raises:
             DeviceError: the device is closed.
         """
         with self._lock:
-            if self._closed:
-                raise DeviceError("The virtual gamepad is already closed.")
-            self._show(state)
+            self._require_open()
+            self.companions.update(companions)
+
+    def write(self, state: GamepadState) -> None:
+        """Keep the state if it changes anything.
+
+        Raises:
+            DeviceError: the device is closed.
+        """
+        with self._lock:
+            self._require_open()
+            self.companions |= find_needed(state)
+            steps = dict(self._motion.advance(state))
+            self.travel.update(steps)
+            self._show(state, moved=bool(steps))
 
     def neutral(self) -> None:
         """Release everything, at the moment of the state before."""
         with self._lock:
             if not self._closed:
-                self._show(GamepadState(self._t_us))
+                self._motion = mouse.Motion()
+                self._show(GamepadState(self._t_us), moved=False)
 
     def close(self) -> None:
         """Release everything and accept nothing more."""
@@ -64,9 +86,17 @@ class MemoryDevice:
         """Close the device."""
         self.close()
 
-    def _show(self, state: GamepadState) -> None:
+    def _require_open(self) -> None:
+        if self._closed:
+            raise DeviceError("The virtual gamepad is already closed.")
+
+    def _show(self, state: GamepadState, *, moved: bool) -> None:
         self._t_us = state.t_us
-        report = encode(state)
-        if report != self._report:
-            self._report = report
+        reports = _encode(state)
+        if moved or reports != self._reports:
+            self._reports = reports
             self.states.append(state)
+
+
+def _encode(state: GamepadState) -> tuple[_Report, _Report, _Report]:
+    return gamepad.encode(state), keyboard.encode(state), mouse.encode(state)

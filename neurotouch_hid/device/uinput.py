@@ -1,4 +1,4 @@
-"""A gamepad made by the Linux kernel through ``/dev/uinput``.
+"""Nodes made by the Linux kernel through ``/dev/uinput``.
 
 Own ioctls instead of evdev's ``UInput``: that one cannot use a descriptor handed over by systemd,
 wants to read the new event node (and waits 2 s when it may not), writes every event by itself, and
@@ -9,26 +9,18 @@ import errno
 import fcntl
 import os
 import struct
-import time
 from collections.abc import Callable
 from pathlib import Path
-from threading import Lock
-from types import TracebackType
-from typing import Self
 
 from evdev import ecodes
 
-from neurotouch_hid.device import gamepad
+from neurotouch_hid.device.claim import Claim, Steps
 from neurotouch_hid.errors import DeviceError
-from neurotouch_hid.messages import GamepadState
 
 NODE = Path("/dev/uinput")
 
 RULE = 'KERNEL=="uinput", SUBSYSTEM=="misc", TAG+="uaccess", OPTIONS+="static_node=uinput"'
 """The udev rule of ``udev/70-neurotouch-uinput.rules``."""
-
-_PARTING_S = 0.05
-"""Time for readers to take the last frame: what is unread when a pad goes away is lost to them."""
 
 # linux/uinput.h and linux/input.h
 _INPUT_EVENT = struct.Struct("@llHHi")  # seconds, microseconds, type, code, value
@@ -47,12 +39,13 @@ UI_DEV_SETUP = _write_request(3, _SETUP.size)
 UI_ABS_SETUP = _write_request(4, _ABS_SETUP.size)
 UI_SET_EVBIT = _write_request(100, struct.calcsize("@i"))
 UI_SET_KEYBIT = _write_request(101, struct.calcsize("@i"))
+UI_SET_RELBIT = _write_request(102, struct.calcsize("@i"))
 UI_SET_PHYS = _write_request(108, struct.calcsize("@P"))
 
 Ioctl = Callable[[int, int, int | bytes], None]
 
 
-def _ioctl(descriptor: int, request: int, argument: int | bytes) -> None:
+def call_kernel(descriptor: int, request: int, argument: int | bytes) -> None:
     """Make the system call; uinput takes numbers by value and structures by their bytes."""
     fcntl.ioctl(descriptor, request, argument)
 
@@ -69,134 +62,111 @@ def open_uinput(node: Path = NODE) -> int:
         raise _explain_opening(node, error) from error
 
 
-class UinputDevice:
-    """The pad of ``gamepad.py`` as a device of the kernel, visible to all programs at once.
+class UinputNode:
+    """One device of the kernel, visible to all programs at once; at rest when it is made.
 
-    If the process dies, the kernel releases the pressed keys and removes the pad. One lock guards
-    the descriptor, so that a watchdog's thread may call ``neutral`` while the line writes.
+    If the process dies, the kernel releases the pressed keys and removes the node. The caller sees
+    to it that two threads do not write at once.
 
     No force feedback is declared: a pad that declares it and does not answer freezes games for
     half a minute.
-
-    Attributes:
-        name: what the user is told it is, and what games show.
     """
 
-    name = gamepad.NAME
-
-    def __init__(self, descriptor: int, *, ioctl: Ioctl = _ioctl) -> None:
-        """Create the pad, at rest.
+    def __init__(self, descriptor: int, claim: Claim, *, ioctl: Ioctl = call_kernel) -> None:
+        """Create the node.
 
         Args:
             descriptor: ``/dev/uinput`` opened for writing, by ``open_uinput`` or by the service
-                manager. The device owns it from here on, also when this call fails.
+                manager. The node owns it from here on, also when this call fails.
+            claim: what it claims to be.
             ioctl: the system call; tests record it.
 
         Raises:
-            DeviceError: the kernel refuses the pad.
+            DeviceError: the kernel refuses it.
         """
-        self._descriptor: int | None = descriptor
+        self._descriptor = descriptor
+        self._claim = claim
         self._ioctl = ioctl
-        self._report = gamepad.NEUTRAL
-        self._lock = Lock()
+        self._report = claim.neutral
         try:
-            self._create(descriptor)
+            self._create()
         except OSError as error:
             os.close(descriptor)
             raise DeviceError(
-                f"The kernel refuses to create the virtual gamepad: {error.strerror}."
+                f"The kernel refuses to create the {claim.name}: {error.strerror}."
             ) from error
 
-    def write(self, state: GamepadState) -> None:
-        """Show the pad in this state: one write with all that changed, none if nothing did.
+    def show(self, report: tuple[int, ...], steps: Steps = ()) -> None:
+        """Write one frame with all that changed, in one write; nothing if nothing did.
 
-        A failure means that the pad is gone, so it is not hidden by a new pad, which games would
+        Steps come first, so that a click is where the pointer then is. What is released comes
+        before what is pressed, and in the opposite order: the letter of a chord before its ctrl.
+
+        A failure means that the node is gone, so it is not hidden by a new one, which games would
         take for another player's: the program ends, and the service manager starts it again. A
-        caller that goes on all the same loses nothing, the next call sends what is still unsent.
+        caller that goes on all the same loses no press or release, the next call sends what is
+        still unsent.
 
-        Raises:
-            DeviceError: the kernel does not take it, or the device is closed.
-        """
-        with self._lock:
-            if self._descriptor is None:
-                raise DeviceError("The virtual gamepad is already closed.")
-            self._show(self._descriptor, gamepad.encode(state))
-
-    def neutral(self) -> None:
-        """Release everything now.
+        Args:
+            report: the value of every control of the claim, in its order.
+            steps: how far the claim's motions go now, as (code, steps).
 
         Raises:
             DeviceError: the kernel does not take it.
         """
-        with self._lock:
-            if self._descriptor is not None:
-                self._show(self._descriptor, gamepad.NEUTRAL)
-
-    def close(self) -> None:
-        """Release everything and remove the pad."""
-        with self._lock:
-            if self._descriptor is None:
-                return
-            descriptor, self._descriptor = self._descriptor, None
-            try:
-                self._show(descriptor, gamepad.NEUTRAL)
-                time.sleep(_PARTING_S)
-                self._ioctl(descriptor, UI_DEV_DESTROY, 0)
-            except (DeviceError, OSError):
-                # The pad is gone already. Closing the descriptor below removes whatever is left,
-                # and releases its keys.
-                pass
-            finally:
-                os.close(descriptor)
-
-    def __enter__(self) -> Self:
-        """Return the device itself."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Close the device."""
-        self.close()
-
-    def _create(self, descriptor: int) -> None:
-        self._ioctl(descriptor, UI_SET_EVBIT, ecodes.EV_KEY)
-        for key in gamepad.BUTTONS.values():
-            self._ioctl(descriptor, UI_SET_KEYBIT, key.code)
-        self._ioctl(descriptor, UI_SET_EVBIT, ecodes.EV_ABS)
-        for axis in gamepad.AXES.values():
-            # Value, fuzz, flat and resolution are 0. Fuzz as the real pad declares it would keep
-            # a released stick off its centre.
-            setup = _ABS_SETUP.pack(axis.code, 0, axis.minimum, axis.maximum, 0, 0, 0)
-            self._ioctl(descriptor, UI_ABS_SETUP, setup)
-        self._ioctl(descriptor, UI_SET_PHYS, gamepad.PHYS.encode() + b"\0")
-        identity = (gamepad.BUS, gamepad.VENDOR, gamepad.PRODUCT, gamepad.VERSION)
-        self._ioctl(descriptor, UI_DEV_SETUP, _SETUP.pack(*identity, gamepad.NAME.encode(), 0))
-        self._ioctl(descriptor, UI_DEV_CREATE, 0)
-
-    def _show(self, descriptor: int, report: tuple[int, ...]) -> None:
-        """Write the controls that differ from the last report, and the end of the frame."""
         changes = [
-            # A stamp of 0 lets the kernel take its own time.
-            _INPUT_EVENT.pack(0, 0, control.type, control.code, value)
-            for control, old, value in zip(gamepad.CONTROLS, self._report, report, strict=True)
+            (control.type, control.code, value)
+            for control, old, value in zip(self._claim.controls, self._report, report, strict=True)
             if value != old
         ]
-        if not changes:
+        frame = [
+            *((ecodes.EV_REL, code, n_steps) for code, n_steps in steps),
+            *(change for change in reversed(changes) if change[2] == 0),
+            *(change for change in changes if change[2] != 0),
+        ]
+        if not frame:
             return
-        changes.append(_INPUT_EVENT.pack(0, 0, ecodes.EV_SYN, ecodes.SYN_REPORT, 0))
-        frame = b"".join(changes)
+        frame.append((ecodes.EV_SYN, ecodes.SYN_REPORT, 0))
         try:
-            os.write(descriptor, frame)
+            # Stamps of 0 let the kernel take its own time.
+            os.write(self._descriptor, b"".join(_INPUT_EVENT.pack(0, 0, *event) for event in frame))
         except OSError as error:
             raise DeviceError(
-                f"The kernel no longer takes input for the virtual gamepad: {error.strerror}.",
-                hint="Start the program again; it will make a new pad.",
+                f"The kernel no longer takes input for the {self._claim.name}: {error.strerror}.",
+                hint="Start the program again; it will make a new one.",
             ) from error
         self._report = report
+
+    def close(self) -> None:
+        """Remove the node."""
+        try:
+            self._ioctl(self._descriptor, UI_DEV_DESTROY, 0)
+        except OSError:
+            pass  # it is gone already; closing the descriptor removes whatever is left
+        finally:
+            os.close(self._descriptor)
+
+    def _create(self) -> None:
+        for type_ in sorted({control.type for control in self._claim.controls}):
+            self._set(UI_SET_EVBIT, type_)
+        for control in self._claim.controls:
+            if control.type == ecodes.EV_KEY:
+                self._set(UI_SET_KEYBIT, control.code)
+            else:
+                # Value, fuzz, flat and resolution are 0. Fuzz as the real pad declares it would
+                # keep a released stick off its centre.
+                range_ = (control.minimum, control.maximum)
+                self._set(UI_ABS_SETUP, _ABS_SETUP.pack(control.code, 0, *range_, 0, 0, 0))
+        if self._claim.motions:
+            self._set(UI_SET_EVBIT, ecodes.EV_REL)
+        for motion in self._claim.motions:
+            self._set(UI_SET_RELBIT, motion)
+        self._set(UI_SET_PHYS, self._claim.phys.encode() + b"\0")
+        self._set(UI_DEV_SETUP, _SETUP.pack(*self._claim.ids, self._claim.name.encode(), 0))
+        self._set(UI_DEV_CREATE, 0)
+
+    def _set(self, request: int, argument: int | bytes) -> None:
+        self._ioctl(self._descriptor, request, argument)
 
 
 def _explain_opening(node: Path, error: OSError) -> DeviceError:

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from neurotouch_hid.device import gamepad
+from neurotouch_hid.device.claim import Control
 from neurotouch_hid.messages import Axis, Button, GamepadState
 
 # From the kernel's xpad driver, as numbers: a second source beside the names in the module.
@@ -45,7 +46,7 @@ def crc16_arc(data: bytes) -> int:
     return crc
 
 
-def value_of(state: GamepadState, control: gamepad.Control) -> int:
+def value_of(state: GamepadState, control: Control) -> int:
     return gamepad.encode(state)[gamepad.CONTROLS.index(control)]
 
 
@@ -95,8 +96,8 @@ def test_an_axis_moves_only_itself(axis):
 
 
 def test_a_pad_that_nobody_touches_is_all_zero():
-    assert gamepad.encode(GamepadState(5)) == gamepad.NEUTRAL
-    assert gamepad.encode(GamepadState(5, axes=dict.fromkeys(Axis, 0.0))) == gamepad.NEUTRAL
+    assert gamepad.encode(GamepadState(5)) == gamepad.CLAIM.neutral
+    assert gamepad.encode(GamepadState(5, axes=dict.fromkeys(Axis, 0.0))) == gamepad.CLAIM.neutral
 
 
 @pytest.mark.parametrize(

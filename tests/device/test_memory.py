@@ -1,10 +1,10 @@
-"""The pad that remembers, and the way to get a device by its name."""
+"""The device that remembers, and the way to get a device by its name."""
 
 import math
 
 import pytest
 
-from neurotouch_hid.device import MemoryDevice, open_device
+from neurotouch_hid.device import Companion, MemoryDevice, open_device
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import Axis, Button, GamepadState
 
@@ -32,6 +32,53 @@ def test_neutral_releases_at_the_last_moment():
     assert device.states[-1].is_neutral
 
 
+@pytest.mark.parametrize(
+    "state",
+    [
+        GamepadState(20, keys=frozenset({"KEY_A"})),
+        GamepadState(20, mouse_buttons=frozenset({"BTN_LEFT"})),
+    ],
+)
+def test_keys_and_mouse_buttons_are_kept(state):
+    device = MemoryDevice()
+    device.write(GamepadState(10))
+    device.write(state)
+    device.write(state)
+    device.neutral()
+    assert list(device.states) == [state, GamepadState(20)]
+
+
+def test_a_state_that_moves_the_mouse_is_kept_and_the_way_is_summed():
+    device = MemoryDevice()
+    moving = [
+        GamepadState(t_us, pointer=(60.0, -200.0), wheel=12.0) for t_us in range(0, 100_001, 10_000)
+    ]
+    for state in moving:
+        device.write(state)
+    device.write(GamepadState(110_000, pointer=(1.0, 0.0)))
+    assert list(device.states) == moving[1:]
+    assert device.travel == {0: 6, 1: -20, 8: 1, 11: 144}
+
+
+def test_the_way_to_a_neutral_does_not_count():
+    device = MemoryDevice()
+    device.write(GamepadState(0, pointer=(100.0, 0.0)))
+    device.neutral()
+    device.write(GamepadState(40_000, pointer=(100.0, 0.0)))
+    assert not device.states
+    assert not device.travel
+
+
+def test_it_knows_what_would_stand_beside_the_pad():
+    device = MemoryDevice()
+    device.write(GamepadState(10, frozenset({Button.A})))
+    assert device.companions == set()
+    device.prepare([Companion.KEYBOARD])
+    assert device.companions == {Companion.KEYBOARD}
+    device.write(GamepadState(20, wheel=1.0))
+    assert device.companions == {Companion.KEYBOARD, Companion.MOUSE}
+
+
 def test_close_releases_and_ends_it():
     with MemoryDevice() as device:
         device.write(GamepadState(20, frozenset({Button.X})))
@@ -52,7 +99,9 @@ def test_a_long_dry_run_does_not_grow():
 
 
 def test_devices_are_opened_by_name():
-    assert isinstance(open_device("memory"), MemoryDevice)
+    device = open_device("memory", [Companion.MOUSE])
+    assert isinstance(device, MemoryDevice)
+    assert device.companions == {Companion.MOUSE}
     with pytest.raises(DeviceError, match="'joystick'") as caught:
         open_device("joystick")
     assert caught.value.hint == "Use uinput or memory."

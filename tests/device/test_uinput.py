@@ -4,198 +4,160 @@ import contextlib
 import errno
 import os
 import stat
-import threading
 from pathlib import Path
 
 import pytest
+from evdev import ecodes
 
-from neurotouch_hid.device.uinput import RULE, UinputDevice, open_uinput
+from neurotouch_hid.device import gamepad, keyboard, mouse
+from neurotouch_hid.device.claim import Claim
+from neurotouch_hid.device.uinput import RULE, UinputNode, open_uinput
 from neurotouch_hid.errors import DeviceError
-from neurotouch_hid.messages import Axis, Button, GamepadState
+from tests.device.kernel import FakeNode, Kernel
 
-SYN = "00000000000000000000000000000000" + "0000" + "0000" + "00000000"
-KEY_A_DOWN = "00000000000000000000000000000000" + "0100" + "3001" + "01000000"
-KEY_A_UP = "00000000000000000000000000000000" + "0100" + "3001" + "00000000"
-LEFT_X_FULL = "00000000000000000000000000000000" + "0300" + "0000" + "ff7f0000"
-LEFT_X_LEFT = "00000000000000000000000000000000" + "0300" + "0000" + "0180ffff"
-LEFT_X_REST = "00000000000000000000000000000000" + "0300" + "0000" + "00000000"
+PHYS, SETUP, ABS_SETUP = 0x4008556C, 0x405C5503, 0x401C5504
+EVBIT, KEYBIT, RELBIT, CREATE, DESTROY = 0x40045564, 0x40045565, 0x40045566, 0x5501, 0x5502
 
 
-class Kernel:
-    """A pipe in the place of /dev/uinput, and the ioctls that were made on it."""
+def event(type_: int, code: int, value: int) -> str:
+    """An input event as 64-bit Linux lays it out, stamp 0, in hexadecimal."""
+    words = type_.to_bytes(2, "little") + code.to_bytes(2, "little")
+    return "00" * 16 + words.hex() + value.to_bytes(4, "little", signed=True).hex()
 
-    def __init__(self):
-        self.reading, self.writing = os.pipe()
-        os.set_blocking(self.reading, False)
-        self.calls: list[tuple[int, int | bytes]] = []
-        self.refused: int | None = None
 
-    def ioctl(self, descriptor: int, request: int, argument: int | bytes) -> None:
-        assert descriptor == self.writing
-        if request == self.refused:
-            raise OSError(errno.EINVAL, os.strerror(errno.EINVAL))
-        self.calls.append((request, argument))
-
-    def open(self) -> UinputDevice:
-        return UinputDevice(self.writing, ioctl=self.ioctl)
-
-    def take(self) -> str:
-        """What was written since the last look, in hexadecimal."""
-        try:
-            return os.read(self.reading, 1 << 16).hex()
-        except BlockingIOError:
-            return ""
-
-    @property
-    def is_closed(self) -> bool:
-        try:
-            os.fstat(self.writing)
-        except OSError:
-            return True
-        return False
+SYN = event(0, 0, 0)
 
 
 @pytest.fixture
 def kernel():
     kernel = Kernel()
     yield kernel
-    os.close(kernel.reading)
-    if not kernel.is_closed:
-        os.close(kernel.writing)
+    kernel.close()
+
+
+def make(kernel: Kernel, claim: Claim) -> tuple[UinputNode, FakeNode]:
+    node = UinputNode(kernel.open(), claim, ioctl=kernel.ioctl)
+    return node, kernel.nodes[-1]
+
+
+def report(claim: Claim, **values: int) -> tuple[int, ...]:
+    """The report in which these codes, named by the kernel, have these values."""
+    wanted = {ecodes.ecodes[name]: value for name, value in values.items()}
+    return tuple(wanted.get(control.code, 0) for control in claim.controls)
 
 
 def test_the_calls_that_make_the_pad(kernel):
-    kernel.open()
+    _, pad = make(kernel, gamepad.CLAIM)
     keys = [0x130, 0x131, 0x133, 0x134, 0x136, 0x137, 0x13A, 0x13B, 0x13C, 0x13D, 0x13E]
     stick = "00000000" + "0080ffff" + "ff7f0000" + "00000000" * 3
     trigger = "00000000" + "00000000" + "ff000000" + "00000000" * 3
     hat = "00000000" + "ffffffff" + "01000000" + "00000000" * 3
     axes = {0: stick, 1: stick, 2: trigger, 3: stick, 4: stick, 5: trigger, 16: hat, 17: hat}
     name = b"Microsoft X-Box 360 pad".ljust(80, b"\0")
-    assert [(request, argument) for request, argument in kernel.calls if request != 0x401C5504] == [
-        (0x40045564, 1),  # UI_SET_EVBIT EV_KEY
-        *((0x40045565, key) for key in keys),
-        (0x40045564, 3),  # UI_SET_EVBIT EV_ABS; no EV_FF
-        (0x4008556C, b"neurotouch/pad0\0"),
-        (0x405C5503, bytes.fromhex("03005e048e021001") + name + bytes(4)),
-        (0x5501, 0),  # UI_DEV_CREATE
+    assert [call for call in pad.calls if call[0] != ABS_SETUP] == [
+        (EVBIT, 1),  # EV_KEY
+        (EVBIT, 3),  # EV_ABS; no EV_FF
+        *((KEYBIT, key) for key in keys),
+        (PHYS, b"neurotouch/pad0\0"),
+        (SETUP, bytes.fromhex("03005e048e021001") + name + bytes(4)),
+        (CREATE, 0),
     ]
-    setups = [argument for request, argument in kernel.calls if request == 0x401C5504]
+    setups = [argument for request, argument in pad.calls if request == ABS_SETUP]
     assert sorted(setups) == sorted(
         code.to_bytes(2, "little") + bytes(2) + bytes.fromhex(rest) for code, rest in axes.items()
     )
-    assert kernel.calls[-1] == (0x5501, 0)
-    assert kernel.take() == ""
+    assert pad.calls[-1] == (CREATE, 0)
+    assert pad.take() == ""
 
 
-def test_one_packed_write_per_change(kernel):
-    pad = kernel.open()
-    pad.write(GamepadState(1, frozenset({Button.A}), {Axis.LEFT_X: 1.0}))
-    assert kernel.take() == KEY_A_DOWN + LEFT_X_FULL + SYN
-    pad.write(GamepadState(2, frozenset({Button.A}), {Axis.LEFT_X: -1.0}))
-    assert kernel.take() == LEFT_X_LEFT + SYN
-    pad.write(GamepadState(3))
-    assert kernel.take() == KEY_A_UP + LEFT_X_REST + SYN
+def test_the_calls_that_make_the_mouse(kernel):
+    _, node = make(kernel, mouse.CLAIM)
+    name = b"NeuroTouch Mouse".ljust(80, b"\0")
+    assert node.calls == [
+        (EVBIT, 1),
+        *((KEYBIT, button) for button in (0x110, 0x111, 0x112, 0x113, 0x114)),
+        (EVBIT, 2),  # EV_REL
+        *((RELBIT, code) for code in (0, 1, 8, 6, 11, 12)),
+        (PHYS, b"neurotouch/mouse0\0"),
+        (SETUP, bytes.fromhex("0600000002000100") + name + bytes(4)),
+        (CREATE, 0),
+    ]
 
 
-def test_no_write_when_nothing_changes(kernel):
-    pad = kernel.open()
-    pad.write(GamepadState(1))
-    pad.neutral()
-    assert kernel.take() == ""
-    pad.write(GamepadState(2, axes={Axis.LEFT_X: 1.0}))
-    kernel.take()
-    pad.write(GamepadState(3, axes={Axis.LEFT_X: 1.0}))
-    pad.write(GamepadState(4, axes={Axis.LEFT_X: 7.0, Axis.LEFT_Y: 1e-6}))
-    assert kernel.take() == ""
+def test_the_calls_that_make_the_keyboard(kernel):
+    _, node = make(kernel, keyboard.CLAIM)
+    name = b"NeuroTouch Keyboard".ljust(80, b"\0")
+    assert [call for call in node.calls if call[0] != KEYBIT] == [
+        (EVBIT, 1),  # no EV_REP, no EV_LED
+        (PHYS, b"neurotouch/keyboard0\0"),
+        (SETUP, bytes.fromhex("0600000001000100") + name + bytes(4)),
+        (CREATE, 0),
+    ]
+    keys = {argument for request, argument in node.calls if request == KEYBIT}
+    assert keys == {control.code for control in keyboard.KEYS.values()}
 
 
-def test_neutral_releases_what_is_held(kernel):
-    pad = kernel.open()
-    pad.write(GamepadState(1, frozenset({Button.A})))
-    kernel.take()
-    pad.neutral()
-    assert kernel.take() == KEY_A_UP + SYN
-    pad.write(GamepadState(2, frozenset({Button.A})))
-    assert kernel.take() == KEY_A_DOWN + SYN
+def test_one_packed_frame_per_change(kernel):
+    pad, seen = make(kernel, gamepad.CLAIM)
+    pad.show(report(gamepad.CLAIM, BTN_SOUTH=1, ABS_X=32767))
+    assert seen.take() == event(1, 0x130, 1) + event(3, 0, 32767) + SYN
+    pad.show(report(gamepad.CLAIM, BTN_SOUTH=1, ABS_X=-32767))
+    assert seen.take() == event(3, 0, -32767) + SYN
+    pad.show(report(gamepad.CLAIM, BTN_SOUTH=1, ABS_X=-32767))
+    assert seen.take() == ""
+    pad.show(gamepad.CLAIM.neutral)
+    assert seen.take() == event(3, 0, 0) + event(1, 0x130, 0) + SYN
 
 
-def test_close_releases_destroys_and_closes(kernel):
-    with kernel.open() as pad:
-        pad.write(GamepadState(1, frozenset({Button.A})))
-        kernel.take()
-    assert kernel.take() == KEY_A_UP + SYN
-    assert kernel.calls[-1] == (0x5502, 0)
-    assert kernel.is_closed
+def test_steps_come_first_then_releases_backwards_then_presses(kernel):
+    node, seen = make(kernel, mouse.CLAIM)
+    node.show(report(mouse.CLAIM, BTN_LEFT=1, BTN_RIGHT=1))
+    assert seen.take() == event(1, 0x110, 1) + event(1, 0x111, 1) + SYN
+    node.show(report(mouse.CLAIM, BTN_MIDDLE=1), ((0, -3), (11, 7)))
+    rel, released = event(2, 0, -3) + event(2, 11, 7), event(1, 0x111, 0) + event(1, 0x110, 0)
+    assert seen.take() == rel + released + event(1, 0x112, 1) + SYN
+    node.show(report(mouse.CLAIM, BTN_MIDDLE=1), ((1, 5),))
+    assert seen.take() == event(2, 1, 5) + SYN
+
+
+def test_closing_removes_the_node(kernel):
+    pad, seen = make(kernel, gamepad.CLAIM)
     pad.close()
-    pad.neutral()
-    with pytest.raises(DeviceError, match="already closed"):
-        pad.write(GamepadState(2))
+    assert seen.calls[-1] == (DESTROY, 0)
+    assert seen.is_closed
 
 
-def test_a_refused_pad_leaves_nothing_open(kernel):
-    kernel.refused = 0x5501
-    with pytest.raises(DeviceError, match=r"refuses to create .*Invalid argument"):
-        kernel.open()
-    assert kernel.is_closed
+def test_a_refused_node_leaves_nothing_open(kernel):
+    kernel.refused = (1, CREATE)
+    refusal = r"refuses to create the NeuroTouch Mouse: Invalid argument"
+    with pytest.raises(DeviceError, match=refusal):
+        make(kernel, mouse.CLAIM)
+    assert kernel.nodes[0].is_closed
 
 
-def test_a_pad_that_vanished_is_an_error_and_still_closes(kernel):
-    pad = kernel.open()
-    os.close(kernel.reading)
-    try:
-        with pytest.raises(DeviceError, match="no longer takes input"):
-            pad.write(GamepadState(1, frozenset({Button.A})))
-        with pytest.raises(DeviceError, match="no longer takes input"):
-            pad.write(GamepadState(1, frozenset({Button.A})))
-        pad.close()
-        assert kernel.is_closed
-    finally:
-        kernel.reading = os.open(os.devnull, os.O_RDONLY)
+def test_a_node_that_vanished_is_an_error_each_time_and_still_closes(kernel):
+    pad, seen = make(kernel, gamepad.CLAIM)
+    seen.vanish()
+    for _ in range(2):
+        with pytest.raises(DeviceError, match="no longer takes input for the Microsoft"):
+            pad.show(report(gamepad.CLAIM, BTN_SOUTH=1))
+    kernel.refused = (1, DESTROY)
+    pad.close()
+    assert seen.is_closed
 
 
-def test_what_a_full_kernel_refused_is_sent_later(kernel):
-    pad = kernel.open()
-    os.set_blocking(kernel.writing, False)
+def test_what_a_full_kernel_refused_is_sent_later_but_not_the_steps(kernel):
+    node, seen = make(kernel, mouse.CLAIM)
+    os.set_blocking(seen.writing, False)
     with contextlib.suppress(BlockingIOError):
         while True:
-            os.write(kernel.writing, bytes(4096))
+            os.write(seen.writing, bytes(4096))
     with pytest.raises(DeviceError, match="no longer takes input"):
-        pad.write(GamepadState(1, frozenset({Button.A})))
-    while kernel.take():
+        node.show(report(mouse.CLAIM, BTN_LEFT=1), ((0, 900),))
+    while seen.take():
         pass
-    pad.write(GamepadState(2, frozenset({Button.A})))
-    assert kernel.take() == KEY_A_DOWN + SYN
-
-
-def test_frames_of_two_threads_do_not_mix(kernel):
-    """A writer and a watchdog at once: every frame in the pipe is whole and really a change."""
-    pad = kernel.open()
-    frames = []
-    done = threading.Event()
-
-    def press():
-        for t_us in range(2_000):
-            pad.write(GamepadState(t_us, frozenset({Button.A}), {Axis.LEFT_X: 1.0}))
-        done.set()
-
-    def release():
-        while not done.is_set():
-            pad.neutral()
-
-    def collect():
-        while not done.is_set() or frames[-1:] != [""]:
-            frames.append(kernel.take())
-
-    threads = [threading.Thread(target=work) for work in (press, release, collect)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    written = "".join(frames)
-    down, up = KEY_A_DOWN + LEFT_X_FULL + SYN, KEY_A_UP + LEFT_X_REST + SYN
-    assert written.startswith(down)
-    assert written.removesuffix(down).replace(down + up, "") == ""
+    node.show(report(mouse.CLAIM, BTN_LEFT=1), ((0, 1),))
+    assert seen.take() == event(2, 0, 1) + event(1, 0x110, 1) + SYN
 
 
 def test_no_node(tmp_path):

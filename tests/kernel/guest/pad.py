@@ -12,7 +12,7 @@ from typing import Any
 
 from evdev.ecodes import ABS_HAT0Y, EV_ABS, EV_KEY
 
-from neurotouch_hid.device import UinputDevice, open_device
+from neurotouch_hid.device import Device, open_device
 from neurotouch_hid.device.gamepad import PHYS
 from neurotouch_hid.messages import Axis, Button, GamepadState
 from tests.kernel.guest.opening import properties, run
@@ -93,7 +93,7 @@ def move_every_control(results: Path) -> list[dict[str, Any]]:
         ]
 
 
-def watch(pad: UinputDevice, state: GamepadState, reader: Reader, games: Any) -> dict[str, Any]:
+def watch(pad: Device, state: GamepadState, reader: Reader, games: Any) -> dict[str, Any]:
     """Write a state and return the evdev events of it and what the games show afterwards."""
     n_before = len(reader.events)
     before = {name: look(game) for name, game in games.items()}
@@ -119,7 +119,7 @@ def kill_while_pressed(results: Path) -> dict[str, Any]:
     return part_with(lambda pad: os.kill(os.getpid(), signal.SIGKILL))
 
 
-def part_with(end: Callable[[UinputDevice], None]) -> dict[str, Any]:
+def part_with(end: Callable[[Device], None]) -> dict[str, Any]:
     """Let a process hold everything, then end; return what a reader has seen."""
     told, tell = os.pipe()
     child = os.fork()
