@@ -29,7 +29,7 @@ def command(scene: str, profile: str, seconds: float | None, show: str) -> None:
     from neurotouch_hid.errors import DeviceError
     from neurotouch_hid.gesture import GestureConfig
     from neurotouch_hid.profile import load_profile
-    from neurotouch_hid.runtime import Pipeline
+    from neurotouch_hid.runtime import Pipeline, find_companions
     from neurotouch_hid.source import open_source
 
     mapping = load_profile(profile)
@@ -38,7 +38,7 @@ def command(scene: str, profile: str, seconds: float | None, show: str) -> None:
     with open_source(source) as packets:
         prepare_kernels(mapping, gesture, source)
         try:
-            pad = open_device("uinput")
+            pad = open_device("uinput", find_companions(mapping))
         except DeviceError as error:
             click.echo(f"No real controller this time: {error.message} Going on without.", err=True)
             pad = open_device("memory")

@@ -67,7 +67,7 @@ def command(
     from neurotouch_hid.device import check_device, open_device
     from neurotouch_hid.gesture import GestureConfig
     from neurotouch_hid.profile import load_profile
-    from neurotouch_hid.runtime import Pipeline
+    from neurotouch_hid.runtime import Pipeline, find_companions
     from neurotouch_hid.source import open_source
 
     mapping = load_profile(profile)
@@ -77,6 +77,6 @@ def command(
         prepare_kernels(mapping, gesture, source)
         live = speed == "recorded" and not packets.name.startswith("file:")
         pipeline = Pipeline.build(mapping, gesture, rig=packets.rig, live=live)
-        with open_device(device) as pad:
+        with open_device(device, find_companions(mapping)) as pad:
             title = f"{packets.name} → {pad.name}, profile {mapping.name}"
             play(packets, pipeline, pad, title=title, show=show, trace=trace)
