@@ -9,6 +9,7 @@ from neurotouch_hid.messages import GamepadState, Gesture
 from neurotouch_hid.profile.decision import Decision, Journal
 from neurotouch_hid.profile.engine.channel import Channel
 from neurotouch_hid.profile.engine.deck import Deck, make_channel
+from neurotouch_hid.profile.engine.effort import Effort, Exertion
 from neurotouch_hid.profile.engine.output import Outputs
 from neurotouch_hid.profile.engine.reader import Reader
 from neurotouch_hid.profile.engine.reading import Reading
@@ -45,6 +46,7 @@ class Mapping:
         self._state: State = "running"
         self._commands: list[str] = []
         self._t_us: int | None = None
+        self._effort = Effort(self._user.range)
         self._take(profile)
 
     @property
@@ -66,8 +68,20 @@ class Mapping:
         """The latest decisions, oldest first: what was pressed, and what was ignored and why."""
         return self._journal.read()
 
-    def switch(self, profile: Profile) -> None:
-        """Lets go of everything and goes on with another profile at the next gesture."""
+    def exertions(self) -> tuple[Exertion, ...]:
+        """What the movements have cost so far: whether they fade, whether some are held long."""
+        return self._effort.report()
+
+    def switch(self, profile: Profile, user: UserSettings | None = None) -> None:
+        """Lets go of everything and goes on with another profile at the next gesture.
+
+        Args:
+            profile: the new one, or the same after an edit.
+            user: the person's new values; as before without.
+        """
+        if user is not None:
+            self._user = user
+            self._effort = Effort(user.range)
         self._take(profile)
         self._deck.armed = False
 
@@ -98,6 +112,7 @@ class Mapping:
             self._deck.release()
         self._t_us = t_us
         reading = self._reader.read(gesture)
+        self._effort.update(reading)
         if self._reader.at_rest:
             self._deck.armed = True
         outputs = self._run(reading)

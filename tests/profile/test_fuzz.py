@@ -10,7 +10,7 @@ from ruamel.yaml import YAML
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.profile.document import parse_document
 from neurotouch_hid.profile.library import find_shipped_folder
-from neurotouch_hid.profile.load import parse_profile
+from neurotouch_hid.profile.load import check_user, parse_profile
 
 LOCATED = re.compile(r"p\.yaml:[1-9]\d*:[1-9]\d*: error\[NT1\d\d\]: \S")
 SHIPPED = [path.read_text(encoding="utf-8") for path in find_shipped_folder().glob("*.yaml")]
@@ -118,6 +118,18 @@ TOP_KEYS = [
 @given(st.fixed_dictionaries({}, optional=dict.fromkeys(TOP_KEYS, VALUES)))
 def test_well_formed_documents_of_any_shape(document: dict) -> None:
     check(write_flow(document).encode())
+
+
+USER_KEYS = ["version", "range", "filter", "timing", "mirror", "rotate_deg", "neutral", "slots"]
+
+
+@RELAXED
+@given(st.fixed_dictionaries({}, optional=dict.fromkeys([*USER_KEYS, "oops"], VALUES)))
+def test_user_files_of_any_shape(document: dict) -> None:
+    checked = check_user(write_flow(document).encode(), "p.yaml")
+    assert (checked.whole is None) == bool(checked.faults)
+    if checked.faults:
+        assert LOCATED.match(checked.format()), checked.format()
 
 
 @RELAXED

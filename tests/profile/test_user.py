@@ -104,6 +104,18 @@ def test_a_lifted_hand_is_neutral_everywhere() -> None:
     assert states[-1].is_neutral
 
 
+def test_new_values_hold_from_the_next_gesture_on() -> None:
+    mapping = Mapping(STICK, settings())
+    moved = []
+    for i, gesture in enumerate(rehearse("push right 8mm hold 500ms; push right 8mm")):
+        if i == 30:
+            mapping.switch(STICK, settings(mirror=True))
+        moved.append(mapping.update(gesture).axes.get(Axis.LEFT_X, 0.0))
+    assert moved[29] == 1.0
+    assert not any(moved[30:80])
+    assert min(moved[80:]) == -1.0
+
+
 def test_the_file_has_defaults_faults_and_a_place(tmp_path) -> None:
     assert load_user(tmp_path / "none.yaml") == UserSettings()
     (tmp_path / "user.yaml").write_text("range: {zom: {rest: 0.4, full: 25}}\nmirror: yes\n")

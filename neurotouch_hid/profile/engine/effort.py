@@ -1,0 +1,109 @@
+"""What the movements cost a person: peaks that fade, and holds that last.
+
+It only watches; a suggestion changes nothing by itself.
+"""
+
+from collections import deque
+from dataclasses import dataclass, field
+from statistics import median
+from typing import Final
+
+from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.profile.engine.reading import Reading
+from neurotouch_hid.profile.schema import DEFAULT_FULL_MM, DEFAULT_REST_MM
+from neurotouch_hid.profile.user import Ranges
+
+USES: Final = 50
+FADED: Final = 0.8
+"""Tired when the median peak of the last 50 uses is 20 % below that of the first 50."""
+
+LEAST_SHARE: Final = 0.6
+"""No suggestion goes below this share of the range one began with."""
+
+USE_MM: Final = 2.5
+HELD_SHARE: Final = 0.2
+LONG_US: Final = 5_000_000
+"""About 15 to 20 % of one's most is what muscles keep up for long (Rohmert)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Exertion:
+    """One movement so far.
+
+    Attributes:
+        movement: as in the user's ranges, ``push_left`` or ``zoom``.
+        uses: how often it was made.
+        peak_mm: median peak of the latest uses, in mm of a usual hand.
+        full_mm: the full range to use from now on, in the person's own mm; None while it is right.
+        long_holds: how often it was held for more than 5 s: a toggle would be easier.
+    """
+
+    movement: str
+    uses: int
+    peak_mm: float
+    full_mm: float | None
+    long_holds: int
+
+
+@dataclass(slots=True)
+class _Record:
+    first: list[float] = field(default_factory=list)
+    latest: deque[float] = field(default_factory=lambda: deque(maxlen=USES))
+    uses: int = 0
+    long_holds: int = 0
+
+
+class Effort:
+    """Watches readings, gesture by gesture."""
+
+    def __init__(self, ranges: Ranges) -> None:
+        self._ranges = ranges
+        self._records: dict[str, _Record] = {}
+        self._movement = ""
+        self._peak_mm = 0.0
+        self._held_since_us: int | None = None
+        self._long = False
+
+    def update(self, reading: Reading) -> None:
+        """Takes one reading."""
+        if reading.kind == GestureKind.NONE:
+            self._finish()
+            return
+        if reading.mm > self._peak_mm:
+            self._peak_mm = reading.mm
+            self._movement = reading.kind.label
+            if reading.kind == GestureKind.PUSH:
+                self._movement = f"push_{reading.four}" if reading.four is not None else ""
+        extent_mm = DEFAULT_FULL_MM[reading.kind] - DEFAULT_REST_MM
+        if reading.mm < DEFAULT_REST_MM + HELD_SHARE * extent_mm:
+            self._held_since_us = None
+        elif self._held_since_us is None:
+            self._held_since_us = reading.t_us
+        elif reading.t_us - self._held_since_us > LONG_US:
+            self._long = True
+
+    def report(self) -> tuple[Exertion, ...]:
+        """Every movement that was made, by name."""
+        return tuple(self._judge(name, record) for name, record in sorted(self._records.items()))
+
+    def _finish(self) -> None:
+        if self._movement and self._peak_mm >= USE_MM:
+            record = self._records.setdefault(self._movement, _Record())
+            record.uses += 1
+            record.long_holds += self._long
+            record.latest.append(self._peak_mm)
+            if len(record.first) < USES:
+                record.first.append(self._peak_mm)
+        self._movement, self._peak_mm = "", 0.0
+        self._held_since_us, self._long = None, False
+
+    def _judge(self, movement: str, record: _Record) -> Exertion:
+        peak_mm = median(record.latest)
+        share = peak_mm / median(record.first)
+        full_mm = None
+        if record.uses >= 2 * USES and share <= FADED:
+            kind = GestureKind["PUSH" if movement.startswith("push") else movement.upper()]
+            own = getattr(self._ranges, movement)
+            usual_mm = DEFAULT_FULL_MM[kind] if own is None else own.full
+            full_mm = round(max(share, LEAST_SHARE) * usual_mm, 1)
+        return Exertion(movement, record.uses, round(peak_mm, 1), full_mm, record.long_holds)

@@ -1,0 +1,39 @@
+"""Fading peaks and long holds."""
+
+from neurotouch_hid.profile import Mapping, UserSettings
+from tests.profile.stage import make_profile, run
+
+PROFILE = make_profile("when: zoom, do: {trigger: right}", "when: push, do: {stick: left}")
+
+
+def use(mapping: Mapping, times: int, mm: float, start_us: int) -> int:
+    states = run(mapping, f"zoom {mm}mm tap; rest 100ms;" * times, start_us)
+    return states[-1].t_us + 10_000
+
+
+def test_a_movement_that_fades_by_a_fifth_gets_a_smaller_range_suggested() -> None:
+    user = UserSettings.model_validate({"filter": "none", "range": {"zoom": {"full": 4.5}}})
+    mapping = Mapping(PROFILE, user)
+    t_us = use(mapping, 60, 5.0, 0)
+    (zoom,) = mapping.exertions()
+    assert (zoom.movement, zoom.uses, zoom.full_mm) == ("zoom", 60, None)
+    t_us = use(mapping, 50, 3.5, t_us)
+    (zoom,) = mapping.exertions()
+    assert zoom.full_mm == round(0.7 * 4.5, 1)
+    use(mapping, 50, 2.6, t_us)
+    (zoom,) = mapping.exertions()
+    assert zoom.full_mm == round(0.6 * 4.5, 1), "not below 60 %"
+
+
+def test_partial_movements_are_no_fatigue() -> None:
+    mapping = Mapping(PROFILE, UserSettings(filter="none"))
+    use(mapping, 120, 3.0, 0)
+    (zoom,) = mapping.exertions()
+    assert zoom.full_mm is None
+
+
+def test_long_holds_are_counted_by_movement() -> None:
+    mapping = Mapping(PROFILE, UserSettings(filter="none"))
+    run(mapping, "push left 5mm hold 6s; push left 5mm hold 3s; push up 5mm hold 6s; zoom 5mm tap")
+    holds = {exertion.movement: exertion.long_holds for exertion in mapping.exertions()}
+    assert holds == {"push_left": 1, "push_up": 1, "zoom": 0}
