@@ -123,3 +123,33 @@ def test_under_steady_a_tremor_on_a_hold_presses_once_and_nothing_else(
 def test_under_steady_a_tremor_at_rest_presses_nothing(hz: float, swing_mm: float) -> None:
     mapping = Mapping(make_profile(*EVERY_WAY), UserSettings(timing="steady"))
     assert not any(mapping.update(gesture).buttons for gesture in trembling(0.0, hz, swing_mm))
+
+
+WAYS = [
+    f"when: {{gesture: push, direction: {way}}}, do: {{dpad: {way}}}"
+    for way in ("left", "right", "up", "down")
+]
+
+
+@pytest.mark.parametrize("hz", [4, 5, 8, 12])
+@pytest.mark.parametrize("swing_mm", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("degrees", [0, 20, 45, 80])
+def test_under_steady_a_tremor_across_a_push_keeps_its_direction(
+    hz: float, swing_mm: float, degrees: float
+) -> None:
+    """The tremor goes across the push, at 45 degrees right between two directions."""
+    mapping = Mapping(make_profile(*WAYS), UserSettings(timing="steady"))
+    along = (math.cos(math.radians(degrees)), math.sin(math.radians(degrees)))
+    points = np.zeros((1, 2))
+    presses = []
+    before: dict = {}
+    for straight in trembling(5.0, hz, 0.0):
+        mm = straight.intensity_mm
+        side = swing_mm * mm / 5.0 * math.sin(2 * math.pi * hz * straight.t_us * 1e-6)
+        way = (mm * along[0] - side * along[1], mm * along[1] + side * along[0])
+        now = mapping.update(
+            Gesture(straight.t_us, straight.kind, points, points, math.hypot(*way), way)
+        ).axes
+        presses += [axis for axis in now if axis not in before]
+        before = dict(now)
+    assert len(presses) == 1
