@@ -141,6 +141,8 @@ def _word(detail: Mapping[str, Any], keys: Keys, node: Node | None) -> tuple[str
     match kind:
         case "literal_error" | "enum":
             allowed = re.findall(r"[\w+-]+", context["expected"].replace(" or ", " "))
+            if keys[-1] == "mouse":  # its other two words have models of their own
+                allowed += MICE
             sentence = f"{value} is not one of: {', '.join(allowed)}"
             if node is not None and isinstance(node.value, str):
                 hint = suggest(node.value, allowed)
@@ -161,6 +163,14 @@ def _word(detail: Mapping[str, Any], keys: Keys, node: Node | None) -> tuple[str
             sentence = f"has more than {context['max_length']} entries"
         case _ if kind in _NEEDS:
             sentence = f"{_NEEDS[kind].format(pair=_pair(keys))}, not {value}"
+            if (
+                node is not None
+                and kind == "string_type"
+                and not isinstance(node.value, dict | list)
+            ):
+                hint = f'write "{make_printable(str(node.value))[:40]}"'
+            elif node is not None and kind == "list_type" and isinstance(node.value, str):
+                hint = f"write [{make_printable(node.value)[:40]}]"
         case _:
             sentence = make_printable(detail["msg"])
             hint = context.get("hint", "")

@@ -128,6 +128,36 @@ def test_errors(text: str, header: str) -> None:
     assert first == f"p.yaml:{header}"
 
 
+@pytest.mark.parametrize(
+    ("binding", "more", "shown"),
+    [
+        ("when: pinch, do: {key: 3}", "", 'needs a word, not 3\n ^ write "3"'),
+        (
+            "when: pinch, do: {mouse: whel}",
+            "",
+            "'whel' is not one of: left, right, middle, back, forward, motion, wheel\n"
+            " ^^^^ did you mean 'wheel'?",
+        ),
+        ("when: pinch, do: {key: ctl+c}", "", "not the name of a key\n ^^^^^ did you mean 'ctrl'?"),
+        (
+            "when: pinch, do: {key: ctrl++}",
+            "",
+            'of a key\n ^^^^^^ the key itself is called "equal"',
+        ),
+        (
+            "when: pinch, do: {button: a}",
+            "extends: flight\n",
+            "needs a list, not 'flight'\n ^^^^^^ write [flight]",
+        ),
+    ],
+)
+def test_hints(binding: str, more: str, shown: str) -> None:
+    header, _, carets = check_content(one(binding, more).encode(), "p.yaml").format().split("\n")
+    sentence, hint = shown.split("\n")
+    assert header.endswith(sentence)
+    assert carets.endswith(hint)
+
+
 def test_every_code_in_the_program_is_explained_and_every_explained_code_is_used() -> None:
     folder = Path(explain.__code__.co_filename).parent
     used = set()
