@@ -1,6 +1,21 @@
-"""``python -m neurotouch_hid`` is the same as the ``neurotouch`` command."""
+"""``python -m neurotouch_hid`` is the same as the ``neurotouch`` command: it starts here."""
 
-from neurotouch_hid.cli.main import main
+import sys
+
+
+def main() -> None:
+    """Runs the command line and ends the process with the documented exit code.
+
+    The orders one gives in need take a way of their own, which imports next to nothing.
+    """
+    if sys.argv[1:] in (["pause"], ["resume"], ["panic"]):
+        from neurotouch_hid.cli.order import give_order
+
+        sys.exit(give_order(sys.argv[1]))
+    from neurotouch_hid.cli.main import main as run_command_line
+
+    run_command_line()
+
 
 if __name__ == "__main__":
     main()

@@ -5,7 +5,10 @@ NeuroTouchError            1   anything else that we can explain
 │   └── GelNotFoundError   5   the source works, but no gel is in the picture
 ├── RecordingError         4   a recording or its labels cannot be read or written
 ├── ProfileError           6   a profile says something we cannot do (file, line, column)
-└── DeviceError            7   the virtual gamepad cannot be made or written
+├── DeviceError            7   the virtual gamepad cannot be made or written
+└── DriverError            8   the running driver cannot be reached, or it refuses
+    ├── NotRunningError    8   no driver is running
+    └── AlreadyRunningError  75  another driver is running, which goes on undisturbed
 
 The command line adds 0 (done), 2 (wrong usage) and 130 (Ctrl-C before the work was done).
 """
@@ -50,3 +53,19 @@ class DeviceError(NeuroTouchError):
     """The virtual gamepad cannot be created or written."""
 
     exit_code = 7
+
+
+class DriverError(NeuroTouchError):
+    """The running driver cannot be reached, or it refuses."""
+
+    exit_code = 8
+
+
+class NotRunningError(DriverError):
+    """No driver of this user is running."""
+
+
+class AlreadyRunningError(DriverError):
+    """Another driver of this user is running; 75 is what sysexits.h calls a temporary failure."""
+
+    exit_code = 75

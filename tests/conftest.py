@@ -1,6 +1,9 @@
-"""Things that many tests share: one simulated push, made once."""
+"""Things that many tests share: one simulated push, made once; folders that are not the user's."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 from hypothesis import settings
@@ -12,6 +15,17 @@ from neurotouch_hid.source.simulator.script import Finger, Stroke, sequence
 # No test is timed, compiled kernels take their time at the first call; the same examples each time.
 settings.register_profile("steady", deadline=None, derandomize=True)
 settings.load_profile("steady")
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _own_folders() -> Iterator[None]:
+    """No test meets the driver, the profiles or the settings of who runs it, nor each other's."""
+    with TemporaryDirectory(prefix="nt-") as folder, pytest.MonkeyPatch.context() as patch:
+        for name in ("XDG_RUNTIME_DIR", "XDG_CONFIG_HOME"):
+            home = Path(folder) / name.lower()
+            home.mkdir(mode=0o700)
+            patch.setenv(name, str(home))
+        yield
 
 
 @dataclass(frozen=True)

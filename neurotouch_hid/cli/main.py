@@ -15,6 +15,11 @@ from neurotouch_hid.errors import NeuroTouchError
 _SUMMARIES = {
     "run": "Drive the virtual gamepad from a camera, a recording or the simulator.",
     "demo": "Try it without a camera: a simulated gel drives the pad.",
+    "pause": "Release everything and stop acting until you resume.",
+    "resume": "Go on after a pause or a panic.",
+    "panic": "Release everything and stay released, whatever happens, until you resume.",
+    "reload": "Have the running driver load its profile anew.",
+    "status": "Say what the running driver does.",
     "profile": "Look at profiles, change them, try them, share them.",
     "explain": "Say what the code of a fault means.",
     "schema": "Print the JSON Schema of profiles, for editors.",
@@ -58,7 +63,8 @@ def cli() -> None:
     """A soft gel that every program sees as a standard game controller.
 
     Exit codes: 0 done, 1 other failure, 2 wrong usage, 3 source, 4 recording or labels, 5 no gel in
-    the picture, 6 profile, 7 virtual gamepad, 130 interrupted.
+    the picture, 6 profile, 7 virtual gamepad, 8 no driver runs, or it refuses, 75 another driver
+    runs, 130 interrupted.
     """
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 
+from neurotouch_hid.cli.live import Live
 from neurotouch_hid.device import Device
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EventPacket
@@ -45,6 +46,7 @@ def play(
     show: str,
     trace: Path | None = None,
     seconds: float | None = None,
+    live: Live | None = None,
 ) -> None:
     """Runs the line with the chosen taps until the source ends, a signal comes or time is up.
 
@@ -56,10 +58,11 @@ def play(
         show: ``picture``, ``lines``, ``nothing``, or ``auto``: a picture on a terminal, else lines.
         trace: file for one JSON line per slice.
         seconds: end after so much sensor time.
+        live: what the line listens to while it plays.
     """
     if show == "auto":
         show = "picture" if sys.stdout.isatty() else "lines"
-    stop = stop_on_signals()
+    stop = stop_on_signals(live.reload if live is not None else None)
     click.echo(f"Gamepad ready: {title}. Ctrl-C ends.", err=True)
     packets = source if seconds is None else _for_seconds(source, seconds)
     with ExitStack() as stack:
@@ -74,7 +77,8 @@ def play(
             )
             stack.callback(monitor.close)
             taps.append(monitor)
-        stats = run_line(packets, pipeline, device, taps, stop=stop)
+        session = live.session if live is not None else None
+        stats = run_line(packets, pipeline, device, taps, stop=stop, session=session)
     speed = f", {stats.sensor_s / stats.host_s:.1f} times real time" if stats.host_s else ""
     click.echo(
         f"Played {stats.sensor_s:.1f} s of sensor time, {stats.events:,} events{speed}. "

@@ -1,5 +1,6 @@
 """``neurotouch run``: the driver."""
 
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -17,7 +18,11 @@ if TYPE_CHECKING:
     "  neurotouch run --source file:play.aedat4 --speed max --device memory --trace play.jsonl\n\n"
     "Ctrl-C ends; the pad goes neutral first."
 )
-@click.option("--profile", default="default", show_default=True, help="Name or path of a profile.")
+@click.option(
+    "--profile",
+    show_default="the first of your favourites",
+    help="Name or path of a profile.",
+)
 @click.option(
     "--source",
     default="davis:",
@@ -53,7 +58,7 @@ if TYPE_CHECKING:
     help="What to print while playing; auto: a picture on a terminal, else lines.",
 )
 def command(
-    profile: str,
+    profile: str | None,
     source: str,
     device: str,
     speed: Literal["recorded", "max"],
@@ -63,20 +68,49 @@ def command(
     show: str,
 ) -> None:
     """Drive the virtual gamepad from the gel until the source ends or Ctrl-C."""
+    from neurotouch_hid.cli.live import Live, take_control
     from neurotouch_hid.cli.play import play, prepare_kernels
     from neurotouch_hid.device import check_device, open_device
     from neurotouch_hid.gesture import GestureConfig
-    from neurotouch_hid.profile import load_profile
-    from neurotouch_hid.runtime import Pipeline, find_companions
+    from neurotouch_hid.profile import load_profile, load_user
+    from neurotouch_hid.runtime import Pipeline, Stopwatch, find_companions
     from neurotouch_hid.source import open_source
 
+    user = load_user()
+    profile = profile or user.slots[0]
     mapping = load_profile(profile)
     gesture = GestureConfig(method=method)
-    with open_source(source, speed=speed, seed=seed) as packets:
+    with ExitStack() as stack:
+        # Only one driver plays live; what goes as fast as possible is a computation beside it.
+        control = take_control() if speed == "recorded" else None
+        if control is not None:
+            stack.enter_context(control)
+        packets = stack.enter_context(open_source(source, speed=speed, seed=seed))
         check_device(device)  # before the kernels compile, and again for real after it
         prepare_kernels(mapping, gesture, source)
-        live = speed == "recorded" and not packets.name.startswith("file:")
-        pipeline = Pipeline.build(mapping, gesture, rig=packets.rig, live=live)
-        with open_device(device, find_companions(mapping)) as pad:
-            title = f"{packets.name} → {pad.name}, profile {mapping.name}"
-            play(packets, pipeline, pad, title=title, show=show, trace=trace)
+        stopwatch = Stopwatch()
+        pipeline = Pipeline.build(
+            mapping,
+            gesture,
+            user=user,
+            rig=packets.rig,
+            live=speed == "recorded" and not packets.name.startswith("file:"),
+            stopwatch=stopwatch,
+        )
+        pad = stack.enter_context(open_device(device, find_companions(mapping)))
+        live = None
+        if speed == "recorded":
+            live = stack.enter_context(
+                Live(
+                    control,
+                    pipeline,
+                    stopwatch,
+                    pad,
+                    name=profile,
+                    profile=mapping,
+                    user=user,
+                    source=packets.name,
+                )
+            )
+        title = f"{packets.name} → {pad.name}, profile {mapping.name}"
+        play(packets, pipeline, pad, title=title, show=show, trace=trace, live=live)

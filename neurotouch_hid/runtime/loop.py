@@ -5,11 +5,15 @@ import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from neurotouch_hid.device import Device
 from neurotouch_hid.errors import DeviceError, GelNotFoundError
 from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.runtime.pipeline import Pipeline
+
+if TYPE_CHECKING:
+    from neurotouch_hid.runtime.session import Session
 
 STALL_S = 0.2
 """Silence of the source after which the pad goes neutral: twenty slices of 10 ms."""
@@ -35,8 +39,11 @@ def run_line(
     taps: Iterable[Tap] = (),
     *,
     stop: threading.Event | None = None,
+    session: "Session | None" = None,
 ) -> LoopStats:
     """Drives the pad until the source ends or ``stop`` is set; the pad is neutral afterwards.
+
+    What others order through ``session`` is done between two slices.
 
     Raises:
         GelNotFoundError: the source ended and no frame showed the gel.
@@ -48,9 +55,13 @@ def run_line(
     try:
         with _StallGuard(device) as guard:
             for packet in source:
+                if session is not None:
+                    session.obey()
                 step = pipeline.advance(packet)
                 device.write(step.pad)
                 guard.feed()
+                if session is not None:
+                    session.note(step)
                 for tap in taps:
                     tap(step)
                 slices += 1

@@ -1,16 +1,40 @@
-"""Turns Ctrl-C, SIGTERM and SIGHUP into an orderly end of the line."""
+"""Turns signals into an orderly end of the line, SIGHUP into a fresh look at the profile."""
 
+import os
 import signal
 import threading
+from collections.abc import Callable
 
 
-def stop_on_signals() -> threading.Event:
-    """From now on a signal sets the returned event and does nothing else; twice is harmless.
+def stop_on_signals(reload: Callable[[], object] | None = None) -> threading.Event:
+    """From now on Ctrl-C and SIGTERM set the returned event and do nothing else; twice is harmless.
 
+    SIGHUP reloads, unless it comes because the terminal was closed: then it ends the line too.
     Nothing puts the former behaviour back: the pad is to be released undisturbed. Only the main
     thread may call this.
+
+    Args:
+        reload: what SIGHUP does; without, it ends the line. Must be safe in a signal handler.
     """
     stop = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    attached = _has_terminal()
+
+    def hang_up(*_: object) -> None:
+        if reload is None or (attached and not _has_terminal()):
+            stop.set()
+        else:
+            reload()
+
+    for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stop.set())
+    signal.signal(signal.SIGHUP, hang_up)
     return stop
+
+
+def _has_terminal() -> bool:
+    """True if the process has a terminal that controls it; a closed one is none."""
+    try:
+        os.close(os.open("/dev/tty", os.O_RDONLY | os.O_NOCTTY))
+    except OSError:
+        return False
+    return True

@@ -114,7 +114,7 @@ def test_run_writes_a_trace_with_one_line_per_slice(tmp_path):
     assert not any(lines[-1]["pad"].values())
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_signal_while_playing_is_an_orderly_end(number):
     process = start("run", "--source", "sim:tour", "--device", "memory", "--show", "nothing")
     wait_ready(process)

@@ -1,0 +1,110 @@
+"""What surrounds a line that plays live: control socket, profiles, keyboard, desktop."""
+
+from collections.abc import Callable
+from contextlib import ExitStack
+from types import TracebackType
+from typing import Self
+
+import click
+
+from neurotouch_hid.device import Device
+from neurotouch_hid.driver import find_runtime_folder
+from neurotouch_hid.errors import AlreadyRunningError, DriverError
+from neurotouch_hid.profile import Profile, UserSettings
+from neurotouch_hid.runtime import (
+    SAID,
+    Commands,
+    ControlSocket,
+    Pipeline,
+    ProfileWatch,
+    Session,
+    Stopwatch,
+    find_companions,
+)
+
+
+def take_control() -> ControlSocket | None:
+    """The control socket; None, with a warning, where none can be made.
+
+    Raises:
+        AlreadyRunningError: another driver runs.
+    """
+    try:
+        return ControlSocket(find_runtime_folder())
+    except AlreadyRunningError:
+        raise
+    except DriverError as error:
+        click.echo(f"Warning: {error.message} 'neurotouch pause' will not work.", err=True)
+        return None
+
+
+class Live:
+    """Listens to the outside while a line plays; a context manager.
+
+    Args:
+        control: where commands come in, if anywhere.
+        pipeline: the line.
+        stopwatch: watches its stages.
+        device: the pad.
+        name: the profile as it was asked for.
+        profile: what it says.
+        user: the person's values.
+        source: the name of the source.
+
+    Attributes:
+        session: what the line obeys.
+    """
+
+    def __init__(
+        self,
+        control: ControlSocket | None,
+        pipeline: Pipeline,
+        stopwatch: Stopwatch,
+        device: Device,
+        *,
+        name: str,
+        profile: Profile,
+        user: UserSettings,
+        source: str,
+    ) -> None:
+        self.session = Session(pipeline, stopwatch, user)
+        self._control = control
+        self._closing = ExitStack()
+        self._profiles = ProfileWatch(
+            name,
+            profile,
+            user,
+            self.session,
+            announce=lambda sentence: click.echo(sentence, err=True),
+            prepare=lambda new: device.prepare(find_companions(new)),
+        )
+        self._closing.callback(self._profiles.close)
+        self.session.listen(self._hear)
+        self._facts: dict[str, Callable[[], str]] = {
+            "source": lambda: source,
+            "device": lambda: device.name,
+        }
+
+    def reload(self) -> None:
+        """Loads the profile anew; safe in a signal handler."""
+        self._profiles.reload()
+
+    def __enter__(self) -> Self:
+        if self._control is not None:
+            self._control.serve(Commands(self.session, self._profiles, self._facts).answer)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._closing.close()
+
+    def _hear(self, command: str) -> None:
+        """What the line tells: a command has taken effect, or the gel asks for another profile."""
+        if command == "next_profile":
+            self._profiles.next()
+        elif command in SAID:
+            self._profiles.say(SAID[command])

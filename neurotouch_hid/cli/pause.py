@@ -1,0 +1,14 @@
+"""``neurotouch pause``: see ``order``; this is its help page."""
+
+import click
+
+from neurotouch_hid.cli.order import give_order
+
+
+@click.command(epilog="\b\nExamples:\n  neurotouch pause")
+def command() -> None:
+    """Release everything and stop acting; tracking goes on.
+
+    The same gesture of the profile that pauses, if it has one, or 'neurotouch resume' goes on.
+    """
+    raise SystemExit(give_order("pause"))

@@ -1,0 +1,91 @@
+"""What the questions on the control socket mean to a running line."""
+
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
+from concurrent.futures import TimeoutError as FutureTimeoutError
+from typing import Any, Final, cast
+
+from neurotouch_hid.driver import REQUEST_S, Answer
+from neurotouch_hid.errors import DriverError, NeuroTouchError
+from neurotouch_hid.profile.faults import make_printable
+from neurotouch_hid.runtime.mailbox import Order
+from neurotouch_hid.runtime.reload import ProfileWatch
+from neurotouch_hid.runtime.session import Session
+
+COMMANDS: Final = ("pause", "resume", "panic", "reload", "status", "use")
+
+SAID: Final = {
+    "pause": "Paused: everything is released. Go on with: neurotouch resume",
+    "resume": "Resumed: the next gesture acts.",
+    "panic": "Stopped: everything is released until: neurotouch resume",
+}
+"""What the person is told of an order that has been carried out."""
+
+_WAIT_S: Final = 0.8 * REQUEST_S
+
+
+class Commands:
+    """Answers the questions; never takes longer than ``REQUEST_S``.
+
+    Args:
+        session: the running line.
+        profiles: what loads its profiles.
+        facts: what else ``status`` tells, asked anew each time.
+    """
+
+    def __init__(
+        self, session: Session, profiles: ProfileWatch, facts: Mapping[str, Callable[[], str]]
+    ) -> None:
+        self._session = session
+        self._profiles = profiles
+        self._facts = facts
+
+    def answer(self, question: dict[str, Any]) -> Answer:
+        """The answer to a question from the socket."""
+        try:
+            return {"ok": True, **self._obey(question)}
+        except NeuroTouchError as error:
+            return {"ok": False, "error": error.message, "hint": error.hint}
+
+    def _obey(self, question: dict[str, Any]) -> dict[str, Any]:
+        match question["command"]:
+            case "pause" | "resume" | "panic" as order:
+                done = self._session.tell(cast(Order, order)).done
+                if _is_done(done):
+                    return {"done": True, "text": SAID[order]}
+                text = (
+                    f"The source is silent and the pad released; '{order}' holds from its return."
+                )
+                return {"done": False, "text": text}
+            case "reload":
+                return self._report(self._profiles.reload())
+            case "use" if isinstance(question.get("profile"), str):
+                return self._report(self._profiles.use(question["profile"]))
+            case "use":
+                raise DriverError("The profile to use is missing.")
+            case "status":
+                facts = {name: tell() for name, tell in self._facts.items()}
+                return {"version": 1, **self._session.status(), **facts}
+            case unknown:
+                raise DriverError(
+                    f"There is no command '{make_printable(unknown[:64])}'.",
+                    hint=f"Commands: {', '.join(COMMANDS)}.",
+                )
+
+    def _report(self, done: Future[str]) -> dict[str, Any]:
+        if _is_done(done):
+            return {"done": True, "text": f"The profile '{done.result()}' holds."}
+        return {"done": False, "text": "The profile is still being loaded; see neurotouch status."}
+
+
+def _is_done(done: Future[Any]) -> bool:
+    """True once it is done, false if that takes too long.
+
+    Raises:
+        NeuroTouchError: it has failed.
+    """
+    try:
+        done.result(_WAIT_S)
+    except FutureTimeoutError:
+        return False
+    return True

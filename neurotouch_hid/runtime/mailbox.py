@@ -1,0 +1,62 @@
+"""Orders to the line: other threads post them, the line takes them between two slices."""
+
+from collections import deque
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+from typing import Final, Literal
+
+from neurotouch_hid.errors import DriverError
+from neurotouch_hid.profile import Profile, UserSettings
+
+Order = Literal["pause", "resume", "panic", "switch"]
+
+CAPACITY: Final = 64
+"""Letters that may wait; more come only while the line stands still."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Letter:
+    """One order.
+
+    Attributes:
+        order: what to do.
+        profile: what to go on with, for ``switch``.
+        user: whose values hold then.
+        done: finished, without a result, once it has been done.
+    """
+
+    order: Order
+    profile: Profile | None = None
+    user: UserSettings | None = None
+    done: Future[None] = field(default_factory=Future)
+
+
+class Mailbox:
+    """Holds letters until the line has time; neither side ever waits.
+
+    ``append`` and ``popleft`` of a deque are atomic, so the line takes no lock.
+    """
+
+    def __init__(self) -> None:
+        self._letters: deque[Letter] = deque()
+
+    def post(self, letter: Letter) -> Letter:
+        """Leaves a letter. Panic throws away what waits before it, and always finds room.
+
+        Raises:
+            DriverError: too many letters wait.
+        """
+        if letter.order == "panic":
+            while (waiting := self.take()) is not None:
+                waiting.done.set_exception(DriverError("A panic came in between."))
+        elif len(self._letters) >= CAPACITY:
+            raise DriverError("The source is silent and too many orders wait for its return.")
+        self._letters.append(letter)
+        return letter
+
+    def take(self) -> Letter | None:
+        """The oldest letter, or None."""
+        try:
+            return self._letters.popleft()
+        except IndexError:
+            return None

@@ -1,0 +1,169 @@
+"""A running line: what it can be told while it runs, and what it tells about itself."""
+
+import os
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final, Protocol, runtime_checkable
+
+from neurotouch_hid.messages import Step
+from neurotouch_hid.profile import Mapping, Profile, UserSettings
+from neurotouch_hid.runtime.loop import STALL_S
+from neurotouch_hid.runtime.mailbox import Letter, Mailbox, Order
+from neurotouch_hid.runtime.pipeline import Pipeline
+from neurotouch_hid.runtime.stopwatch import Stopwatch
+
+KEPT_ERRORS: Final = 5
+WINDOW_S: Final = 1.0
+"""Rates are means over this time."""
+
+
+@runtime_checkable
+class Rezeroable(Protocol):
+    """A recognizer that can take how the hand lies now for rest."""
+
+    def rezero(self) -> None:
+        """Takes how the hand lies now for rest."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rates:
+    """Means over the last full window: per second, and host time per slice in ms."""
+
+    slices_hz: float = 0.0
+    events_hz: float = 0.0
+    stage_ms: tuple[tuple[str, float], ...] = ()
+
+
+class Session:
+    """Stands between the line's thread and all others; nobody waits for anybody.
+
+    The line calls ``obey`` before a slice and ``note`` after it. All other methods may be called
+    from any thread.
+
+    Args:
+        pipeline: the line.
+        stopwatch: watches its stages.
+        user: the person's values that hold at the start.
+    """
+
+    def __init__(self, pipeline: Pipeline, stopwatch: Stopwatch, user: UserSettings) -> None:
+        self._pipeline = pipeline
+        self._stopwatch = stopwatch
+        self._hear: Callable[[str], object] = str  # nobody yet
+        self._mailbox = Mailbox()
+        self._user = user
+        self._errors: deque[tuple[float, str]] = deque(maxlen=KEPT_ERRORS)
+        self._begun = time.monotonic()
+        self._step: Step | None = None
+        self._step_at = self._begun
+        self._slices = self._events = self._lost = 0
+        self._window = (self._begun, 0, 0, stopwatch.spent_ns)
+        self._rates = Rates()
+
+    def listen(self, hear: Callable[[str], object]) -> None:
+        """Has ``hear`` told of each command that takes effect, whoever gave it.
+
+        It is called in the line's thread and must return at once.
+        """
+        self._hear = hear
+
+    def obey(self) -> None:
+        """Does what has been ordered since the last slice."""
+        while (letter := self._mailbox.take()) is not None:
+            self._carry_out(letter)
+            letter.done.set_result(None)
+
+    def note(self, step: Step) -> None:
+        """Takes notice of a slice that has gone through, and of the commands the gel gave in it."""
+        self._step, self._step_at = step, time.monotonic()
+        self._slices += 1
+        self._events += len(step.packet.events)
+        self._lost += step.packet.gap
+        if self._step_at - self._window[0] >= WINDOW_S:
+            self._measure()
+        for command in step.pad.commands:
+            recognizer = self._pipeline.recognizer
+            if command == "rezero" and isinstance(recognizer, Rezeroable):
+                recognizer.rezero()
+            self._hear(command)
+
+    def tell(self, order: Order) -> Letter:
+        """Has the line pause, resume or panic before its next slice.
+
+        Raises:
+            DriverError: too many orders wait.
+        """
+        return self._mailbox.post(Letter(order))
+
+    def switch(self, profile: Profile, user: UserSettings) -> Letter:
+        """Has the line let go of everything and go on with another profile.
+
+        Raises:
+            DriverError: too many orders wait.
+        """
+        return self._mailbox.post(Letter("switch", profile, user))
+
+    def note_error(self, sentence: str) -> None:
+        """Keeps a sentence about what went wrong for ``status``."""
+        self._errors.append((time.time(), sentence))
+
+    def status(self) -> dict[str, Any]:
+        """The state of the line, ready for JSON."""
+        mapping, step, rates = self._pipeline.mapping, self._step, self._rates
+        valid = step.markers.valid if step is not None else ()
+        silent_s = time.monotonic() - self._step_at
+        return {
+            "pid": os.getpid(),
+            "state": mapping.state,
+            "profile": mapping.profile.name,
+            "layer": mapping.layer,
+            "markers_tracked": sum(map(bool, valid)),
+            "gesture": step.gesture.kind.label if step is not None else "none",
+            "silent_s": round(silent_s, 3) if silent_s > STALL_S else 0.0,
+            "uptime_s": round(time.monotonic() - self._begun, 1),
+            "slices": self._slices,
+            "slices_hz": round(rates.slices_hz, 1),
+            "events_hz": round(rates.events_hz),
+            "events_lost": self._lost,
+            "stage_ms": {name: round(ms, 4) for name, ms in rates.stage_ms},
+            "errors": [{"at": round(at, 3), "error": text} for at, text in self._errors.copy()],
+        }
+
+    def _carry_out(self, letter: Letter) -> None:
+        mapping = self._pipeline.mapping
+        match letter.order:
+            case "pause":
+                mapping.pause()
+            case "panic":
+                mapping.panic()
+            case "resume":
+                mapping.resume()
+            case "switch" if letter.profile is not None:
+                self._switch(mapping, letter.profile, letter.user or self._user)
+
+    def _switch(self, mapping: Mapping, profile: Profile, user: UserSettings) -> None:
+        if user == self._user:
+            mapping.switch(profile)
+            return
+        # Other values of the person: a new mapping, as stopped as the old one was.
+        fresh = Mapping(profile, user)
+        fresh.switch(profile)
+        if mapping.state == "paused":
+            fresh.pause()
+        elif mapping.state == "panic":
+            fresh.panic()
+        self._user = user
+        self._pipeline.mapping = self._stopwatch.watch("profile", fresh, "update")
+
+    def _measure(self) -> None:
+        at, slices, events, spent_ns = self._window
+        now, now_ns = self._step_at, self._stopwatch.spent_ns
+        n, took_s = self._slices - slices, now - at
+        self._rates = Rates(
+            n / took_s,
+            (self._events - events) / took_s,
+            tuple((name, (ns - spent_ns.get(name, 0)) / n / 1e6) for name, ns in now_ns.items()),
+        )
+        self._window = (now, self._slices, self._events, now_ns)
