@@ -56,8 +56,8 @@ def play(error_mm, wrong):
             truth,
             kind=wrong if is_wrong else None,
             intensity=truth.intensity_mm + error_mm,
-            contacts=truth.contacts_px + 5.0,
-            confidence=0.8,
+            contacts=truth.contacts_px + 2.0 * truth.kind,
+            confidence=0.4 + 0.013 * (k % 37),
         )
         tally.add_gesture(gesture, truth, RIG)
         tally.add_rest(labelled=truth.kind is GestureKind.NONE, detected=k % 5 > 0)
@@ -186,6 +186,12 @@ def test_numbers_are_those_of_the_json(folder, page, evaluations):
     for method in report["methods"].values():
         for part in ("per_gesture", "by_gesture", "confusion", "time_to_type_ms"):
             assert set(map(float, numbers_of(method[part]))) <= set(page.numbers)
+        for part, keys in (
+            ("by_intensity", ("gesture_accuracy", "count_accuracy", "observations")),
+            ("reliability", ("confidence", "accuracy", "observations", "error")),
+        ):
+            for key in keys:
+                assert set(map(float, numbers_of(method[part][key]))) <= set(page.numbers)
         assert method["gesture_accuracy"] in page.numbers
 
 

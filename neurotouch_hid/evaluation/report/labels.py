@@ -1,7 +1,7 @@
 """Figures of the labels, as the paper describes its own data set."""
 
 import numpy as np
-from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.colors import LinearSegmentedColormap, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
@@ -56,7 +56,7 @@ def draw_contacts(labels: LabelStatistics) -> Figure:
     reach = GEL_RADIUS_MM + 2
     image = axes.hexbin(
         *labels.contacts_mm.T, gridsize=32, extent=(-reach, reach, -reach, reach), mincnt=1,
-        cmap=LinearSegmentedColormap.from_list("contacts", [(BLUE, 0.2), (BLUE, 1.0)]), lw=0,
+        cmap=LinearSegmentedColormap.from_list("", [to_rgba(BLUE, 0.2), to_rgba(BLUE)]), lw=0,
     )  # fmt: skip
     axes.add_patch(Circle((0, 0), GEL_RADIUS_MM, fill=False, color=INK, lw=1.5))
     axes.set_xlim(-reach, reach)
