@@ -57,8 +57,8 @@ class Paper:
             else check_content(content, name)
         )
 
-    def save(self, text: str) -> None:
-        """Saves the text if it is right.
+    def save(self, text: str, *, keep: bool = True) -> None:
+        """Saves the text if it is right; what stood there becomes a version unless ``keep`` is not.
 
         Raises:
             ProfileError: there are errors, or it cannot be written; nothing has changed.
@@ -66,7 +66,7 @@ class Paper:
         self.check(text).require()
         if self.content is None and self.text and self.shipped:
             self.store.keep(encode(self.text))
-        self.store.save(encode(text), over=self.content)
+        self.store.save(encode(text), over=self.content, keep=keep)
 
 
 def encode(text: str) -> bytes:

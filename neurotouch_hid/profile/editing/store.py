@@ -54,12 +54,13 @@ class Store:
         except OSError as error:
             raise _fail(self.path, "read", error) from None
 
-    def save(self, content: bytes, *, over: bytes | None) -> None:
+    def save(self, content: bytes, *, over: bytes | None, keep: bool = True) -> None:
         """Puts the content in the file's place and keeps what stood there.
 
         Args:
             content: the new content.
             over: what the edit began with; None if there was no file.
+            keep: whether what stood there becomes a version.
 
         Raises:
             ProfileError: somebody else changed the file meanwhile, or it cannot be written; then
@@ -71,7 +72,7 @@ class Store:
             )
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            if over is not None:
+            if over is not None and keep:
                 self.keep(over)
             write_whole(self.path, content)
         except OSError as error:

@@ -1,0 +1,128 @@
+"""What the measurements say: noise, range, weak sides, and all of it in the user's file."""
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from statistics import median
+from typing import Final
+
+from neurotouch_hid.profile.calibration.movements import MOVEMENTS
+from neurotouch_hid.profile.editing.layout import read_layout
+from neurotouch_hid.profile.editing.paths import find_way
+from neurotouch_hid.profile.editing.revision import reset_value, set_value
+from neurotouch_hid.profile.timing import FilterName
+from neurotouch_hid.profile.user import Range, Ranges, UserSettings
+
+LEAST_PEAK_MM: Final = 2.5
+LEAST_PEAKS: Final = 2
+FULL_SHARE: Final = 0.8
+"""Full output needs 0.8 of a comfortable movement, never the largest one."""
+
+LEAST_REST_MM: Final = 0.6
+MOST_REST_MM: Final = 3.0
+LEAST_ROOM_MM: Final = 1.0
+WEAK_SHARE: Final = 0.5
+_DATE: Final = re.compile(r"^# Calibrated \d{4}-\d{2}-\d{2}\.", re.MULTILINE)
+
+
+@dataclass(frozen=True, slots=True)
+class WeakSide:
+    """A movement much smaller than the one the other way.
+
+    Attributes:
+        weak: the smaller one.
+        strong: the larger one.
+        share: how far the smaller goes, as a share of the larger; 0 if it is not used.
+    """
+
+    weak: str
+    strong: str
+    share: float
+
+
+def measure_rest(resting_mm: Sequence[float]) -> float:
+    """Up to where it is noise: three times the deviation while nothing was done, 0.6 mm at least.
+
+    Args:
+        resting_mm: the intensity while nothing was done, in mm; may be empty.
+    """
+    if not resting_mm:
+        return 1.0
+    middle = median(resting_mm)
+    deviation = math.sqrt(sum((mm - middle) ** 2 for mm in resting_mm) / len(resting_mm))
+    return round(min(max(LEAST_REST_MM, 3.0 * deviation), MOST_REST_MM), 1)
+
+
+def measure_range(peaks_mm: Sequence[float], rest_mm: float) -> Range | None:
+    """The comfortable range of a movement; None if it is not used.
+
+    Args:
+        peaks_mm: how far each repetition went; those below 2.5 mm do not count.
+        rest_mm: up to where it is noise.
+    """
+    counted = [peak for peak in peaks_mm if peak >= LEAST_PEAK_MM]
+    if len(counted) < LEAST_PEAKS:
+        return None
+    full = min(max(FULL_SHARE * median(counted), rest_mm + LEAST_ROOM_MM), 18.0)
+    return Range(rest=rest_mm, full=round(full, 1))
+
+
+def find_weak_sides(ranges: Mapping[str, Range | None]) -> list[WeakSide]:
+    """The measured movements whose partner, also measured, goes more than twice as far."""
+    found = []
+    for name, range_ in ranges.items():
+        strong = MOVEMENTS[name].partner
+        theirs = ranges.get(strong)
+        if theirs is None:
+            continue
+        share = 0.0 if range_ is None else range_.full / theirs.full
+        if share < WEAK_SHARE:
+            found.append(WeakSide(name, strong, share))
+    return found
+
+
+def write_ranges(
+    text: str,
+    ranges: Mapping[str, Range | None],
+    date: str,
+    tremor_filter: FilterName | None = None,
+) -> str:
+    """The user's file with these ranges; a movement that is not used has none.
+
+    Args:
+        text: the file.
+        ranges: the measured movements only; all others stay.
+        date: today, as YYYY-MM-DD.
+        tremor_filter: the filter to be set, or None to leave that as it is.
+    """
+    _, document = read_layout(text, "user.yaml")
+    measured = {
+        name: {"rest": range_.rest, "full": range_.full}
+        for name, range_ in ranges.items()
+        if range_ is not None
+    }
+    if "range" not in document:
+        lines = [f"  {name}: {_write(values)}" for name, values in measured.items()]
+        if lines:
+            text = text.rstrip("\n") + "\n\nrange:\n" + "\n".join(lines) + "\n"
+    else:
+        for name in Ranges.model_fields:
+            if name in measured:
+                text = set_value(text, f"range.{name}", measured[name], UserSettings)
+            elif name in ranges and find_way(document, f"range.{name}", UserSettings).exists:
+                text = reset_value(text, f"range.{name}", UserSettings)
+    if tremor_filter is not None:
+        text = set_value(text, "filter", tremor_filter, UserSettings)
+    return _put_date(text, date)
+
+
+def _write(values: Mapping[str, float]) -> str:
+    return "{" + ", ".join(f"{key}: {value}" for key, value in values.items()) + "}"
+
+
+def _put_date(text: str, date: str) -> str:
+    line = f"# Calibrated {date}."
+    if _DATE.search(text):
+        return _DATE.sub(line, text, count=1)
+    return re.sub(r"^range:", f"{line}\nrange:", text, count=1, flags=re.MULTILINE)

@@ -1,0 +1,171 @@
+"""A calibration in progress: what to do next, what each repetition was, what came out."""
+
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.messages import Gesture
+from neurotouch_hid.profile.calibration.movements import MOVEMENTS
+from neurotouch_hid.profile.calibration.repetition import Repetition, RepetitionFinder
+from neurotouch_hid.profile.calibration.result import LEAST_PEAK_MM, measure_range, measure_rest
+from neurotouch_hid.profile.calibration.tremor import Tremor, choose_filter, find_tremor
+from neurotouch_hid.profile.engine.reader import Reader
+from neurotouch_hid.profile.timing import FilterName
+from neurotouch_hid.profile.user import Range, Ranges, UserSettings
+from neurotouch_hid.vocabulary import GestureKind
+
+NEUTRAL: Final = "neutral"
+HOLD: Final = "hold"
+EVERYTHING: Final = "everything"
+_HOLD_SHARE: Final = 0.6
+_ALL_KINDS: Final = frozenset(kind for kind in GestureKind if kind != GestureKind.NONE)
+_SETTLE_READINGS: Final = 30
+"""It is rest only so long after a repetition and so long before one: 0.3 s."""
+
+
+@dataclass(slots=True)
+class _Measured:
+    """What has been collected."""
+
+    peaks_mm: dict[str, list[float]] = field(default_factory=dict)
+    resting_mm: list[float] = field(default_factory=list)
+    hold_mm: list[float] = field(default_factory=list)
+
+
+class Session:
+    """Measures one step after another; each lasts until somebody says so.
+
+    Args:
+        user: the person; orientation and neutral hold, ranges and filter do not.
+        movements: the movements to be measured, in this order.
+        guided: ask for them one by one, first for rest and a hold; otherwise take every movement
+            for what it is, as from a recording.
+    """
+
+    def __init__(
+        self, user: UserSettings, movements: tuple[str, ...] = (), *, guided: bool = True
+    ) -> None:
+        plain = user.model_copy(update={"range": Ranges(), "filter": None})
+        self._reader = Reader(plain, "none", _ALL_KINDS, latch=True)
+        self._finder = RepetitionFinder()
+        self.movements = movements or tuple(MOVEMENTS)
+        self._steps = (NEUTRAL, HOLD, *self.movements) if guided else (EVERYTHING,)
+        self._at = 0
+        self._skipped: set[str] = set()
+        self._measured = _Measured()
+        self._still_mm: list[float] = []
+        self._latest_hold: list[float] = []
+        self._step_us = 10_000
+        self._t_us: int | None = None
+
+    @property
+    def step(self) -> str | None:
+        """``neutral``, ``hold``, a movement, or ``everything``; None at the end."""
+        return self._steps[self._at] if self._at < len(self._steps) else None
+
+    def next(self) -> None:
+        """This step is done."""
+        self._at = min(self._at + 1, len(self._steps))
+        self._finder = RepetitionFinder()
+
+    def skip(self) -> None:
+        """This step cannot be done."""
+        if self.step is not None:
+            self._skipped.add(self.step)
+            self._measured.peaks_mm.pop(self.step, None)
+        self.next()
+
+    def back(self) -> None:
+        """The step before once more, from its beginning."""
+        self._at = max(self._at - 1, 0)
+        step = self._steps[self._at]
+        self._skipped.discard(step)
+        self._measured.peaks_mm.pop(step, None)
+        if step == NEUTRAL:
+            self._measured.resting_mm.clear()
+        if step == HOLD:
+            self._measured.hold_mm.clear()
+        self._finder = RepetitionFinder()
+
+    def take(self, gesture: Gesture) -> Repetition | None:
+        """Goes one gesture further; gives the repetition it ends."""
+        if self._t_us is not None and gesture.t_us > self._t_us:
+            self._step_us = gesture.t_us - self._t_us
+        self._t_us = gesture.t_us
+        reading = self._reader.read(gesture)
+        if self.step == NEUTRAL:
+            self._measured.resting_mm.append(float(gesture.intensity_mm))
+            return None
+        repetition = self._finder.update(reading)
+        self._collect(reading.mm, float(gesture.intensity_mm))
+        if repetition is not None and self.accepts(repetition):
+            self._measured.peaks_mm.setdefault(repetition.movement, []).append(repetition.peak_mm)
+        return repetition
+
+    def accepts(self, repetition: Repetition) -> bool:
+        """True if it is what was asked for, and far enough."""
+        asked = self.step in (EVERYTHING, repetition.movement)
+        return asked and repetition.peak_mm >= LEAST_PEAK_MM
+
+    def _collect(self, mm: float, raw_mm: float) -> None:
+        """Rest between repetitions, and the longest stretch in which a movement was held."""
+        if self._finder.is_moving:
+            self._rest()
+            if mm < _HOLD_SHARE * self._finder.peak_mm:
+                self._end_hold()
+            elif mm > 0.0:
+                self._latest_hold.append(mm)
+            return
+        self._end_hold()
+        self._still_mm.append(raw_mm)
+
+    def _rest(self) -> None:
+        """Takes what lies between two movements, but not right beside them."""
+        if self.step == EVERYTHING:
+            self._measured.resting_mm += self._still_mm[_SETTLE_READINGS:-_SETTLE_READINGS]
+        self._still_mm = []
+
+    def _end_hold(self) -> None:
+        if self.step in (HOLD, EVERYTHING) and len(self._latest_hold) > len(self._measured.hold_mm):
+            self._measured.hold_mm = self._latest_hold
+        self._latest_hold = []
+
+    @property
+    def rest_mm(self) -> float:
+        """Up to where it is noise."""
+        return measure_rest(self._measured.resting_mm)
+
+    @property
+    def ranges(self) -> dict[str, Range | None]:
+        """The range of each movement that was asked for; None for one that is not used.
+
+        Without guidance, only the movements that were made.
+        """
+        made = self._measured.peaks_mm
+        names = [name for name in self.movements if self._steps[0] == NEUTRAL or name in made]
+        return {name: measure_range(made.get(name, ()), self.rest_mm) for name in names}
+
+    @property
+    def peaks_mm(self) -> dict[str, list[float]]:
+        """How far the repetitions of each movement went that counted."""
+        return {name: list(peaks) for name, peaks in self._measured.peaks_mm.items()}
+
+    @property
+    def tremor(self) -> Tremor | None:
+        """The tremor while a movement was held; None if there is none or nothing was held."""
+        return find_tremor(self._hold(), self._step_us)
+
+    @property
+    def tremor_filter(self) -> FilterName | None:
+        """The weakest filter that is calm enough; None if nothing was held long enough."""
+        hold = self._hold()
+        enough = len(hold) * self._step_us >= 3_000_000
+        return choose_filter(hold, self._step_us) if enough else None
+
+    def _hold(self) -> NDArray[np.float64]:
+        """The middle of the longest hold: its beginning and end are movements."""
+        hold = self._measured.hold_mm
+        edge = min(len(hold) // 5, round(500_000 / self._step_us))
+        return np.array(hold[edge : len(hold) - edge])
