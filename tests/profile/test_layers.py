@@ -90,14 +90,16 @@ def test_a_layer_for_one_action() -> None:
     assert mapping.layer == "walk"
 
 
-def test_a_held_layer_ends_with_its_gesture() -> None:
-    mapping = Mapping(layers("hold"), RAW)
+@pytest.mark.parametrize("timing", ["game", "steady"])
+def test_a_held_layer_ends_with_its_gesture(timing: str) -> None:
+    mapping = Mapping(layers("hold"), UserSettings(filter="none", timing=timing))
     names = []
-    for gesture in rehearse("zoom 5mm hold 300ms; rest 100ms"):
+    for gesture in rehearse("zoom 5mm hold 600ms; rest 100ms; zoom 5mm hold 600ms; rest 100ms"):
         assert mapping.update(gesture).is_neutral
         names.append(mapping.layer)
-    assert "menu" in names
-    assert mapping.layer == "walk"
+    changes = [name for before, name in pairwise(["", *names]) if name != before]
+    assert changes == ["walk", "menu", "walk", "menu", "walk"]
+    assert names.count("menu") > 100
 
 
 SAFETY = """safety:

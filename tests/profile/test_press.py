@@ -206,3 +206,11 @@ def test_no_binding_is_faster_than_the_person() -> None:
     profile = make_profile("when: {gesture: pinch, trigger: press}, do: {button: a}")
     user = UserSettings(filter="none", timing="slow")
     assert tell(profile, long(1000), user)[0] == "1060 button a down"
+
+
+def test_without_a_weak_release_the_threshold_is_the_threshold() -> None:
+    profile = make_profile("when: {gesture: pinch, on_mm: 10, off_mm: 9}, do: {button: a}")
+    script = "pinch 11mm 50ms hold 100ms release 0ms; pinch 8.9mm 0ms hold 100ms release 0ms"
+    again = "; pinch 10.1mm 0ms hold 100ms"
+    words = [line.split(" ", 1)[1] for line in tell(profile, script + again)]
+    assert words == ["button a down", "button a up"] * 2

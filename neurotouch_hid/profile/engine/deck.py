@@ -1,5 +1,7 @@
 """The layers of a profile at work: one of them holds at a time."""
 
+from typing import Final
+
 from neurotouch_hid.profile.decision import Journal
 from neurotouch_hid.profile.description import describe_binding
 from neurotouch_hid.profile.engine.channel import Channel
@@ -11,7 +13,7 @@ from neurotouch_hid.profile.schema import Binding, Profile
 from neurotouch_hid.profile.targets import CommandTarget, LayerTarget, MouseMotionTarget
 from neurotouch_hid.profile.timing import Times
 
-STOPPING = ("pause", "panic")
+STOPPING: Final = ("pause", "panic")
 """The commands that are heard even while everything is paused."""
 
 
@@ -103,23 +105,23 @@ class Deck:
         wanted = self._names.index(target.layer) if target.layer in self._names else 0
         if wanted == self._current:
             return self._go(0)
-        outputs = self._go(wanted)
-        self._holder = channel if target.mode == "hold" else None
+        outputs = self._go(wanted, channel if target.mode == "hold" else None)
         self._for_one_action = target.mode == "oneshot"
         return outputs
 
-    def _go(self, index: int) -> Outputs:
+    def _go(self, index: int, holder: Channel | None = None) -> Outputs:
         """Enters a layer: nothing is put out before the next gesture."""
-        self._enter(index)
+        self._enter(index, holder)
         self._journal.note("layer", self.name)
         return Outputs()
 
-    def _enter(self, index: int) -> None:
-        for channel in self._layers[self._current].channels:
-            if channel.busy:
+    def _enter(self, index: int, holder: Channel | None = None) -> None:
+        """Lets go of everything but the channel that holds the layer to come."""
+        for channel in (*self._layers[self._current].channels, self._holder):
+            if channel is not None and channel is not holder and channel.busy:
                 channel.reset()
         self._current = index
-        self._holder = None
+        self._holder = holder
         self._for_one_action = False
         self.armed = False
 

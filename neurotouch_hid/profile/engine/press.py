@@ -74,7 +74,7 @@ class Threshold:
             self._spent = t_us - self._since_us >= self._most_us
             fallen = self._drop > 0.0 and mm <= (1.0 - self._drop) * self._level_mm
             if mm < self._off_mm or fallen or self._spent:
-                self.held, self._level_mm = False, mm
+                self.held, self._level_mm = False, mm if fallen else 0.0
         else:
             self._level_mm = min(self._level_mm, mm)
             self._spent = self._spent and mm >= self._off_mm
