@@ -56,8 +56,10 @@ def draw_failure(failure: Failure) -> Figure:
     axes.set_ylim(y + reach, y - reach)
     axes.set_aspect("equal")
     axes.set_axis_off()
-    figure.text(0.03, 0.985, f"○  expected: {failure.expected()}", color=BLUE, va="top")
-    figure.text(0.03, 0.935, f"×  recognised: {failure.recognised()}", color=VERMILION, va="top")
+    figure.text(0.03, 0.985, "○", color=BLUE, va="top", weight="bold")
+    figure.text(0.08, 0.985, f"expected: {failure.expected()}", va="top")
+    figure.text(0.03, 0.935, "×", color=VERMILION, va="top", weight="bold")
+    figure.text(0.08, 0.935, f"recognised: {failure.recognised()}", va="top")
     figure.get_layout_engine().set(rect=(0, 0, 1, 0.9))  # type: ignore[union-attr, call-arg]
     return figure
 

@@ -14,7 +14,7 @@ from neurotouch_hid.evaluation.paper import (
     LABELS_NONE,
     SPEED_RANGE_MM_S,
 )
-from neurotouch_hid.evaluation.report.style import BLUE, INK, MUTED, SKY, add_grid, add_legend
+from neurotouch_hid.evaluation.report.style import BLUE, INK, MUTED, add_grid, add_legend
 from neurotouch_hid.evaluation.statistics import LabelStatistics
 from neurotouch_hid.evaluation.tally import BIN_MM
 from neurotouch_hid.geometry import GEL_RADIUS_MM
@@ -122,7 +122,7 @@ def draw_boxes(labels: LabelStatistics) -> Figure:
         if len(values):
             axes.boxplot(
                 values, positions=[k], widths=0.5, patch_artist=True,
-                showmeans=True, boxprops={"facecolor": SKY, **line}, medianprops=line,
+                showmeans=True, boxprops={"facecolor": (BLUE, 0.35), **line}, medianprops=line,
                 whiskerprops=line, capprops=line,
                 meanprops={"marker": "o", "markerfacecolor": INK, "markeredgecolor": INK},
             )  # fmt: skip

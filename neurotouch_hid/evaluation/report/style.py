@@ -18,15 +18,8 @@ INK, MUTED, GRID, PAPER = "#1f2328", "#59636e", "#d5dae0", "#fffffe"
 """Text, secondary text, grid, background; each has a twin in ``_DARK`` and no other use."""
 _DARK = {INK: "#e6edf3", MUTED: "#9aa4ae", GRID: "#30363d", PAPER: "#0d1117"}
 
-BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY = (
-    "#0072b2",
-    "#d55e00",
-    "#009e73",
-    "#cc79a7",
-    "#e69f00",
-    "#56b4e9",
-)
-"""Okabe and Ito's palette."""
+BLUE, VERMILION, GREEN, PURPLE = "#0072b2", "#d55e00", "#009e73", "#cc79a7"
+"""From Okabe and Ito's palette."""
 METHOD_COLOURS = (BLUE, VERMILION, GREEN, PURPLE)
 METHOD_MARKERS = ("o", "s", "^", "v")
 METHOD_HATCHES = ("", "////", "....", "xxxx")
