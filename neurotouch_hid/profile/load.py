@@ -113,10 +113,19 @@ def load_user(path: Path | None = None) -> UserSettings:
     Raises:
         ProfileError: as ``load_profile``.
     """
-    path = find_user_file() if path is None else path
+    return load_settings(find_user_file() if path is None else path, UserSettings)
+
+
+def load_settings(path: Path, model: type[Model]) -> Model:
+    """What a file of settings says; the model's defaults if there is no file.
+
+    Raises:
+        ProfileError: as ``load_profile``.
+    """
     if not path.exists():
-        return UserSettings()
-    return check_user(_read(path), make_printable(str(path))).require()
+        return model()
+    name = make_printable(str(path))
+    return _check_model(_read(path), name, model, lambda _, settings: (settings, [])).require()
 
 
 def check_user(content: bytes, name: str) -> Checked[UserSettings]:

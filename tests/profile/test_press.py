@@ -107,6 +107,11 @@ def test_a_weak_release_is_enough_and_a_rise_presses_again() -> None:
     assert words == ["button a down", "button a up", "button a down", "button a up"]
     limited = make_profile("when: {gesture: pinch, release: {max_hold_ms: 300}}, do: {button: a}")
     assert tell(limited, long(1000)) == ["20 button a down", "320 button a up"]
+    sudden = "pinch 5mm 0ms hold 500ms release 0ms; rest 50ms; pinch 5mm 0ms hold 100ms release 0ms"
+    assert [line.split(" ", 1)[1] for line in tell(limited, sudden)] == [
+        *("button a down", "button a up"),
+        *("button a down", "button a up"),
+    ]
 
 
 @pytest.mark.parametrize(

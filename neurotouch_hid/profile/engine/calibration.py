@@ -12,13 +12,13 @@ Convert = Callable[[GestureKind, float, Vector | None], float]
 
 
 def make_conversion(ranges: Ranges) -> Convert | None:
-    """A function from (kind, intensity in mm, way of a push) to mm of a usual hand; None if no
-    range is set.
+    """A function from (kind, intensity in mm, way of a push) to mm of a usual hand.
 
+    None if no range is set.
     What the person's ``rest`` is becomes 1 mm, what is ``full`` becomes the default full of that
     gesture, straight in between and beyond. The range of a diagonal push is blended from the two
     beside it by angle.
-    """  # noqa: D205
+    """
     if not ranges.model_fields_set:
         return None
     usual = Range(rest=DEFAULT_REST_MM, full=DEFAULT_FULL_MM[GestureKind.PUSH])

@@ -95,9 +95,9 @@ class Channel:
                 not self._tests or all(test(reading) for test in self._tests)
             ):
                 held = threshold.update(reading.mm, reading.t_us)
-            elif threshold.held:
+            elif threshold.busy:
                 threshold.reset()
-            busy = held
+            busy = threshold.busy
         gate = self._gate
         if gate is not None:
             since_us = gate.since_us

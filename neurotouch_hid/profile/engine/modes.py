@@ -70,9 +70,10 @@ class Sticky:
 
 
 class Repeat:
-    """Down with short pauses: the first after ``delay_us``, then every ``every_us``; none any more
-    after ``most_us``.
-    """  # noqa: D205
+    """Down with short pauses: the first after ``delay_us``, then one every ``every_us``.
+
+    After ``most_us`` it stays up.
+    """
 
     def __init__(self, delay_us: int, every_us: int, pause_us: int, most_us: int | None) -> None:
         self.busy = False

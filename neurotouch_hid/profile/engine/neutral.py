@@ -13,9 +13,11 @@ DRIFT_US: Final = 30_000_000
 
 
 class RestingHand:
-    """Subtracts how the hand lies: found once it has been still for 1 s, forgotten 2 s after it
-    was lifted. It follows a slow drift (30 s) while the hand is still and near its rest.
-    """  # noqa: D205
+    """Subtracts how the hand lies.
+
+    That is found once the hand has been still for 1 s, and forgotten 2 s after it was lifted. It
+    follows a slow drift (30 s) while the hand is still and near its rest.
+    """
 
     def __init__(self) -> None:
         self._pose: tuple[float, float, float] | None = None

@@ -38,9 +38,11 @@ class Press(Protocol):
 
 
 class Threshold:
-    """Presses at ``on_mm``, lets go below ``off_mm``; with ``drop`` also when the intensity has
-    fallen by that share, and after ``most_us`` in any case.
-    """  # noqa: D205
+    """Presses at ``on_mm`` and lets go below ``off_mm``.
+
+    With ``drop`` it also lets go when the intensity has fallen by that share of its peak, and after
+    ``most_us`` in any case.
+    """
 
     __slots__ = (
         "_drop",
@@ -66,6 +68,11 @@ class Threshold:
         self._level_mm = 0.0  # the peak while held; after a weak release the lowest since
         self._since_us = 0
         self._spent = False
+
+    @property
+    def busy(self) -> bool:
+        """True if it must be told when the gesture is over."""
+        return self.held or self._spent or self._level_mm > 0.0
 
     def update(self, mm: float, t_us: int) -> bool:
         """Whether it is pressed."""
