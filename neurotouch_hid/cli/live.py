@@ -1,13 +1,15 @@
 """What surrounds a line that plays live: control socket, profiles, keyboard, desktop."""
 
+import os
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from types import TracebackType
 from typing import Self
 
 import click
 
-from neurotouch_hid.device import Device
+from neurotouch_hid.desktop import Follower, open_window
+from neurotouch_hid.device import ChordReader, Device
 from neurotouch_hid.driver import find_runtime_folder
 from neurotouch_hid.errors import AlreadyRunningError, DriverError
 from neurotouch_hid.profile import Profile, UserSettings
@@ -15,6 +17,7 @@ from neurotouch_hid.runtime import (
     SAID,
     Commands,
     ControlSocket,
+    DriverSettings,
     Pipeline,
     ProfileWatch,
     Session,
@@ -49,6 +52,7 @@ class Live:
         name: the profile as it was asked for.
         profile: what it says.
         user: the person's values.
+        settings: chords and applications.
         source: the name of the source.
 
     Attributes:
@@ -65,6 +69,7 @@ class Live:
         name: str,
         profile: Profile,
         user: UserSettings,
+        settings: DriverSettings,
         source: str,
     ) -> None:
         self.session = Session(pipeline, stopwatch, user)
@@ -80,10 +85,20 @@ class Live:
         )
         self._closing.callback(self._profiles.close)
         self.session.listen(self._hear)
+        chords = ChordReader(self._press, settings.keys_of)
+        self._closing.callback(chords.close)
         self._facts: dict[str, Callable[[], str]] = {
             "source": lambda: source,
             "device": lambda: device.name,
+            "keyboard": chords.describe,
+            "desktop": lambda: "none has a profile of its own",
         }
+        if settings.applications:
+            follower = Follower(
+                settings.profile_of, lambda: open_window(os.environ), self._profiles.follow
+            )
+            self._closing.callback(follower.close)
+            self._facts["desktop"] = follower.describe
 
     def reload(self) -> None:
         """Loads the profile anew; safe in a signal handler."""
@@ -101,6 +116,11 @@ class Live:
         trace: TracebackType | None,
     ) -> None:
         self._closing.close()
+
+    def _press(self, chord: str) -> None:
+        """What the keyboard orders: panic, or pause and its end."""
+        with suppress(DriverError):  # the line stands still, so everything is released
+            self.session.tell("panic" if chord == "panic" else "toggle")
 
     def _hear(self, command: str) -> None:
         """What the line tells: a command has taken effect, or the gel asks for another profile."""

@@ -73,10 +73,15 @@ def command(
     from neurotouch_hid.device import check_device, open_device
     from neurotouch_hid.gesture import GestureConfig
     from neurotouch_hid.profile import load_profile, load_user
-    from neurotouch_hid.runtime import Pipeline, Stopwatch, find_companions
+    from neurotouch_hid.runtime import (
+        Pipeline,
+        Stopwatch,
+        find_companions,
+        load_driver_settings,
+    )
     from neurotouch_hid.source import open_source
 
-    user = load_user()
+    user, settings = load_user(), load_driver_settings()
     profile = profile or user.slots[0]
     mapping = load_profile(profile)
     gesture = GestureConfig(method=method)
@@ -109,6 +114,7 @@ def command(
                     name=profile,
                     profile=mapping,
                     user=user,
+                    settings=settings,
                     source=packets.name,
                 )
             )

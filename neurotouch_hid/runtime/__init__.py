@@ -7,6 +7,7 @@ from neurotouch_hid.runtime.loop import LoopStats, Tap, run_line
 from neurotouch_hid.runtime.pipeline import Pipeline
 from neurotouch_hid.runtime.reload import ProfileWatch
 from neurotouch_hid.runtime.session import Session
+from neurotouch_hid.runtime.settings import DriverSettings, load_driver_settings
 from neurotouch_hid.runtime.signals import stop_on_signals
 from neurotouch_hid.runtime.stopwatch import Stopwatch
 from neurotouch_hid.runtime.warmup import warm_up
@@ -15,6 +16,7 @@ __all__ = [
     "SAID",
     "Commands",
     "ControlSocket",
+    "DriverSettings",
     "LoopStats",
     "Pipeline",
     "ProfileWatch",
@@ -22,6 +24,7 @@ __all__ = [
     "Stopwatch",
     "Tap",
     "find_companions",
+    "load_driver_settings",
     "run_line",
     "stop_on_signals",
     "warm_up",

@@ -8,7 +8,8 @@ from typing import Final, Literal
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.profile import Profile, UserSettings
 
-Order = Literal["pause", "resume", "panic", "switch"]
+Order = Literal["pause", "resume", "toggle", "panic", "switch"]
+"""``toggle`` pauses, or resumes from a pause; only ``resume`` ends a panic."""
 
 CAPACITY: Final = 64
 """Letters that may wait; more come only while the line stands still."""

@@ -90,7 +90,7 @@ class Session:
             self._hear(command)
 
     def tell(self, order: Order) -> Letter:
-        """Has the line pause, resume or panic before its next slice.
+        """Has the line pause, resume, toggle or panic before its next slice.
 
         Raises:
             DriverError: too many orders wait.
@@ -134,7 +134,9 @@ class Session:
     def _carry_out(self, letter: Letter) -> None:
         mapping = self._pipeline.mapping
         match letter.order:
-            case "pause":
+            case "toggle" if mapping.state == "paused":
+                mapping.resume()
+            case "pause" | "toggle":
                 mapping.pause()
             case "panic":
                 mapping.panic()

@@ -1,0 +1,77 @@
+"""Gives each application the profile that the person has chosen for it."""
+
+import threading
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import Final
+
+from neurotouch_hid.desktop.window import ActiveWindow, DesktopError
+
+POLL_S: Final = 0.5
+AGAIN_S: Final = 5.0
+"""Until a desktop that does not answer is asked anew: it may be starting, or start again."""
+
+
+class Follower:
+    """Watches the active window in a thread of its own.
+
+    Args:
+        profiles: the profile of each application, by a name of its windows; case does not count.
+        open_window: connects to the desktop.
+        follow: is told a profile whenever the wanted one changes, None where an application has
+            none of its own.
+    """
+
+    def __init__(
+        self,
+        profiles: Mapping[str, str],
+        open_window: Callable[[], ActiveWindow],
+        follow: Callable[[str | None], object],
+    ) -> None:
+        self._profiles = {window.lower(): profile for window, profile in profiles.items()}
+        self._open = open_window
+        self._follow = follow
+        self._wanted: str | None = None
+        self._said = "not asked yet"
+        self._done = threading.Event()
+        self._thread = threading.Thread(target=self._watch, name="desktop", daemon=True)
+        self._thread.start()
+
+    def describe(self) -> str:
+        """Which application is seen, or why none is."""
+        return self._said
+
+    def close(self) -> None:
+        """Ends the thread."""
+        self._done.set()
+        self._thread.join()
+
+    def _watch(self) -> None:
+        while not self._done.is_set():
+            try:
+                window = self._open()
+            except DesktopError as error:
+                self._said = " ".join(filter(None, (error.message, error.hint)))
+            else:
+                self._look_at(window)
+                with suppress(DesktopError):
+                    window.close()
+            self._done.wait(AGAIN_S)
+
+    def _look_at(self, window: ActiveWindow) -> None:
+        """Follows the window until the desktop goes away or the driver ends."""
+        while not self._done.is_set():
+            try:
+                names = window.names()
+            except DesktopError as error:
+                self._said = error.message
+                return
+            found = [
+                self._profiles[name.lower()] for name in names if name.lower() in self._profiles
+            ]
+            wanted = found[0] if found else None
+            self._said = f"{'/'.join(names) or 'no window'} is in front ({window.desktop})"
+            if wanted != self._wanted:
+                self._wanted = wanted
+                self._follow(wanted)
+            self._done.wait(POLL_S)
