@@ -13,6 +13,8 @@ class GestureConfig:
 
     Attributes:
         method: how a gesture is found; ``paper`` is [NT, "Methodology"].
+        neutral: what counts as no gesture: ``lifted``, the gel untouched, or ``resting``, the pose
+            of a hand that stays on it, taken at the start and at ``GestureRecognizer.rezero``.
         min_tracked: measured markers, about half, without which nothing is recognised: a lost gel
             presses no buttons.
         radius_px: of ``paper``: r, 30 px or about 12 mm, the radius of a fingertip [NT, "Results"].
@@ -26,6 +28,7 @@ class GestureConfig:
     """
 
     method: Method = "neurotouch"
+    neutral: Literal["lifted", "resting"] = "lifted"
     min_tracked: int = 90
     radius_px: float = 30.0
     threshold_ratio: float = 0.6

@@ -26,14 +26,14 @@ class PaperMethod:
         t_us: int,
         step_us: int,  # noqa: ARG002  # no memory, no time
         rest_px: NDArray[np.float32],
-        position_px: NDArray[np.float32],
+        moved_px: NDArray[np.float64],
         use: NDArray[np.bool_],
         rig: Rig,
     ) -> Gesture:
         """The gesture at the end of a slice; see ``ElasticMethod.update``."""
         config = self._config
         rest = rest_px[use].astype(np.float64)
-        position = position_px[use].astype(np.float64)
+        position = rest + moved_px[use]
         if _at_rest(rest, position, config):
             return no_gesture(t_us)
         contacts = find_contacts(

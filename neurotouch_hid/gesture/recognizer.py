@@ -1,13 +1,16 @@
 """From marker displacements to a gesture, one slice at a time."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import Rig, fit_rig
 from neurotouch_hid.gesture.config import GestureConfig
 from neurotouch_hid.gesture.elastic import ElasticMethod
+from neurotouch_hid.gesture.neutral import Neutral
 from neurotouch_hid.gesture.paper import PaperMethod
-from neurotouch_hid.messages import Gesture, MarkerField, no_gesture
+from neurotouch_hid.messages import Gesture, GestureKind, MarkerField, no_gesture
 
 FIRST_STEP_US = 10_000  # the length of a slice [NT, "Results"], until two have been seen
 
@@ -18,24 +21,46 @@ class GestureRecognizer:
     def __init__(self, config: GestureConfig | None = None) -> None:
         self._config = config or GestureConfig()
         self._method = (
-            PaperMethod(self._config) if self._config.method == "paper" else ElasticMethod()
+            PaperMethod(self._config)
+            if self._config.method == "paper"
+            else ElasticMethod(self._config)
         )
+        self._neutral = Neutral(is_resting=self._config.neutral == "resting")
         self._rest_px: NDArray[np.float32] | None = None
         self._rig: Rig | None = None
         self._t_us: int | None = None
 
+    def rezero(self) -> None:
+        """Takes the pose of the hand, from now on and for 0.3 s, for the neutral one.
+
+        A lifted hand's pose lasts until the gel is next seen untouched, a resting hand's for good.
+        """
+        self._method.reset()
+        self._neutral.capture()
+
     def update(self, markers: MarkerField) -> Gesture:
         """The gesture at the end of a slice; NONE at rest and before the gel is found."""
-        if markers.rest_px is not self._rest_px:
-            self._rest_px = markers.rest_px
-            known = np.isfinite(markers.rest_px).all(axis=1).sum() >= 2
-            self._rig = fit_rig(markers.rest_px) if known else None
-        step_us = FIRST_STEP_US if self._t_us is None else markers.t_us - self._t_us
-        self._t_us = markers.t_us
+        t_us, rest_px = markers.t_us, markers.rest_px
+        if rest_px is not self._rest_px:
+            self._rest_px = rest_px
+            known = np.isfinite(rest_px).all(axis=1).sum() >= 2
+            self._rig = fit_rig(rest_px) if known else None
+            self._neutral.anchor()
+        step_us = FIRST_STEP_US if self._t_us is None else t_us - self._t_us
+        self._t_us = t_us
         use = markers.valid & np.isfinite(markers.position_px).all(axis=1)
         if self._rig is None or int(use.sum()) < self._config.min_tracked:
             self._method.reset()
-            return no_gesture(markers.t_us)
-        return self._method.update(
-            markers.t_us, step_us, markers.rest_px, markers.position_px, use, self._rig
-        )
+            return no_gesture(t_us)
+        moved_px = np.where(use[:, None], markers.position_px.astype(np.float64) - rest_px, 0.0)
+        moved_px = self._neutral.subtract(moved_px, step_us)
+        if self._neutral.is_capturing:
+            return no_gesture(t_us)
+        gesture = self._method.update(t_us, step_us, rest_px, moved_px, use, self._rig)
+        is_quiet = gesture.kind is GestureKind.NONE
+        self._neutral.follow(moved_px, self._rig.px_per_mm, step_us, is_quiet=is_quiet)
+        if is_quiet or self._neutral.pose_px is None:
+            return gesture
+        contacts_px = self._neutral.displace(gesture.contacts_px, rest_px.astype(np.float64))
+        contacts_mm = self._rig.to_mm(contacts_px)
+        return replace(gesture, contacts_px=contacts_px, contacts_mm=contacts_mm)

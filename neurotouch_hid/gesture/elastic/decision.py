@@ -24,17 +24,22 @@ class DecisionConfig:
         latch_us: how long one type must have led by then.
         overrule: evidence over the latched type's that still changes it.
         moving_mm_s: speed of a finger that is no hold.
+        blur_mm: how sharply people see a gesture's first motion, width of a logistic curve.
+        unsure_mm: error of a motion that neither the noise nor its size explains, mostly of the
+            press of fingers that touch down.
     """
 
-    on_mm: float = 0.3
-    off_mm: float = 0.25
-    on_us: int = 15_000
-    off_us: int = 25_000
+    on_mm: float = 0.26
+    off_mm: float = 0.28
+    on_us: int = 10_000
+    off_us: int = 10_000
     memory_us: int = 60_000
     latch_mm: float = 2.0
     latch_us: int = 40_000
     overrule: float = 3.0
     moving_mm_s: float = 6.0
+    blur_mm: float = 0.1
+    unsure_mm: float = 0.3
 
 
 class Decision:
@@ -61,26 +66,42 @@ class Decision:
         """The gesture may still turn out to be another one."""
         return self.kind is GestureKind.NONE or not self.is_latched
 
-    def update(self, step_us: int, size_mm: float, parts_mm: Floats) -> None:
+    def update(self, step_us: int, size_mm: float, parts_mm: Floats, noise_mm: float) -> None:
         """Takes one slice.
 
         Args:
             step_us: time since the slice before.
             size_mm: the largest motion of a finger.
             parts_mm: (6,), what speaks for each type, see ``Motion``.
+            noise_mm: error of a marker, one axis.
         """
         config = self._config
         self._above_us = self._above_us + step_us if size_mm >= config.on_mm else 0
         self._below_us = self._below_us + step_us if size_mm < config.off_mm else 0
         if self.kind is GestureKind.NONE and self._above_us < config.on_us:
             self._size_mm = size_mm
+            self.confidence = 1.0 - self._believe(size_mm)
             return
         if self.kind is not GestureKind.NONE and self._below_us >= config.off_us:
             self.reset()
+            self.confidence = 1.0 - self._believe(size_mm)
             return
         self.age_us += step_us
         self._follow(step_us, size_mm)
         self._weigh(step_us, size_mm, parts_mm)
+        self.confidence = self._believe(size_mm) * self._prefer(size_mm, noise_mm)
+
+    def _believe(self, size_mm: float) -> float:
+        """Probability that people see a gesture of this size."""
+        middle = 0.5 * (self._config.on_mm + self._config.off_mm)
+        return 1.0 / (1.0 + math.exp(-(size_mm - middle) / self._config.blur_mm))
+
+    def _prefer(self, size_mm: float, noise_mm: float) -> float:
+        """Probability of the type given a gesture: its lead over the next in standard errors."""
+        others = np.delete(self._evidence, self.kind)
+        lead = float(self._evidence[self.kind] - others.max())
+        error = math.hypot(self._config.unsure_mm, noise_mm / 3.0, 0.05 * size_mm)
+        return 0.5 * (1.0 + math.erf(lead / error / 2.0))
 
     def _follow(self, step_us: int, size_mm: float) -> None:
         rate = (size_mm - self._size_mm) / max(step_us, 1) * 1e6
@@ -99,9 +120,6 @@ class Decision:
         keep = math.exp(-step_us / config.memory_us)
         self._evidence = keep * self._evidence + (1 - keep) * parts_mm
         best = GestureKind(int(self._evidence.argmax()))
-        order = np.sort(self._evidence)
-        margin = 1.0 - order[-2] / max(order[-1], 1e-9)
-        self.confidence = float(0.5 + 0.5 * margin)
         if self.kind is GestureKind.NONE:
             self.kind = best
             return

@@ -6,7 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import LATTICE_MM
-from neurotouch_hid.gesture.elastic.kernels import fill_responses, refine
+from neurotouch_hid.gesture.elastic.field.kernels import (
+    fill_responses,
+    measure_gains,
+    rim_window,
+)
+from neurotouch_hid.gesture.elastic.fingers import Fingers
+from neurotouch_hid.gesture.elastic.fit.kernels import refine
 
 Floats = NDArray[np.float64]
 
@@ -23,7 +29,9 @@ class HandConfig:
         noise_gain: sum of squares, in noise variances, that a finger must explain.
         field_gain: the same, in squares of the largest motion. Finite elements and the closed form
             differ by less than 0.4 for one finger; a real second finger brings 1.3 and more.
+        keep: share of the above that a finger must go on explaining.
         model_error: rms difference of the gel and the closed form, share of the largest motion.
+        outlier: residual of a marker, in standard errors, that halves its weight.
         least_mm: a motion below this is no finger yet.
         least_noise_mm: the least error of a tracked marker, one axis.
     """
@@ -34,37 +42,11 @@ class HandConfig:
     most: int = 3
     noise_gain: float = 40.0
     field_gain: float = 0.8
+    keep: float = 0.6
     model_error: float = 0.05
+    outlier: float = 8.0
     least_mm: float = 0.2
     least_noise_mm: float = 0.06
-
-
-@dataclass(slots=True, eq=False)
-class Fit:
-    """Fingers that explain one field.
-
-    Attributes:
-        centres: (k, 2) mm, on the gel at rest.
-        radii: (k,) mm.
-        motions: (k, 3) mm, mm, rad.
-        offset: (2,) mm, what everything moved by.
-        residual: (n, 2) mm.
-        cost: weighted sum of squares of the residual, mm².
-    """
-
-    centres: Floats
-    radii: Floats
-    motions: Floats
-    offset: Floats
-    residual: Floats
-    cost: float = 0.0
-
-    @property
-    def largest_mm(self) -> float:
-        """The largest motion of a finger."""
-        if not len(self.motions):
-            return 0.0
-        return float(np.sqrt((self.motions[:, :2] ** 2).sum(axis=1).max()))
 
 
 class Hand:
@@ -75,18 +57,24 @@ class Hand:
         far = np.hypot(*LATTICE_MM.T) <= self.config.reach_mm
         self._sites = np.ascontiguousarray(LATTICE_MM[far])
         self._points: Floats = np.zeros((0, 2))
+        self._built: Floats = np.full(LATTICE_MM.shape, np.inf)
         self.reset()
 
     def reset(self) -> None:
         """Forget all fingers."""
-        self.fit: Fit | None = None
+        self.fit: Fingers | None = None
         self.ids: tuple[int, ...] = ()
         self._trust = np.zeros(0)
         self._next_id = 0
+        self._turn = 0
 
     def place(self, points_mm: Floats) -> None:
         """Take new positions (177, 2) mm of the markers at rest."""
         self._points = points_mm
+        self._window = np.array([rim_window(float(r2)) for r2 in (points_mm**2).sum(axis=1)])
+        if np.abs(points_mm - self._built).max() < 0.4:
+            return
+        self._built = points_mm
         count = len(self._sites)
         self._atoms = np.empty((count * 3, len(points_mm) * 2))
         fill_responses(points_mm, self._sites, self.config.radius_mm, self._atoms)
@@ -105,10 +93,12 @@ class Hand:
             forming: the gesture has just begun: look at everything afresh.
         """
         noise_mm = max(noise_mm, self.config.least_noise_mm)
+        weight = weight * self._doubt(noise_mm)
         warm = self.fit
         if warm is not None:
             warm = self._refine(warm, moved_mm, weight, noise_mm, 1)
             warm = self._extend(warm, moved_mm, weight, noise_mm)
+            warm = self._reduce(warm, moved_mm, weight, noise_mm)
         if warm is None or forming:
             cold = self._search(moved_mm, weight, noise_mm)
             if warm is None or (
@@ -117,7 +107,15 @@ class Hand:
                 warm = cold
         self._adopt(warm)
 
-    def _adopt(self, fit: Fit | None) -> None:
+    def _doubt(self, noise_mm: float) -> Floats | float:
+        """Trust in each marker, (177,): one that was far off the last fit lost its dot."""
+        if self.fit is None:
+            return 1.0
+        error2 = noise_mm**2 + (self.config.model_error * self.fit.largest_mm) ** 2
+        far2: Floats = (self.fit.residual**2).sum(axis=1) / (self.config.outlier**2 * error2)
+        return 1.0 / (1.0 + far2**2)
+
+    def _adopt(self, fit: Fingers | None) -> None:
         """Take a fit; fingers keep the names of those that were near."""
         if fit is None:
             self.fit, self.ids, self._trust = None, (), np.zeros(0)
@@ -146,14 +144,17 @@ class Hand:
         config = self.config
         return config.noise_gain * noise_mm**2 + config.field_gain * largest_mm**2
 
-    def _judge(self, fit: Fit, noise_mm: float) -> float:
+    def _judge(self, fit: Fingers, noise_mm: float) -> float:
         return fit.cost + len(fit.centres) * self._price(fit.largest_mm, noise_mm)
 
-    def _refine(self, fit: Fit, moved: Floats, weight: Floats, noise: float, n_steps: int) -> Fit:
-        new = Fit(
+    def _refine(
+        self, fit: Fingers, moved: Floats, weight: Floats, noise: float, n_steps: int
+    ) -> Fingers:
+        new = Fingers(
             fit.centres.copy(),
             fit.radii.copy(),
             fit.motions.copy(),
+            fit.press.copy(),
             np.zeros(2),
             np.zeros_like(moved),
         )
@@ -163,13 +164,15 @@ class Hand:
             trust[: len(self._trust)] = self._trust[: len(trust)]
         new.cost = refine(
             self._points,
+            self._window,
             moved,
             weight,
             new.centres,
             new.radii,
-            fit.centres.copy(),
+            self.config.radius_mm,
             trust,
             new.motions,
+            new.press,
             new.offset,
             new.residual,
             noise,
@@ -178,15 +181,15 @@ class Hand:
         )
         return new
 
-    def _gains(self, residual: Floats, weight: Floats, fit: Fit | None) -> Floats:
-        p = (self._atoms @ (residual * weight[:, None]).ravel()).reshape(-1, 3)
-        gain: Floats = (p * (self._inverse @ p[:, :, None])[:, :, 0]).sum(axis=1)
+    def _gains(self, residual: Floats, weight: Floats, fit: Fingers | None) -> Floats:
+        gain = np.empty(len(self._sites))
+        measure_gains(self._atoms, self._inverse, residual, weight, gain)
         if fit is not None:
             apart = np.hypot(*(self._sites[:, None] - fit.centres).transpose(2, 0, 1)).min(axis=1)
             gain[apart < self.config.spacing_mm] = 0.0
         return gain
 
-    def _extend(self, fit: Fit, moved: Floats, weight: Floats, noise: float) -> Fit:
+    def _extend(self, fit: Fingers, moved: Floats, weight: Floats, noise: float) -> Fingers:
         """The fit with one finger more, if the field asks for it."""
         if len(fit.centres) >= self.config.most:
             return fit
@@ -198,18 +201,38 @@ class Hand:
         more = self._add(fit, site, moved, weight, noise)
         return more if fit.cost - more.cost > price and self._apart(more) else fit
 
-    def _add(self, fit: Fit, site: int, moved: Floats, weight: Floats, noise: float) -> Fit:
-        more = Fit(
+    def _reduce(self, fit: Fingers, moved: Floats, weight: Floats, noise: float) -> Fingers:
+        """The fit without the finger whose turn it is, if the field can do without it."""
+        count = len(fit.centres)
+        if count < 2:
+            return fit
+        self._turn += 1
+        keep = np.arange(count) != self._turn % count
+        less = Fingers(
+            fit.centres[keep],
+            fit.radii[keep],
+            fit.motions[keep],
+            fit.press[keep],
+            fit.offset,
+            fit.residual,
+        )
+        less = self._refine(less, moved, weight, noise, 2)
+        price = self._price(fit.largest_mm, noise)
+        return less if less.cost - fit.cost < self.config.keep * price else fit
+
+    def _add(self, fit: Fingers, site: int, moved: Floats, weight: Floats, noise: float) -> Fingers:
+        more = Fingers(
             np.vstack([fit.centres, self._sites[site]]),
             np.append(fit.radii, self.config.radius_mm),
             np.vstack([fit.motions, np.zeros(3)]),
+            np.append(fit.press, 0.0),
             fit.offset,
             fit.residual,
         )
         more = self._refine(more, moved, weight, noise, 0)
         return self._refine(more, moved, weight, noise, 3)
 
-    def _apart(self, fit: Fit) -> bool:
+    def _apart(self, fit: Fingers) -> bool:
         c = fit.centres
         return all(
             np.hypot(*(c[i] - c[j])) > 0.85 * self.config.spacing_mm
@@ -217,9 +240,11 @@ class Hand:
             for j in range(i)
         )
 
-    def _search(self, moved: Floats, weight: Floats, noise: float) -> Fit | None:
+    def _search(self, moved: Floats, weight: Floats, noise: float) -> Fingers | None:
         """Fingers found from nothing, the strongest first."""
-        nobody = Fit(np.zeros((0, 2)), np.zeros(0), np.zeros((0, 3)), np.zeros(2), moved)
+        nobody = Fingers(
+            np.zeros((0, 2)), np.zeros(0), np.zeros((0, 3)), np.zeros(0), np.zeros(2), moved
+        )
         common = np.median(moved[weight > 0], axis=0)
         gain = self._gains(moved - common, weight, None)
         site = int(gain.argmax())

@@ -42,15 +42,15 @@ def measure_motion(centres: Floats, radii: Floats, motions: Floats) -> Motion:
     Args:
         centres: (k, 2) mm, where they stick to the gel at rest.
         radii: (k,) mm.
-        motions: (k, 3): drag x, drag y in mm, turn in rad.
+        motions: (k, 3): drag x, drag y in mm, sine of the turn.
     """
     parts = np.zeros(len(GestureKind))
     rest = centres @ (1, 1j)
     drag = motions[:, :2] @ (1, 1j)
     common = complex(drag.mean())
     if len(centres) == 1:
-        rotation, scale = float(motions[0, 2]), 1.0
-        relative = turn = abs(rotation) * LEVER * float(radii[0])
+        rotation, scale = math.asin(float(motions[0, 2])), 1.0
+        turn = abs(rotation) * LEVER * float(radii[0])
         parts[GestureKind.PUSH] = abs(common)
     else:
         arm = rest - rest.mean()
@@ -60,8 +60,6 @@ def measure_motion(centres: Floats, radii: Floats, motions: Floats) -> Motion:
         reach = math.sqrt(inertia / len(arm))
         turn, spread = abs(rotation) * reach, abs(scale - 1.0) * reach
         parts[GestureKind.ZOOM if scale > 1.0 else GestureKind.PINCH] = spread
-        relative = max(turn, spread)
         parts[GestureKind.PUSH] = abs(common) / COMMON_GAIN
     parts[GestureKind.TWIST_CW if rotation > 0 else GestureKind.TWIST_CCW] = turn
-    del relative
     return Motion((common.real, common.imag), rotation, scale, parts)

@@ -1,0 +1,1 @@
+"""The field of displacements that sticking fingers cause on the dome."""

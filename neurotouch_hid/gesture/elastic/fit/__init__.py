@@ -1,0 +1,1 @@
+"""The least squares that finds the fingers in a field."""
