@@ -216,9 +216,8 @@ def never_stuck(profile: Profile) -> bool:
     )
 
 
-@pytest.mark.parametrize("timing", ["game", "slow"])
 @settings(max_examples=8, derandomize=True, deadline=None)
-@given(steps=st.lists(STEP, min_size=1, max_size=5))
+@given(timing=st.sampled_from(["game", "slow"]), steps=st.lists(STEP, min_size=1, max_size=5))
 def test_after_rest_nothing_is_pressed_and_panic_lets_go_of_all(timing: str, steps: list) -> None:
     script = "; ".join(f"{name} {mm}mm {how}{rest}" for name, mm, how, rest in steps)
     for name in list_profiles():
