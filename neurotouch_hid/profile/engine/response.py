@@ -67,7 +67,7 @@ def _invert_expo(expo: float, y: float) -> float:
 
 
 def _interpolate(points: Sequence[tuple[float, float]]) -> Response:
-    """A monotone cubic through the points [F. Fritsch, R. Carlson, SIAM J. Numer. Anal. 1980]."""
+    """A monotone cubic through the points [Fritsch and Carlson, SIAM J. Num. Analysis 1980]."""
     knots = [*points]
     if knots[0][0] > 0.0:
         knots.insert(0, (0.0, 0.0))
