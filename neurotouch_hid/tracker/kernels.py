@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 
-X, Y, VX, VY, A, B, C, T = range(8)
+X, Y, VX, VY, A, B, C, T, LEAD_X, LEAD_Y = range(10)
+ROW = 16  # numbers in a row of state: two cache lines
 TILE_PX = 4  # every tile lists the markers that its events may belong to
 SHIFT = np.uint64(2)  # log2(TILE_PX)
 TILE_COLUMNS = -(-SENSOR_WIDTH_PX // TILE_PX)
@@ -17,6 +18,12 @@ TILE_ROWS = -(-SENSOR_HEIGHT_PX // TILE_PX)
 TILE_CAPACITY = 32  # markers within reach of a tile: as many as 3 px apart
 REACH_PX = 6.0  # the largest gate, 4 px, and what a marker at 750 px/s moves between two checks
 SEAT_PX = 0.5  # a marker is listed anew when it has moved so far
+MIN_TRUST = 0.05  # a marker that seems to be at rest still follows, slowly
+NOISE_FALL_S, NOISE_RISE_S = (
+    0.1,
+    5.0,
+)  # motion passes for noise only if the whole gel moves for long
+SLOW_PX_S = 60.0  # direction and sides of a slower marker are not known for sure
 SECOND = 1e-6  # in µs
 
 
@@ -24,12 +31,18 @@ class Tracks(NamedTuple):
     """All that is known about n markers.
 
     Attributes:
-        state: (n, 8) float64, a cache line each. Columns: position X, Y (px), velocity VX, VY
+        state: (n, 16) float64, two cache lines each. Columns: position X, Y (px), velocity VX, VY
             (px/s), the covariance A = var(position) (px²), B = cov(position, velocity) (px²/s),
-            C = var(velocity) (px²/s²), the same for x and y, and the moment T (µs) of all these.
+            C = var(velocity) (px²/s²), the same for x and y, the moment T (µs) of all these, and
+            LEAD_X, LEAD_Y (px): how far ahead of its centre a marker makes ON events, and behind
+            it OFF events.
         near: (tiles, k) uint16, the markers that were seated within ``REACH_PX`` of a tile, along
             x and along y.
         n_near: (tiles,) int16, their number.
+        n_new: (n,) int64, events of each marker since the last check.
+        rate_hz: (n,) float64, events of each marker per second, lately.
+        r_px2: (n,) float64, variance of an event about its marker's centre now.
+        noise_hz: (1,) float64, rate of a marker that does not move.
         seat_px: (n, 2) float64, where each marker was when it was seated; NaN before.
         lost: (n,) bool, the position is a guess.
         rest_px: (n, 2) float64, positions while the gel is undeformed.
@@ -42,6 +55,10 @@ class Tracks(NamedTuple):
     state: NDArray[np.float64]
     near: NDArray[np.uint16]
     n_near: NDArray[np.int16]
+    n_new: NDArray[np.int64]
+    rate_hz: NDArray[np.float64]
+    r_px2: NDArray[np.float64]
+    noise_hz: NDArray[np.float64]
     seat_px: NDArray[np.float64]
     lost: NDArray[np.bool_]
     rest_px: NDArray[np.float64]
@@ -64,6 +81,9 @@ class Tuning(NamedTuple):
     check_us: int
     max_stray_px: float
     max_stray_ratio: float
+    rate_s: float
+    n_sigma: float
+    lead_px: float
 
 
 @njit(cache=True, nogil=True)
@@ -119,14 +139,15 @@ def _enter(i: int, tile: int, near: NDArray[np.uint16], n_near: NDArray[np.int16
 
 
 @njit(cache=True, nogil=True, inline="always")
-def nearest(x: int, y: int, gate_px2: float, tracks: Tracks) -> int:
+def nearest(x: int, y: int, sign: float, gate_px2: float, tracks: Tracks) -> int:
     """The marker nearest to pixel (x, y) among those nearer than the gate, or -1."""
     # Unsigned: an index that may be negative would cost a test for each use.
     tile = (np.uint64(y) >> SHIFT) * np.uint64(TILE_COLUMNS) + (np.uint64(x) >> SHIFT)
     best, best_px2 = -1, gate_px2
     for k in range(tracks.n_near[tile]):
         i = tracks.near[tile, k]
-        dx, dy = x - tracks.state[i, X], y - tracks.state[i, Y]
+        dx = x - tracks.state[i, X] - sign * tracks.state[i, LEAD_X]
+        dy = y - tracks.state[i, Y] - sign * tracks.state[i, LEAD_Y]
         px2 = dx * dx + dy * dy
         closer = px2 < best_px2
         best = i if closer else best
@@ -147,7 +168,7 @@ def filter_events(
         The index of the first event at or after ``until_us``.
     """
     n = len(events)
-    state = tracks.state
+    state, n_new, r_px2 = tracks.state, tracks.n_new, tracks.r_px2
     gate_px2 = tuning.gate_px * tuning.gate_px
     forget, quiet_s2 = 1.0 / tuning.memory_s, tuning.quiet_s * tuning.quiet_s
     tail = 1.0 / (tuning.spread_px * tuning.spread_px)
@@ -155,7 +176,8 @@ def filter_events(
         e = events[start]
         start += 1
         x, y = int(e.x), int(e.y)
-        i = nearest(x, y, gate_px2, tracks)
+        sign = 1.0 if e.p else -1.0
+        i = nearest(x, y, sign, gate_px2, tracks)
         if i < 0:
             continue
         s = state[np.uint64(i)]
@@ -170,15 +192,16 @@ def filter_events(
         a = s[A] + dt * (s[B] + b) + tuning.q_x * dt
         c = s[C] + tuning.q_v * dt
         px, py = s[X] + s[VX] * step, s[Y] + s[VY] * step
-        dx, dy = x - px, y - py
+        dx, dy = x - px - sign * s[LEAD_X], y - py - sign * s[LEAD_Y]
         # Heavy-tailed noise: an event far from the marker is more likely to be nobody's.
         far = (dx * dx + dy * dy) * tail
-        inverse = 1.0 / (a + tuning.r_px2 * (1.0 + far * far))
+        inverse = 1.0 / (a + r_px2[np.uint64(i)] * (1.0 + far * far))
         k1, k2 = a * inverse, b * inverse
         s[X], s[Y] = px + k1 * dx, py + k1 * dy
         s[VX], s[VY] = s[VX] * keep + k2 * dx, s[VY] * keep + k2 * dy
         s[A], s[B], s[C] = a - k1 * a, b - k1 * b, c - k2 * b
         s[T] = e.t
+        n_new[np.uint64(i)] += 1
     return start
 
 
@@ -300,6 +323,42 @@ def strays(
 
 
 @njit(cache=True, nogil=True)
+def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
+    """How far the events of each marker are to be believed, and on which side they lie.
+
+    A marker at rest receives noise at a certain rate. What comes to it and its neighbours beyond
+    that is motion: ``r_px2`` is the smaller, the larger the share of motion in the events. A bright
+    marker that moves brightens the pixels ahead of it and darkens those behind it.
+    """
+    state, rate, n_new = tracks.state, tracks.rate_hz, tracks.n_new
+    n, dt = len(state), tuning.check_us * SECOND
+    share = dt / tuning.rate_s
+    for i in range(n):
+        rate[i] += share * (n_new[i] / dt - rate[i])
+        n_new[i] = 0
+    quiet = np.partition(rate, n // 4)[n // 4]  # a quarter of the gel is at rest, now or soon
+    noise = tracks.noise_hz[0]
+    rise_s = min(NOISE_RISE_S, dt * (tracks.clock[1] + 1))  # fast at first
+    noise += (quiet - noise) * dt / (NOISE_FALL_S if quiet < noise else rise_s)
+    tracks.noise_hz[0] = noise
+    for i in range(n):
+        total, used = rate[i], 1
+        for k in range(8):
+            j = tracks.neighbours[i, k]
+            if j >= 0:
+                total += rate[j]
+                used += 1
+        sigma = math.sqrt(noise / (2.0 * tuning.rate_s * used))  # of the mean of such rates
+        motion = max(total / used - noise - tuning.n_sigma * sigma, 0.0)
+        trust = motion / (motion + noise) if motion > 0.0 else 0.0
+        tracks.r_px2[i] = tuning.r_px2 / max(trust, MIN_TRUST)
+        keep = 1.0 - min(max((t_us - state[i, T]) * SECOND / tuning.memory_s, 0.0), 1.0)
+        vx, vy = state[i, VX] * keep, state[i, VY] * keep
+        per_speed = tuning.lead_px / math.sqrt(vx * vx + vy * vy + SLOW_PX_S * SLOW_PX_S)
+        state[i, LEAD_X], state[i, LEAD_Y] = vx * per_speed, vy * per_speed
+
+
+@njit(cache=True, nogil=True)
 def check_neighbours(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     """Note all positions at ``t_us`` and seat anew what strays from its neighbours."""
     n = len(tracks.state)
@@ -314,6 +373,8 @@ def check_neighbours(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
         position[i] = expected[i]
         tracks.lost[i] = True
     place(astray, position[astray], 4.0, float(t_us), tracks)
+    seat(tracks)
+    weigh(t_us, tracks, tuning)
     tracks.clock[2] += len(astray)
     tracks.past_us[slot] = t_us
     tracks.clock[1] += 1

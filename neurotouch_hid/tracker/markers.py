@@ -21,8 +21,8 @@ class TrackerConfig:
     """How events move markers.
 
     Attributes:
-        gate_px: an event farther from every marker than this is nobody's; at most 4, half a cell of
-            the grid. 0.4 of the pitch: markers that are pressed together come within 3.5 px.
+        gate_px: an event farther from every marker than this is nobody's; at most 4.
+            A third of the pitch: markers that are pressed together come within 3.5 px.
         r_px2: variance of an event about its marker's centre, px². Larger than the marker: its
             events are not independent of each other.
         spread_px: beyond this distance an event counts as noise more and more.
@@ -34,18 +34,25 @@ class TrackerConfig:
         max_stray_px: a marker may be off the median of its neighbours' displacements by this ...
         max_stray_ratio: ... plus so many times the spread of these displacements: near the edge
             of a finger they differ by many pixels.
+        rate_us: time over which the rate of a marker's events is averaged.
+        n_sigma: a rate is motion if it is so many standard deviations above that of the noise.
+        lead_px: ON events of a fast bright marker lie so far ahead of its centre, OFF events
+            behind: the centre of a half circle of 1.25 px and some blur.
     """
 
-    gate_px: float = 4.0
+    gate_px: float = 3.5
     r_px2: float = 10.0
     spread_px: float = 4.0
     q_x: float = 5.0
-    q_v: float = 4e6
+    q_v: float = 1e6
     memory_us: int = 20_000
     quiet_us: int = 150
     check_us: int = 2_000
     max_stray_px: float = 4.0
     max_stray_ratio: float = 2.0
+    rate_us: int = 20_000
+    n_sigma: float = 3.0
+    lead_px: float = 1.0
 
     def tuning(self) -> kernels.Tuning:
         """The same as the kernels take it."""
@@ -60,6 +67,9 @@ class TrackerConfig:
             self.check_us,
             self.max_stray_px,
             self.max_stray_ratio,
+            self.rate_us * kernels.SECOND,
+            self.n_sigma,
+            self.lead_px,
         )
 
 
@@ -91,9 +101,13 @@ class MarkerTracker:
         self._tuning = self._config.tuning()
         n, n_tiles = N_MARKERS, kernels.TILE_ROWS * kernels.TILE_COLUMNS
         self._tracks = kernels.Tracks(
-            state=np.zeros((n, 8)),
+            state=np.zeros((n, kernels.ROW)),
             near=np.zeros((n_tiles, kernels.TILE_CAPACITY), np.uint16),
             n_near=np.zeros(n_tiles, np.int16),
+            n_new=np.zeros(n, np.int64),
+            rate_hz=np.zeros(n),
+            r_px2=np.full(n, self._config.r_px2),
+            noise_hz=np.zeros(1),
             seat_px=np.full((n, 2), np.nan),
             lost=np.zeros(n, np.bool_),
             rest_px=np.full((n, 2), np.nan),
@@ -177,6 +191,8 @@ class MarkerTracker:
         tracks.state[:, kernels.VX : kernels.VY + 1] = 0.0
         tracks.state[:, kernels.A : kernels.C + 1] = (1.0, 0.0, 100.0)
         tracks.state[:, kernels.T] = t_us
+        tracks.state[:, kernels.LEAD_X :] = 0.0
+        tracks.n_new[:] = 0
         tracks.past_us[:] = -1
         tracks.clock[0] = -(-t_us // self._config.check_us) * self._config.check_us
 

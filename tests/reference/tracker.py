@@ -24,19 +24,22 @@ def listed(x, y, seat):
     )
 
 
-def filter_events(events, state, seat, tuning):
-    """Matrix Kalman filter; ``state`` rows x, y, vx, vy, a, b, c, t are changed in place."""
+def filter_events(events, state, seat, r_px2, tuning):
+    """Matrix Kalman filter; ``state`` rows x, y, vx, vy, a, b, c, t, lead are changed in place."""
     taken = []
-    for t, x, y, _ in events:
-        near = [
-            row[:2] if listed(x, y, s) else (math.inf,) * 2
-            for row, s in zip(state, seat, strict=True)
+    for t, x, y, on in events:
+        sign = 1 if on else -1  # where the event would be if it came from a marker's centre
+        from_px = [(x - sign * row[8], y - sign * row[9]) for row in state]
+        far = [
+            math.dist(at, row[:2]) if listed(x, y, s) else math.inf
+            for at, row, s in zip(from_px, state, seat, strict=True)
         ]
-        i = nearest(x, y, tuning.gate_px, near)
+        i = min(range(len(far)), key=far.__getitem__)
+        i = i if far[i] < tuning.gate_px else -1
         taken.append(i)
         if i < 0:
             continue
-        px, py, vx, vy, a, b, c, since = state[i]
+        px, py, vx, vy, a, b, c, since = state[i][:8]
         elapsed = max((t - since) * SECOND, 0.0)
         dt = min(elapsed, tuning.memory_s)
         fade = 1 - dt / tuning.memory_s
@@ -49,14 +52,33 @@ def filter_events(events, state, seat, tuning):
             c + tuning.q_v * grow,
         )
         px, py = px + vx * step, py + vy * step
-        rx, ry = x - px, y - py
-        r = tuning.r_px2 * (1 + ((rx * rx + ry * ry) / tuning.spread_px**2) ** 2)
+        rx, ry = from_px[i][0] - px, from_px[i][1] - py
+        r = r_px2[i] * (1 + ((rx * rx + ry * ry) / tuning.spread_px**2) ** 2)
         k1, k2 = a / (a + r), b / (a + r)
-        state[i] = [
+        state[i][:8] = [
             px + k1 * rx, py + k1 * ry, vx * fade + k2 * rx, vy * fade + k2 * ry,
             a - k1 * a, b - k1 * b, c - k2 * b, t,
         ]  # fmt: skip
     return taken
+
+
+def weigh(t, motion, count, rate, noise, neighbours, n_checks, tuning):
+    """Rates, noise, variances and leads of all markers; ``motion`` rows vx, vy, since."""
+    dt = tuning.check_us * SECOND
+    share = dt / tuning.rate_s
+    rate = [(1 - share) * r + share * n / dt for r, n in zip(rate, count, strict=True)]
+    quiet = sorted(rate)[len(rate) // 4]
+    noise += (quiet - noise) * dt / (0.1 if quiet < noise else min(5.0, dt * (n_checks + 1)))
+    r_px2, lead = [], []
+    for i, (vx, vy, since) in enumerate(motion):
+        around = [rate[i], *(rate[j] for j in neighbours[i] if j >= 0)]
+        sigma = math.sqrt(noise / (2 * tuning.rate_s * len(around)))
+        moving = max(0.0, statistics.fmean(around) - noise - tuning.n_sigma * sigma)
+        r_px2.append(tuning.r_px2 / max(moving / (moving + noise), 0.05))
+        fade = 1 - min(max((t - since) * SECOND / tuning.memory_s, 0.0), 1.0)
+        speed = math.hypot(fade * vx, fade * vy, 60.0)
+        lead.append([tuning.lead_px * fade * v / speed for v in (vx, vy)])
+    return rate, noise, r_px2, lead
 
 
 def expect(positions, rest, neighbours, usable):

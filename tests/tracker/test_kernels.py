@@ -17,9 +17,13 @@ TUNING = TrackerConfig().tuning()
 def make_tracks(position_px, n_past=4):
     n, n_tiles = len(position_px), kernels.TILE_ROWS * kernels.TILE_COLUMNS
     tracks = kernels.Tracks(
-        state=np.zeros((n, 8)),
+        state=np.zeros((n, kernels.ROW)),
         near=np.zeros((n_tiles, kernels.TILE_CAPACITY), np.uint16),
         n_near=np.zeros(n_tiles, np.int16),
+        n_new=np.zeros(n, np.int64),
+        rate_hz=np.zeros(n),
+        r_px2=np.full(n, TUNING.r_px2),
+        noise_hz=np.zeros(1),
         seat_px=np.full((n, 2), np.nan),
         lost=np.zeros(n, np.bool_),
         rest_px=np.array(position_px, np.float64),
@@ -42,6 +46,7 @@ def make_events(rng, n, until_us=20_000):
     events["t"] = np.sort(rng.integers(0, until_us, n))
     events["x"] = rng.integers(0, SENSOR_WIDTH_PX, n)
     events["y"] = rng.integers(0, SENSOR_HEIGHT_PX, n)
+    events["p"] = rng.random(n) < 0.5
     return events
 
 
@@ -54,11 +59,13 @@ def test_filter_equals_a_matrix_filter_with_a_search_of_all(seed, scatter):
     near = rng.integers(0, len(position), 600)  # most events lie around a marker
     events["x"][:500] = np.clip(position[near, 0] + rng.normal(0, 2, 600), 0, 345)[:500]
     events["y"][:500] = np.clip(position[near, 1] + rng.normal(0, 2, 600), 0, 259)[:500]
+    tracks.state[:, kernels.LEAD_X : kernels.LEAD_Y + 1] = rng.uniform(-1, 1, (177, 2))
+    tracks.r_px2[:] = rng.uniform(5, 50, 177)
     state, seat = tracks.state.tolist(), tracks.seat_px.tolist()
 
     assert kernels.filter_events(events, 0, 20_000, tracks, TUNING) == 600
 
-    taken = reference.filter_events(events.tolist(), state, seat, TUNING)
+    taken = reference.filter_events(events.tolist(), state, seat, tracks.r_px2, TUNING)
     assert sum(i >= 0 for i in taken) > 300
     np.testing.assert_allclose(tracks.state, state, rtol=1e-9, atol=1e-9)
 
@@ -81,7 +88,7 @@ def test_grid_finds_the_nearest_wherever_markers_wander(seed):
     tracks.state[:, :2] += rng.uniform(-2, 2, (177, 2))  # what they move between two checks
     position = tracks.state[:, :2].tolist()
     for x, y in rng.integers(0, (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX), (100, 2)).tolist():
-        assert kernels.nearest(x, y, 16.0, tracks) == reference.nearest(x, y, 4.0, position)
+        assert kernels.nearest(x, y, 1.0, 16.0, tracks) == reference.nearest(x, y, 4.0, position)
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.2, 1.0))
@@ -116,6 +123,42 @@ def test_check_brings_a_runaway_back_and_leaves_a_steep_field_alone():
     assert tracks.clock[1:].tolist() == [2, 1]
 
 
+@given(st.integers(0, 2**32 - 1), st.sampled_from([0, 30, 100_000]))
+@settings(max_examples=20, deadline=None)
+def test_weights_are_those_of_the_plain_twin(seed, n_checks):
+    rng = np.random.default_rng(seed)
+    tracks = make_tracks(REST_PX)
+    tracks.state[:, kernels.VX : kernels.VY + 1] = rng.normal(0, 200, (177, 2))
+    tracks.state[:, kernels.T] = rng.uniform(-30_000, 2_000, 177)
+    tracks.rate_hz[:] = rng.uniform(0, 2000, 177)
+    tracks.n_new[:] = rng.integers(0, 20, 177)
+    tracks.noise_hz[0] = rng.uniform(0, 2000)
+    tracks.clock[1] = n_checks
+    twin = reference.weigh(
+        2_000, tracks.state[:, [2, 3, 7]].tolist(), tracks.n_new.tolist(),
+        tracks.rate_hz.tolist(), float(tracks.noise_hz[0]), NEIGHBOURS.tolist(), n_checks, TUNING,
+    )  # fmt: skip
+    kernels.weigh(2_000, tracks, TUNING)
+    rate, noise, r_px2, lead_px = twin
+    np.testing.assert_allclose(tracks.rate_hz, rate)
+    np.testing.assert_allclose(tracks.noise_hz[0], noise)
+    np.testing.assert_allclose(tracks.r_px2, r_px2)
+    np.testing.assert_allclose(tracks.state[:, kernels.LEAD_X : kernels.LEAD_Y + 1], lead_px)
+    assert not tracks.n_new.any()
+
+
+def test_noise_is_not_believed_and_motion_is():
+    tracks = make_tracks(REST_PX)
+    for k in range(1, 101):  # 250 noise events per second at each marker, on and on
+        tracks.n_new[:] = k % 2
+        tracks.n_new[80:90] += 2 * (k > 90)  # then ten of them move
+        kernels.weigh(2_000 * k, tracks, TUNING)
+        tracks.clock[1] += 1
+    assert tracks.noise_hz[0] == pytest.approx(250.0, rel=0.2)
+    assert tracks.r_px2[85] < 4.0 * TUNING.r_px2
+    assert tracks.r_px2[20] > 10.0 * TUNING.r_px2
+
+
 def test_prediction_goes_on_for_a_while_and_then_stops():
     tracks = make_tracks(REST_PX[:1])
     tracks.state[0, kernels.VX] = 100.0
@@ -147,4 +190,4 @@ def test_shift_moves_the_past_too():
     kernels.shift(np.array([5]), np.array([[30.0, -20.0]]), tracks)
     np.testing.assert_allclose(tracks.past_px[5, 0], REST_PX[5] + (30.0, -20.0))
     x, y = np.rint(REST_PX[5] + (30.0, -20.0)).astype(int)
-    assert kernels.nearest(int(x), int(y), 1.0, tracks) == 5
+    assert kernels.nearest(int(x), int(y), 1.0, 1.0, tracks) == 5
