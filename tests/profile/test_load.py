@@ -48,11 +48,11 @@ twist_cw, twist_ccw, twist, scale, any
                |                                     ^^""",
     ),
     (
-        "versionn: 1\nname: x\nbindings: []\n",
+        "versionx: 1\nname: x\nbindings: []\n",
         """\
-        p.yaml:1:1: error[NT110]: versionn: unknown key; known here: version, name, description, \
+        p.yaml:1:1: error[NT110]: versionx: unknown key; known here: version, name, description, \
 extends, timing, filter, latch, bindings, layers, safety
-             1 | versionn: 1
+             1 | versionx: 1
                | ^^^^^^^^ did you mean 'version'?
         p.yaml:3:1: error[NT116]: bindings: needs at least one entry
              3 | bindings: []
@@ -316,7 +316,7 @@ def test_a_line_that_fits_is_shown_whole() -> None:
 def test_windows_line_ends_and_a_byte_order_mark_are_fine() -> None:
     text = "\ufeff" + binding().replace("\n", "\r\n")
     assert parse_profile(text.encode(), "p.yaml").name == "x"
-    assert headers("\ufeffversionn: 1\n" + binding())[0].startswith("p.yaml:1:1: error: versionn: ")
+    assert headers("\ufeffversionx: 1\n" + binding())[0].startswith("p.yaml:1:1: error: versionx: ")
     assert headers("\ufeff" + binding(do="a").replace("\n", "\r\n")) == [
         f"p.yaml:5:9: error: bindings[0].do: {ONE_TARGET}"
     ]
