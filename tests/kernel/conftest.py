@@ -12,7 +12,7 @@ import pytest
 
 from tests.kernel.machine import CACHE, ROOT, MissingError, boot, fetch_kernel, require_packages
 
-TIME_LIMIT_S = 900.0
+TIME_LIMIT_S = 1200.0
 """Several times what it takes on two idle cores without hardware virtualisation."""
 
 # Compiled kernels are kept per processor; QEMU's is not ours. For a generic one they are compiled
