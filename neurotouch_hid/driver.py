@@ -30,9 +30,6 @@ Answer = dict[str, Any]
 
 def find_runtime_folder() -> Path:
     """The folder a driver of this user keeps its socket in; it need not exist."""
-    service = os.environ.get("RUNTIME_DIRECTORY", "").split(":")[0]  # systemd made it for us alone
-    if service:
-        return Path(service)
     return _list_folders()[0]
 
 
@@ -61,6 +58,9 @@ def ask(command: str, **arguments: str) -> Answer:
 
 def _list_folders() -> list[Path]:
     """Where a driver may be, the user's own first, the system's service last."""
+    service = os.environ.get("RUNTIME_DIRECTORY", "").split(":")[0]
+    if service:  # we are a part of a service, for which systemd made this folder
+        return [Path(service)]
     user = os.getuid()
     session = Path(os.environ.get("XDG_RUNTIME_DIR", ""))
     folders = [session / "neurotouch"] if session.is_absolute() else []
@@ -92,11 +92,13 @@ def _ask_somebody(question: bytes) -> Answer:
 def _ask_patiently(path: Path, question: bytes) -> Answer:
     """The answer; while the driver is busy with others, asks again."""
     deadline = time.monotonic() + _PATIENCE_S
-    while True:
-        answer = _ask_once(path, question)
-        if not answer.get("busy") or time.monotonic() > deadline:
-            return answer
+    while time.monotonic() < deadline:
+        with suppress(BlockingIOError):  # its queue is full
+            answer = _ask_once(path, question)
+            if not answer.get("busy"):
+                return answer
         time.sleep(_AGAIN_S)
+    raise TimeoutError
 
 
 def _ask_once(path: Path, question: bytes) -> Answer:

@@ -25,6 +25,8 @@ def _own_folders() -> Iterator[None]:
             home = Path(folder) / name.lower()
             home.mkdir(mode=0o700)
             patch.setenv(name, str(home))
+        # Only here: a driver that runs for root on this machine would be asked otherwise.
+        patch.setenv("RUNTIME_DIRECTORY", f"{folder}/neurotouch")
         yield
 
 

@@ -21,7 +21,7 @@ from neurotouch_hid.errors import AlreadyRunningError, DriverError
 MAX_CLIENTS: Final = 8
 
 _CREDENTIALS: Final = struct.Struct("3i")  # pid, uid, gid
-_BACKLOG: Final = 16
+_BACKLOG: Final = 64
 
 Answerer = Callable[[dict[str, Any]], Answer]
 """Answers a question within ``REQUEST_S``; may be called from several threads at once."""

@@ -1,0 +1,237 @@
+"""The control socket: one line in, one line out, and nobody can hurt it."""
+
+import json
+import os
+import socket
+import stat
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from neurotouch_hid.driver import LIMIT_BYTES, ask, find_runtime_folder, find_socket
+from neurotouch_hid.errors import AlreadyRunningError, DriverError, NotRunningError
+from neurotouch_hid.runtime.control import MAX_CLIENTS, ControlSocket
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch) -> Path:
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path / "neurotouch"))
+    return tmp_path / "neurotouch"
+
+
+@pytest.fixture
+def served(folder):
+    """A socket that repeats what it was asked."""
+    with ControlSocket(folder) as control:
+        control.serve(lambda question: {"ok": True, "heard": question})
+        yield find_socket(folder)
+
+
+def exchange(path: Path, *pieces: bytes, end: bool = True) -> dict:
+    """What the driver says to these bytes."""
+    with socket.socket(socket.AF_UNIX) as line:
+        line.settimeout(10)
+        line.connect(str(path))
+        try:
+            for piece in pieces:
+                line.sendall(piece)
+            if end:
+                line.shutdown(socket.SHUT_WR)
+        except (BrokenPipeError, ConnectionResetError):
+            pass  # refused before all was said
+        text = b""
+        while not text.endswith(b"\n"):
+            piece = line.recv(65536)
+            assert piece, "closed without an answer"
+            text += piece
+    return json.loads(text)
+
+
+def test_question_gets_the_answer_to_it(served):
+    assert ask("use", profile="racing")["heard"] == {"command": "use", "profile": "racing"}
+
+
+def test_only_the_owner_can_reach_the_socket(served):
+    assert stat.S_IMODE(served.stat().st_mode) == 0o600
+    assert stat.S_IMODE(served.parent.stat().st_mode) == 0o700
+
+
+def test_folder_open_to_others_is_closed_to_them(folder):
+    folder.mkdir()
+    folder.chmod(0o777)
+    with ControlSocket(folder):
+        assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+
+
+def test_link_in_place_of_the_folder_is_refused(folder, tmp_path):
+    (tmp_path / "elsewhere").mkdir()
+    folder.symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(DriverError, match="no folder of yours"):
+        ControlSocket(folder)
+
+
+def test_second_driver_is_told_the_pid_of_the_first_which_goes_on(served):
+    with pytest.raises(AlreadyRunningError, match=rf"PID {os.getpid()}\b") as caught:
+        ControlSocket(served.parent)
+    assert caught.value.exit_code == 75
+    assert ask("status")["ok"]
+
+
+def test_stale_socket_of_a_killed_driver_is_replaced(folder):
+    code = (
+        "import os, sys; from pathlib import Path\n"
+        "from neurotouch_hid.runtime.control import ControlSocket\n"
+        "control = ControlSocket(Path(sys.argv[1])); os._exit(9)"
+    )
+    subprocess.run([sys.executable, "-c", code, str(folder)], check=False)
+    assert find_socket(folder).exists()
+    with pytest.raises(NotRunningError):
+        ask("status")
+    with ControlSocket(folder) as control:
+        control.serve(lambda question: {"ok": True})
+        assert ask("status")["ok"]
+    assert not find_socket(folder).exists()
+
+
+def test_without_a_driver_the_sentence_says_how_to_start_it(folder):
+    with pytest.raises(NotRunningError, match="No driver is running") as caught:
+        ask("pause")
+    assert caught.value.exit_code == 8
+    assert "neurotouch run" in caught.value.hint
+
+
+@pytest.mark.parametrize(
+    ("said", "sentence"),
+    [
+        (b"\n", "not a line of JSON"),
+        (b"pause\n", "not a line of JSON"),
+        (b"\xff\xfe\x00\n", "not a line of JSON"),
+        (b"[" * 60_000 + b"\n", "not a line of JSON"),
+        (b"1" * 60_000 + b"\n", "not a line of JSON"),
+        (b'["pause"]\n', "no JSON object"),
+        (b'{"command": 7}\n', "no JSON object"),
+        (b"{}\n", "no JSON object"),
+        (b"", "not a line of JSON"),
+        (b"x" * (LIMIT_BYTES + 1), "longer than 64 kB"),
+        (b'{"command": "' + b"x" * LIMIT_BYTES + b'"}\n', "longer than 64 kB"),
+        (b"x" * 5_000_000, "longer than 64 kB"),
+    ],
+)
+def test_nonsense_is_refused_with_a_sentence(served, said, sentence):
+    answer = exchange(served, said)
+    assert answer["ok"] is False
+    assert sentence in answer["error"]
+    assert ask("status")["ok"]
+
+
+@given(said=st.binary(max_size=300))
+def test_any_bytes_get_an_answer(said):
+    # A folder of its own: hypothesis does not run a test's fixtures again for each example.
+    folder = find_runtime_folder().with_name("any-bytes")
+    with ControlSocket(folder) as control:
+        control.serve(lambda question: {"ok": True, "heard": question})
+        assert isinstance(exchange(find_socket(folder), said)["ok"], bool)
+
+
+def test_slow_question_is_given_up_after_its_second(served):
+    with socket.socket(socket.AF_UNIX) as line:
+        line.settimeout(10)
+        line.connect(str(served))
+        begun = time.monotonic()
+        dripping = threading.Event()
+
+        def drip():
+            while not dripping.wait(0.05):
+                try:
+                    line.send(b" ")
+                except OSError:
+                    return
+
+        thread = threading.Thread(target=drip)
+        thread.start()
+        answer = json.loads(line.recv(65536))
+        dripping.set()
+        thread.join()
+    assert "not complete" in answer["error"]
+    assert 0.9 < time.monotonic() - begun
+
+
+def test_more_clients_than_places_are_told_to_wait_and_ask_waits(served):
+    silent = [socket.socket(socket.AF_UNIX) for _ in range(MAX_CLIENTS)]
+    try:
+        for line in silent:
+            line.connect(str(served))
+        refused = [exchange(served, b'{"command": "status"}\n') for _ in range(3)]
+        assert {answer.get("busy") for answer in refused} == {True}
+        assert ask("panic")["ok"]  # keeps asking until one of the silent ones has been given up
+    finally:
+        for line in silent:
+            line.close()
+
+
+def test_client_that_leaves_before_the_answer_does_no_harm(served):
+    for _ in range(3 * MAX_CLIENTS):
+        with socket.socket(socket.AF_UNIX) as line:
+            line.connect(str(served))
+            line.sendall(b'{"command": "status"}\n')
+    assert ask("status")["ok"]
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="needs root, to become another user")
+def test_another_user_is_refused_even_where_the_files_would_let_them_in(tmp_path, served):
+    for path in (served, served.parent):
+        path.chmod(0o777)
+    code = (
+        "import os, socket, sys\n"
+        "line = socket.socket(socket.AF_UNIX)\n"
+        "os.chdir(sys.argv[1]); os.setgid(65534); os.setuid(65534)\n"
+        "line.connect('control')\n"
+        'try: line.sendall(b\'{"command": "panic"}\\n\')\n'
+        "except OSError: pass\n"  # refused before it was said
+        "print(line.recv(65536).decode())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(served.parent)], capture_output=True, text=True, check=True
+    )
+    answer = json.loads(done.stdout)
+    assert answer["ok"] is False
+    assert "another user" in answer["error"]
+
+
+def test_no_folder_to_make_it_in_is_an_error_that_says_so(tmp_path):
+    with pytest.raises(DriverError, match="No control socket can be made"):
+        ControlSocket(tmp_path / "missing" / "neurotouch")
+
+
+def test_what_is_no_driver_is_called_so(folder):
+    folder.mkdir()
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(str(find_socket(folder)))
+        listener.listen()
+
+        def babble():
+            client, _ = listener.accept()
+            with client:
+                client.sendall(b"hello\n")
+
+        thread = threading.Thread(target=babble)
+        thread.start()
+        with pytest.raises(DriverError, match="not a driver"):
+            ask("status")
+        thread.join()
+
+
+def test_folder_is_the_services_or_that_of_the_session(monkeypatch):
+    monkeypatch.setenv("XDG_RUNTIME_DIR", "/run/user/7")
+    monkeypatch.setenv("RUNTIME_DIRECTORY", "/run/neurotouch:/run/other")
+    assert find_runtime_folder() == Path("/run/neurotouch")
+    monkeypatch.delenv("RUNTIME_DIRECTORY")
+    assert find_runtime_folder() == Path("/run/user/7/neurotouch")
+    monkeypatch.setenv("XDG_RUNTIME_DIR", "relative")
+    assert find_runtime_folder().is_absolute()

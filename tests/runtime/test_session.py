@@ -1,0 +1,199 @@
+"""What a running line can be told, and what it tells."""
+
+import dataclasses
+
+import pytest
+
+from neurotouch_hid.device import MemoryDevice
+from neurotouch_hid.errors import DriverError
+from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.profile import UserSettings, load_profile
+from neurotouch_hid.runtime import Pipeline, Session, Stopwatch, run_line
+from neurotouch_hid.runtime.mailbox import CAPACITY, Letter, Mailbox
+
+
+class Line:
+    """A line over a push that holds from 1.0 to 1.7 s, with things happening at given times."""
+
+    def __init__(self, push, user=None):
+        self.push = push
+        self.heard = []
+        self.steps = []
+        stopwatch = Stopwatch()
+        self.pipeline = Pipeline.build(
+            load_profile("spacecraft"), GestureConfig(), user=user, stopwatch=stopwatch
+        )
+        self.session = Session(self.pipeline, stopwatch, user or UserSettings())
+        self.session.listen(self.heard.append)
+
+    def play(self, happenings=None):
+        """Runs; ``happenings`` maps the time of a slice in ms to what happens before it."""
+        waiting = dict(happenings or {})
+
+        def packets():
+            for packet in self.push.packets:
+                happening = waiting.pop(packet.t_begin_us // 1000, None)
+                if happening is not None:
+                    happening()
+                yield packet
+
+        device = MemoryDevice()
+        run_line(packets(), self.pipeline, device, [self.steps.append], session=self.session)
+        assert not waiting
+        assert not device.states or device.states[-1].is_neutral
+        return self
+
+    def pressed_ms(self):
+        return [step.gesture.t_us // 1000 for step in self.steps if not step.pad.is_neutral]
+
+
+def test_line_without_orders_is_the_same_with_a_session(push):
+    bare = []
+    line = Pipeline.build(load_profile("spacecraft"), GestureConfig())
+    run_line(push.packets, line, MemoryDevice(), [bare.append])
+    assert [step.pad for step in Line(push).play().steps] == [step.pad for step in bare]
+
+
+def test_pause_releases_in_the_same_slice_and_tracking_goes_on(push):
+    line = Line(push)
+    line.play({1300: lambda: line.session.tell("pause")})
+    assert max(line.pressed_ms()) == 1300
+    assert line.heard == ["pause"]
+    after = [step for step in line.steps if step.gesture.t_us == 1_500_000]
+    assert after[0].gesture.kind.label == "push"
+    assert after[0].markers.valid.sum() > 170
+
+
+def test_resume_acts_at_the_next_gesture_not_in_the_middle_of_one(push):
+    line = Line(push)
+    line.play({1200: lambda: line.session.tell("pause"), 1300: lambda: line.session.tell("resume")})
+    assert max(line.pressed_ms()) == 1200
+    assert line.session.status()["state"] == "running"
+
+
+def test_toggle_pauses_and_resumes_but_does_not_end_a_panic(push):
+    line = Line(push)
+    states = []
+
+    def toggle():
+        states.append(line.session.status()["state"])
+        line.session.tell("toggle")
+
+    line.play({ms: toggle for ms in (100, 200, 300)})
+    assert states == ["running", "paused", "running"]
+    line = Line(push)
+    line.play({100: lambda: line.session.tell("panic"), 200: lambda: line.session.tell("toggle")})
+    assert line.session.status()["state"] == "panic"
+    assert line.pressed_ms() == []
+
+
+def test_panic_outlasts_pause_and_a_switch_of_profile_and_of_the_person(push):
+    line = Line(push)
+    racing = load_profile("racing")
+    line.play(
+        {
+            100: lambda: line.session.tell("panic"),
+            200: lambda: line.session.tell("pause"),
+            300: lambda: line.session.switch(racing, UserSettings()),
+            400: lambda: line.session.switch(racing, UserSettings(mirror=True)),
+            500: lambda: line.session.switch(racing, UserSettings(mirror=True)),
+        }
+    )
+    status = line.session.status()
+    assert (status["state"], status["profile"]) == ("panic", "racing")
+    assert line.pressed_ms() == []
+
+
+def test_pause_outlasts_other_values_of_the_person(push):
+    line = Line(push)
+    profile = load_profile("spacecraft")
+    line.play(
+        {
+            100: lambda: line.session.tell("pause"),
+            200: lambda: line.session.switch(profile, UserSettings(mirror=True)),
+        }
+    )
+    assert line.session.status()["state"] == "paused"
+    assert line.pressed_ms() == []
+
+
+@pytest.mark.parametrize("user", [UserSettings(), UserSettings(mirror=True)])
+def test_switch_in_mid_gesture_releases_and_waits_for_the_next_gesture(push, user):
+    line = Line(push)
+    done = []
+    spacecraft = load_profile("spacecraft")
+    line.play({1300: lambda: done.append(line.session.switch(spacecraft, user).done)})
+    assert done[0].done()
+    assert max(line.pressed_ms()) == 1300
+
+
+def test_other_values_of_the_person_hold_from_the_next_gesture_on(push):
+    line = Line(push)
+    user = UserSettings(mirror=True)
+    line.play({100: lambda: line.session.switch(load_profile("spacecraft"), user)})
+    values = {step.pad.axes.get("left_x", 0.0) for step in line.steps}
+    assert min(values) < -0.3
+    assert max(values) <= 0.0
+
+
+def test_panic_throws_away_what_waits_and_finds_room(push):
+    mailbox = Mailbox()
+    letters = [mailbox.post(Letter("resume")) for _ in range(CAPACITY)]
+    with pytest.raises(DriverError, match="too many"):
+        mailbox.post(Letter("resume"))
+    mailbox.post(Letter("panic"))
+    assert mailbox.take().order == "panic"
+    assert mailbox.take() is None
+    with pytest.raises(DriverError, match="panic"):
+        letters[0].done.result(0)
+
+
+def test_order_while_the_line_stands_still_holds_from_its_return(push):
+    line = Line(push)
+    done = line.session.tell("panic").done
+    assert not done.done()
+    line.play()
+    assert done.done()
+    assert line.pressed_ms() == []
+
+
+def test_commands_from_the_gel_are_told_and_rezero_reaches_the_recognizer(push):
+    line = Line(push)
+    zeroed = []
+    line.pipeline.recognizer.rezero = lambda: zeroed.append(True)
+    step = line.play().steps[0]
+    commands = ("rezero", "next_profile")
+    pad = dataclasses.replace(step.pad, commands=commands)
+    line.session.note(dataclasses.replace(step, pad=pad))
+    assert line.heard == list(commands)
+    assert zeroed == [True]
+
+
+def test_status_tells_counts_times_and_errors(push):
+    line = Line(push)
+    empty = line.session.status()
+    assert (empty["slices"], empty["markers_tracked"], empty["errors"]) == (0, 0, [])
+    for n in range(7):
+        line.session.note_error(f"error {n}")
+    status = line.play().session.status()
+    assert status["slices"] == len(push.packets)
+    assert status["markers_tracked"] == 177
+    assert status["layer"] == "base"
+    assert [error["error"] for error in status["errors"]] == [f"error {n}" for n in range(2, 7)]
+
+
+def test_stopwatch_times_one_method_and_leaves_the_rest_alone():
+    class Stage:
+        size = 3
+
+        def update(self, value):
+            return value + self.size
+
+    stopwatch = Stopwatch()
+    stage = stopwatch.watch("stage", Stage(), "update")
+    assert stopwatch.spent_ns == {"stage": 0}
+    assert stage.update(4) == 7
+    assert stage.size == 3
+    assert stopwatch.spent_ns["stage"] > 0
+    with pytest.raises(AttributeError):
+        stage.nothing  # noqa: B018
