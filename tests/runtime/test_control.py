@@ -159,7 +159,7 @@ def test_slow_question_is_given_up_after_its_second(served):
         dripping.set()
         thread.join()
     assert "not complete" in answer["error"]
-    assert 0.9 < time.monotonic() - begun
+    assert time.monotonic() - begun > 0.9
 
 
 def test_more_clients_than_places_are_told_to_wait_and_ask_waits(served):

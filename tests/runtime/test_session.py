@@ -79,7 +79,7 @@ def test_toggle_pauses_and_resumes_but_does_not_end_a_panic(push):
         states.append(line.session.status()["state"])
         line.session.tell("toggle")
 
-    line.play({ms: toggle for ms in (100, 200, 300)})
+    line.play(dict.fromkeys((100, 200, 300), toggle))
     assert states == ["running", "paused", "running"]
     line = Line(push)
     line.play({100: lambda: line.session.tell("panic"), 200: lambda: line.session.tell("toggle")})
