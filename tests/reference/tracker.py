@@ -100,14 +100,14 @@ def expect(positions, rest, neighbours, usable):
 
 
 def threshold(pixels, n_sigma, min_contrast, block):
-    """Threshold and background of every block from the pixels of the 3 x 3 blocks around it."""
+    """Threshold and background of every block from every second row of the 3 x 3 around it."""
     h, w = pixels.shape
     answers = []
     for i in range(-(-h // block)):
         row = []
         for j in range(-(-w // block)):
             window = pixels[
-                max(i - 1, 0) * block : (i + 2) * block, max(j - 1, 0) * block : (j + 2) * block
+                max(i - 1, 0) * block : (i + 2) * block : 2, max(j - 1, 0) * block : (j + 2) * block
             ].astype(float)
             mean, sigma = window.mean(), window.std()
             row.append((mean + max(n_sigma * sigma, min_contrast), mean - sigma / 4))

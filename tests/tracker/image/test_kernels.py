@@ -54,6 +54,18 @@ def test_blobs_are_the_connected_regions(seed):
         np.testing.assert_allclose(centroid, expected[frozenset(part.tolist())], atol=1e-6)
 
 
+def test_pixels_of_blobs_in_a_circle():
+    blobs = BlobFinder().find(draw_dots(np.random.default_rng(5)))
+    out = np.empty(90_000, np.int32)
+    args = (blobs.centroid_px, blobs.begin, blobs.members)
+    n = kernels.gather_inside(*args, (150.0, 120.0), 60.0, out)
+    parts = np.split(blobs.members, blobs.begin[1:-1])
+    inside = np.hypot(*(blobs.centroid_px - (150.0, 120.0)).T) < 60.0
+    assert 5 < inside.sum() < len(parts)
+    expected = [part for part, near in zip(parts, inside, strict=True) if near]
+    assert np.array_equal(out[:n], np.concatenate(expected))
+
+
 def test_a_white_frame_and_a_black_frame_have_no_blobs():
     finder = BlobFinder()
     for level in (0, 255):
@@ -83,9 +95,11 @@ def test_distances_and_chamfer_are_exact(seed, n, m):
         exact = reference.squared_distance((y, x), q_points)
         assert q_px2[y, x] == exact
         assert kernels.ring_distance(y * w + x, q_mask) == exact
-    assert kernels.chamfer(p, p_mask, q, q_px2) == pytest.approx(
+    scratch = np.zeros((h, w), np.uint8)
+    assert kernels.chamfer(p, scratch, q, q_px2) == pytest.approx(
         reference.chamfer(p_points, q_points)
     )
+    assert not scratch.any()
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(0, 40), st.integers(0, 40))
