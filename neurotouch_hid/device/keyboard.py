@@ -47,6 +47,15 @@ No power or sleep key: no gesture should switch the machine off. No auto-repeat 
 CLAIM = Claim(NAME, IDS, PHYS, tuple(KEYS.values()))
 
 
+_ALTS = {"KEY_LEFTALT", "KEY_RIGHTALT"}
+_SYSRQ = "KEY_SYSRQ"
+
+
 def encode(state: GamepadState) -> tuple[int, ...]:
-    """Return the report of a state: for every key, in the order of KEYS, whether it is down."""
-    return tuple(int(name in state.keys) for name in KEYS)
+    """Return the report of a state: for every key, in the order of KEYS, whether it is down.
+
+    Print is not down while Alt is: to the kernel the two begin its magic keys, and with B as the
+    third many distributions let it reboot on the spot. A profile from a stranger must not do that.
+    """
+    keys = state.keys if state.keys.isdisjoint(_ALTS) else state.keys - {_SYSRQ}
+    return tuple(int(name in keys) for name in KEYS)

@@ -59,6 +59,15 @@ def test_sdl_and_the_kernel_take_the_names(claim):
     assert claim.ids[:2] == (0x06, 0)  # BUS_VIRTUAL, nobody's vendor id
 
 
+@pytest.mark.parametrize("alt", ["KEY_LEFTALT", "KEY_RIGHTALT"])
+def test_the_magic_keys_of_the_kernel_stay_out_of_reach(alt):
+    """It listens for Print going down while Alt is; a chord may also grow from state to state."""
+    with_alt = keyboard.encode(GamepadState(0, keys=frozenset({alt, "KEY_B"})))
+    magic = GamepadState(0, keys=frozenset({alt, "KEY_SYSRQ", "KEY_B"}))
+    assert keyboard.encode(magic) == with_alt
+    assert sum(keyboard.encode(GamepadState(0, keys=frozenset({"KEY_SYSRQ", "KEY_B"})))) == 2
+
+
 def test_at_rest_all_is_zero():
     assert keyboard.encode(GamepadState(0)) == keyboard.CLAIM.neutral
     assert mouse.encode(GamepadState(0)) == mouse.CLAIM.neutral
