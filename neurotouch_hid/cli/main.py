@@ -21,6 +21,7 @@ _SUMMARIES = {
     "reload": "Have the running driver load its profile anew.",
     "status": "Say what the running driver does.",
     "profile": "Look at profiles, change them, try them, share them.",
+    "calibrate": "Measure your own range of each movement, without hurry.",
     "explain": "Say what the code of a fault means.",
     "schema": "Print the JSON Schema of profiles, for editors.",
     "simulate": "Write a simulated data set, recordings with labels.",

@@ -13,6 +13,7 @@ from neurotouch_hid.errors import NeuroTouchError, ProfileError
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile import Checked
+    from neurotouch_hid.profile.faults import Mark
 
 
 @click.command(
@@ -101,7 +102,6 @@ def show(name: str, effective: bool, as_json: bool, plain: bool) -> None:
 def check(names: tuple[str, ...], as_json: bool, plain: bool) -> None:
     """Find every mistake in profiles: what is wrong, and what is risky or does nothing."""
     from neurotouch_hid.profile import check_profile, list_profiles
-    from neurotouch_hid.profile.editing import take_user
     from neurotouch_hid.profile.library import find_user_file
 
     found: list[Checked[Any]] = []
@@ -112,6 +112,8 @@ def check(names: tuple[str, ...], as_json: bool, plain: bool) -> None:
         except ProfileError as error:
             failures.append(error)
     if not names and find_user_file().exists():
+        from neurotouch_hid.profile.editing import take_user
+
         paper = take_user(str)
         found.append(paper.check(paper.text))
     n_errors = len(failures)
@@ -134,13 +136,20 @@ def check(names: tuple[str, ...], as_json: bool, plain: bool) -> None:
         sys.exit(ProfileError.exit_code)
 
 
+def _find_end(mark: "Mark", lines: list[str]) -> int:
+    """The column after the last one, from 1 on; a mark may say "to the end of the line"."""
+    length = len(lines[mark.line]) if mark.line < len(lines) else 0
+    return 1 + max(mark.column + 1, min(mark.column + mark.length, length))
+
+
 def _report(checked: "Checked[Any]") -> list[dict[str, Any]]:
+    lines = checked.text.splitlines()
     return [
         {
             "file": checked.name,
             "line": fault.mark.line + 1,
             "col": fault.mark.column + 1,
-            "end": fault.mark.column + 1 + fault.mark.length,
+            "end": _find_end(fault.mark, lines),
             "code": fault.code,
             "severity": fault.severity,
             "path": fault.path,

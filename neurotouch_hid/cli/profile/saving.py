@@ -16,13 +16,17 @@ def save_paper(paper: "Paper", text: str, *, plain: bool) -> None:
     Raises:
         ProfileError: there are errors, or it cannot be written; nothing has changed.
     """
+    from neurotouch_hid.errors import ProfileError
     from neurotouch_hid.profile.editing import compare
 
     if text == paper.text and paper.content is not None:
         say("OK", f"{paper.name} says so already, nothing has changed.", plain=plain)
         return
     checked = paper.check(text)
-    checked.require()
+    try:
+        checked.require()
+    except ProfileError as error:
+        raise ProfileError(error.message, hint=error.hint or "Nothing was saved.") from None
     paper.save(text)
     show_changes(compare(paper.text, text), plain=plain)
     say("OK", f"Saved {paper.store.path}", plain=plain)

@@ -1,6 +1,7 @@
 """Measuring what a hand can do, without hurry: noise, tremor, the range of eight movements."""
 
 from neurotouch_hid.profile.calibration.movements import MOVEMENTS, Movement
+from neurotouch_hid.profile.calibration.relief import hand_over
 from neurotouch_hid.profile.calibration.repetition import Repetition
 from neurotouch_hid.profile.calibration.result import WeakSide, find_weak_sides, write_ranges
 from neurotouch_hid.profile.calibration.session import Session
@@ -14,5 +15,6 @@ __all__ = [
     "Tremor",
     "WeakSide",
     "find_weak_sides",
+    "hand_over",
     "write_ranges",
 ]
