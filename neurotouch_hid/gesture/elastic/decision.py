@@ -17,11 +17,14 @@ class DecisionConfig:
 
     Attributes:
         on_mm: a motion of a finger that begins a gesture; people label from about 0.3 mm.
+        on_noise: the same in errors of a marker.
         off_mm: all motions below it end the gesture.
         on_us, off_us: for how long.
         memory_us: time constant of the evidence for a type.
         latch_mm: motion from which the type is final.
         latch_us: how long one type must have led by then.
+        settle_us: until when a new finger opens the question again; fingers of one gesture come
+            within a tenth of a second of each other.
         overrule: evidence over the latched type's that still changes it.
         moving_mm_s: speed of a finger that is no hold.
         blur_mm: how sharply people see a gesture's first motion, width of a logistic curve.
@@ -30,12 +33,14 @@ class DecisionConfig:
     """
 
     on_mm: float = 0.26
+    on_noise: float = 2.0
     off_mm: float = 0.28
     on_us: int = 10_000
     off_us: int = 10_000
     memory_us: int = 60_000
     latch_mm: float = 2.0
     latch_us: int = 40_000
+    settle_us: int = 250_000
     overrule: float = 3.0
     moving_mm_s: float = 6.0
     blur_mm: float = 0.1
@@ -59,6 +64,7 @@ class Decision:
         self.age_us = 0
         self._evidence = np.zeros(len(GestureKind))
         self._size_mm = 0.0
+        self._n_fingers = 0
         self._above_us = self._below_us = self._led_us = 0
 
     @property
@@ -66,17 +72,24 @@ class Decision:
         """The gesture may still turn out to be another one."""
         return self.kind is GestureKind.NONE or not self.is_latched
 
-    def update(self, step_us: int, size_mm: float, parts_mm: Floats, noise_mm: float) -> None:
+    def update(
+        self, step_us: int, size_mm: float, parts_mm: Floats, n_fingers: int, noise_mm: float
+    ) -> None:
         """Takes one slice.
 
         Args:
             step_us: time since the slice before.
             size_mm: the largest motion of a finger.
             parts_mm: (6,), what speaks for each type, see ``Motion``.
+            n_fingers: that were found.
             noise_mm: error of a marker, one axis.
         """
         config = self._config
-        self._above_us = self._above_us + step_us if size_mm >= config.on_mm else 0
+        self._above_us = (
+            self._above_us + step_us
+            if size_mm >= max(config.on_mm, config.on_noise * noise_mm)
+            else 0
+        )
         self._below_us = self._below_us + step_us if size_mm < config.off_mm else 0
         if self.kind is GestureKind.NONE and self._above_us < config.on_us:
             self._size_mm = size_mm
@@ -87,6 +100,10 @@ class Decision:
             self.confidence = 1.0 - self._believe(size_mm)
             return
         self.age_us += step_us
+        if n_fingers > self._n_fingers and self.age_us < config.settle_us:
+            self._evidence[:] = 0.0  # it was about another hand
+            self.is_latched, self._led_us = False, 0
+        self._n_fingers = n_fingers
         self._follow(step_us, size_mm)
         self._weigh(step_us, size_mm, parts_mm)
         self.confidence = self._believe(size_mm) * self._prefer(size_mm, noise_mm)

@@ -17,7 +17,7 @@ class Fingers:
         radii: (k,) mm.
         motions: (k, 3): drag x, drag y in mm, sine of the turn.
         press: (k,) mm.
-        offset: (2,) mm, what everything moved by.
+        offset: (3,): mm, mm, rad, what everything moved by.
         residual: (n, 2) mm.
         cost: weighted sum of squares of the residual, mm².
     """
@@ -47,9 +47,13 @@ class Fingers:
         moved = drag + turn * np.column_stack([-shift[:, 1], shift[:, 0]]) + bend * shift
         return self.centres + shift, moved
 
+    def measure(self) -> Floats:
+        """How far each finger moves the gel under it, (k,) mm: rms over its patch."""
+        square = (self.motions[:, :2] ** 2).sum(axis=1)
+        lengths: Floats = np.sqrt(square + 0.5 * (self.motions[:, 2] * self.radii) ** 2)
+        return lengths
+
     @property
     def largest_mm(self) -> float:
         """The largest motion of a finger."""
-        if not len(self.motions):
-            return 0.0
-        return float(np.sqrt((self.motions[:, :2] ** 2).sum(axis=1).max()))
+        return float(self.measure().max(initial=0.0))

@@ -155,7 +155,7 @@ class Hand:
             fit.radii.copy(),
             fit.motions.copy(),
             fit.press.copy(),
-            np.zeros(2),
+            np.zeros(3),
             np.zeros_like(moved),
         )
         trust = self._trust
@@ -243,7 +243,7 @@ class Hand:
     def _search(self, moved: Floats, weight: Floats, noise: float) -> Fingers | None:
         """Fingers found from nothing, the strongest first."""
         nobody = Fingers(
-            np.zeros((0, 2)), np.zeros(0), np.zeros((0, 3)), np.zeros(0), np.zeros(2), moved
+            np.zeros((0, 2)), np.zeros(0), np.zeros((0, 3)), np.zeros(0), np.zeros(3), moved
         )
         common = np.median(moved[weight > 0], axis=0)
         gain = self._gains(moved - common, weight, None)

@@ -64,14 +64,14 @@ class ElasticMethod:
         fit = hand.fit
         if fit is None:
             self._listen(moved[use], step_us)
-            decision.update(step_us, 0.0, np.zeros(len(GestureKind)), self._noise_mm)
+            decision.update(step_us, 0.0, np.zeros(len(GestureKind)), 0, self._noise_mm)
             if decision.kind is GestureKind.NONE:
                 self.reset()
             return no_gesture(t_us)
         motion = measure_motion(fit.centres, fit.radii, fit.motions)
         places, drags = fit.locate()
-        lengths = np.hypot(*drags.T)
-        decision.update(step_us, float(lengths.max()), motion.parts_mm, self._noise_mm)
+        lengths = fit.measure()
+        decision.update(step_us, fit.largest_mm, motion.parts_mm, len(lengths), self._noise_mm)
         if decision.kind is GestureKind.NONE:
             if fit.largest_mm < hand.config.least_mm:
                 self.reset()

@@ -17,6 +17,7 @@ PRESS_MM = 1.5  # prior width of a press
 HEIGHT_MM = 20.0  # of the gel under a finger: what is pressed down flows aside
 VIEW_MM = 100.0  # from the lens to the gel: what sinks grows
 OFFSET_MM = 0.2  # prior width of a motion of the whole gel: a knock at the table
+SWAY_RAD = 0.01  # prior width of a turn of the whole gel under the camera
 RADIUS_MM = 0.8  # prior width of the radius of a contact patch
 LEAST_RADIUS_MM, MOST_RADIUS_MM = 4.5, 9.0
 STEP_MM = 2.0  # longest step of a centre
@@ -113,12 +114,12 @@ def build_columns(
         motions: (k, 3): drag x, drag y in mm, sine of the turn.
         inverse: (3 k, 3 k), of ``couple``.
         slopes: also write the columns of centres and radii.
-        columns: (n, 2, 4 k + 2 or 7 k + 2), written: motions, presses, common offset, then x, y
-            and radius of each finger.
+        columns: (n, 2, 4 k + 3 or 7 k + 3), written: motions, presses, offset (x, y, turn) of
+            everything, then x, y and radius of each finger.
         bent: (n, 2) mm, written: what a finite turn adds to the linear one.
     """
     k = len(centres)
-    first = 4 * k + 2
+    first = 4 * k + 3
     loads = np.zeros(3 * k)
     for a in range(3 * k):
         for b in range(3 * k):
@@ -175,6 +176,7 @@ def build_columns(
                 columns[i, axis, b] = s
             columns[i, axis, 4 * k] = 1.0 - axis
             columns[i, axis, 4 * k + 1] = axis
+        columns[i, 0, 4 * k + 2], columns[i, 1, 4 * k + 2] = -y, x
 
 
 @njit(cache=True, nogil=True)
@@ -240,7 +242,7 @@ def refine(
         trust: (k,) 1/mm², how surely earlier slices know the centres.
         motions: (k, 3): drag x, drag y in mm, sine of the turn; updated.
         press: (k,) mm, how deep each finger presses; written.
-        offset: (2,) mm, motion of everything; written.
+        offset: (3,): mm, mm, rad, motion of everything; written.
         residual: (n, 2) mm; written.
         noise_mm: of a marker, one axis.
         model_error: of the field, rms share of the largest motion.
@@ -255,7 +257,7 @@ def refine(
     cost = 0.0
     for step in range(n_steps + 1):
         is_last = step == n_steps
-        m = 4 * k + 2 if is_last else 7 * k + 2
+        m = 4 * k + 3 if is_last else 7 * k + 3
         columns = np.empty((n, 2, m))
         inverse = invert(couple(centres, radii))
         build_columns(points, window, centres, radii, motions, inverse, not is_last, columns, bent)
@@ -271,7 +273,7 @@ def refine(
             normal[3 * j + 2, 3 * j + 2] += variance / TURN_RAD**2
             normal[3 * k + j, 3 * k + j] += variance / PRESS_MM**2
             if not is_last:
-                at = 4 * k + 2 + 3 * j
+                at = 4 * k + 3 + 3 * j
                 for p in range(2):
                     normal[at + p, at + p] += variance * (trust[j] + 1.0 / STEP_MM**2)
                     right[at + p, 0] += variance * trust[j] * (known[j, p] - centres[j, p])
@@ -279,13 +281,14 @@ def refine(
                 right[at + 2, 0] += variance / RADIUS_MM**2 * (usual_radius - radii[j])
         for p in range(2):
             normal[4 * k + p, 4 * k + p] += variance / OFFSET_MM**2
+        normal[4 * k + 2, 4 * k + 2] += variance / SWAY_RAD**2
         if not solve(normal, right):
             break
         for j in range(k):
             for p in range(3):
                 motions[j, p] = right[3 * j + p, 0]
             motions[j, 2] = min(max(motions[j, 2], -0.95), 0.95)
-        offset[0], offset[1] = right[4 * k, 0], right[4 * k + 1, 0]
+        offset[0], offset[1], offset[2] = right[4 * k, 0], right[4 * k + 1, 0], right[4 * k + 2, 0]
         for j in range(k):
             press[j] = right[3 * k + j, 0]
         if is_last:
@@ -298,7 +301,7 @@ def refine(
                     cost += weight[i] * s * s
             break
         for j in range(k):
-            at = 4 * k + 2 + 3 * j
+            at = 4 * k + 3 + 3 * j
             for p in range(2):
                 centres[j, p] += min(max(right[at + p, 0], -STEP_MM), STEP_MM)
             far = math.hypot(centres[j, 0], centres[j, 1])

@@ -1,0 +1,265 @@
+"""The method ``neurotouch`` on elastic fields of one to three fingers, over time."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from neurotouch_hid.geometry import LATTICE_MM
+from neurotouch_hid.gesture import METHODS, GestureConfig, GestureRecognizer
+from neurotouch_hid.messages import GestureKind, MarkerField, Phase
+from tests.gesture.elastic import RIG, Scene, field, random_scene
+
+KINDS = list(GestureKind)[1:]
+SLICE_US = 10_000
+
+
+class Player:
+    """One recognizer that sees one gel through the same noisy tracker."""
+
+    def __init__(self, seed=0, noise_px=0.2, **config):
+        self.rng = np.random.default_rng(seed)
+        self.noise_px = noise_px
+        self.recognizer = GestureRecognizer(GestureConfig(**config))
+        self.rest_px = RIG.to_px(LATTICE_MM).astype(np.float32)
+        self.t_us = 0
+
+    def see(self, displacement_mm, valid=None):
+        self.t_us += SLICE_US
+        position = RIG.to_px(LATTICE_MM + displacement_mm)
+        position = position + self.rng.normal(0, self.noise_px, position.shape)
+        valid = np.ones(len(position), bool) if valid is None else valid
+        return self.recognizer.update(
+            MarkerField(self.t_us, self.rest_px, position.astype(np.float32), valid)
+        )
+
+    def rest(self, slices=20):
+        return [self.see(np.zeros_like(LATTICE_MM)) for _ in range(slices)]
+
+    def play(self, scene, seconds=1.6):
+        """Gestures with the truth of each slice: kind, contacts, intensity."""
+        out = []
+        for i in range(round(seconds * 100)):
+            displacement, contacts, intensity = scene.at(i / 100)
+            kind = scene.kind if intensity >= 0.3 else GestureKind.NONE
+            out.append((self.see(displacement), kind, contacts, intensity))
+        return out
+
+
+def two(motion, late=0.0, strength=(1.0, 1.0)):
+    """Fingers 24 mm apart on a horizontal line; the right one may be late and weak."""
+    return Scene(
+        GestureKind.PINCH,
+        np.array([[-12.0, 0.0], [12.0, 0.0]]),
+        np.array(motion, float),
+        0.0,
+        np.array(strength),
+        np.array([0.1, 0.1 + late]),
+    )
+
+
+def kinds(steps):
+    """The types shown, without NONE and repetitions."""
+    shown = [gesture.kind for gesture, *_ in steps if gesture.kind is not GestureKind.NONE]
+    return [k for i, k in enumerate(shown) if i == 0 or k is not shown[i - 1]]
+
+
+def test_it_is_the_default():
+    assert GestureConfig().method == METHODS[0] == "neurotouch"
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_type(kind):
+    rng = np.random.default_rng(20 + kind)
+    for seed in range(3):
+        player = Player(seed)
+        player.rest()
+        for gesture, truth, contacts, intensity in player.play(random_scene(rng, kind)):
+            if intensity < 2.5:
+                continue
+            assert gesture.kind is truth
+            assert len(gesture.contacts_mm) == len(contacts)
+            away = np.linalg.norm(gesture.contacts_mm[:, None] - contacts, axis=2)
+            assert away.min(axis=1).max() < 4.0
+            assert gesture.intensity_mm == pytest.approx(intensity, abs=0.25 * intensity)
+
+
+@pytest.mark.parametrize("heading", np.arange(8) * np.pi / 4)
+def test_a_push_is_measured_below_the_pitch(heading):
+    motion = 5 * np.array([np.cos(heading), np.sin(heading)])
+    centre = np.array([5.3, -2.1])
+    player = Player()
+    player.rest()
+    for _ in range(10):
+        gesture = player.see(field(centre[None], motion[None]))
+    np.testing.assert_allclose(gesture.contacts_mm, [centre + motion], atol=0.8)
+    np.testing.assert_allclose(RIG.to_px(gesture.contacts_mm), gesture.contacts_px, atol=0.1)
+    np.testing.assert_allclose(gesture.motion_mm, [motion], atol=0.3)
+    np.testing.assert_allclose(gesture.translation_mm, motion, atol=0.3)
+    assert gesture.intensity_mm == pytest.approx(5, abs=0.3)
+
+
+def test_one_finger_that_turns_is_a_twist():
+    for turn, kind in ((0.5, GestureKind.TWIST_CW), (-0.5, GestureKind.TWIST_CCW)):
+        player = Player()
+        player.rest()
+        for i in range(30):
+            now = turn * min(i / 20, 1.0)
+            gesture = player.see(field(np.array([[4.0, 3.0]]), np.zeros((1, 2)), np.array([now])))
+        assert gesture.kind is kind
+        assert len(gesture.contacts_mm) == 1
+        assert gesture.rotation_rad == pytest.approx(turn, abs=0.15)
+
+
+def test_signed_rotation_and_scale():
+    player = Player()
+    steps = player.play(two([[6, 0], [-6, 0]]))
+    assert min(g.scale for g, *_ in steps) == pytest.approx(0.5, abs=0.06)
+    steps = Player().play(two([[0, -5], [0, 5]]))
+    assert max(g.rotation_rad for g, *_ in steps) == pytest.approx(np.arctan(5 / 12), abs=0.05)
+
+
+@pytest.mark.parametrize("late", [0.0, 0.05, 0.08])
+@pytest.mark.parametrize("weak", [1.0, 0.45])
+def test_a_finger_that_still_holds_shows_in_the_field(late, weak):
+    """So a pinch is no push even before its second finger moves."""
+    player = Player(3)
+    player.rest()
+    shown = []
+    for i in range(60):
+        rise = np.clip((i / 100 - np.array([0.0, late])) / 0.3, 0, 1) ** 2
+        drag = np.array([[6.0, 0.0], [-6.0 * weak, 0.0]]) * rise[:, None]
+        gesture = player.see(field(np.array([[-12.0, 0.0], [12.0, 0.0]]), drag))
+        if drag.max() >= 2.0:
+            shown.append((gesture.kind, len(gesture.finger_ids)))
+    assert {kind for kind, _ in shown} == {GestureKind.PINCH}
+    assert shown[-1][1] == 2
+
+
+@pytest.mark.parametrize("late", [0.05, 0.08])
+def test_a_finger_that_touches_late_makes_the_push_a_pinch(late):
+    player = Player(3)
+    player.rest()
+    steps = player.play(two([[6, 0], [-6, 0]], late, (1.0, 0.45)))
+    assert kinds(steps) in ([GestureKind.PUSH, GestureKind.PINCH], [GestureKind.PINCH])
+    both = next(i for i, (_, _, contacts, _) in enumerate(steps) if len(contacts) == 2)
+    assert kinds(steps[both + 5 :]) == [GestureKind.PINCH]
+    assert all(len(g.contacts_mm) == 2 for g, *_, mm in steps if mm >= 2.5)
+
+
+def test_the_type_lasts_from_the_attack_to_rest():
+    rng = np.random.default_rng(31)
+    for seed, kind in enumerate(KINDS * 2):
+        player = Player(seed)
+        player.rest()
+        steps = player.play(random_scene(rng, kind))
+        strong = next(i for i, (*_, mm) in enumerate(steps) if mm >= 2.5 or i == len(steps) - 1)
+        if strong < len(steps) - 1:
+            assert kinds(steps[strong + 5 :]) == [kind]
+        assert steps[-1][0].kind is GestureKind.NONE
+
+
+def test_phases_follow_one_another():
+    player = Player()
+    player.rest()
+    steps = player.play(two([[6, 0], [-6, 0]]))
+    phases = [gesture.phase for gesture, *_ in steps]
+    order = [p for i, p in enumerate(phases) if i == 0 or p is not phases[i - 1]]
+    assert order == [Phase.REST, Phase.ATTACK, Phase.HOLD, Phase.RELEASE, Phase.REST]
+    speed = [gesture.speed_mm_s for gesture, *_ in steps]
+    assert max(speed) > 20
+    assert min(speed) < -15
+
+
+def test_fingers_keep_their_names():
+    player = Player(5)
+    player.rest()
+    steps = player.play(two([[6, 0], [-6, 0]], 0.05, (1.0, 0.6)))
+    strong = [gesture for gesture, *_, mm in steps if mm >= 2.5]
+    assert {frozenset(g.finger_ids) for g in strong} == {frozenset(strong[0].finger_ids)}
+    left = {
+        g.finger_ids[int(g.contacts_mm[:, 0].argmin())] for g in strong if len(g.finger_ids) == 2
+    }
+    assert len(left) == 1
+    assert all(len(g.finger_ids) == len(g.contacts_mm) == len(g.motion_mm) for g in strong)
+
+
+def test_a_new_gesture_may_be_another_one():
+    player = Player()
+    shown = []
+    for kind in KINDS:
+        player.rest()
+        rng = np.random.default_rng(77)
+        scene = random_scene(rng, kind, equal=True)
+        size = np.linalg.norm(scene.peak, axis=1).max()
+        shown += kinds(player.play(replace(scene, peak=scene.peak * (6 / size))))[-1:]
+    assert shown == KINDS
+
+
+def test_rest_tremor_and_knocks_are_no_gesture():
+    player = Player(1, noise_px=0.25)
+    wave = np.array([9.1, 7.3])
+    for i in range(1500):
+        tick = i / 100
+        knock = 1.0 * np.sin(2 * np.pi * wave * tick) * np.exp(-((tick % 2.0) / 0.3))
+        tremor = field(np.array([[6.0, 2.0]]), 0.1 * np.sin([[60 * tick, 50 * tick]]))
+        assert player.see(tremor + knock).kind is GestureKind.NONE
+
+
+def test_mistracked_markers_do_not_count():
+    displacement = two([[5, 0], [-5, 0]]).at(0.5)[0]
+    player = Player()
+    player.rest()
+    for _ in range(10):
+        clean = player.see(displacement)
+    spoiled = displacement.copy()
+    spoiled[::19] += (0.0, 9.0)
+    player = Player()
+    player.rest()
+    for _ in range(10):
+        gesture = player.see(spoiled)
+    assert gesture.kind is clean.kind
+    assert len(gesture.contacts_mm) == 2
+    assert gesture.intensity_mm == pytest.approx(clean.intensity_mm, abs=0.5)
+
+
+def test_a_third_of_the_markers_hidden():
+    scene = two([[5, 0], [-5, 0]])
+    valid = LATTICE_MM[:, 1] < 10.0
+    player = Player()
+    for i in range(60):
+        displacement, _, intensity = scene.at(i / 100)
+        displacement = np.where(valid[:, None], displacement, np.nan)
+        gesture = player.see(displacement, valid)
+        if intensity > 2.5:
+            assert gesture.kind is GestureKind.PINCH
+    assert player.see(displacement, np.zeros(177, bool)).kind is GestureKind.NONE
+
+
+def test_equal_input_gives_equal_answers_bit_for_bit():
+    def run():
+        player = Player(9)
+        answers = []
+        for kind in KINDS:
+            for g, *_ in player.play(random_scene(player.rng, kind), 0.6):
+                answers.append(
+                    (g.kind, g.contacts_px.tobytes(), g.intensity_mm, g.confidence, g.finger_ids)
+                )
+        return answers
+
+    assert run() == run()
+
+
+def test_confidence_means_what_it_says():
+    """Of the slices called with 0.9 and more, more than nine in ten are right; below, fewer."""
+    rng = np.random.default_rng(8)
+    sure, unsure = [], []
+    for seed in range(4):
+        player = Player(seed)
+        for kind in KINDS:
+            for gesture, truth, *_ in player.play(random_scene(rng, kind), 1.4):
+                right = gesture.kind is truth
+                (sure if gesture.confidence >= 0.9 else unsure).append(right)
+    assert len(unsure) > 20
+    assert np.mean(sure) > 0.95
+    assert np.mean(unsure) < 0.9
