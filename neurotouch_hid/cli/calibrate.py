@@ -80,7 +80,7 @@ def command(
     guided = speed == "recorded" and not source.startswith("file:")
     session = Session(load_user(), gestures, guided=guided)
     keyboard = Keyboard()
-    stream = _read_gestures(source, speed, seed, method, seconds)
+    stream = read_gestures(source, speed, seed, method, seconds)
     if guided:
         _guide(session, stream, keyboard)
     else:
@@ -89,13 +89,14 @@ def command(
     _conclude(session, keyboard, yes=yes, plain=plain)
 
 
-def _read_gestures(
+def read_gestures(
     source: str,
-    speed: Literal["recorded", "max"],
-    seed: int,
-    method: Literal["neurotouch", "paper"],
-    seconds: float | None,
+    speed: Literal["recorded", "max"] = "recorded",
+    seed: int = 0,
+    method: Literal["neurotouch", "paper"] = "neurotouch",
+    seconds: float | None = None,
 ) -> Iterator["Gesture"]:
+    """What the hand does in a source, slice by slice."""
     from neurotouch_hid.cli.play import prepare_kernels
     from neurotouch_hid.gesture import GestureConfig
     from neurotouch_hid.profile import load_profile

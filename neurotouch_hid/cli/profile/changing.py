@@ -155,7 +155,9 @@ def upgrade(name: str, plain: bool) -> None:
 @click.argument("name", shell_complete=complete_profile)
 @plain_option
 def use(name: str, plain: bool) -> None:
-    """Make NAME the first of your favourites: the profile that runs when none is named."""
+    """Play with NAME from now on: a running driver switches, and it is your first favourite."""
+    from neurotouch_hid.driver import ask
+    from neurotouch_hid.errors import NotRunningError
     from neurotouch_hid.profile import load_profile, load_user
     from neurotouch_hid.profile.editing import set_value, take_user
     from neurotouch_hid.profile.library import find_profile
@@ -165,7 +167,13 @@ def use(name: str, plain: bool) -> None:
     stem = find_profile(name).stem
     slots = [stem, *(slot for slot in load_user().slots if slot != stem)]
     paper = take_user(make_stamp)
-    save_paper(paper, set_value(paper.text, "slots", slots[:8], UserSettings), plain=plain)
+    # no version: the versions kept are calibrations
+    paper.save(set_value(paper.text, "slots", slots[:8], UserSettings), keep=False)
+    say("OK", f"{stem} is the first of your favourites.", plain=plain)
+    try:
+        say("OK", str(ask("use", profile=stem)["text"]), plain=plain)
+    except NotRunningError:
+        click.echo("No driver is running; it holds from the next start.")
 
 
 COMMANDS = (new, set_command, bind, unbind, undo, upgrade, use)

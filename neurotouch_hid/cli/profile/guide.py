@@ -1,3 +1,321 @@
-"""``neurotouch profile edit``."""
+"""``neurotouch profile edit``: questions and answers, or the user's own text editor."""
 
-COMMANDS = ()
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from neurotouch_hid.cli.completing import complete_profile
+from neurotouch_hid.cli.output import choose, is_plain, make_stamp, plain_option, say, show_changes
+from neurotouch_hid.cli.profile.saving import save_paper, show_warnings
+
+if TYPE_CHECKING:
+    from neurotouch_hid.profile import Profile
+    from neurotouch_hid.profile.editing import Paper
+    from neurotouch_hid.profile.schema import Binding
+
+
+@click.command(
+    epilog="\b\nExamples:\n"
+    "  neurotouch profile edit mine             questions with numbered answers\n"
+    "  neurotouch profile edit mine --editor    the file itself, in $EDITOR"
+)
+@click.argument("name", shell_complete=complete_profile)
+@click.option("--editor", is_flag=True, help="Open the file in $VISUAL or $EDITOR; check it after.")
+@click.option(
+    "--source",
+    help="Let gestures be shown instead of named: file:NAME.aedat4, sim:NAME or davis:.",
+)
+@plain_option
+def edit(name: str, editor: bool, source: str | None, plain: bool) -> None:
+    """Change the profile NAME step by step, without knowing its file format.
+
+    Nothing is timed. Every step can be taken back, and nothing is saved before you say so.
+    """
+    from neurotouch_hid.profile.editing import take_profile
+
+    paper = take_profile(name, make_stamp)
+    draft = _find_draft(paper)
+    text = paper.text
+    if draft.exists():
+        if choose("There is a draft that was not saved.", ["Go on with it", "Leave it"]) == 0:
+            text = draft.read_text(encoding="utf-8")
+        draft.unlink()
+    if editor:
+        _edit_text(paper, text, draft, plain=plain)
+    else:
+        _Guide(paper, text, draft, source, plain=plain).run()
+
+
+def _find_draft(paper: "Paper") -> Path:
+    return paper.store.path.parent / ".drafts" / paper.store.path.name
+
+
+def _save_draft(draft: Path, text: str) -> None:
+    draft.parent.mkdir(parents=True, exist_ok=True)
+    draft.write_text(text, encoding="utf-8")
+    say("WARNING", f"Not saved; the draft lies in {draft}")
+    click.echo(f"Go on with it: neurotouch profile edit {draft.stem}")
+
+
+def _edit_text(paper: "Paper", text: str, draft: Path, *, plain: bool) -> None:
+    """Opens the editor until the text is right, or until the person has had enough of it."""
+    while True:
+        edited = click.edit(text, extension=".yaml")
+        if edited is None or edited == paper.text:
+            say("OK", "Nothing has changed.", plain=plain)
+            return
+        text = edited
+        checked = paper.check(text)
+        if checked.whole is not None:
+            save_paper(paper, text, plain=plain)
+            return
+        show_warnings(checked, plain=plain)
+        choices = ["Edit again", "Keep the old profile, throw this away", "Keep this as a draft"]
+        answer = choose("There are errors. What now?", choices, default=0)
+        if answer == 1:
+            say("OK", "The old profile is kept.", plain=plain)
+            return
+        if answer == 2:
+            _save_draft(draft, text)
+            return
+
+
+class _Guide:
+    """Asks, changes the draft, shows what came of it; the person keeps it or takes it back."""
+
+    def __init__(
+        self, paper: "Paper", text: str, draft: Path, source: str | None, *, plain: bool
+    ) -> None:
+        self._paper = paper
+        self._text = text
+        self._draft = draft
+        self._source = source
+        self._plain = plain
+
+    def run(self) -> None:
+        """Asks until the person is done; on Ctrl-C or the end of input the draft is kept."""
+        self._paper.check(self._text).require()
+        try:
+            while self._ask_what():
+                pass
+        except click.Abort:
+            if self._text != self._paper.text:
+                _save_draft(self._draft, self._text)
+            raise
+        if self._text == self._paper.text:
+            say("OK", "Nothing has changed.", plain=self._plain)
+        elif choose("Save this?", ["Save", "Throw it away"], default=0) == 0:
+            save_paper(self._paper, self._text, plain=self._plain)
+        else:
+            say("OK", "Nothing was saved.", plain=self._plain)
+
+    def _load(self) -> "Profile":
+        from neurotouch_hid.profile import Profile
+
+        written = self._paper.check(self._text).written
+        assert isinstance(written, Profile)  # noqa: S101  every step leaves a right draft
+        return written
+
+    def _ask_what(self) -> bool:
+        from neurotouch_hid.profile.editing.summary import summarize_binding
+
+        profile = self._load()
+        layers = list(profile.all_layers)
+        layer = layers[0]
+        if len(layers) > 1:
+            at = choose("Which layer?", [*(inner.name for inner in layers), "Done"])
+            if at == len(layers):
+                return False
+            layer = layers[at]
+        choices = [summarize_binding(binding) for binding in layer.bindings]
+        n = len(choices)
+        more = ["Bind a gesture", f"Timing: {self._word(profile.timing)}"]
+        more += [f"Tremor filter: {profile.filter or 'the default'}", "Done"]
+        at = choose(f"{profile.name}: what do you want to change?", [*choices, *more])
+        if at < n:
+            self._change_binding(layer.name, at, layer.bindings[at])
+        elif at == n:
+            self._bind(layer.name)
+        elif at == n + 1:
+            self._set("timing", ("game", "steady", "slow"))
+        elif at == n + 2:
+            self._set("filter", ("none", "light", "medium", "strong"))
+        else:
+            return False
+        return True
+
+    @staticmethod
+    def _word(timing: object) -> str:
+        return timing if isinstance(timing, str) else "the default" if timing is None else "own"
+
+    def _change_binding(self, layer: str, at: int, binding: "Binding") -> None:
+        from neurotouch_hid.profile.editing.changes import remove_value
+        from neurotouch_hid.profile.editing.summary import summarize_binding
+
+        self._show_response(binding)
+        answer = choose(
+            summarize_binding(binding),
+            [
+                "Let it do something else",
+                "Give it another gesture",
+                "Adjust it",
+                "Remove it",
+                "Back",
+            ],
+        )
+        if answer == 0:
+            self._replace(layer, at, "do", self._ask_do())
+        elif answer == 1:
+            self._replace(layer, at, "when", self._ask_when())
+        elif answer == 2:
+            self._adjust(layer, at, binding)
+        elif answer == 3:
+            self._try(remove_value(self._text, (*self._find(layer), at)))
+
+    def _adjust(self, layer: str, at: int, binding: "Binding") -> None:
+        from neurotouch_hid.profile.editing.questions import list_questions
+        from neurotouch_hid.profile.editing.values import format_value
+
+        questions = list(list_questions(binding))
+        shown = [
+            f"{q.key}: {'the default' if q.value is None else format_value(q.value)}"
+            for q in questions
+        ]
+        number = choose("What shall be adjusted?", [*shown, "Back"])
+        if number < len(questions):
+            question = questions[number]
+            click.echo(question.description)
+            path = f"{self._path(layer)}[{at}].{question.part}.{question.key}"
+            self._set(path, question.choices, layer, at)
+
+    def _set(
+        self, path: str, words: tuple[str, ...], layer: str | None = None, at: int = 0
+    ) -> None:
+        from neurotouch_hid.errors import ProfileError
+        from neurotouch_hid.profile.editing import parse_value, reset_value, set_value
+
+        try:
+            if words:
+                number = choose("Which?", [*words, "The default"])
+                value = words[number] if number < len(words) else ""
+            else:
+                value = click.prompt("Value, or nothing for the default", default="")
+            text = (
+                set_value(self._text, path, parse_value(value))
+                if value
+                else reset_value(self._text, path)
+            )
+        except ProfileError as error:
+            say("FAILED", error.message, error.hint or "", plain=self._plain)
+            return
+        self._try(text, layer, at)
+
+    def _bind(self, layer: str) -> None:
+        from neurotouch_hid.profile.editing import bind
+
+        when, do = self._ask_when(), self._ask_do()
+        name = layer if self._find(layer) != ("bindings",) else None
+        if when is not None and do is not None:
+            self._try(bind(self._text, when, do, name, add=True))
+
+    def _replace(self, layer: str, at: int, part: str, value: object) -> None:
+        from neurotouch_hid.profile.editing.changes import replace_value
+
+        if value is not None:
+            text = replace_value(self._text, (*self._find(layer), at, part), value)
+            self._try(text, layer, at)
+
+    def _find(self, layer: str) -> tuple[str | int, ...]:
+        from neurotouch_hid.profile.editing import find_bindings
+        from neurotouch_hid.profile.editing.layout import read_layout
+
+        return find_bindings(read_layout(self._text, "the draft")[1], layer)
+
+    def _path(self, layer: str) -> str:
+        from neurotouch_hid.profile.faults import format_path
+
+        return format_path(self._find(layer))
+
+    def _ask_when(self) -> object:
+        from neurotouch_hid.profile.editing import parse_when
+        from neurotouch_hid.profile.editing.questions import GESTURES, PRESSES
+
+        gestures = list(GESTURES)
+        if self._source is not None:
+            gestures.append("Show it on the gel")
+        number = choose("Which gesture?", gestures)
+        gesture = gestures[number]
+        if number == len(GESTURES):
+            shown = _see_gesture(self._source or "")
+            if shown is None:
+                return None
+            gesture = shown
+        press = choose("How?", list(PRESSES), default=0)
+        return parse_when(f"{gesture} {list(PRESSES.values())[press]}")
+
+    def _ask_do(self) -> object:
+        from neurotouch_hid.errors import ProfileError
+        from neurotouch_hid.profile.editing import parse_do
+        from neurotouch_hid.profile.editing.questions import OUTPUTS
+
+        kinds = list(OUTPUTS)
+        kind = kinds[choose("What shall it do?", kinds)]
+        words = OUTPUTS[kind]
+        chosen = (
+            words[choose("Which one?", words)]
+            if words
+            else f"key {click.prompt('Key, or several with +, such as ctrl+c')}"
+        )
+        try:
+            return parse_do(chosen)
+        except ProfileError as error:
+            say("FAILED", error.message, error.hint or "", plain=self._plain)
+            return None
+
+    def _try(self, text: str, layer: str | None = None, at: int = 0) -> None:
+        """Shows what a change does, and keeps it if the person wants it."""
+        from neurotouch_hid.profile.editing import compare
+
+        checked = self._paper.check(text)
+        if checked.whole is None:
+            show_warnings(checked, plain=self._plain)
+            click.echo("That does not fit, nothing has changed.")
+            return
+        before, self._text = self._text, text
+        show_changes(compare(before, text), plain=self._plain)
+        show_warnings(checked, plain=self._plain)
+        if layer is not None:
+            layers = {inner.name: inner for inner in self._load().all_layers}
+            self._show_response(layers[layer].bindings[at])
+        if choose("Keep it?", ["Keep it", "Take it back"], default=0) == 1:
+            self._text = before
+
+    def _show_response(self, binding: "Binding") -> None:
+        """The value moving through the curve, from rest to beyond the end."""
+        from neurotouch_hid.profile.editing.questions import sample_response
+
+        for measure, value in sample_response(binding):
+            bar = "" if self._plain or is_plain() else " " + "#" * round(40 * value)
+            click.echo(f"at {measure:4.1f}: {100 * value:3.0f} percent{bar}")
+
+
+def _see_gesture(source: str) -> str | None:
+    """The first movement that is made on the gel, in words; None if the source ends before."""
+    from neurotouch_hid.cli.calibrate import read_gestures
+    from neurotouch_hid.profile import load_user
+    from neurotouch_hid.profile.calibration import Session
+
+    session = Session(load_user(), guided=False)
+    click.echo("Make the gesture, and let go.")
+    for gesture in read_gestures(source):
+        repetition = session.take(gesture)
+        if repetition is not None and session.accepts(repetition):
+            words = repetition.movement.replace("_", " ")
+            click.echo(f"Seen: {words}, {repetition.peak_mm:.1f} millimetres")
+            return words
+    click.echo("No gesture was seen.")
+    return None
+
+
+COMMANDS = (edit,)

@@ -64,7 +64,7 @@ class Paper:
             ProfileError: there are errors, or it cannot be written; nothing has changed.
         """
         self.check(text).require()
-        if self.content is None and self.text and self.shipped:
+        if self.content is None and self.text:
             self.store.keep(encode(self.text))
         self.store.save(encode(text), over=self.content, keep=keep)
 
