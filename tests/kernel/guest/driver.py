@@ -10,8 +10,10 @@ from typing import Any
 
 from evdev.ecodes import BTN_SOUTH, EV_KEY
 
+from neurotouch_hid.device.gamepad import PHYS
+from tests.kernel.guest.companions import PLACES
 from tests.kernel.guest.opening import run
-from tests.kernel.guest.reader import Reader, find_pad
+from tests.kernel.guest.reader import Reader, find_node, list_nodes
 from tests.kernel.guest.sdl import look, open_games
 
 KEYS = Path(__file__).with_name("keys.yaml")
@@ -25,6 +27,7 @@ def play_tour(results: Path) -> dict[str, Any]:
     seen: dict[str, dict[str, list[int]]] = {"sdl2": {}, "sdl3": {}}
     with started("spacecraft", f"file:{source}", "--trace", str(trace)) as (process, reader):
         run("udevadm", "settle", "--timeout=20")
+        nodes = list_nodes()
         with open_games() as games:
             while process.poll() is None:
                 for name, game in games.items():
@@ -32,7 +35,7 @@ def play_tour(results: Path) -> dict[str, Any]:
                         low, high = seen[name].get(control, (0, 0))
                         seen[name][control] = [min(low, value), max(high, value)]
                 time.sleep(0.1)
-    return {**reader.report(), "exit_code": process.returncode, **seen}
+    return {**reader.report(), "exit_code": process.returncode, "nodes": nodes, **seen}
 
 
 def terminate(results: Path) -> dict[str, Any]:
@@ -45,11 +48,18 @@ def terminate(results: Path) -> dict[str, Any]:
 
 
 def kill(results: Path) -> dict[str, Any]:
-    """Kill the driver while a push holds a key and the stick."""
+    """Kill the driver while a push holds a button, the stick, a chord and a mouse button."""
     with started(str(KEYS), "sim:tour") as (process, reader):
-        reader.wait_for(lambda events: (EV_KEY, BTN_SOUTH, 1) in events, PATIENCE_S)
+        others = {name: Reader(find_node(phys)) for name, phys in PLACES.items()}
+        for each in (reader, *others.values()):
+            each.wait_for(
+                lambda events: any(event[::2] == (EV_KEY, 1) for event in events), PATIENCE_S
+            )
         process.kill()
-    return {**reader.report(), "exit_code": process.returncode}
+    for other in others.values():
+        other.wait_for_end()
+    seen = {name: other.report() for name, other in others.items()}
+    return {**reader.report(), "exit_code": process.returncode, **seen}
 
 
 @contextlib.contextmanager
@@ -61,7 +71,7 @@ def started(
     quick = ["--speed", "max", "--show", "nothing"]
     process = subprocess.Popen([sys.executable, "-m", "neurotouch_hid", *command, *quick, *options])
     try:
-        reader = Reader(find_pad(PATIENCE_S))
+        reader = Reader(find_node(PHYS, PATIENCE_S))
         yield process, reader
         process.wait(PATIENCE_S)
         reader.wait_for_end()

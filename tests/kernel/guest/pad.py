@@ -16,7 +16,7 @@ from neurotouch_hid.device import Device, open_device
 from neurotouch_hid.device.gamepad import PHYS
 from neurotouch_hid.messages import Axis, Button, GamepadState
 from tests.kernel.guest.opening import properties, run
-from tests.kernel.guest.reader import Reader, find_pad
+from tests.kernel.guest.reader import Reader, find_node, list_nodes
 from tests.kernel.guest.sdl import describe, look, open_games
 
 JSIOCGAXES = 0x80016A11
@@ -28,7 +28,7 @@ EVERYTHING = GamepadState(0, frozenset(Button), dict.fromkeys(Axis, 1.0))
 @contextlib.contextmanager
 def made_pad():
     with open_device("uinput") as pad:
-        device = find_pad()
+        device = find_node(PHYS)
         run("udevadm", "settle", "--timeout=20")
         yield pad, device
 
@@ -49,6 +49,7 @@ def claim(results: Path) -> dict[str, Any]:
             "keys": sorted(capabilities[EV_KEY]),
             "axes": {code: list(info) for code, info in capabilities[EV_ABS]},
             "pressed": device.active_keys(),
+            "nodes": list_nodes(),
             "udev": properties(Path(device.path)),
             "joydev": count_joydev(Path("/dev/input") / joystick),
             **{name: describe(game) for name, game in games.items()},
@@ -130,7 +131,7 @@ def part_with(end: Callable[[Device], None]) -> dict[str, Any]:
         os.read(told, 1)
         end(pad)
         os._exit(0)
-    reader = Reader(find_pad())
+    reader = Reader(find_node(PHYS))
     os.write(tell, b".")
     reader.wait_for(lambda events: (EV_ABS, ABS_HAT0Y, 1) in events)
     os.write(tell, b".")

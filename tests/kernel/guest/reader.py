@@ -1,4 +1,4 @@
-"""A program that reads our pad with plain evdev, as any other would."""
+"""A program that reads our nodes with plain evdev, as any other would."""
 
 import os
 import struct
@@ -10,13 +10,19 @@ from typing import Any
 
 import evdev
 
-from neurotouch_hid.device.gamepad import PHYS
-
 EVENT = struct.Struct("@llHHi")  # seconds, microseconds, type, code, value
 
 
-def find_pad(patience_s: float = 120.0) -> evdev.InputDevice:
-    """Wait for our pad and return it.
+def list_nodes() -> list[str]:
+    """Return where our own nodes claim to be plugged in."""
+    places = (
+        node.read_text().strip() for node in Path("/sys/class/input").glob("event*/device/phys")
+    )
+    return sorted(place for place in places if place.startswith("neurotouch/"))
+
+
+def find_node(phys: str, patience_s: float = 120.0) -> evdev.InputDevice:
+    """Wait for one of our nodes and return it.
 
     Raises:
         TimeoutError: it did not come.
@@ -24,10 +30,10 @@ def find_pad(patience_s: float = 120.0) -> evdev.InputDevice:
     deadline = time.monotonic() + patience_s
     while time.monotonic() < deadline:
         for node in Path("/sys/class/input").glob("event*"):
-            if (node / "device/phys").read_text().strip() == PHYS:
+            if (node / "device/phys").read_text().strip() == phys:
                 return evdev.InputDevice(f"/dev/input/{node.name}")
         time.sleep(0.05)
-    raise TimeoutError("the pad did not appear")
+    raise TimeoutError(f"{phys} did not appear")
 
 
 class Reader:
@@ -58,6 +64,14 @@ class Reader:
             if time.monotonic() > deadline:
                 raise TimeoutError(f"only these came: {self.events}")
             time.sleep(0.005)
+
+    def wait_until_quiet(self, quiet_s: float = 0.3, patience_s: float = 20.0) -> None:
+        """Wait until nothing has come for some time."""
+        deadline = time.monotonic() + patience_s
+        n_events = -1
+        while n_events != len(self.events) and time.monotonic() < deadline:
+            n_events = len(self.events)
+            time.sleep(quiet_s)
 
     def wait_for_end(self, patience_s: float = 20.0) -> None:
         """Wait until the device is gone."""
