@@ -12,7 +12,10 @@ from neurotouch_hid.tracker.correction import FrameCorrection
 
 _PAST = 64  # checks remembered: 128 ms, longer than any exposure and its way to us
 _MAX_DRIFT_PX = 1.0  # a marker farther off its rest position is being pushed
-_DRIFT_SHARE = 0.05  # of each new rest position: 0.8 s at 25 Hz
+_TOUCH_PX = 0.2  # farther off than the rest of the gel: a soft touch that passes for rest
+_DRIFT_US = 20e6  # time in which the rest position follows: a rig drifts over minutes ...
+_TOUCH_US = 300e6  # ... while a soft touch may be held for long
+_LONGEST_US = 200_000  # a rest position stands for no more time than that
 _SHOWN_DRIFT_PX = 0.1  # smaller changes of the rest position are not shown to later stages
 
 
@@ -120,15 +123,15 @@ class MarkerTracker:
         self._rest_px = np.full((n, 2), np.nan, np.float32)
         self._now_px = np.empty((n, 2))
         self._anchored = False
+        self._anchor_us = 0
         self._end_us: int | None = None
         self._n_events = self._n_anchors = self._n_gaps = 0
 
     def anchor(self, rest: RestField) -> None:
         """Take a rest position, which may be late: ``rest.t_us`` says which moment it describes.
 
-        The first one, and one that lies elsewhere (the camera was bumped), is taken as it is. After
-        that the rest position follows slowly, and only where a marker is nearly at rest, so that a
-        light touch that passed for rest cannot spoil it.
+        The first one, and one that lies elsewhere (the camera was bumped), is taken as it is.
+        After that the rest position follows slowly.
         """
         measured = rest.position_px.astype(np.float64)
         tracks, off = self._tracks, rest.position_px - self._tracks.rest_px
@@ -142,8 +145,8 @@ class MarkerTracker:
                 self._restart(int(t_us))
                 self._anchored = True
         else:
-            near = distance <= _MAX_DRIFT_PX
-            tracks.rest_px[near] += _DRIFT_SHARE * off[near]
+            self._drift(off, rest.t_us - self._anchor_us)
+        self._anchor_us = rest.t_us
         self._correction.anchor(rest)
         if not np.abs(self._rest_px - tracks.rest_px).max() < _SHOWN_DRIFT_PX:
             self._rest_px = tracks.rest_px.astype(np.float32)
@@ -179,6 +182,20 @@ class MarkerTracker:
             int(self._tracks.clock[2]),
             int((~self._tracks.lost).sum()) if self._anchored else 0,
         )
+
+    def _drift(self, off_px: NDArray[np.float64], elapsed_us: int) -> None:
+        """Let the rest position follow, but not where a soft touch passed for rest.
+
+        The whole gel drifts together; what single markers are off beyond that is touch, or the gel
+        creeping back from one.
+        """
+        elapsed = min(max(elapsed_us, 0), _LONGEST_US)
+        common = np.median(off_px, axis=0)
+        local = off_px - common
+        distance = np.hypot(*local.T)[:, None]
+        share = np.where(distance <= _TOUCH_PX, elapsed / _DRIFT_US, elapsed / _TOUCH_US)
+        share[distance > _MAX_DRIFT_PX] = 0.0
+        self._tracks.rest_px[:] += elapsed / _DRIFT_US * common + share * local
 
     def _unknown(self, t_us: int) -> MarkerField:
         self._end_us = t_us
