@@ -20,7 +20,7 @@ class MemoryDevice:
     Attributes:
         name: what the user is told it is.
         states: the changes; the newest 10 000 (100 s of ceaseless motion), so that a dry run of
-            days does not grow. A state in which the mouse moved is a change.
+            days does not grow. The mouse's moving and its stopping are changes too.
         companions: the nodes that would stand beside the pad.
         travel: how far the mouse went in all, in steps, by EV_REL code.
     """
@@ -98,5 +98,7 @@ class MemoryDevice:
             self.states.append(state)
 
 
-def _encode(state: GamepadState) -> tuple[_Report, _Report, _Report]:
-    return gamepad.encode(state), keyboard.encode(state), mouse.encode(state)
+def _encode(state: GamepadState) -> tuple[_Report, _Report, _Report, bool]:
+    """The three reports, and whether the mouse moves: its stopping is kept too."""
+    moves = any(state.pointer) or state.wheel != 0.0
+    return gamepad.encode(state), keyboard.encode(state), mouse.encode(state), moves

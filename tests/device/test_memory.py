@@ -48,7 +48,7 @@ def test_keys_and_mouse_buttons_are_kept(state):
     assert list(device.states) == [state, GamepadState(20)]
 
 
-def test_a_state_that_moves_the_mouse_is_kept_and_the_way_is_summed():
+def test_the_mouse_moving_and_stopping_is_kept_and_the_way_is_summed():
     device = MemoryDevice()
     moving = [
         GamepadState(t_us, pointer=(60.0, -200.0), wheel=12.0) for t_us in range(0, 100_001, 10_000)
@@ -56,7 +56,10 @@ def test_a_state_that_moves_the_mouse_is_kept_and_the_way_is_summed():
     for state in moving:
         device.write(state)
     device.write(GamepadState(110_000, pointer=(1.0, 0.0)))
-    assert list(device.states) == moving[1:]
+    stopped = GamepadState(120_000)
+    device.write(stopped)
+    device.write(GamepadState(130_000))
+    assert list(device.states) == [*moving, stopped]
     assert device.travel == {0: 6, 1: -20, 8: 1, 11: 144}
 
 
@@ -65,7 +68,6 @@ def test_the_way_to_a_neutral_does_not_count():
     device.write(GamepadState(0, pointer=(100.0, 0.0)))
     device.neutral()
     device.write(GamepadState(40_000, pointer=(100.0, 0.0)))
-    assert not device.states
     assert not device.travel
 
 
