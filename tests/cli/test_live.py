@@ -1,0 +1,264 @@
+"""A driver that runs, and everything one can say to it from outside."""
+
+import json
+import os
+import pty
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+LIMIT_S = 60.0
+HEAVY = ("click", "numpy", "numba", "cv2", "pydantic", "ruamel", "evdev", "asyncio", "threading")
+
+PROGRAM = [sys.executable, "-m", "neurotouch_hid"]
+RUN = [*PROGRAM, "run", "--source", "sim:tour", "--device", "memory"]
+
+
+class Driver:
+    """``neurotouch run`` in a process of its own, with folders of its own."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.trace = folder / "trace.jsonl"
+        self.environment = {
+            **os.environ,
+            "RUNTIME_DIRECTORY": str(folder / "run"),
+            "XDG_CONFIG_HOME": str(folder / "config"),
+        }
+        self._log = folder / "stderr.txt"
+        with self._log.open("w") as log:
+            self.process = subprocess.Popen(
+                [*RUN, "--show", "nothing", "--trace", str(self.trace)],
+                stderr=log,
+                env=self.environment,
+            )
+        self.wait(lambda: "Gamepad ready" in self.said)
+
+    @property
+    def said(self) -> str:
+        return self._log.read_text()
+
+    def call(self, *arguments: str) -> subprocess.CompletedProcess:
+        return subprocess.run(
+            [*PROGRAM, *arguments],
+            capture_output=True,
+            text=True,
+            check=False,
+            env=self.environment,
+            timeout=LIMIT_S,
+        )
+
+    def do(self, *arguments: str) -> str:
+        done = self.call(*arguments)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    def status(self) -> dict:
+        return json.loads(self.do("status", "--json"))
+
+    def wait(self, happened) -> None:
+        deadline = time.monotonic() + LIMIT_S
+        while not happened():
+            assert self.process.poll() is None, self.said
+            assert time.monotonic() < deadline, self.said
+            time.sleep(0.05)
+
+    def end(self) -> list[dict]:
+        """Ends it, with nothing pressed; what it did slice by slice."""
+        self.process.terminate()
+        assert self.process.wait(LIMIT_S) == 0, self.said
+        assert "The pad is neutral." in self.said
+        assert "Traceback" not in self.said
+        assert not (self.folder / "run" / "control").exists()
+        return [json.loads(line) for line in self.trace.read_text().splitlines()]
+
+
+@pytest.fixture(scope="module")
+def start(tmp_path_factory):
+    """Starts drivers; none outlives its tests."""
+    started = []
+
+    def start_driver() -> Driver:
+        folder = tmp_path_factory.mktemp("live")
+        profiles = folder / "config" / "neurotouch" / "profiles"
+        profiles.mkdir(parents=True)
+        (profiles / "mine.yaml").write_text(profile("a"))
+        (profiles.parent / "user.yaml").write_text("version: 1\nslots: [mine]\n")
+        started.append(Driver(folder))
+        return started[-1]
+
+    yield start_driver
+    for driver in started:
+        driver.process.kill()
+        driver.process.wait()
+
+
+@pytest.fixture(scope="module")
+def shared(start):
+    """A driver that several tests ask, in any order."""
+    return start()
+
+
+def profile(button: str) -> str:
+    gestures = ("push", "pinch", "zoom", "twist_cw", "twist_ccw")
+    lines = [f"  - {{when: {{gesture: {kind}}}, do: {{button: {button}}}}}" for kind in gestures]
+    return "\n".join(["version: 1", "name: mine", "bindings:", *lines, ""])
+
+
+def find_pressed(trace: list[dict]) -> set[str]:
+    return {name for record in trace for name, value in record["pad"].items() if value}
+
+
+def test_pause_resume_and_panic_from_the_command_line(start):
+    driver = start()
+    assert driver.status()["state"] == "running"
+    assert driver.do("pause").startswith("Paused")
+    assert driver.status()["state"] == "paused"
+    assert driver.do("resume").startswith("Resumed")
+    assert driver.status()["state"] == "running"
+    assert driver.do("panic").startswith("Stopped")
+    driver.do("pause")
+    driver.do("reload")
+    driver.process.send_signal(signal.SIGHUP)
+    driver.wait(lambda: driver.said.count("has been reloaded") == 2)
+    assert driver.status()["state"] == "panic"
+    stopped = driver.status()["slices"]
+    driver.wait(lambda: driver.status()["slices"] > stopped + 400)  # whole gestures go by
+    status = driver.status()
+    assert status["state"] == "panic"
+    assert status["markers_tracked"] > 170
+    trace = driver.end()
+    assert find_pressed(trace[stopped:]) == set()
+    assert {record["gesture"] for record in trace[stopped:]} != {"none"}
+
+
+def test_saved_profile_holds_and_a_wrong_one_does_not(start):
+    driver = start()
+    driver.wait(lambda: driver.status()["slices"] > 300)
+    first = driver.status()["slices"]
+    file = driver.folder / "config/neurotouch/profiles/mine.yaml"
+    file.write_text(profile("b"))
+    driver.wait(lambda: "has been reloaded" in driver.said)
+    file.write_text(profile("bb"))
+    driver.wait(lambda: "goes on as it was" in driver.said)
+    assert "mine.yaml:4:" in driver.said
+    (error,) = driver.status()["errors"]
+    assert "mine.yaml:4:" in error["error"]
+    assert driver.call("reload").returncode == 8
+    slices = driver.status()["slices"]
+    driver.wait(lambda: driver.status()["slices"] > slices + 400)
+    trace = driver.end()
+    assert find_pressed(trace[:first]) == {"a"}
+    assert find_pressed(trace[slices:]) == {"b"}
+
+
+def test_status_has_one_fact_on_each_line_and_the_state_first(shared):
+    driver = shared
+    driver.do("resume")
+    driver.wait(lambda: driver.status()["stage_ms"])
+    lines = driver.do("status").splitlines()
+    assert lines[0] == "OK: running"
+    facts = dict(line.split(": ", 1) for line in lines)
+    assert facts["source"] == "sim:tour"
+    assert facts["pad"] == "memory"
+    assert facts["profile"] == "mine"
+    assert facts["layer"] == "base"
+    assert facts["markers"].startswith("17")
+    assert facts["events"].endswith("0 lost")
+    assert {"time in tracker", "time in gesture", "time in profile"} <= set(facts)
+    assert "chord" in facts["keyboard"]
+    driver.do("panic")
+    assert driver.do("status").startswith("WARNING: stopped by panic")
+
+
+def test_second_driver_is_refused_and_the_first_goes_on(shared):
+    done = shared.call(*RUN[len(PROGRAM) :])
+    assert done.returncode == 75
+    assert f"PID {shared.process.pid}" in done.stderr
+    assert shared.status()["pid"] == shared.process.pid
+
+
+def test_computation_beside_the_driver_is_allowed(shared):
+    done = shared.call("run", "--source", "sim:push", "--device", "memory", "--speed", "max")
+    assert done.returncode == 0, done.stderr
+
+
+def test_killed_driver_leaves_no_obstacle(start):
+    driver = start()
+    driver.process.kill()
+    driver.process.wait()
+    done = driver.call("pause")
+    assert done.returncode == 8
+    assert "No driver is running" in done.stderr
+    again = Driver(driver.folder)
+    assert again.status()["state"] == "running"
+    again.end()
+
+
+@pytest.mark.parametrize("command", ["pause", "resume", "panic", "reload", "status"])
+def test_without_a_driver_each_command_says_so(command, tmp_path):
+    done = subprocess.run(
+        [*PROGRAM, command],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "RUNTIME_DIRECTORY": str(tmp_path)},
+    )
+    assert done.returncode == 8
+    assert done.stderr == "Error: No driver is running.\nFix: Start it: neurotouch run\n"
+    assert done.stdout == ""
+
+
+@pytest.mark.parametrize("command", ["pause", "resume", "panic", "reload", "status"])
+def test_each_command_has_help_with_examples(command):
+    done = subprocess.run([*PROGRAM, command, "--help"], capture_output=True, text=True, check=True)
+    assert "Examples:" in done.stdout
+
+
+@pytest.mark.parametrize("order", ["pause", "resume", "panic"])
+def test_orders_import_next_to_nothing(order, tmp_path):
+    code = (
+        f"import sys; sys.argv[1:] = ['{order}']\n"
+        "from neurotouch_hid.__main__ import main\n"
+        "try: main()\n"
+        f"finally: print([name for name in {HEAVY!r} if name in sys.modules], len(sys.modules))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "RUNTIME_DIRECTORY": str(tmp_path)},
+    )
+    assert done.returncode == 8
+    found, n_modules = done.stdout.rsplit(" ", 1)
+    assert found == "[]"
+    assert int(n_modules) < 120
+
+
+def test_closing_the_terminal_ends_the_driver(tmp_path):
+    environment = {**os.environ, "RUNTIME_DIRECTORY": str(tmp_path / "run")}
+    log = tmp_path / "stderr.txt"
+    pid, terminal = pty.fork()
+    if pid == 0:
+        descriptor = os.open(log, os.O_WRONLY | os.O_CREAT)
+        os.dup2(descriptor, 2)
+        os.execve(RUN[0], [*RUN, "--show", "nothing"], environment)
+    try:
+        deadline = time.monotonic() + LIMIT_S
+        while not log.exists() or "Gamepad ready" not in log.read_text():
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        os.kill(pid, signal.SIGHUP)  # the terminal is still there: this means reload
+        while "has been reloaded" not in log.read_text():
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+    finally:
+        os.close(terminal)
+        _, status = os.waitpid(pid, 0)
+    assert os.waitstatus_to_exitcode(status) == 0
+    assert "The pad is neutral." in log.read_text()
