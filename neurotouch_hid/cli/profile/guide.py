@@ -8,6 +8,7 @@ import click
 from neurotouch_hid.cli.completing import complete_profile
 from neurotouch_hid.cli.output import choose, is_plain, make_stamp, plain_option, say, show_changes
 from neurotouch_hid.cli.profile.saving import save_paper, show_warnings
+from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile import Profile
@@ -32,19 +33,23 @@ def edit(name: str, editor: bool, source: str | None, plain: bool) -> None:
 
     Nothing is timed. Every step can be taken back, and nothing is saved before you say so.
     """
-    from neurotouch_hid.profile.editing import take_profile
+    from neurotouch_hid.profile.editing import read_text, take_profile
 
     paper = take_profile(name, make_stamp)
     draft = _find_draft(paper)
     text = paper.text
     if draft.exists():
-        if choose("There is a draft that was not saved.", ["Go on with it", "Leave it"]) == 0:
-            text = draft.read_text(encoding="utf-8")
-        draft.unlink()
+        choices = ["Go on with it", "Throw it away"]
+        if choose("There is a draft that was not saved.", choices) == 0:
+            text = read_text(draft)[0]
+        else:
+            draft.unlink()
     if editor:
-        _edit_text(paper, text, draft, plain=plain)
+        settled = _edit_text(paper, text, draft, plain=plain)
     else:
-        _Guide(paper, text, draft, source, plain=plain).run()
+        settled = _Guide(paper, text, draft, source, plain=plain).run()
+    if settled:
+        draft.unlink(missing_ok=True)
 
 
 def _find_draft(paper: "Paper") -> Path:
@@ -58,27 +63,32 @@ def _save_draft(draft: Path, text: str) -> None:
     click.echo(f"Go on with it: neurotouch profile edit {draft.stem}")
 
 
-def _edit_text(paper: "Paper", text: str, draft: Path, *, plain: bool) -> None:
-    """Opens the editor until the text is right, or until the person has had enough of it."""
+def _edit_text(paper: "Paper", text: str, draft: Path, *, plain: bool) -> bool:
+    """Opens the editor until the text is right, or until the person has had enough of it.
+
+    Gives false if a draft is left.
+    """
+    newline = "\r\n" if "\r\n" in text else "\n"
     while True:
-        edited = click.edit(text, extension=".yaml")
-        if edited is None or edited == paper.text:
+        edited = click.edit(text, extension=".yaml", require_save=False) or ""
+        edited = edited.replace("\r\n", "\n").replace("\n", newline)
+        if edited == paper.text:
             say("OK", "Nothing has changed.", plain=plain)
-            return
+            return True
         text = edited
         checked = paper.check(text)
         if checked.whole is not None:
             save_paper(paper, text, plain=plain)
-            return
+            return True
         show_warnings(checked, plain=plain)
         choices = ["Edit again", "Keep the old profile, throw this away", "Keep this as a draft"]
         answer = choose("There are errors. What now?", choices, default=0)
         if answer == 1:
             say("OK", "The old profile is kept.", plain=plain)
-            return
+            return True
         if answer == 2:
             _save_draft(draft, text)
-            return
+            return False
 
 
 class _Guide:
@@ -93,9 +103,17 @@ class _Guide:
         self._source = source
         self._plain = plain
 
-    def run(self) -> None:
-        """Asks until the person is done; on Ctrl-C or the end of input the draft is kept."""
-        self._paper.check(self._text).require()
+    def run(self) -> bool:
+        """Asks until the person is done; on Ctrl-C or the end of input the draft is kept.
+
+        Raises:
+            ProfileError: the profile has errors already.
+        """
+        try:
+            self._paper.check(self._text).require()
+        except ProfileError as error:
+            hint = f"Mend it first: neurotouch profile edit {self._paper.name} --editor"
+            raise ProfileError(error.message, hint=hint) from None
         try:
             while self._ask_what():
                 pass
@@ -109,6 +127,7 @@ class _Guide:
             save_paper(self._paper, self._text, plain=self._plain)
         else:
             say("OK", "Nothing was saved.", plain=self._plain)
+        return True
 
     def _load(self) -> "Profile":
         from neurotouch_hid.profile import Profile
@@ -119,24 +138,25 @@ class _Guide:
 
     def _ask_what(self) -> bool:
         from neurotouch_hid.profile.editing.summary import summarize_binding
+        from neurotouch_hid.profile.schema import FIRST_LAYER
 
         profile = self._load()
         layers = list(profile.all_layers)
-        layer = layers[0]
+        at = 0
         if len(layers) > 1:
             at = choose("Which layer?", [*(inner.name for inner in layers), "Done"])
             if at == len(layers):
                 return False
-            layer = layers[at]
-        choices = [summarize_binding(binding) for binding in layer.bindings]
+        name, bindings = (layers[at].name, layers[at].bindings) if layers else (FIRST_LAYER, [])
+        choices = [summarize_binding(binding) for binding in bindings]
         n = len(choices)
         more = ["Bind a gesture", f"Timing: {self._word(profile.timing)}"]
         more += [f"Tremor filter: {profile.filter or 'the default'}", "Done"]
         at = choose(f"{profile.name}: what do you want to change?", [*choices, *more])
         if at < n:
-            self._change_binding(layer.name, at, layer.bindings[at])
+            self._change_binding(name, at, bindings[at])
         elif at == n:
-            self._bind(layer.name)
+            self._bind(name)
         elif at == n + 1:
             self._set("timing", ("game", "steady", "slow"))
         elif at == n + 2:
@@ -192,7 +212,6 @@ class _Guide:
     def _set(
         self, path: str, words: tuple[str, ...], layer: str | None = None, at: int = 0
     ) -> None:
-        from neurotouch_hid.errors import ProfileError
         from neurotouch_hid.profile.editing import parse_value, reset_value, set_value
 
         try:
@@ -255,7 +274,6 @@ class _Guide:
         return parse_when(f"{gesture} {list(PRESSES.values())[press]}")
 
     def _ask_do(self) -> object:
-        from neurotouch_hid.errors import ProfileError
         from neurotouch_hid.profile.editing import parse_do
         from neurotouch_hid.profile.editing.questions import OUTPUTS
 
@@ -297,7 +315,7 @@ class _Guide:
 
         for measure, value in sample_response(binding):
             bar = "" if self._plain or is_plain() else " " + "#" * round(40 * value)
-            click.echo(f"at {measure:4.1f}: {100 * value:3.0f} percent{bar}")
+            click.echo(f"at {measure:>8}: {100 * value:3.0f} percent{bar}")
 
 
 def _see_gesture(source: str) -> str | None:

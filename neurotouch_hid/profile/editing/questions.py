@@ -110,11 +110,11 @@ def _list_words(annotation: Any) -> tuple[str, ...]:
     return found[0] if len(found) == 1 and len(inner) <= 2 else ()
 
 
-def sample_response(binding: Binding) -> list[tuple[float, float]]:
+def sample_response(binding: Binding) -> list[tuple[str, float]]:
     """The value of what follows a gesture at some measures from 0 to beyond its range.
 
     Returns:
-        (measure, value of 0..1) from small to large; empty for what is pressed.
+        (measure with its unit, value of 0..1) from small to large; empty for what is pressed.
     """
     if not binding.is_followed or isinstance(binding.when, Sequence):
         return []
@@ -123,4 +123,5 @@ def sample_response(binding: Binding) -> list[tuple[float, float]]:
     range_ = binding.range_for(kinds[0])
     respond = make_response(range_, binding.do)
     step = range_[1] / (_STEPS - 1)
-    return [(i * step, respond(i * step)) for i in range(_STEPS + 1)]
+    unit = "mm/s" if getattr(binding.do, "follow", "") == "speed" else "mm"
+    return [(f"{i * step:.1f} {unit}", respond(i * step)) for i in range(_STEPS + 1)]
