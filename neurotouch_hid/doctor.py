@@ -141,6 +141,17 @@ def _find_readable(phys: str) -> str | None:
     return None
 
 
+def _check_keyboard(name: str) -> Finding:
+    from neurotouch_hid.device import explain_keyboards, find_keyboards
+
+    keyboards = find_keyboards()
+    sentence, fix = explain_keyboards(keyboards)
+    sentence = f"{sentence[0].upper()}{sentence[1:]}."
+    if not keyboards:
+        return Finding(name, Status.SKIPPED, sentence)
+    return Finding(name, Status.WARNING if fix else Status.OK, sentence, fix)
+
+
 def _check_camera(name: str) -> Finding:
     for vendor in Path("/sys/bus/usb/devices").glob("*/idVendor"):
         ids = vendor.read_text().strip(), vendor.with_name("idProduct").read_text().strip()
@@ -160,5 +171,6 @@ _CHECKS: dict[str, Callable[[str], Finding]] = {
     "line": _check_line,
     "uinput": _check_uinput,
     "loop-back": _check_loopback,
+    "keyboard": _check_keyboard,
     "camera": _check_camera,
 }

@@ -1,5 +1,7 @@
 """``neurotouch demo``: the simulated gel drives the pad."""
 
+from contextlib import ExitStack
+
 import click
 
 
@@ -24,25 +26,49 @@ def command(scene: str, profile: str, seconds: float | None, show: str) -> None:
 
     Where this machine allows it, the pad is a real game controller that every program sees.
     """
+    from neurotouch_hid.cli.live import Live, take_control
     from neurotouch_hid.cli.play import play, prepare_kernels
     from neurotouch_hid.device import open_device
     from neurotouch_hid.errors import DeviceError
     from neurotouch_hid.gesture import GestureConfig
-    from neurotouch_hid.profile import load_profile
-    from neurotouch_hid.runtime import Pipeline, find_companions
+    from neurotouch_hid.profile import load_profile, load_user
+    from neurotouch_hid.runtime import (
+        Pipeline,
+        Stopwatch,
+        find_companions,
+        load_driver_settings,
+    )
     from neurotouch_hid.source import open_source
 
-    mapping = load_profile(profile)
+    mapping, user, settings = load_profile(profile), load_user(), load_driver_settings()
     gesture = GestureConfig()
     source = f"sim:{scene}"
-    with open_source(source) as packets:
+    with ExitStack() as stack:
+        control = take_control(stack)
+        packets = stack.enter_context(open_source(source))
         prepare_kernels(mapping, gesture, source)
         try:
             pad = open_device("uinput", find_companions(mapping))
         except DeviceError as error:
             click.echo(f"No real controller this time: {error.message} Going on without.", err=True)
             pad = open_device("memory")
-        with pad:
-            pipeline = Pipeline.build(mapping, gesture, rig=packets.rig, live=True)
-            title = f"SIMULATED {packets.name} → {pad.name}, profile {mapping.name}"
-            play(packets, pipeline, pad, title=title, show=show, seconds=seconds)
+        stack.enter_context(pad)
+        stopwatch = Stopwatch()
+        pipeline = Pipeline.build(
+            mapping, gesture, user=user, rig=packets.rig, live=True, stopwatch=stopwatch
+        )
+        live = stack.enter_context(
+            Live(
+                control,
+                pipeline,
+                stopwatch,
+                pad,
+                name=profile,
+                profile=mapping,
+                user=user,
+                settings=settings,
+                source=packets.name,
+            )
+        )
+        title = f"SIMULATED {packets.name} → {pad.name}, profile {mapping.name}"
+        play(packets, pipeline, pad, title=title, show=show, seconds=seconds, live=live)

@@ -26,14 +26,14 @@ from neurotouch_hid.runtime import (
 )
 
 
-def take_control() -> ControlSocket | None:
-    """The control socket; None, with a warning, where none can be made.
+def take_control(closing: ExitStack) -> ControlSocket | None:
+    """The control socket, closed by ``closing``; None, with a warning, where none can be made.
 
     Raises:
         AlreadyRunningError: another driver runs.
     """
     try:
-        return ControlSocket(find_runtime_folder())
+        return closing.enter_context(ControlSocket(find_runtime_folder()))
     except AlreadyRunningError:
         raise
     except DriverError as error:

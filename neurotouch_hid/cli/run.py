@@ -87,9 +87,7 @@ def command(
     gesture = GestureConfig(method=method)
     with ExitStack() as stack:
         # Only one driver plays live; what goes as fast as possible is a computation beside it.
-        control = take_control() if speed == "recorded" else None
-        if control is not None:
-            stack.enter_context(control)
+        control = take_control(stack) if speed == "recorded" else None
         packets = stack.enter_context(open_source(source, speed=speed, seed=seed))
         check_device(device)  # before the kernels compile, and again for real after it
         prepare_kernels(mapping, gesture, source)

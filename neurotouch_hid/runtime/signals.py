@@ -9,7 +9,8 @@ from collections.abc import Callable
 def stop_on_signals(reload: Callable[[], object] | None = None) -> threading.Event:
     """From now on Ctrl-C and SIGTERM set the returned event and do nothing else; twice is harmless.
 
-    SIGHUP reloads, unless it comes because the terminal was closed: then it ends the line too.
+    SIGHUP reloads, unless it comes because the terminal was closed: then it ends the line too,
+    except under nohup.
     Nothing puts the former behaviour back: the pad is to be released undisturbed. Only the main
     thread may call this.
 
@@ -17,12 +18,13 @@ def stop_on_signals(reload: Callable[[], object] | None = None) -> threading.Eve
         reload: what SIGHUP does; without, it ends the line. Must be safe in a signal handler.
     """
     stop = threading.Event()
+    outlives = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN  # nohup has set this
     attached = _has_terminal()
 
     def hang_up(*_: object) -> None:
-        if reload is None or (attached and not _has_terminal()):
+        if not outlives and (reload is None or (attached and not _has_terminal())):
             stop.set()
-        else:
+        elif reload is not None:
             reload()
 
     for number in (signal.SIGINT, signal.SIGTERM):

@@ -156,6 +156,17 @@ def test_saved_profile_holds_and_a_wrong_one_does_not(start):
     assert find_pressed(trace[slices:]) == {"b"}
 
 
+def test_gel_goes_to_the_next_favourite(start):
+    driver = start()
+    folder = driver.folder / "config/neurotouch"
+    (folder / "user.yaml").write_text("version: 1\nslots: [mine, racing]\n")
+    gel = profile("a").replace("{button: a}", "{command: next_profile}")
+    (folder / "profiles" / "mine.yaml").write_text(gel)
+    driver.wait(lambda: driver.status()["profile"] == "racing")
+    assert "The profile 'racing' is in use." in driver.said
+    driver.end()
+
+
 def test_status_has_one_fact_on_each_line_and_the_state_first(shared):
     driver = shared
     driver.do("resume")

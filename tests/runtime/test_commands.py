@@ -1,0 +1,73 @@
+"""What the questions mean; the line here stands still unless a test turns it."""
+
+import pytest
+
+from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.profile import UserSettings, load_profile
+from neurotouch_hid.runtime import Commands, Pipeline, ProfileWatch, Session, Stopwatch
+
+
+PROFILE, USER = load_profile("default"), UserSettings()
+
+
+@pytest.fixture
+def session():
+    stopwatch = Stopwatch()
+    line = Pipeline.build(PROFILE, GestureConfig(), user=USER, stopwatch=stopwatch)
+    return Session(line, stopwatch, USER)
+
+
+@pytest.fixture
+def commands(session):
+    watch = ProfileWatch("default", PROFILE, USER, session, lambda said: None, lambda new: None)
+    yield Commands(session, watch, {"source": lambda: "sim:tour"})
+    watch.close()
+
+
+def test_order_to_a_silent_source_is_noted(commands):
+    answer = commands.answer({"command": "panic"})
+    assert answer["ok"]
+    assert answer["done"] is False
+    assert "silent" in answer["text"]
+
+
+def test_too_many_orders_are_refused_but_never_a_panic(commands, session):
+    for _ in range(64):
+        session.tell("pause")
+    refused = commands.answer({"command": "resume"})
+    assert (refused["ok"], "too many" in refused["error"]) == (False, True)
+    assert commands.answer({"command": "panic"})["ok"]
+    session.obey()
+    assert commands.answer({"command": "status"})["state"] == "panic"
+
+
+@pytest.mark.parametrize(
+    ("question", "sentence"),
+    [
+        ({"command": "fly"}, "no command 'fly'"),
+        ({"command": "\x1b[2J" * 100}, "no command '"),
+        ({"command": "use"}, "missing"),
+        ({"command": "use", "profile": 7}, "missing"),
+        ({"command": "use", "profile": "nine"}, "no profile is called 'nine'"),
+        ({"command": "use", "profile": "/dev/zero"}, "not a file"),
+        ({"command": "use", "profile": "/\0.yaml"}, "cannot be read"),
+        ({"command": "use", "profile": "x" * 60_000}, "no profile is called"),
+    ],
+)
+def test_what_cannot_be_done_is_said(commands, question, sentence):
+    answer = commands.answer(question)
+    assert answer["ok"] is False
+    assert sentence in answer["error"]
+    assert "\x1b" not in answer["error"]
+
+
+def test_status_tells_the_facts_too(commands):
+    status = commands.answer({"command": "status"})
+    assert (status["source"], status["version"], status["profile"]) == ("sim:tour", 1, "default")
+    assert status["silent_s"] >= 0.0
+
+
+def test_use_answers_with_the_profile_that_holds(commands):
+    answer = commands.answer({"command": "use", "profile": "racing"})
+    assert answer["done"]
+    assert "'racing'" in answer["text"]
