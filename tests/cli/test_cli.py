@@ -131,5 +131,7 @@ def test_ctrl_c_before_the_start_is_no_traceback():
     time.sleep(0.4)
     process.send_signal(signal.SIGINT)
     _, text = process.communicate(timeout=60)
-    assert process.returncode in {0, 130}
+    # A shell shows -2 as 130 too: Python ends by the signal itself where it came inside exec(),
+    # as in the making of a dataclass, whoever caught it.
+    assert process.returncode in {0, 130, -signal.SIGINT}
     assert "Traceback" not in text

@@ -6,7 +6,6 @@ from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.profile import UserSettings, load_profile
 from neurotouch_hid.runtime import Commands, Pipeline, ProfileWatch, Session, Stopwatch
 
-
 PROFILE, USER = load_profile("default"), UserSettings()
 
 
