@@ -6,7 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import N_MARKERS, PITCH_MM, Rig, fit_rig
-from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame, RestField
+from neurotouch_hid.messages import (
+    SENSOR_HEIGHT_PX,
+    SENSOR_WIDTH_PX,
+    EventPacket,
+    Frame,
+    RestField,
+)
+from neurotouch_hid.tracker.eventframe import EventFrame
 from neurotouch_hid.tracker.image import BlobConfig, BlobFinder, Blobs, kernels
 from neurotouch_hid.tracker.image.lattice import Lattice, LatticeConfig, find_lattice
 
@@ -123,6 +130,7 @@ class RestDetector:
         self._rig = rig
         self._finder = BlobFinder(self._config.blobs)
         self._reference: _Reference | None = None
+        self._event_frame: EventFrame | None = EventFrame(rig)
         self._match = np.empty(N_MARKERS, np.int32)
         self._still_px: NDArray[np.float64] = np.empty((0, 2))
         self._n_still = 0
@@ -138,6 +146,22 @@ class RestDetector:
         if self._reference is None:
             return self._search(frame, blobs)
         return self._compare(frame, blobs, self._reference)
+
+    def watch(self, packet: EventPacket) -> RestField | None:
+        """Where all markers are, once, if events show the gel before any frame has come.
+
+        ``stats().reason`` then warns that frames are missing.
+        """
+        if self._event_frame is None or self._stats.n_frames:
+            self._event_frame = None
+            return None
+        rest, nan = self._event_frame.update(packet), float("nan")
+        found = rest is not None
+        n_found = N_MARKERS if found else 0
+        self._stats = RestStats(0, 0, int(found), n_found, nan, nan, self._event_frame.reason)
+        if found:
+            self._event_frame = None
+        return rest
 
     def _search(self, frame: Frame, blobs: Blobs) -> RestField | None:
         """Take the frame as the reference if it shows the undeformed lattice."""

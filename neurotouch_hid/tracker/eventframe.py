@@ -1,0 +1,85 @@
+"""The gel found without frames: the first touch moves all markers, and events draw them twice."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.geometry import N_MARKERS, Rig
+from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, EventPacket, RestField
+from neurotouch_hid.tracker.image import BlobFinder
+from neurotouch_hid.tracker.image.lattice import Lattice, LatticeConfig, find_lattice
+
+_FADE_US = 300_000.0  # events older than a touch-down are forgotten
+_SEARCH_US = 40_000  # as often as frames would come
+_LEAST_NOISE = 0.3  # events per pixel
+_MAX_BLOBS = 700  # more is noise
+_MIN_FOUND = 120  # of each polarity; the smooth model fills in the others
+_MAX_APART_PX = 7.0  # of all markers but a few: their size, and what they have moved
+_LEAD_PX = 1.8  # at most, from a marker's centre to that of its new ON or old OFF spot
+_BLACK, _NOISE_LEVEL = 20.0, 3.0  # grey levels of no event and of the deviation of the noise
+
+
+class EventFrame:
+    """Adds up polarities until the markers can be seen in them.
+
+    A bright marker that moves a little leaves a spot of ON events where it goes and one of OFF
+    events where it was. When both spots of nearly all markers lie close together, none has moved
+    far, and half way between them is its place at rest, to about half a pixel.
+    """
+
+    def __init__(self, rig: Rig | None = None) -> None:
+        self._rig = rig
+        self._finder = BlobFinder()
+        self._net: NDArray[np.float64] = np.zeros((SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX))
+        self._next_us: int | None = None
+        self.reason = "no events yet"
+
+    def update(self, packet: EventPacket) -> RestField | None:
+        """Where all markers are at rest, as soon as it can be seen."""
+        self._add(packet)
+        if self._next_us is None:
+            self._next_us = packet.t_begin_us + _SEARCH_US
+        if packet.t_end_us < self._next_us:
+            return None
+        self._next_us = packet.t_end_us + _SEARCH_US
+        smooth = _smooth(self._net)
+        noise = max(1.48 * float(np.median(np.abs(smooth))), _LEAST_NOISE)
+        on, off = (self._find(sign * smooth / noise) for sign in (1.0, -1.0))
+        n_found = min(0 if lattice is None else lattice.n_found for lattice in (on, off))
+        self.reason = (
+            f"there are no frames, and events show {n_found} of {N_MARKERS} markers so far; "
+            "touch the gel once, lightly"
+        )
+        if on is None or off is None or n_found < _MIN_FOUND:
+            return None
+        moved = on.position_px - off.position_px
+        apart = np.hypot(*moved.T)
+        if np.percentile(apart, 98) > _MAX_APART_PX:
+            return None
+        self.reason = "found in events, without frames: positions will drift slowly"
+        lead = np.minimum(0.5, _LEAD_PX / np.maximum(apart, 1e-9))
+        position = off.position_px + lead[:, None] * moved
+        return RestField(packet.t_end_us, position.astype(np.float32))
+
+    def _add(self, packet: EventPacket) -> None:
+        self._net *= math.exp((packet.t_begin_us - packet.t_end_us) / _FADE_US)
+        events = packet.events
+        index = events["y"].astype(np.intp) * SENSOR_WIDTH_PX + events["x"]
+        polarity = np.where(events["p"], 1.0, -1.0)
+        self._net += np.bincount(index, polarity, self._net.size).reshape(self._net.shape)
+
+    def _find(self, picture: NDArray[np.float64]) -> Lattice | None:
+        pixels = np.clip(_BLACK + _NOISE_LEVEL * picture, 0, 255).astype(np.uint8)
+        centroid_px = self._finder.find(pixels).centroid_px
+        if len(centroid_px) > _MAX_BLOBS:
+            return None
+        return find_lattice(centroid_px, LatticeConfig(), self._rig)
+
+
+def _smooth(picture: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The picture under a binomial window of 3 x 3."""
+    wide = np.pad(picture, 1)
+    rows = (wide[:-2] + 2.0 * wide[1:-1] + wide[2:]) / 4.0
+    smooth: NDArray[np.float64] = (rows[:, :-2] + 2.0 * rows[:, 1:-1] + rows[:, 2:]) / 4.0
+    return smooth
