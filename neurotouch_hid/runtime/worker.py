@@ -27,8 +27,11 @@ class InlineRest:
         self.detector = detector
 
     def exchange(self, packet: EventPacket) -> RestField | None:
-        """Looks at every frame of ``packet`` and returns the answer to the newest one."""
-        answer = None
+        """Looks at every frame of ``packet`` and returns the answer to the newest one.
+
+        Before the first frame, the events are looked at: a recording may have no frames at all.
+        """
+        answer = None if packet.frames else self.detector.watch(packet)
         for frame in packet.frames:
             answer = self.detector.update(frame)
         return answer

@@ -35,11 +35,6 @@ class Replay:
     def __init__(self, path: Path | str, *, slice_us: int = 10_000) -> None:
         self.name = f"file:{path}"
         self._recording = Recording(path)
-        if not self._recording.has_frames:
-            raise RecordingError(
-                f"{path} has no stream of frames; the markers at rest are found in frames",
-                hint="record with the frames switched on",
-            )
         beside = rig_path(path)
         known = load_rig_file(beside) if beside.exists() else RigFile()
         self.rig = known.rig
