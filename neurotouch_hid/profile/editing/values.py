@@ -62,6 +62,8 @@ def parse_value(text: str) -> Any:
     """
     if not text.strip():
         raise ProfileError("the value is empty", hint="To go back to a default, use --default.")
+    if len(text.strip()) == 1 and not text.strip().isalnum():
+        return text.strip()  # a sign, which in YAML would begin something
     root, faults = parse_document(text)
     if root is not None and not faults:
         return root.value

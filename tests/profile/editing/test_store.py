@@ -1,0 +1,128 @@
+"""Saving whole or not at all, with a history."""
+
+import itertools
+import os
+import resource
+import stat
+
+import pytest
+
+from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.profile.editing import Store, make_profile, take_profile, take_user
+from neurotouch_hid.profile.library import find_shipped_folder, find_user_folder
+
+
+@pytest.fixture
+def stamp():
+    count = itertools.count(1)
+    return lambda: f"2026-11-21_{next(count):02d}"
+
+
+@pytest.fixture(autouse=True)
+def home(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    return tmp_path
+
+
+def make(tmp_path, stamp, n):
+    """A store whose file was 0, then 1, ... then n."""
+    store = Store(tmp_path / "mine.yaml", stamp)
+    for i in range(n + 1):
+        store.save(b"%d" % i, over=store.read())
+    return store
+
+
+def test_every_version_is_kept_up_to_twenty(tmp_path, stamp):
+    store = make(tmp_path, stamp, 25)
+    versions = store.versions()
+    assert [version.path.read_bytes() for version in versions] == [
+        b"%d" % i for i in range(24, 4, -1)
+    ]
+    assert versions[0].number == 25
+
+
+def test_undo_goes_back_step_by_step_and_loses_nothing(tmp_path, stamp):
+    store = make(tmp_path, stamp, 3)
+    assert [store.undo() and store.read() for _ in range(3)] == [b"2", b"1", b"0"]
+    with pytest.raises(ProfileError, match="nothing to undo"):
+        store.undo()
+    contents = {version.path.read_bytes(): version.number for version in store.versions()}
+    assert set(contents) == {b"0", b"1", b"2", b"3"}
+    store.restore(contents[b"3"])
+    assert store.read() == b"3"
+    with pytest.raises(ProfileError, match="no version 99"):
+        store.restore(99)
+
+
+def test_a_change_by_somebody_else_is_not_overwritten(tmp_path, stamp):
+    store = make(tmp_path, stamp, 1)
+    store.path.write_bytes(b"theirs")
+    with pytest.raises(ProfileError, match="somebody else"):
+        store.save(b"mine", over=b"1")
+    assert store.read() == b"theirs"
+
+
+def test_a_full_disk_leaves_the_old_file(tmp_path, stamp):
+    store = make(tmp_path, stamp, 1)
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100, before[1]))
+    try:
+        with pytest.raises(ProfileError, match="it is as it was"):
+            store.save(b"x" * 10_000, over=b"1")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert store.read() == b"1"
+    assert not [path for path in tmp_path.rglob("*") if path.name.endswith(".part")]
+
+
+def test_links_and_modes_stay(tmp_path, stamp):
+    real = tmp_path / "dotfiles" / "real.yaml"
+    real.parent.mkdir()
+    real.write_bytes(b"0")
+    real.chmod(0o640)
+    link = tmp_path / "mine.yaml"
+    link.symlink_to(real)
+    Store(link, stamp).save(b"1", over=b"0")
+    assert link.is_symlink()
+    assert real.read_bytes() == b"1"
+    assert stat.S_IMODE(os.stat(real).st_mode) == 0o640  # noqa: PTH116
+
+
+def test_a_shipped_profile_is_never_changed(stamp):
+    shipped = find_shipped_folder() / "racing.yaml"
+    before = shipped.read_bytes()
+    paper = take_profile("racing", stamp)
+    assert paper.shipped
+    paper.save(paper.text.replace("Twist to steer", "Steer by twisting"))
+    assert shipped.read_bytes() == before
+    own = find_user_folder() / "racing.yaml"
+    assert b"Steer by twisting" in own.read_bytes()
+    assert not take_profile("racing", stamp).shipped
+    take_profile("racing", stamp).store.undo()
+    assert b"Twist to steer" in own.read_bytes()
+    with pytest.raises(ProfileError, match="never changed"):
+        take_profile(str(shipped), stamp)
+
+
+def test_what_is_wrong_is_not_saved(stamp):
+    paper = make_profile("mine", "racing", stamp)
+    with pytest.raises(ProfileError, match="NT110"):
+        paper.save(paper.text + "nonsense: 1\n")
+    assert not paper.store.path.exists()
+    paper.save(paper.text)
+    assert b"name: mine" in paper.store.path.read_bytes()
+    with pytest.raises(ProfileError, match="already"):
+        make_profile("mine", "racing", stamp)
+
+
+@pytest.mark.parametrize("name", ["", "../x", "a/b", "/etc/x", "A", "a" * 65, "a.yaml", "é", ".x"])
+def test_a_name_is_never_a_path(name, stamp):
+    with pytest.raises(ProfileError, match="no name"):
+        make_profile(name, "racing", stamp)
+
+
+def test_the_users_first_values_can_be_undone(stamp):
+    paper = take_user(stamp)
+    paper.save(paper.text + "filter: strong\n")
+    take_user(stamp).store.undo()
+    assert "filter" not in take_user(stamp).text
