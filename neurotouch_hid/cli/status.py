@@ -17,6 +17,7 @@ _FACTS = {
     "device": "pad",
     "profile": "profile",
     "layer": "layer",
+    "gel": "gel",
     "gesture": "gesture",
     "keyboard": "keyboard",
     "desktop": "applications",

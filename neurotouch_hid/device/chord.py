@@ -61,12 +61,17 @@ def find_keyboards(nodes: Path = NODES, system: Path = SYSTEM) -> list[Keyboard]
         device, node = entry / "device", nodes / entry.name
         try:
             keys = _parse_bits((device / "capabilities" / "key").read_text())
-            phys, name = ((device / file).read_text().strip() for file in ("phys", "name"))
+            phys, name = (
+                # Devices say what they like; a name goes to a terminal.
+                (device / file).read_text(errors="replace").strip()
+                for file in ("phys", "name")
+            )
         except OSError:
             continue  # gone while we look
         if phys.startswith(OURS) or not any(keys >> code & 1 for code in _USUAL):
             continue
         if node.exists():
+            name = "".join(char for char in name if char.isprintable())
             found.append(Keyboard(node, name, os.access(node, os.R_OK)))
     return found
 

@@ -113,6 +113,7 @@ class Session:
         """The state of the line, ready for JSON."""
         mapping, step, rates = self._pipeline.mapping, self._step, self._rates
         valid = step.markers.valid if step is not None else ()
+        gel = self._pipeline.rest.detector.stats()
         silent_s = time.monotonic() - self._step_at
         return {
             "pid": os.getpid(),
@@ -120,6 +121,7 @@ class Session:
             "profile": mapping.profile.name,
             "layer": mapping.layer,
             "markers_tracked": sum(map(bool, valid)),
+            "gel": "found" if gel.n_references else gel.reason or "not seen yet",
             "gesture": step.gesture.kind.label if step is not None else "none",
             "silent_s": round(silent_s, 3) if silent_s > STALL_S else 0.0,
             "uptime_s": round(time.monotonic() - self._begun, 1),

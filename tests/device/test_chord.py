@@ -189,5 +189,12 @@ def _check_unreadable(keyboards) -> None:
     assert "see what is typed" in fix
 
 
+def test_name_of_a_keyboard_is_no_danger(machine):
+    machine.plug(0)
+    (machine.system / "event0/device/name").write_bytes(b"\x1b[2JKey\xffboard\n")
+    (found,) = machine.keyboards()
+    assert found.name == "[2JKey\ufffdboard"
+
+
 def test_machine_without_input_is_no_error(tmp_path):
     assert find_keyboards(tmp_path / "dev", tmp_path / "sys") == []
