@@ -1,0 +1,252 @@
+"""Calibration on synthetic gestures: what was done is what comes out."""
+
+import math
+
+import numpy as np
+import pytest
+
+from neurotouch_hid.messages import Gesture, GestureKind
+from neurotouch_hid.profile import check_content, check_user, rehearse
+from neurotouch_hid.profile.calibration import (
+    MOVEMENTS,
+    Session,
+    find_weak_sides,
+    hand_over,
+    write_ranges,
+)
+from neurotouch_hid.profile.calibration.result import measure_range, measure_rest
+from neurotouch_hid.profile.calibration.tremor import choose_filter, find_tremor, smooth
+from neurotouch_hid.profile.document import parse_document
+from neurotouch_hid.profile.engine.one_euro import FILTERS
+from neurotouch_hid.profile.user import Range, UserSettings
+
+STEP_US = 10_000
+
+
+def play(session, script):
+    found = [session.take(gesture) for gesture in rehearse(script)]
+    return [repetition for repetition in found if repetition is not None]
+
+
+def say(movement):
+    return movement.replace("push_", "push ")
+
+
+def test_every_movement_is_found_and_measured():
+    script = "".join(
+        f"rest 1s; {say(name)} {mm}mm 300ms hold 200ms; rest 700ms; {say(name)} {mm}mm;"
+        for name, mm in zip(MOVEMENTS, (4.0, 5.0, 6.0, 7.0, 8.0, 3.0, 9.0, 10.0), strict=True)
+    )
+    session = Session(UserSettings(), guided=False)
+    found = play(session, script)
+    assert [r.movement for r in found] == [name for name in MOVEMENTS for _ in range(2)]
+    fulls = [range_.full for range_ in session.ranges.values()]
+    assert fulls == pytest.approx([3.2, 4.0, 4.8, 5.6, 6.4, 2.4, 7.2, 8.0], abs=0.11)
+    assert session.rest_mm == 0.6
+    assert all(r.begin_us < r.end_us for r in found)
+
+
+def test_a_hand_that_never_lets_go_entirely_still_repeats():
+    points = np.zeros((1, 2))
+    session = Session(UserSettings(), guided=False)
+    found = []
+    for i in range(600):
+        mm = 2.0 + 6.0 * max(0.0, math.sin(i / 100 * 2.0 * math.pi))
+        moved = (mm, 0.0)
+        found.append(
+            session.take(Gesture(i * STEP_US, GestureKind.PUSH, points, points, mm, moved))
+        )
+    peaks = [repetition.peak_mm for repetition in found if repetition is not None]
+    assert len(peaks) >= 5
+    assert all(7.5 < peak <= 8.0 for peak in peaks)
+
+
+def test_one_wrong_measurement_is_no_peak():
+    points = np.zeros((1, 2))
+    session = Session(UserSettings(), guided=False)
+    for i, gesture in enumerate(rehearse("push left 4mm 300ms hold 300ms")):
+        mm = 30.0 if i == 40 else gesture.intensity_mm
+        spoilt = Gesture(gesture.t_us, gesture.kind, points, points, mm, gesture.translation_mm)
+        repetition = session.take(spoilt)
+        if repetition is not None:
+            assert repetition.peak_mm == pytest.approx(4.0)
+            return
+    raise AssertionError("no repetition")
+
+
+def test_the_guided_way_asks_step_by_step_goes_back_and_skips():
+    session = Session(UserSettings(), ("zoom", "pinch"))
+    assert session.step == "neutral"
+    play(session, "rest 1s")
+    session.next()
+    assert session.step == "hold"
+    play(session, "pinch 5mm 300ms hold 6s tremor 6hz 0.9mm")
+    session.next()
+    assert session.step == "zoom"
+    [wrong] = play(session, "rest 500ms; pinch 5mm")
+    assert not session.accepts(wrong)
+    [small] = play(session, "rest 500ms; zoom 2mm")
+    assert not session.accepts(small)
+    play(session, "rest 500ms; zoom 3mm; rest 500ms; zoom 3mm")
+    session.next()
+    play(session, "rest 500ms; pinch 9mm; rest 500ms; pinch 9mm")
+    assert session.ranges["pinch"].full == pytest.approx(7.2)
+    session.back()
+    assert session.step == "zoom"
+    assert session.ranges["zoom"] is None
+    session.skip()
+    session.next()
+    assert session.step is None
+    session.next()
+    assert session.ranges["zoom"] is None
+    assert session.tremor.frequency_hz == pytest.approx(6.0, abs=0.3)
+    assert session.tremor.amplitude_mm == pytest.approx(0.9, rel=0.1)
+
+
+def test_orientation_is_the_persons():
+    session = Session(UserSettings(mirror=True), guided=False)
+    assert [r.movement for r in play(session, "push left 5mm; rest 1s; twist_cw 5mm")] == [
+        "push_right",
+        "twist_ccw",
+    ]
+    session = Session(UserSettings(rotate_deg=90.0), guided=False)
+    assert [r.movement for r in play(session, "push right 5mm")] == ["push_down"]
+
+
+def test_a_resting_hand_is_measured_from_how_it_lies():
+    points = np.zeros((1, 2))
+    session = Session(UserSettings(neutral="resting"), guided=False)
+    found = []
+    for i in range(1000):
+        mm = 3.0 + (4.0 * math.sin((i - 500) / 60 * math.pi) if 500 <= i < 560 else 0.0)
+        found.append(
+            session.take(Gesture(i * STEP_US, GestureKind.PUSH, points, points, mm, (mm, 0.0)))
+        )
+    [repetition] = [r for r in found if r is not None]
+    assert repetition.peak_mm == pytest.approx(4.0, abs=0.1)
+
+
+def test_noise_sets_where_a_movement_begins():
+    rng = np.random.default_rng(1)
+    assert measure_rest(list(rng.normal(0.0, 0.5, 1000))) == pytest.approx(1.5, abs=0.1)
+    assert measure_rest([0.0] * 100) == 0.6
+    assert measure_rest([]) == 1.0
+    assert measure_rest(list(rng.normal(0.0, 9.0, 100))) == 3.0
+
+
+@pytest.mark.parametrize(
+    ("peaks", "full"),
+    [
+        ([5.0, 5.0], 4.0),
+        ([3.0, 5.0, 9.0], 4.0),
+        ([5.0], None),
+        ([2.4, 2.4, 9.0], None),
+        ([], None),
+        ([2.5, 2.6], 2.0),
+        ([30.0, 30.0], 18.0),
+    ],
+)
+def test_full_is_four_fifths_of_a_comfortable_movement(peaks, full):
+    range_ = measure_range(peaks, 0.6)
+    assert (range_.full if range_ is not None else None) == (
+        pytest.approx(full, abs=0.1) if full is not None else None
+    )
+
+
+def test_a_side_below_half_of_its_partner_is_weak():
+    ranges = {
+        "pinch": Range(rest=0.6, full=6.0),
+        "zoom": Range(rest=0.6, full=2.9),
+        "push_left": Range(rest=0.6, full=5.0),
+        "push_right": Range(rest=0.6, full=3.0),
+        "twist_cw": Range(rest=0.6, full=5.0),
+        "twist_ccw": None,
+        "push_up": None,
+        "push_down": None,
+    }
+    found = [(side.weak, round(side.share, 2)) for side in find_weak_sides(ranges)]
+    assert found == [("zoom", 0.48), ("twist_ccw", 0.0)]
+
+
+@pytest.mark.parametrize("frequency_hz", [3.5, 5.0, 8.0, 11.0])
+@pytest.mark.parametrize("amplitude_mm", [0.2, 1.0, 2.0])
+def test_a_tremor_is_found_where_it_is(frequency_hz, amplitude_mm):
+    rng = np.random.default_rng(2)
+    t_s = np.arange(800) * STEP_US * 1e-6
+    mm = 5.0 - 0.1 * t_s + amplitude_mm * np.sin(2.0 * np.pi * frequency_hz * t_s)
+    tremor = find_tremor(mm + rng.normal(0.0, 0.05, len(mm)), STEP_US)
+    assert tremor.frequency_hz == pytest.approx(frequency_hz, abs=0.2)
+    assert tremor.amplitude_mm == pytest.approx(amplitude_mm, rel=0.1)
+
+
+def test_noise_and_slow_movement_are_no_tremor():
+    rng = np.random.default_rng(3)
+    t_s = np.arange(800) * STEP_US * 1e-6
+    assert find_tremor(5.0 + rng.normal(0.0, 0.05, len(t_s)), STEP_US) is None
+    assert find_tremor(5.0 + np.sin(2.0 * np.pi * 0.5 * t_s), STEP_US) is None
+    assert find_tremor(5.0 + np.sin(2.0 * np.pi * 5.0 * t_s[:100]), STEP_US) is None
+
+
+def test_the_weakest_calm_filter_is_chosen():
+    t_s = np.arange(1000) * STEP_US * 1e-6
+    chosen = []
+    for amplitude_mm in (0.0, 0.3, 0.6, 1.2, 2.0):
+        mm = 5.0 + amplitude_mm * np.sin(2.0 * np.pi * 5.0 * t_s)
+        name = choose_filter(mm, STEP_US)
+        chosen.append(name)
+        left = find_tremor(smooth(mm, STEP_US, name), STEP_US)
+        assert left is None or 2.0 * left.amplitude_mm <= 1.0 or name == "strong"
+    order = ["none", *FILTERS]
+    assert [order.index(name) for name in chosen] == sorted(order.index(name) for name in chosen)
+    assert chosen[0] == "none"
+    assert chosen[-1] != "none"
+
+
+RANGES = {
+    "pinch": Range(rest=0.6, full=6.0),
+    "zoom": Range(rest=0.7, full=2.9),
+    "twist_cw": None,
+}
+
+
+def test_the_users_file_gets_what_was_measured_and_the_date():
+    text = write_ranges("version: 1\nhandedness: left\n", RANGES, "2026-11-21", "medium")
+    settings = check_user(text.encode(), "user.yaml").require()
+    assert settings.range.zoom == RANGES["zoom"]
+    assert settings.range.twist_cw is None
+    assert (settings.filter, settings.handedness) == ("medium", "left")
+    assert "# Calibrated 2026-11-21." in text
+    again = write_ranges(text, {"zoom": Range(rest=0.6, full=3.0)}, "2027-01-02")
+    assert "# Calibrated 2027-01-02." in again
+    assert "2026" not in again
+    now = check_user(again.encode(), "user.yaml").require()
+    assert now.range.zoom.full == 3.0
+    assert now.range.pinch == RANGES["pinch"]
+    assert len(set(again.splitlines()) - set(text.splitlines())) == 2
+    gone = write_ranges(again, {"zoom": None}, "2027-01-02")
+    assert check_user(gone.encode(), "user.yaml").require().range.zoom is None
+
+
+def test_relief_gives_what_a_weak_movement_does_to_another():
+    text = """\
+version: 1
+name: mine
+bindings:
+  # opens
+  - when: {gesture: zoom, on_mm: 7.0}
+    do: {button: b}
+  - when: zoom  # faster
+    do: {trigger: right, range_mm: [1.0, 4.5]}
+  - when: push
+    do: {stick: left}
+  - when: pinch
+    do: {trigger: left}
+"""
+    changed, moved = hand_over(text, "zoom", {"gesture": "pinch", "press": "long"})
+    assert moved == ["b", "right 1.0 toggle"]
+    assert check_content(changed.encode(), "x").whole is not None
+    assert "# faster" in changed
+    bindings = parse_document(changed)[0].value["bindings"]
+    assert [b["when"] for b in bindings[:2]] == [{"gesture": "pinch", "press": "long"}] * 2
+    assert hand_over(text, "push_left", {"gesture": "pinch"}) == (text, [])
+    assert hand_over(text, "twist_cw", {"gesture": "pinch"}) == (text, [])
