@@ -6,6 +6,7 @@ from contextlib import suppress
 from typing import Final
 
 from neurotouch_hid.desktop.window import ActiveWindow, DesktopError
+from neurotouch_hid.profile.faults import make_printable
 
 POLL_S: Final = 0.5
 AGAIN_S: Final = 5.0
@@ -70,7 +71,8 @@ class Follower:
                 self._profiles[name.lower()] for name in names if name.lower() in self._profiles
             ]
             wanted = found[0] if found else None
-            self._said = f"{'/'.join(names) or 'no window'} is in front ({window.desktop})"
+            seen = make_printable("/".join(names)) or "no window"
+            self._said = f"{seen} is in front ({window.desktop})"
             if wanted != self._wanted:
                 self._wanted = wanted
                 self._follow(wanted)

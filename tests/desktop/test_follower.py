@@ -1,0 +1,69 @@
+"""The follower with a desktop that says what the test wants."""
+
+import time
+
+from neurotouch_hid.desktop import DesktopError, Follower
+
+LIMIT_S = 20.0
+
+
+class Desktop:
+    """A desktop of the test's making: ``front`` is the active window, or what goes wrong."""
+
+    desktop = "Test"
+
+    def __init__(self) -> None:
+        self.front: tuple[str, ...] | DesktopError = ()
+        self.closed = 0
+
+    def names(self) -> tuple[str, ...]:
+        if isinstance(self.front, DesktopError):
+            raise self.front
+        return self.front
+
+    def close(self) -> None:
+        self.closed += 1
+
+
+def wait(happened) -> None:
+    deadline = time.monotonic() + LIMIT_S
+    while not happened():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def test_profile_follows_the_window_whatever_the_case_and_only_changes_are_told():
+    desktop, wanted = Desktop(), []
+    follower = Follower({"Game": "racing", "other": "racing"}, lambda: desktop, wanted.append)
+    for front, told in [
+        (("x", "GAME"), ["racing"]),
+        (("other",), ["racing"]),
+        ((), ["racing", None]),
+        (("editor",), ["racing", None]),
+        (("game",), ["racing", None, "racing"]),
+    ]:
+        desktop.front = front
+        wait(lambda front=front: "/".join(front or ["no window"]) in follower.describe())
+        wait(lambda told=told: wanted == told)
+    follower.close()
+    assert desktop.closed == 1
+
+
+def test_desktop_that_goes_away_is_described_and_the_profile_stays():
+    desktop, wanted = Desktop(), []
+    desktop.front = ("game",)
+    follower = Follower({"game": "racing"}, lambda: desktop, wanted.append)
+    wait(lambda: wanted == ["racing"])
+    desktop.front = DesktopError("The desktop is gone.")
+    wait(lambda: "gone" in follower.describe())
+    follower.close()
+    assert wanted == ["racing"]
+
+
+def test_name_of_a_window_is_no_danger_to_a_terminal():
+    desktop = Desktop()
+    desktop.front = ("\x1b[2Jgame",)
+    follower = Follower({}, lambda: desktop, print)
+    wait(lambda: "game is in front (Test)" in follower.describe())
+    follower.close()
+    assert "\x1b" not in follower.describe()
