@@ -86,7 +86,7 @@ def command(
     else:
         for gesture in stream:
             _tell(session, session.take(gesture))
-    _conclude(session, keyboard, yes=yes, plain=plain)
+    conclude(session, keyboard, yes=yes, plain=plain)
 
 
 def read_gestures(
@@ -177,7 +177,7 @@ def _tell(session: "Session", repetition: "Repetition | None") -> None:
         click.echo(f"{words}, {mm}, seen as another movement and not counted")
 
 
-def _conclude(session: "Session", keyboard: "Keyboard", *, yes: bool, plain: bool) -> None:
+def conclude(session: "Session", keyboard: "Keyboard", *, yes: bool, plain: bool) -> None:
     """Says what came out, offers relief, saves."""
     from neurotouch_hid.profile import load_user
     from neurotouch_hid.profile.calibration import MOVEMENTS, find_weak_sides, write_ranges

@@ -1,0 +1,355 @@
+"""``neurotouch profile`` as people use it, with wrong input too."""
+
+import json
+import subprocess
+import sys
+
+import click
+import pytest
+from click.testing import CliRunner
+
+from neurotouch_hid.cli.main import cli
+from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.profile.library import find_shipped_folder
+
+SUBCOMMANDS = (
+    *("list", "show", "check", "diff", "history", "test", "new", "set", "bind", "unbind"),
+    *("undo", "upgrade", "use", "edit", "export", "import"),
+)
+
+
+@pytest.fixture(autouse=True)
+def home(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    return tmp_path / "neurotouch"
+
+
+def run(*arguments, answers=None):
+    """Output and exit code of a command; answers are typed one a line."""
+    text = None if answers is None else "".join(f"{answer}\n" for answer in answers)
+    result = CliRunner().invoke(cli, [str(a) for a in arguments], input=text)
+    error = result.exception
+    if isinstance(error, NeuroTouchError):
+        return f"{result.output}{error.message}\n{error.hint or ''}", error.exit_code
+    if error is not None and not isinstance(error, SystemExit | click.Abort):
+        raise error
+    return result.output, result.exit_code
+
+
+def own(home, name):
+    return (home / "profiles" / f"{name}.yaml").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    "command", [*(f"profile {name}" for name in SUBCOMMANDS), "schema", "explain", "calibrate"]
+)
+def test_every_command_has_help_with_examples(command):
+    output, code = run(*command.split(), "--help")
+    assert code == 0
+    assert "Examples:" in output
+
+
+def test_a_shipped_profile_is_copied_changed_and_undone(home):
+    output, code = run("profile", "set", "racing", "twist.gain", "1.5")
+    assert code == 0
+    assert " added: " in output
+    assert "your own copy" in output
+    shipped = (find_shipped_folder() / "racing.yaml").read_text(encoding="utf-8")
+    changed = set(own(home, "racing").splitlines()) - set(shipped.splitlines())
+    assert len(changed) == 2  # the schema line and the value
+    assert "gain: 1.5" in own(home, "racing")
+    output, _ = run("profile", "diff", "racing")
+    assert output.count(" added: ") == 1
+    output, _ = run("profile", "history", "racing")
+    assert output.startswith("version 1: replaced ")
+    assert run("profile", "undo", "racing")[1] == 0
+    assert "gain: 1.5" not in own(home, "racing")
+    assert run("profile", "undo", "racing")[1] == 6
+    output, code = run("profile", "undo", "racing", "--to", "2")
+    assert code == 0
+    assert "gain: 1.5" in own(home, "racing")
+
+
+def test_what_is_wrong_is_refused_with_its_place_and_nothing_changes(home):
+    for arguments, words in (
+        (("set", "racing", "twist.gain", "99"), "too large, at most 5"),
+        (("set", "racing", "twist.gian", "1"), "Did you mean 'gain'?"),
+        (("set", "raceing", "twist.gain", "1"), "did you mean 'racing'?"),
+        (("bind", "racing", "pinch", "button q"), "is not one of: a, b"),
+        (("bind", "racing", "pnch", "button a"), "Did you mean 'pinch'?"),
+        (("bind", "racing", "pinch", "layer menu"), "there is no layer 'menu'"),
+        (("unbind", "racing", "zoom hold"), "there is no such binding"),
+        (("new", "../racing"), "is no name"),
+        (("show", "nope"), "no profile is called"),
+        (("import", "nope.yaml"), "cannot be read"),
+        (("import", "/"), "is not a file"),
+        (("export", "nope"), "no profile is called"),
+    ):
+        output, code = run("profile", *arguments)
+        assert code == 6, arguments
+        assert words in output, output
+    assert not (home / "profiles").exists()
+
+
+def test_binding_and_unbinding_in_words(home):
+    run("profile", "new", "mine", "--template", "spacecraft")
+    output, code = run("profile", "bind", "mine", "pinch hold", "toggle button a")
+    assert code == 0
+    assert "added: - when: {gesture: pinch, press: hold}" in output
+    output, _ = run("profile", "show", "mine")
+    assert "pinch hold -> toggle button a" in output
+    assert run("profile", "unbind", "mine", "pinch hold")[1] == 0
+    assert "pinch hold" not in run("profile", "show", "mine")[0]
+    assert run("profile", "set", "mine", "push.gain", "--default")[1] == 6
+    assert run("profile", "set", "mine", "push.gain")[1] == 2
+
+
+def test_check_finds_all_and_says_how_bad_it_is(home, tmp_path):
+    output, code = run("profile", "check")
+    assert code == 0
+    assert all(line.startswith(("OK ", "WARNING ", "Fix: ")) for line in output.splitlines())
+    bad = tmp_path / "bad.yaml"
+    bad.write_text(
+        "version: 1\nname: bad\nbindings:\n  - when: pusch\n    do: {button: q}\n", encoding="utf-8"
+    )
+    output, code = run("profile", "check", bad, "racing", "nope")
+    assert code == 6
+    assert f"FAILED {bad}:4:11: bindings[0].when: 'pusch' is not one of" in output
+    assert "Fix: did you mean 'push'?" in output
+    assert "FAILED 3 errors" in output
+    output, code = run("profile", "check", bad, "--json")
+    assert code == 6
+    first, second = json.loads(output)
+    assert (first["line"], first["col"], first["end"]) == (4, 11, 16)
+    assert (first["code"], first["severity"]) == ("NT112", "error")
+    assert first["fix"] == "did you mean 'push'?"
+    assert second["line"] == 5
+    risky = tmp_path / "risky.yaml"
+    risky.write_text(
+        "version: 1\nname: risky\nbindings:\n"
+        "  - when: {gesture: pinch, contacts: 2}\n    do: {button: a}\n",
+        encoding="utf-8",
+    )
+    output, code = run("profile", "check", risky)
+    assert code == 0
+    assert output.startswith("WARNING ")
+    (home / "user.yaml").parent.mkdir(exist_ok=True)
+    (home / "user.yaml").write_text("version: 1\nfilter: mad\n", encoding="utf-8")
+    assert run("profile", "check")[1] == 6
+
+
+def test_lists_are_for_people_and_programs(home):
+    run("profile", "new", "mine")
+    output, _ = run("profile", "list")
+    assert "OK mine, yours: " in output
+    rows = json.loads(run("profile", "list", "--json")[0])
+    assert {"name", "path", "own", "status", "in_use", "description"} == set(rows[0])
+    shown = json.loads(run("profile", "show", "mine", "--effective", "--json")[0])
+    assert shown["profile"]["name"] == "mine"
+    assert shown["user"]["handedness"] == "right"
+    output, _ = run("profile", "show", "push-only", "--effective")
+    assert "hold_ms: 700" in output
+
+
+def test_use_makes_a_favourite_and_keeps_no_version(home):
+    assert run("profile", "use", "racing")[1] == 0
+    output, code = run("profile", "use", "mouse")
+    assert code == 0
+    assert "No driver is running" in output
+    text = (home / "user.yaml").read_text(encoding="utf-8")
+    assert "slots: [mouse, racing, default]" in text
+    assert "OK mouse, shipped, in use" in run("profile", "list")[0]
+    assert run("profile", "use", "nope")[1] == 6
+
+
+def test_what_is_exported_has_nothing_of_the_person(home, tmp_path):
+    run("profile", "use", "racing")
+    run("profile", "new", "mine", "--template", "racing")
+    output, code = run("profile", "export", "mine")
+    assert code == 0
+    assert output == own(home, "mine")
+    path, user = tmp_path / "out.yaml", tmp_path / "me.yaml"
+    assert run("profile", "export", "mine", "--output", path)[1] == 0
+    assert path.read_text(encoding="utf-8") == output
+    assert not user.exists()
+    assert run("profile", "export", "mine", "--output", path)[1] == 6
+    assert run("profile", "export", "mine", "--output", path, "--force", "--user", user)[1] == 0
+    assert "slots" in user.read_text(encoding="utf-8")
+
+
+def test_an_import_shows_what_it_does_and_asks(home, tmp_path):
+    file = tmp_path / "friend.yaml"
+    text = "version: 1\nname: friend\nbindings:\n  - when: push\n    do: {stick: left}\n"
+    file.write_text(text, encoding="utf-8")
+    output, code = run("profile", "import", file, answers=["n"])
+    assert code == 0
+    assert "push -> stick left" in output
+    assert not (home / "profiles").exists()
+    assert run("profile", "import", file, answers=["y"])[1] == 0
+    assert own(home, "friend") == text
+    file.write_text(text.replace("left", "right"), encoding="utf-8")
+    output, _ = run("profile", "import", file, "--yes")
+    assert "line 5 added: do: {stick: right}" in output
+    assert run("profile", "diff", "friend", "--last")[0].count("added") == 1
+    output, _ = run("profile", "import", file, "--name", "racing", "--yes")
+    assert "hide the shipped profile" in output
+    assert "name: racing" in own(home, "racing")
+    for name in ("../x", "/tmp/x", "x/y", "X"):
+        assert run("profile", "import", file, "--name", name, "--yes")[1] == 6
+    file.write_text(text.replace("name: friend", "name: ../../x"), encoding="utf-8")
+    assert run("profile", "import", file, "--yes")[1] == 6
+    file.write_bytes(b"a" * 70_000)
+    assert run("profile", "import", file, "--yes")[1] == 6
+
+
+def test_an_upgrade_adds_the_version_and_the_schema_line(home):
+    (home / "profiles").mkdir(parents=True)
+    old = "name: old\nbindings:\n  - when: push\n    do: {stick: left}\n"
+    (home / "profiles" / "old.yaml").write_text(old, encoding="utf-8")
+    assert run("profile", "upgrade", "old")[1] == 0
+    assert own(home, "old").splitlines()[1:] == ["version: 1", *old.splitlines()]
+    assert "present version" in run("profile", "upgrade", "old")[0]
+
+
+PROFILE = """\
+version: 1
+name: golden
+bindings:
+  - when: push
+    do: {stick: left, range_mm: [1.0, 6.0]}
+  - when: pinch
+    do: {button: a}
+  - when: {gesture: zoom, press: hold}
+    do: {key: ctrl+c, mode: toggle}
+"""
+SCRIPT = "push left 5mm 300ms hold 500ms; rest 500ms; pinch 6mm 100ms; rest 500ms; zoom 5mm hold 1s"
+TIMELINE = """\
+   0.000 s  rest
+   0.050 s  push left
+   0.130 s  left_x -25 %
+   0.180 s  left_x -50 %
+   0.230 s  left_x -75 %
+   0.910 s  left_x -50 %
+   0.950 s  left_x -25 %
+   1.010 s  left_x +0 %
+   1.060 s  rest
+   1.620 s  pinch
+   1.660 s  button a down
+   1.880 s  button a up
+   1.890 s  rest
+   2.430 s  zoom
+   2.840 s  key c down; key leftctrl down
+   3.680 s  rest
+"""
+
+
+def test_scripted_gestures_give_a_timeline(tmp_path):
+    path, moves = tmp_path / "golden.yaml", tmp_path / "moves.txt"
+    path.write_text(PROFILE, encoding="utf-8")
+    moves.write_text(SCRIPT.replace("; ", "\n"), encoding="utf-8")
+    output, code = run("profile", "test", path, "--script", SCRIPT)
+    assert code == 0
+    assert output == TIMELINE
+    assert run("profile", "test", path, "--file", moves)[0] == TIMELINE
+    moments = json.loads(run("profile", "test", path, "--script", SCRIPT, "--json")[0])
+    assert moments[1] == {"t_us": 50_000, "gesture": "push left", "changes": []}
+    assert len(moments) == len(TIMELINE.splitlines())
+    assert run("profile", "test", "racing", "--script", "jump 3mm")[1] == 6
+    assert "trigger" in run("profile", "test", "racing")[0]
+
+
+def test_questions_and_answers_change_a_profile(home):
+    answers = [5, 3, 4, 2.0, 1, 9, 1]
+    output, code = run("profile", "edit", "spacecraft", answers=answers)
+    assert code == 0, output
+    assert "percent" in output
+    assert "gain: 2.0" in own(home, "spacecraft")
+    output, code = run("profile", "edit", "spacecraft", answers=[5, 3, 4, 99, 9])
+    assert code == 0
+    assert "That does not fit" in output
+    assert "Nothing has changed." in output
+
+
+def test_a_new_binding_by_questions(home):
+    answers = [6, 2, 2, 1, 2, 1, 10, 1]
+    output, code = run("profile", "edit", "spacecraft", answers=answers)
+    assert code == 0, output
+    assert "when: {gesture: push, direction: left, press: tap}" in own(home, "spacecraft")
+    assert "do: {button: b}" in own(home, "spacecraft")
+
+
+def test_when_the_answers_end_the_draft_is_kept(home):
+    output, code = run("profile", "edit", "spacecraft", answers=[5, 3, 4, 2.0, 1])
+    assert code == 1
+    assert "draft" in output
+    assert not (home / "profiles" / "spacecraft.yaml").exists()
+    output, code = run("profile", "edit", "spacecraft", answers=[1, 9, 1])
+    assert code == 0
+    assert "gain: 2.0" in own(home, "spacecraft")
+    assert not (home / "profiles" / ".drafts" / "spacecraft.yaml").exists()
+
+
+def test_the_text_editor_loses_nothing(home, tmp_path, monkeypatch):
+    editor = tmp_path / "editor"
+    editor.write_text('#!/bin/sh\nsed -i "s/stick: left/stick: middle/" "$1"\n', encoding="utf-8")
+    editor.chmod(0o755)
+    monkeypatch.setenv("VISUAL", str(editor))
+    output, code = run("profile", "edit", "spacecraft", "--editor", answers=[3])
+    assert code == 0
+    assert "did you mean" in output or "is not one of" in output
+    draft = home / "profiles" / ".drafts" / "spacecraft.yaml"
+    assert "stick: middle" in draft.read_text(encoding="utf-8")
+    assert not (home / "profiles" / "spacecraft.yaml").exists()
+    assert run("profile", "edit", "spacecraft", answers=[1])[1] == 6  # the draft is wrong
+    assert draft.exists()
+    editor.write_text('#!/bin/sh\nsed -i "s/stick: middle/stick: right/" "$1"\n', encoding="utf-8")
+    assert run("profile", "edit", "spacecraft", "--editor", answers=[1])[1] == 0
+    assert "stick: right" in own(home, "spacecraft")
+    assert not draft.exists()
+
+
+def test_codes_are_explained():
+    assert run("explain", "nt203")[0].startswith("NT203: ")
+    assert len(run("explain")[0].splitlines()) > 30
+    assert json.loads(run("explain", "NT101", "--json")[0])[0]["code"] == "NT101"
+    assert run("explain", "NT999")[1] == 6
+
+
+@pytest.mark.parametrize("what", ["profile", "user"])
+def test_the_printed_schema_is_the_shipped_one(what):
+    shipped = find_shipped_folder() / "schema" / f"{what}-1.json"
+    assert json.loads(run("schema", what)[0]) == json.loads(shipped.read_text(encoding="utf-8"))
+    line, _ = run("schema", what, "--line")
+    assert line.strip().endswith(f"{what}-1.json")
+
+
+def complete(*words):
+    """What a shell offers for the last word."""
+    from click.shell_completion import ShellComplete
+
+    offers = ShellComplete(cli, {}, "neurotouch", "_NEUROTOUCH_COMPLETE").get_completions(
+        list(words[:-1]), words[-1]
+    )
+    return [offer.value for offer in offers]
+
+
+def test_the_shell_completes_names_keys_and_codes():
+    assert complete("profile", "show", "ra") == ["racing"]
+    assert "twist.curve" in complete("profile", "set", "racing", "twist.c")
+    assert complete("profile", "set", "nope", "t") == []
+    assert complete("explain", "nt20")[0] == "NT201"
+    assert "calibrate" in complete("cal")
+
+
+def test_output_in_a_pipe_is_plain_and_errors_have_their_code(home):
+    done = subprocess.run(
+        [sys.executable, "-m", "neurotouch_hid", "profile", "set", "racing", "x.y", "1"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 6
+    assert done.stderr.startswith("Error: 'x.y' leads to nothing in this file\nFix: ")
+    assert "Traceback" not in done.stderr
+    assert "\x1b" not in done.stdout + done.stderr
