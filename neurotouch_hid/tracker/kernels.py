@@ -18,6 +18,7 @@ TILE_ROWS = -(-SENSOR_HEIGHT_PX // TILE_PX)
 TILE_CAPACITY = 32  # markers within reach of a tile: as many as 3 px apart
 REACH_PX = 6.0  # the largest gate, 4 px, and what a marker at 750 px/s moves between two checks
 SEAT_PX = 0.5  # a marker is listed anew when it has moved so far
+CLOSEST_PX = 1.5  # of two markers, each 2.5 px wide: one of them follows the other one's events
 MIN_TRUST = 0.05  # a marker that seems to be at rest still follows, slowly
 NOISE_FALL_S, NOISE_RISE_S = (
     0.1,
@@ -323,6 +324,30 @@ def strays(
 
 
 @njit(cache=True, nogil=True)
+def collide(
+    position_px: NDArray[np.float64],
+    expected_px: NDArray[np.float64],
+    tracks: Tracks,
+    out: NDArray[np.bool_],
+) -> None:
+    """Of two neighbours at one place, the one its own neighbours expect less is set in out (n,)."""
+    neighbours = tracks.neighbours
+    for i in range(len(position_px)):
+        for k in range(4, 8):  # each pair once
+            j = neighbours[i, k]
+            if j < 0:
+                continue
+            dx = position_px[i, 0] - position_px[j, 0]
+            dy = position_px[i, 1] - position_px[j, 1]
+            if dx * dx + dy * dy < CLOSEST_PX * CLOSEST_PX:
+                off_i = abs(position_px[i, 0] - expected_px[i, 0])
+                off_i += abs(position_px[i, 1] - expected_px[i, 1])
+                off_j = abs(position_px[j, 0] - expected_px[j, 0])
+                off_j += abs(position_px[j, 1] - expected_px[j, 1])
+                out[i if off_i > off_j else j] = True
+
+
+@njit(cache=True, nogil=True)
 def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     """How far the events of each marker are to be believed, and on which side they lie.
 
@@ -368,7 +393,8 @@ def check_neighbours(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     expected, spread, stray = np.empty((n, 2)), np.empty(n), np.empty(n, np.bool_)
     expect(position, ~tracks.lost, tracks, expected, spread)
     strays(position, expected, spread, tuning, stray)
-    astray = np.flatnonzero(stray)
+    collide(position, expected, tracks, stray)
+    astray = np.flatnonzero(stray & np.isfinite(expected[:, 0]))
     for i in astray:
         position[i] = expected[i]
         tracks.lost[i] = True

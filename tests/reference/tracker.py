@@ -62,6 +62,20 @@ def filter_events(events, state, seat, r_px2, tuning):
     return taken
 
 
+def collide(positions, expected, neighbours, closest):
+    """Of each two neighbours at one place the one that is farther from where it is expected."""
+
+    def off(i):
+        return sum(abs(p - e) for p, e in zip(positions[i], expected[i], strict=True))
+
+    pairs = [(i, j) for i in range(len(positions)) for j in neighbours[i] if j > i]
+    return {
+        i if off(i) > off(j) else j
+        for i, j in pairs
+        if math.dist(positions[i], positions[j]) < closest
+    }
+
+
 def weigh(t, motion, count, rate, noise, neighbours, n_checks, tuning):
     """Rates, noise, variances and leads of all markers; ``motion`` rows vx, vy, since."""
     dt = tuning.check_us * SECOND

@@ -123,6 +123,27 @@ def test_check_brings_a_runaway_back_and_leaves_a_steep_field_alone():
     assert tracks.clock[1:].tolist() == [2, 1]
 
 
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=20, deadline=None)
+def test_of_two_markers_at_one_place_one_is_wrong(seed):
+    rng = np.random.default_rng(seed)
+    position = REST_PX + rng.normal(0, 4, REST_PX.shape)
+    expected = REST_PX + rng.normal(0, 1, REST_PX.shape)
+    out = np.zeros(177, np.bool_)
+    kernels.collide(position, expected, make_tracks(REST_PX), out)
+    twin = reference.collide(position.tolist(), expected.tolist(), NEIGHBOURS.tolist(), 1.5)
+    assert set(np.flatnonzero(out).tolist()) == twin
+
+
+def test_a_marker_that_follows_its_neighbour_is_not_valid():
+    tracks = make_tracks(REST_PX)
+    put(tracks, [88], REST_PX[89] - (0.5, 0.0))
+    tracks.rest_px[:] = REST_PX
+    kernels.check_neighbours(2_000, tracks, TUNING)
+    assert np.flatnonzero(tracks.lost).tolist() == [88]
+    np.testing.assert_allclose(tracks.state[88, :2], REST_PX[88], atol=0.5)
+
+
 @given(st.integers(0, 2**32 - 1), st.sampled_from([0, 30, 100_000]))
 @settings(max_examples=20, deadline=None)
 def test_weights_are_those_of_the_plain_twin(seed, n_checks):
