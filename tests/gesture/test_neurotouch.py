@@ -263,3 +263,11 @@ def test_confidence_means_what_it_says():
     assert len(unsure) > 20
     assert np.mean(sure) > 0.95
     assert np.mean(unsure) < 0.9
+
+
+def test_the_command_line_offers_every_method():
+    from neurotouch_hid.cli.run import command
+
+    option = next(option for option in command.params if option.name == "method")
+    assert tuple(option.type.choices) == METHODS
+    assert option.default == METHODS[0]

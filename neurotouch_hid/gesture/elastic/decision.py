@@ -18,6 +18,8 @@ class DecisionConfig:
     Attributes:
         on_mm: a motion of a finger that begins a gesture; people label from about 0.3 mm.
         on_noise: the same in errors of a marker.
+        again_mm: how much more than the least since the last one begins the next: the gel creeps
+            back for a while.
         off_mm: all motions below it end the gesture.
         on_us, off_us: for how long.
         memory_us: time constant of the evidence for a type.
@@ -34,6 +36,7 @@ class DecisionConfig:
 
     on_mm: float = 0.26
     on_noise: float = 2.0
+    again_mm: float = 0.1
     off_mm: float = 0.28
     on_us: int = 10_000
     off_us: int = 10_000
@@ -52,6 +55,7 @@ class Decision:
 
     def __init__(self, config: DecisionConfig | None = None) -> None:
         self._config = config or DecisionConfig()
+        self._least_mm = 0.0
         self.reset()
 
     def reset(self) -> None:
@@ -85,11 +89,10 @@ class Decision:
             noise_mm: error of a marker, one axis.
         """
         config = self._config
-        self._above_us = (
-            self._above_us + step_us
-            if size_mm >= max(config.on_mm, config.on_noise * noise_mm)
-            else 0
-        )
+        if self.kind is GestureKind.NONE:
+            self._least_mm = min(self._least_mm, size_mm)
+        on_mm = max(config.on_mm, config.on_noise * noise_mm, self._least_mm + config.again_mm)
+        self._above_us = self._above_us + step_us if size_mm >= on_mm else 0
         self._below_us = self._below_us + step_us if size_mm < config.off_mm else 0
         if self.kind is GestureKind.NONE and self._above_us < config.on_us:
             self._size_mm = size_mm
@@ -97,6 +100,7 @@ class Decision:
             return
         if self.kind is not GestureKind.NONE and self._below_us >= config.off_us:
             self.reset()
+            self._least_mm = size_mm
             self.confidence = 1.0 - self._believe(size_mm)
             return
         self.age_us += step_us
