@@ -14,7 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from tests.kernel.guest import companions, driver, opening, pad
+from tests.kernel.guest import chords, companions, driver, opening, pad
 
 CHAPTERS: dict[str, Callable[[Path], Any]] = {
     # The order matters only for the first: it unloads the module.
@@ -25,6 +25,7 @@ CHAPTERS: dict[str, Callable[[Path], Any]] = {
     "killed": pad.kill_while_pressed,
     "companions": companions.use,
     "companions_killed": companions.kill_while_held,
+    "chords": chords.press,
     "tour": driver.play_tour,
     "terminated": driver.terminate,
     "driver_killed": driver.kill,
