@@ -384,24 +384,36 @@ def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
 
 
 @njit(cache=True, nogil=True)
-def check_neighbours(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
-    """Note all positions at ``t_us`` and seat anew what strays from its neighbours."""
-    n = len(tracks.state)
+def check_neighbours(
+    t_us: int, position_px: NDArray[np.float64], tracks: Tracks, tuning: Tuning
+) -> None:
+    """Seat anew what is not where its neighbours say: ``position_px`` (n, 2) too is put right."""
+    n = len(position_px)
+    expected, spread, stray = np.empty((n, 2)), np.empty(n), np.empty(n, np.bool_)
+    expect(position_px, ~tracks.lost, tracks, expected, spread)
+    strays(position_px, expected, spread, tuning, stray)
+    collide(position_px, expected, tracks, stray)
+    astray = np.flatnonzero(stray & np.isfinite(expected[:, 0]))
+    for i in astray:
+        position_px[i] = expected[i]
+        tracks.lost[i] = True
+    place(astray, position_px[astray], 4.0, float(t_us), tracks)
+    tracks.clock[2] += len(astray)
+
+
+@njit(cache=True, nogil=True)
+def check(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
+    """Note all positions at ``t_us``, keep the lists true, weigh; look at the neighbours at times.
+
+    The neighbours take half of the time and serve as well every second time.
+    """
     slot = tracks.clock[1] % len(tracks.past_us)
     position = tracks.past_px[:, slot]
     predict(float(t_us), tuning.memory_s, tracks, position)
-    expected, spread, stray = np.empty((n, 2)), np.empty(n), np.empty(n, np.bool_)
-    expect(position, ~tracks.lost, tracks, expected, spread)
-    strays(position, expected, spread, tuning, stray)
-    collide(position, expected, tracks, stray)
-    astray = np.flatnonzero(stray & np.isfinite(expected[:, 0]))
-    for i in astray:
-        position[i] = expected[i]
-        tracks.lost[i] = True
-    place(astray, position[astray], 4.0, float(t_us), tracks)
+    if tracks.clock[1] % 2 == 0:
+        check_neighbours(t_us, position, tracks, tuning)
     seat(tracks)
     weigh(t_us, tracks, tuning)
-    tracks.clock[2] += len(astray)
     tracks.past_us[slot] = t_us
     tracks.clock[1] += 1
 
@@ -410,7 +422,7 @@ def check_neighbours(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
 def advance(
     events: NDArray[np.void], start: int, until_us: int, tracks: Tracks, tuning: Tuning
 ) -> int:
-    """Filter the events before ``until_us`` and check the neighbours every ``check_us``.
+    """Filter the events before ``until_us`` and check all tracks every ``check_us``.
 
     Checks happen at multiples of ``check_us``, however the stream is cut into slices.
 
@@ -420,6 +432,6 @@ def advance(
     clock = tracks.clock
     while clock[0] <= until_us:
         start = filter_events(events, start, clock[0], tracks, tuning)
-        check_neighbours(clock[0], tracks, tuning)
+        check(clock[0], tracks, tuning)
         clock[0] += tuning.check_us
     return int(filter_events(events, start, until_us, tracks, tuning))

@@ -1,4 +1,4 @@
-"""The tracker of all markers: events one by one, neighbours every 2 ms, frames as they come."""
+"""The tracker of all markers: events one by one, neighbours every 4 ms, frames as they come."""
 
 from dataclasses import dataclass
 
@@ -33,7 +33,7 @@ class TrackerConfig:
         q_v: growth of a velocity's variance, px²/s³.
         memory_us: a velocity fades within this time when a marker makes no events.
         quiet_us: events that come in longer intervals than this are more and more likely noise.
-        check_us: time between two neighbour checks.
+        check_us: time between two checks; the neighbours are looked at every second time.
         max_stray_px: a marker may be off the median of its neighbours' displacements by this ...
         max_stray_ratio: ... plus so many times the spread of these displacements: near the edge
             of a finger they differ by many pixels.
