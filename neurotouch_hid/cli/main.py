@@ -4,6 +4,7 @@ Only ``click`` is imported before a sub-command is chosen, so that ``neurotouch 
 """
 
 import importlib
+import os
 import signal
 import sys
 
@@ -72,6 +73,8 @@ def cli() -> None:
 def main() -> None:
     """Runs the command line and ends the process with the documented exit code."""
     signal.signal(signal.SIGTERM, _interrupt)
+    # pydantic would search every installed package for plugins, and run those it finds
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     try:
         code = cli.main(standalone_mode=False)
     except NeuroTouchError as error:

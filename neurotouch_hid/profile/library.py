@@ -8,7 +8,9 @@ from typing import Final
 import neurotouch_hid
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.profile.faults import make_printable, suggest
-from neurotouch_hid.profile.schema import NAME_PATTERN
+
+NAME_PATTERN: Final = r"^[a-z0-9_-]{1,64}$"
+"""The name of a profile; never a path."""
 
 PACKAGE_FOLDER: Final = Path(neurotouch_hid.__file__).parent
 

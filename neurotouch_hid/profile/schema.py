@@ -10,6 +10,7 @@ from pydantic import AfterValidator, BaseModel, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from neurotouch_hid.profile.conditions import Condition, GestureName, Sequence, When
+from neurotouch_hid.profile.library import NAME_PATTERN
 from neurotouch_hid.profile.shaping import Linear, Planar, Shaped
 from neurotouch_hid.profile.strict import Strict, give_unit, make_optional
 from neurotouch_hid.profile.targets import (
@@ -24,7 +25,6 @@ from neurotouch_hid.profile.targets import (
 from neurotouch_hid.profile.timing import FilterName, TimingSetting
 from neurotouch_hid.vocabulary import GestureKind
 
-NAME_PATTERN: Final = r"^[a-z0-9_-]{1,64}$"
 FIRST_LAYER: Final = "base"
 """What the layer of a profile without layers is called."""
 

@@ -5,7 +5,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from neurotouch_hid.profile.schema import NAME_PATTERN, check_version, make_schema
+from neurotouch_hid.profile.library import NAME_PATTERN
+from neurotouch_hid.profile.schema import check_version, make_schema
 from neurotouch_hid.profile.strict import Strict, give_unit, make_optional
 from neurotouch_hid.profile.timing import FilterName, TimingSetting
 

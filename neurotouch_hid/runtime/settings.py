@@ -6,9 +6,9 @@ from typing import Annotated, Final
 from pydantic import AfterValidator, Field
 
 from neurotouch_hid.profile.keys import parse_chord
-from neurotouch_hid.profile.library import find_user_file
+from neurotouch_hid.profile.library import NAME_PATTERN, find_user_file
 from neurotouch_hid.profile.load import load_settings
-from neurotouch_hid.profile.schema import NAME_PATTERN, check_version
+from neurotouch_hid.profile.schema import check_version
 from neurotouch_hid.profile.strict import Strict
 
 FILE: Final = "driver.yaml"

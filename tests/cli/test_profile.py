@@ -353,3 +353,31 @@ def test_output_in_a_pipe_is_plain_and_errors_have_their_code(home):
     assert done.stderr.startswith("Error: 'x.y' leads to nothing in this file\nFix: ")
     assert "Traceback" not in done.stderr
     assert "\x1b" not in done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "absent"),
+    [
+        (("profile", "--help"), ("numpy", "pydantic", "ruamel")),
+        (("explain", "NT203"), ("numpy", "pydantic", "ruamel")),
+        (("profile", "check"), ("numpy", "numba", "cv2")),
+        (("profile", "set", "racing", "twist.gain", "1.5"), ("numpy", "numba", "cv2")),
+    ],
+)
+def test_a_command_imports_no_more_than_it_needs(arguments, absent):
+    code = (
+        "import sys; from neurotouch_hid.cli.main import cli\n"
+        f"cli.main({list(arguments)!r}, standalone_mode=False)\n"
+        f"print([name for name in {absent!r} if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_the_names_of_profiles_need_no_models():
+    code = (
+        "import sys; from neurotouch_hid.profile import list_profiles; list_profiles()\n"
+        "print('pydantic' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "False\n"

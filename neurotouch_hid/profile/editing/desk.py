@@ -15,13 +15,14 @@ from neurotouch_hid.profile.editing.revision import MODELINE, adopt
 from neurotouch_hid.profile.editing.store import Store
 from neurotouch_hid.profile.faults import make_printable
 from neurotouch_hid.profile.library import (
+    NAME_PATTERN,
     find_profile,
     find_shipped_folder,
     find_user_file,
     find_user_folder,
 )
 from neurotouch_hid.profile.load import MAX_BYTES, Checked, check_content, check_user
-from neurotouch_hid.profile.schema import NAME_PATTERN, Profile
+from neurotouch_hid.profile.schema import Profile
 from neurotouch_hid.profile.user import UserSettings
 
 Stamp = Callable[[], str]

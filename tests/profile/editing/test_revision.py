@@ -156,7 +156,7 @@ def test_unbinding_takes_what_was_named():
     with pytest.raises(ProfileError, match="no such binding"):
         unbind(TEXT, parse_when("pinch"), parse_do("button b"))
     with pytest.raises(ProfileError, match="no layer"):
-        unbind(TEXT, "pinch", layer="meny")
+        unbind(TEXT, "pinch", layer="other")
     only = "bindings:\n  - when: push\n    do: {stick: left}\n"
     with pytest.raises(ProfileError, match="last binding"):
         unbind(only, "push")
@@ -187,7 +187,7 @@ def test_words_that_are_no_gesture_are_refused(words):
     assert caught.value.hint
 
 
-@pytest.mark.parametrize("words", ["", "a", "button", "buton a", "toggle", "rm -rf /", "$(x)"])
+@pytest.mark.parametrize("words", ["", "a", "button", "knob a", "toggle", "rm -rf /", "$(x)"])
 def test_words_that_are_no_output_are_refused(words):
     with pytest.raises(ProfileError):
         parse_do(words)
