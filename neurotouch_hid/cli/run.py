@@ -86,8 +86,9 @@ def command(
     mapping = load_profile(profile)
     gesture = GestureConfig(method=method)
     with ExitStack() as stack:
-        # Only one driver plays live; what goes as fast as possible is a computation beside it.
-        control = take_control(stack) if speed == "recorded" else None
+        # One driver at a time. As fast as possible and without a pad is a computation beside it.
+        drives = speed == "recorded" or device != "memory"
+        control = take_control(stack) if drives else None
         packets = stack.enter_context(open_source(source, speed=speed, seed=seed))
         check_device(device)  # before the kernels compile, and again for real after it
         prepare_kernels(mapping, gesture, source)
@@ -102,7 +103,7 @@ def command(
         )
         pad = stack.enter_context(open_device(device, find_companions(mapping)))
         live = None
-        if speed == "recorded":
+        if drives:
             live = stack.enter_context(
                 Live(
                     control,
