@@ -99,9 +99,15 @@ def parse_profile(content: bytes, name: str) -> Profile:
     return check_content(content, name).require()
 
 
-def check_content(content: bytes, name: str) -> Checked[Profile]:
-    """The profile in the content of a file with all its faults, before it is saved."""
-    return _check_profile(content, name, ())
+def check_content(content: bytes, name: str, path: Path | None = None) -> Checked[Profile]:
+    """The profile in the content of a file with all its faults, before it is saved.
+
+    Args:
+        content: UTF-8 text, at most 64 kB.
+        name: what the file is called in messages.
+        path: the file it takes the place of; it must not be built on that.
+    """
+    return _check_profile(content, name, () if path is None else (path.resolve(),))
 
 
 def load_user(path: Path | None = None) -> UserSettings:

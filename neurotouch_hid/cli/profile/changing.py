@@ -22,7 +22,7 @@ from neurotouch_hid.cli.profile.saving import save_paper
 )
 @plain_option
 def new(name: str, template: str, plain: bool) -> None:
-    """Make a profile NAME of your own as a copy of another, a starting point."""
+    """Make a profile of your own as a copy of another."""
     from neurotouch_hid.profile.editing import make_profile
 
     paper = make_profile(name, template, make_stamp)
@@ -47,7 +47,7 @@ def new(name: str, template: str, plain: bool) -> None:
 @click.option("--default", "to_default", is_flag=True, help="Remove it, so its default holds.")
 @plain_option
 def set_command(name: str, key: str, value: str | None, to_default: bool, plain: bool) -> None:
-    """Set KEY in the profile NAME to VALUE; nothing else in the file changes.
+    """Set one value; nothing else in the file changes.
 
     A KEY is the gesture of a binding and what is set in it, or any key of the file.
     """
@@ -79,7 +79,7 @@ def set_command(name: str, key: str, value: str | None, to_default: bool, plain:
 @click.option("--add", is_flag=True, help="Keep what WHEN does already, and do this too.")
 @plain_option
 def bind(name: str, when: str, do: str, layer: str | None, add: bool, plain: bool) -> None:
-    """Let the gesture WHEN do DO in the profile NAME.
+    """Let a gesture do something.
 
     WHEN is a gesture (push, pinch, zoom, twist cw, twist ccw, twist, scale, any), perhaps with a
     direction (left, up right), tap, double, hold or long, soft or hard, from 7 mm, at the centre,
@@ -107,7 +107,10 @@ def bind(name: str, when: str, do: str, layer: str | None, add: bool, plain: boo
 @click.option("--layer", help="The layer. Default: the first.")
 @plain_option
 def unbind(name: str, when: str, do: str | None, layer: str | None, plain: bool) -> None:
-    """Let the gesture WHEN no longer do anything in NAME, or no longer do DO."""
+    """Let a gesture no longer do something.
+
+    Without DO, WHEN no longer does anything. The words are those of bind.
+    """
     from neurotouch_hid.profile.editing import parse_do, parse_when, take_profile
     from neurotouch_hid.profile.editing import unbind as unbind_text
 
@@ -125,7 +128,10 @@ def unbind(name: str, when: str, do: str | None, layer: str | None, plain: bool)
 @click.option("--to", "number", type=click.IntRange(min=1), help="The version to go back to.")
 @plain_option
 def undo(name: str, number: int | None, plain: bool) -> None:
-    """Take back the last change of NAME. Nothing is lost: what is undone stays in its history."""
+    """Take back the last change.
+
+    Nothing is lost: what is undone stays in the history of NAME.
+    """
     from neurotouch_hid.profile.editing import compare, read_text, take_profile
 
     paper = take_profile(name, make_stamp)
@@ -138,7 +144,10 @@ def undo(name: str, number: int | None, plain: bool) -> None:
 @click.argument("name", shell_complete=complete_profile)
 @plain_option
 def upgrade(name: str, plain: bool) -> None:
-    """Rewrite NAME in the present version of the format; the old one stays in its history."""
+    """Rewrite a profile in the present format.
+
+    The old one stays in the history of NAME.
+    """
     from neurotouch_hid.profile.editing import take_profile
     from neurotouch_hid.profile.editing import upgrade as upgrade_text
     from neurotouch_hid.profile.editing.desk import find_schema
@@ -155,7 +164,10 @@ def upgrade(name: str, plain: bool) -> None:
 @click.argument("name", shell_complete=complete_profile)
 @plain_option
 def use(name: str, plain: bool) -> None:
-    """Play with NAME from now on: a running driver switches, and it is your first favourite."""
+    """Play with a profile from now on.
+
+    A running driver switches to NAME, and NAME becomes the first of your favourites.
+    """
     from neurotouch_hid.driver import ask
     from neurotouch_hid.errors import NotRunningError
     from neurotouch_hid.profile import load_profile, load_user

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 )
 @plain_option
 def edit(name: str, editor: bool, source: str | None, plain: bool) -> None:
-    """Change the profile NAME step by step, without knowing its file format.
+    """Change a profile step by step, by questions.
 
     Nothing is timed. Every step can be taken back, and nothing is saved before you say so.
     """

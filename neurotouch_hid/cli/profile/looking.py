@@ -100,7 +100,10 @@ def show(name: str, effective: bool, as_json: bool, plain: bool) -> None:
 @json_option
 @plain_option
 def check(names: tuple[str, ...], as_json: bool, plain: bool) -> None:
-    """Find every mistake in profiles: what is wrong, and what is risky or does nothing."""
+    """Find every mistake: what is wrong, risky or without effect.
+
+    Without a NAME, all profiles that can be loaded by name are checked, and your own values.
+    """
     from neurotouch_hid.profile import check_profile, list_profiles
     from neurotouch_hid.profile.library import find_user_file
 
@@ -177,7 +180,10 @@ def _report_failure(error: NeuroTouchError) -> dict[str, Any]:
 @json_option
 @plain_option
 def diff(name: str, other: str | None, last: bool, as_json: bool, plain: bool) -> None:
-    """Show in which lines NAME differs from OTHER, by default from the shipped profile."""
+    """Show in which lines two profiles differ.
+
+    Without OTHER, your own NAME is compared with the shipped one.
+    """
     from neurotouch_hid.profile.editing import Store, adopt, compare, read_text
     from neurotouch_hid.profile.editing.desk import find_schema
     from neurotouch_hid.profile.library import find_profile, find_shipped_folder
@@ -269,7 +275,7 @@ def history(name: str, as_json: bool) -> None:
 def test(
     name: str, script: str | None, script_path: Path | None, with_user: bool, as_json: bool
 ) -> None:
-    """Play scripted gestures through NAME and print what comes out, moment by moment.
+    """Play scripted gestures and print what comes out.
 
     A step is GESTURE [WAY] [AMOUNT] [TIME] [hold TIME] [release TIME] [tap] [fingers N]
     [tremor HZ MM], or rest TIME.

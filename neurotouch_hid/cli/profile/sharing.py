@@ -27,7 +27,10 @@ from neurotouch_hid.errors import ProfileError
 )
 @click.option("--force", is_flag=True, help="Overwrite files.")
 def export(name: str, output: Path | None, user_path: Path | None, force: bool) -> None:
-    """Give the profile NAME away: the game's part, never your own values unless you ask."""
+    """Give a profile away, without your own values.
+
+    Ranges, filter and timing are yours: they go along only with --user, in a file of their own.
+    """
     from neurotouch_hid.profile import check_profile
     from neurotouch_hid.profile.editing import read_text
     from neurotouch_hid.profile.library import find_profile, find_shipped_folder, find_user_file
@@ -76,7 +79,10 @@ def _write(path: Path, text: str, *, force: bool) -> None:
 @click.option("--yes", is_flag=True, help="Do not ask.")
 @plain_option
 def import_command(file: Path, name: str | None, yes: bool, plain: bool) -> None:
-    """Take the profile in FILE after showing what it does. Nothing in it is ever run."""
+    """Take a profile from a file, after showing what it does.
+
+    Nothing in FILE is ever run.
+    """
     from neurotouch_hid.profile import check_content
     from neurotouch_hid.profile.editing import Paper, Store, adopt, compare, find_own_path
     from neurotouch_hid.profile.editing.desk import find_schema, read_text

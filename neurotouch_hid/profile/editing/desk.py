@@ -20,6 +20,7 @@ from neurotouch_hid.profile.library import (
     find_shipped_folder,
     find_user_file,
     find_user_folder,
+    list_profiles,
 )
 from neurotouch_hid.profile.load import MAX_BYTES, Checked, check_content, check_user
 from neurotouch_hid.profile.schema import Profile
@@ -52,11 +53,12 @@ class Paper:
     def check(self, text: str) -> Checked[Profile] | Checked[UserSettings]:
         """The text with all its faults, as it would be there."""
         content, name = encode(text), make_printable(str(self.store.path))
-        return (
-            check_user(content, name)
-            if self.model is UserSettings
-            else check_content(content, name)
-        )
+        if self.model is UserSettings:
+            return check_user(content, name)
+        path = self.store.path
+        if path.parent == find_user_folder():  # there it hides a shipped one of its name
+            path = list_profiles().get(path.stem, path)
+        return check_content(content, name, path)
 
     def save(self, text: str, *, keep: bool = True) -> None:
         """Saves the text if it is right; what stood there becomes a version unless ``keep`` is not.

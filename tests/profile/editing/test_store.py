@@ -115,6 +115,14 @@ def test_what_is_wrong_is_not_saved(stamp):
         make_profile("mine", "racing", stamp)
 
 
+def test_a_profile_cannot_be_built_on_itself(stamp):
+    for _ in range(2):  # as the copy of a shipped one, then as the user's own
+        paper = take_profile("racing", stamp)
+        with pytest.raises(ProfileError, match="NT131"):
+            paper.save(paper.text.replace("\nbindings:", "\nextends: [racing]\nbindings:"))
+        paper.save(paper.text + "\n")
+
+
 @pytest.mark.parametrize("name", ["", "../x", "a/b", "/etc/x", "A", "a" * 65, "a.yaml", "é", ".x"])
 def test_a_name_is_never_a_path(name, stamp):
     with pytest.raises(ProfileError, match="no name"):
