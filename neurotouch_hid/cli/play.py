@@ -79,6 +79,9 @@ def play(
             taps.append(monitor)
         session = live.session if live is not None else None
         stats = run_line(packets, pipeline, device, taps, stop=stop, session=session)
+    seen = pipeline.rest.detector.stats()
+    if seen.n_references and not seen.n_frames:
+        click.echo(f"Warning: the gel was {seen.reason}.", err=True)
     speed = f", {stats.sensor_s / stats.host_s:.1f} times real time" if stats.host_s else ""
     click.echo(
         f"Played {stats.sensor_s:.1f} s of sensor time, {stats.events:,} events{speed}. "

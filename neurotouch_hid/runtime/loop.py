@@ -82,9 +82,8 @@ def run_line(
 def _require_gel(pipeline: Pipeline) -> None:
     seen = pipeline.rest.detector.stats()
     if not seen.n_references:
-        why = seen.reason if seen.n_frames else "it has no frames, and markers are found on frames"
         raise GelNotFoundError(
-            f"No gel can be seen in this source: {why.rstrip('.')}.",
+            f"No gel can be seen in this source: {seen.reason}.",
             hint="Is the LED ring on, the lens cap off, and no hand on the gel at the start?",
         )
 

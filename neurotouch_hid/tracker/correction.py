@@ -8,6 +8,7 @@ from neurotouch_hid.messages import Frame, RestField
 from neurotouch_hid.tracker import kernels
 from neurotouch_hid.tracker.image import BlobFinder, Blobs
 from neurotouch_hid.tracker.image import kernels as image_kernels
+from neurotouch_hid.tracker.neighbours import kernels as neighbour_kernels
 
 _GATE_PX = 3.5  # a third of the pitch: nobody else's blob
 _MAX_BLUR_PX = 2.0  # smeared markers merge with their neighbours
@@ -70,11 +71,22 @@ class FrameCorrection:
             return
         t_us = float(tracks.state[:, kernels.T].max())
         now_px = tracks.state[:, :2].copy()
-        kernels.expect(now_px, ~astray, tracks, self._expected_px, self._spread_px)
+        self._expect(now_px, ~astray)
         unknown = ~np.isfinite(self._expected_px)
         self._expected_px[unknown] = rest.position_px[unknown]
         kernels.place(np.flatnonzero(astray), self._expected_px[astray], 1.0, t_us, tracks)
         tracks.lost[astray] = True
+
+    def _expect(self, position_px: NDArray[np.float64], usable: NDArray[np.bool_]) -> None:
+        tracks = self._tracks
+        neighbour_kernels.expect(
+            position_px,
+            usable,
+            tracks.rest_px,
+            tracks.neighbours,
+            self._expected_px,
+            self._spread_px,
+        )
 
     def _positions_at(self, t_us: int) -> NDArray[np.float64] | None:
         """All positions (177, 2) px at a moment in the past, None if nobody remembers it."""
@@ -108,8 +120,15 @@ class FrameCorrection:
             seen = blob >= 0
             position = then_px.copy()
             position[seen] = points[blob[seen]]
-            kernels.expect(position, seen, self._tracks, self._expected_px, self._spread_px)
-            kernels.strays(position, self._expected_px, self._spread_px, self._tuning, self._stray)
+            self._expect(position, seen)
+            neighbour_kernels.strays(
+                position,
+                self._expected_px,
+                self._spread_px,
+                self._tuning.max_stray_px,
+                self._tuning.max_stray_ratio,
+                self._stray,
+            )
             blob[self._stray & seen] = -1
             lost |= self._stray
             known = np.isfinite(self._expected_px[:, 0])

@@ -1,4 +1,4 @@
-"""The compiled loops of the tracker: the event filter and the neighbour check."""
+"""The compiled loops of the tracker: the event filter and what is checked between events."""
 
 import math
 from typing import NamedTuple
@@ -8,6 +8,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+from neurotouch_hid.tracker.neighbours.kernels import collide, expect, strays
 
 X, Y, VX, VY, A, B, C, T, LEAD_X, LEAD_Y = range(10)
 ROW = 16  # numbers in a row of state: two cache lines
@@ -18,7 +19,6 @@ TILE_ROWS = -(-SENSOR_HEIGHT_PX // TILE_PX)
 TILE_CAPACITY = 32  # markers within reach of a tile: as many as 3 px apart
 REACH_PX = 6.0  # the largest gate, 4 px, and what a marker at 750 px/s moves between two checks
 SEAT_PX = 0.5  # a marker is listed anew when it has moved so far
-CLOSEST_PX = 1.5  # of two markers, each 2.5 px wide: one of them follows the other one's events
 MIN_TRUST = 0.05  # a marker that seems to be at rest still follows, slowly
 NOISE_FALL_S, NOISE_RISE_S = (
     0.1,
@@ -245,109 +245,6 @@ def shift(markers: NDArray[np.intp], by_px: NDArray[np.float64], tracks: Tracks)
 
 
 @njit(cache=True, nogil=True)
-def _sort_rows(v: NDArray[np.float64]) -> None:
-    """Sort the 8 rows of ``v`` (8, n) column by column: a network of 19 vector comparisons."""
-    for p, q in (
-        (0, 1), (2, 3), (4, 5), (6, 7), (0, 2), (1, 3), (4, 6), (5, 7), (1, 2), (5, 6),
-        (0, 4), (3, 7), (1, 5), (2, 6), (1, 4), (3, 6), (2, 4), (3, 5), (3, 4),
-    ):  # fmt: skip
-        low, high = v[p], v[q]
-        for i in range(v.shape[1]):
-            a, b = low[i], high[i]
-            low[i] = a if a < b else b
-            high[i] = b if a < b else a
-
-
-@njit(cache=True, nogil=True)
-def expect(
-    position_px: NDArray[np.float64],
-    usable: NDArray[np.bool_],
-    tracks: Tracks,
-    expected_px: NDArray[np.float64],
-    spread_px: NDArray[np.float64],
-) -> None:
-    """Where each marker should be by its neighbours: rest plus their median displacement.
-
-    Args:
-        position_px: (n, 2) float64, columns x, y.
-        usable: (n,) bool: neighbours that have a say.
-        tracks: rest positions and neighbours.
-        expected_px: (n, 2), filled in; NaN where fewer than three neighbours have a say.
-        spread_px: (n,), filled in: half the distance between the quartiles of the neighbours'
-            displacements, the larger one of x and y.
-    """
-    n = len(position_px)
-    sorted_px = np.empty((8, n))
-    count = np.zeros(n, np.int64)
-    for axis in range(2):
-        for i in range(n):
-            n_used, n_padded = 0, 0
-            for k in range(8):
-                j = tracks.neighbours[i, k]
-                if j >= 0 and usable[j]:
-                    sorted_px[k, i] = position_px[j, axis] - tracks.rest_px[j, axis]
-                    n_used += 1
-                else:  # infinities at both ends keep the median in the middle
-                    sorted_px[k, i] = np.inf if n_padded % 2 == 0 else -np.inf
-                    n_padded += 1
-            count[i] = n_used
-        _sort_rows(sorted_px)
-        for i in range(n):
-            m = count[i]
-            if m < 3:
-                expected_px[i, axis], spread_px[i] = np.nan, 0.0
-                continue
-            first = (8 - m) // 2
-            last = first + m - 1
-            median = 0.5 * (
-                sorted_px[(first + last) // 2, i] + sorted_px[(first + last + 1) // 2, i]
-            )
-            expected_px[i, axis] = tracks.rest_px[i, axis] + median
-            spread = 0.5 * (sorted_px[last - m // 4, i] - sorted_px[first + m // 4, i])
-            spread_px[i] = spread if axis == 0 else max(spread_px[i], spread)
-
-
-@njit(cache=True, nogil=True)
-def strays(
-    position_px: NDArray[np.float64],
-    expected_px: NDArray[np.float64],
-    spread_px: NDArray[np.float64],
-    tuning: Tuning,
-    out: NDArray[np.bool_],
-) -> None:
-    """Which markers are not where their neighbours say: out (n,) bool, filled in."""
-    for i in range(len(position_px)):
-        off = max(
-            abs(position_px[i, 0] - expected_px[i, 0]), abs(position_px[i, 1] - expected_px[i, 1])
-        )
-        out[i] = off > tuning.max_stray_px + tuning.max_stray_ratio * spread_px[i]
-
-
-@njit(cache=True, nogil=True)
-def collide(
-    position_px: NDArray[np.float64],
-    expected_px: NDArray[np.float64],
-    tracks: Tracks,
-    out: NDArray[np.bool_],
-) -> None:
-    """Of two neighbours at one place, the one its own neighbours expect less is set in out (n,)."""
-    neighbours = tracks.neighbours
-    for i in range(len(position_px)):
-        for k in range(4, 8):  # each pair once
-            j = neighbours[i, k]
-            if j < 0:
-                continue
-            dx = position_px[i, 0] - position_px[j, 0]
-            dy = position_px[i, 1] - position_px[j, 1]
-            if dx * dx + dy * dy < CLOSEST_PX * CLOSEST_PX:
-                off_i = abs(position_px[i, 0] - expected_px[i, 0])
-                off_i += abs(position_px[i, 1] - expected_px[i, 1])
-                off_j = abs(position_px[j, 0] - expected_px[j, 0])
-                off_j += abs(position_px[j, 1] - expected_px[j, 1])
-                out[i if off_i > off_j else j] = True
-
-
-@njit(cache=True, nogil=True)
 def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     """How far the events of each marker are to be believed, and on which side they lie.
 
@@ -390,9 +287,9 @@ def check_neighbours(
     """Seat anew what is not where its neighbours say: ``position_px`` (n, 2) too is put right."""
     n = len(position_px)
     expected, spread, stray = np.empty((n, 2)), np.empty(n), np.empty(n, np.bool_)
-    expect(position_px, ~tracks.lost, tracks, expected, spread)
-    strays(position_px, expected, spread, tuning, stray)
-    collide(position_px, expected, tracks, stray)
+    expect(position_px, ~tracks.lost, tracks.rest_px, tracks.neighbours, expected, spread)
+    strays(position_px, expected, spread, tuning.max_stray_px, tuning.max_stray_ratio, stray)
+    collide(position_px, expected, tracks.neighbours, stray)
     astray = np.flatnonzero(stray & np.isfinite(expected[:, 0]))
     for i in astray:
         position_px[i] = expected[i]

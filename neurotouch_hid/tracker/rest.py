@@ -167,7 +167,7 @@ class RestDetector:
         """Take the frame as the reference if it shows the undeformed lattice."""
         lattice = find_lattice(blobs.centroid_px, self._config.lattice, self._rig)
         settled = self._count_still(blobs)
-        n_found = min(len(blobs.centroid_px), N_MARKERS) if lattice is None else lattice.n_found
+        n_found = len(blobs.centroid_px) if lattice is None else lattice.n_found
         reason = self._refusal(lattice, n_found, frame, odd=settled)
         if lattice is None or reason:
             self._count(n_found, reason)
@@ -243,7 +243,11 @@ class RestDetector:
         """Why this is no gel at rest, or an empty string; ``odd`` allows for odd optics."""
         c = self._config.lattice
         max_bend_px = self._config.max_odd_bend_px if odd else c.max_bend_px
-        if lattice is None or lattice.n_found < c.min_found:
+        if lattice is None:
+            return (
+                f"no lattice of {N_MARKERS} markers among {n_found} bright dots; {_describe(frame)}"
+            )
+        if lattice.n_found < c.min_found:
             return f"found {n_found} of {N_MARKERS} markers; {_describe(frame)}"
         if lattice.bend_px > max_bend_px or lattice.n_displaced > c.max_displaced:
             return (

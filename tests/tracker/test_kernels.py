@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from neurotouch_hid.geometry import LATTICE_MM, NEIGHBOURS, Rig
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.tracker import TrackerConfig, kernels
+from neurotouch_hid.tracker.neighbours.kernels import collide, expect
 from tests.reference import tracker as reference
 
 REST_PX = Rig((172.0, 130.0), 2.5, 0.1).to_px(LATTICE_MM)
@@ -98,7 +99,7 @@ def test_expectation_is_the_median_of_the_neighbours(seed, share):
     position = REST_PX + rng.normal(0, 5, REST_PX.shape)
     usable = rng.random(177) < share
     expected, spread = np.empty((177, 2)), np.empty(177)
-    kernels.expect(position, usable, make_tracks(REST_PX), expected, spread)
+    expect(position, usable, REST_PX, NEIGHBOURS.copy(), expected, spread)
     twin = reference.expect(position.tolist(), REST_PX.tolist(), NEIGHBOURS.tolist(), usable)
     for i, answer in enumerate(twin):
         if answer is None:
@@ -131,7 +132,7 @@ def test_of_two_markers_at_one_place_one_is_wrong(seed):
     position = REST_PX + rng.normal(0, 4, REST_PX.shape)
     expected = REST_PX + rng.normal(0, 1, REST_PX.shape)
     out = np.zeros(177, np.bool_)
-    kernels.collide(position, expected, make_tracks(REST_PX), out)
+    collide(position, expected, NEIGHBOURS.copy(), out)
     twin = reference.collide(position.tolist(), expected.tolist(), NEIGHBOURS.tolist(), 1.5)
     assert set(np.flatnonzero(out).tolist()) == twin
 

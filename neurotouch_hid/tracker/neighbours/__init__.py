@@ -1,0 +1,1 @@
+"""What the neighbours of a marker say about where it is."""
