@@ -144,6 +144,8 @@ def _find_new(value: Any, keys: Keys, rest: list[str], path: str, model: type[Ba
             do = _find_target(value["do"])
             if part in Condition.model_fields and (do is None or part not in do.model_fields):
                 when = value["when"]
+                if part == "gesture" and isinstance(when, str):
+                    return Way((*keys, "when"), True)
                 widen = None if isinstance(when, dict) else ((*keys, "when"), "gesture")
                 return Way((*keys, "when", part), False, widen)
             if do is not None and part in do.model_fields:
@@ -151,7 +153,7 @@ def _find_new(value: Any, keys: Keys, rest: list[str], path: str, model: type[Ba
         if part in list_known(value, keys, model):
             return Way((*keys, part), False)
     if keys[-1:] == ("timing",) and part in Timing.model_fields and len(rest) == 1:
-        return Way((*keys, part), False, (keys, "preset"))
+        return Way(keys, True) if part == "preset" else Way((*keys, part), False, (keys, "preset"))
     if isinstance(value, dict) and part in _INSIDE and len(rest) > 1:
         return _find_new({}, (*keys, part), rest[1:], path, model)
     raise _refuse(path, _advise(value, part, keys, model))
