@@ -10,14 +10,14 @@ from typing import Any
 
 import pytest
 
-from tests.kernel.machine import CACHE, ROOT, MissingError, boot, fetch_kernel, require_packages
+from tests.kernel.machine import COMPILED, ROOT, MissingError, boot, fetch_kernel, require_packages
 
 TIME_LIMIT_S = 1200.0
 """Several times what it takes on two idle cores without hardware virtualisation."""
 
 # Compiled kernels are kept per processor; QEMU's is not ours. For a generic one they are compiled
 # here, and the slow guest only loads them.
-NUMBA = {"NUMBA_CPU_NAME": "generic", "NUMBA_CACHE_DIR": str(CACHE / "numba")}
+NUMBA = {"NUMBA_CPU_NAME": "generic", "NUMBA_CACHE_DIR": str(COMPILED)}
 
 
 @pytest.fixture(scope="session")

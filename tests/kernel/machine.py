@@ -11,6 +11,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 CACHE = ROOT / ".cache/kernel"
+COMPILED = CACHE / "numba"
+"""Compiled kernels; the guest may write there, for Numba does not read what it cannot write."""
 
 PACKAGES = {
     "apt-get": "apt",
@@ -81,7 +83,7 @@ def boot(kernel: Path, program: list[str], results: Path, *, time_limit_s: float
     Args:
         kernel: the image.
         program: the command. It must first make a file called ``booted`` in ``results``.
-        results: a folder that the guest can write; everything else is read-only there.
+        results: a folder that the guest can write; all but this and COMPILED is read-only there.
         time_limit_s: after this time the machine is switched off.
     """
     command = [
@@ -90,11 +92,13 @@ def boot(kernel: Path, program: list[str], results: Path, *, time_limit_s: float
         "--force-9p",
         "--disable-microvm",
         f"--rwdir={results}",
+        f"--rwdir={COMPILED}",
         *("--run", str(kernel)),
         *("--user", "root"),
         *("--cpus", "1"),
         *("--memory", "2G"),
     ]
+    COMPILED.mkdir(parents=True, exist_ok=True)
     booted = results / "booted"
     if os.access("/dev/kvm", os.R_OK | os.W_OK):
         # Where nested virtualisation is broken, QEMU ends at once or hangs.
