@@ -111,8 +111,7 @@ class Store:
         place = known.index(content) if content in known else -1
         if place + 1 >= len(versions):
             raise ProfileError(
-                f"there is nothing to undo: '{self.path.stem}' has no version before this one",
-                hint=f"All versions: neurotouch profile history {self.path.stem}",
+                f"there is nothing to undo: '{self.path.stem}' has no version before this one"
             )
         return self._put_back(versions[place + 1], content, is_known=place >= 0)
 
