@@ -35,6 +35,8 @@ class HandConfig:
         keep: share of the above that a finger must go on explaining.
         model_error: rms difference of the gel and the closed form, share of the largest motion.
         outlier: residual of a marker, in standard errors, that halves its weight.
+        most_unexplained: share of the field's squares; where the followed fingers leave more, and
+            more than one finger must explain, they are looked for anew.
         least_mm: a motion below this is no finger yet.
         least_noise_mm: the least error of a tracked marker, one axis.
     """
@@ -49,6 +51,7 @@ class HandConfig:
     keep: float = 0.6
     model_error: float = 0.05
     outlier: float = 8.0
+    most_unexplained: float = 0.4
     least_mm: float = 0.2
     least_noise_mm: float = 0.06
 
@@ -101,6 +104,9 @@ class Hand:
         warm = self.fit
         if warm is not None:
             warm = self._refine(warm, moved_mm, weight, noise_mm, 1)
+            if self._is_lost(warm, moved_mm, weight, noise_mm):
+                warm = None
+        if warm is not None:
             warm = self._extend(warm, moved_mm, weight, noise_mm)
             warm = self._reduce(warm, moved_mm, weight, noise_mm)
         if warm is None or forming:
@@ -110,6 +116,13 @@ class Hand:
             ):
                 warm = cold
         self._adopt(warm)
+
+    def _is_lost(self, fit: Fingers, moved: Floats, weight: Floats, noise: float) -> bool:
+        """True if the fingers followed so far have run into each other or explain too little."""
+        error = 2.0 * float(weight.sum()) * noise**2
+        field = float((weight * (moved**2).sum(axis=1)).sum()) - error
+        most = max(self.config.most_unexplained * field, self._price(fit.largest_mm, noise))
+        return not (self._apart(fit) and fit.cost - error < most)
 
     def _doubt(self, noise_mm: float) -> Floats | float:
         """Trust in each marker, (177,): one that was far off the last fit lost its dot."""

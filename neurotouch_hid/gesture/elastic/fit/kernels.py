@@ -249,7 +249,8 @@ def refine(
         n_steps: of Gauss-Newton; 0 keeps centres and radii.
 
     Returns:
-        The weighted sum of squared residuals, mm².
+        The weighted sum of squared residuals, mm²; infinite where the fingers cannot be told apart,
+        and then nothing that is updated or written means anything.
     """
     n, k = len(points), len(centres)
     known = centres.copy()
@@ -283,7 +284,7 @@ def refine(
             normal[4 * k + p, 4 * k + p] += variance / OFFSET_MM**2
         normal[4 * k + 2, 4 * k + 2] += variance / SWAY_RAD**2
         if not solve(normal, right):
-            break
+            return np.inf
         for j in range(k):
             for p in range(3):
                 motions[j, p] = right[3 * j + p, 0]
