@@ -28,6 +28,7 @@ class ElasticMethod:
         self._decision = Decision(RESTING if config.neutral == "resting" else DecisionConfig())
         self._rest_px: NDArray[np.float32] | None = None
         self._noise_mm = 0.08
+        self._unheard_us = 0
         self._shown: set[int] = set()
 
     def reset(self) -> None:
@@ -98,6 +99,11 @@ class ElasticMethod:
         )
 
     def _listen(self, moved: Floats, step_us: int) -> None:
-        """Measures the noise of the markers while nothing moves."""
+        """Measures the noise of the markers while nothing moves, a few times in ``NOISE_US``."""
+        self._unheard_us += step_us
+        if self._unheard_us < NOISE_US // 10:
+            return
         spread = 1.4826 * float(np.median(np.abs(moved - np.median(moved, axis=0))))
-        self._noise_mm += (1.0 - math.exp(-step_us / NOISE_US)) * (spread - self._noise_mm)
+        share = 1.0 - math.exp(-self._unheard_us / NOISE_US)
+        self._noise_mm += share * (spread - self._noise_mm)
+        self._unheard_us = 0
