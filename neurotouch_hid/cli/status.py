@@ -52,6 +52,17 @@ def _list_facts(status: dict[str, Any]) -> list[str]:
     ]
     lines += [f"time in {name}: {ms:.3f} ms a slice" for name, ms in status["stage_ms"].items()]
     for error in status["errors"]:
+    lines += [_describe_fatigue(**fading) for fading in status["fatigue"]]
         at = time.strftime("%H:%M:%S", time.localtime(error["at"]))
         lines.append(f"error at {at}: {error['error']}")
     return lines
+
+
+def _describe_fatigue(movement: str, peak_mm: float, full_mm: float | None, needs: float) -> str:
+    words = movement.replace("_", " ")
+    if needs < 1.0:
+        return f"fatigue: {words} needs {needs:.0%} of its range until the next pause"
+    return (
+        f"fatigue: {words} has faded to {peak_mm:g} mm. A pause helps, or in user.yaml "
+        f"'range.{movement}.full: {full_mm:g}' or 'fatigue: auto'"
+    )

@@ -4,7 +4,7 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Final, Literal
 
-Verdict = Literal["pressed", "ignored", "layer", "command"]
+Verdict = Literal["pressed", "ignored", "layer", "command", "fatigue"]
 
 KEPT: Final = 20
 

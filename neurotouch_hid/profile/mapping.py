@@ -9,10 +9,11 @@ from neurotouch_hid.messages import GamepadState, Gesture
 from neurotouch_hid.profile.decision import Decision, Journal
 from neurotouch_hid.profile.engine.channel import Channel
 from neurotouch_hid.profile.engine.deck import Deck, make_channel
-from neurotouch_hid.profile.engine.effort import Effort, Exertion
+from neurotouch_hid.profile.engine.effort import Exertion
 from neurotouch_hid.profile.engine.output import Outputs
 from neurotouch_hid.profile.engine.reader import Reader
 from neurotouch_hid.profile.engine.reading import Reading
+from neurotouch_hid.profile.engine.tiredness import Tiredness
 from neurotouch_hid.profile.schema import Binding, Profile, SafetyGesture
 from neurotouch_hid.profile.targets import CommandName, CommandTarget
 from neurotouch_hid.profile.timing import PRESETS, FilterName, resolve_times
@@ -46,7 +47,7 @@ class Mapping:
         self._state: State = "running"
         self._commands: list[str] = []
         self._t_us: int | None = None
-        self._effort = Effort(self._user.range)
+        self._tiredness = Tiredness(self._user, self._journal)
         self._take(profile)
 
     @property
@@ -70,7 +71,11 @@ class Mapping:
 
     def exertions(self) -> tuple[Exertion, ...]:
         """What the movements have cost so far: whether they fade, whether some are held long."""
-        return self._effort.report()
+        return self._tiredness.exertions()
+
+    def shares(self) -> dict[str, float]:
+        """The share of its full range that each movement needs now, where that is less than 1."""
+        return self._tiredness.shares()
 
     def switch(self, profile: Profile, user: UserSettings | None = None) -> None:
         """Lets go of everything and goes on with another profile at the next gesture.
@@ -81,7 +86,7 @@ class Mapping:
         """
         if user is not None:
             self._user = user
-            self._effort = Effort(user.range)
+            self._tiredness = Tiredness(user, self._journal)
         self._take(profile)
         self._deck.armed = False
 
@@ -112,7 +117,7 @@ class Mapping:
             self._deck.release()
         self._t_us = t_us
         reading = self._reader.read(gesture)
-        self._effort.update(reading)
+        self._tiredness.update(reading)
         if self._reader.at_rest:
             self._deck.armed = True
         outputs = self._run(reading)
@@ -165,6 +170,7 @@ class Mapping:
                 self._journal.note("command", command)
 
     def _enter(self, state: State, command: str) -> None:
+        self._tiredness.rest()
         self._state = state
         self._deck.release()
         self._commands.append(command)

@@ -99,6 +99,12 @@ class UserSettings(Strict):
         "is how it lies. Default: lifted.",
     )
     slots: Annotated[
+    fatigue: Literal["none", "suggest", "auto"] = Field(
+        default="suggest",
+        description="What is done when a movement fades by a fifth: none, suggest a smaller range "
+        "in the status, or auto, which needs up to 40 % less from then on, by 1 % a minute, until "
+        "a pause. Default: suggest.",
+    )
         list[Annotated[str, Field(pattern=NAME_PATTERN)]], Field(min_length=1, max_length=8)
     ] = Field(
         default=["default"],

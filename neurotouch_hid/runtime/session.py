@@ -56,6 +56,7 @@ class Session:
         self._user = user
         self._errors: deque[tuple[float, str]] = deque(maxlen=KEPT_ERRORS)
         self._begun = time.monotonic()
+        self._fatigue: list[dict[str, Any]] = []
         self._step: Step | None = None
         self._step_at = self._begun
         self._slices = self._events = self._lost = 0
@@ -140,6 +141,7 @@ class Session:
                 mapping.resume()
             case "pause" | "toggle":
                 mapping.pause()
+            "fatigue": self._fatigue,
             case "panic":
                 mapping.panic()
             case "resume":
@@ -171,3 +173,15 @@ class Session:
             tuple((name, (ns - spent_ns.get(name, 0)) / n / 1e6) for name, ns in now_ns.items()),
         )
         self._window = (now, self._slices, self._events, now_ns)
+        mapping = self._pipeline.mapping
+        shares = mapping.shares()
+        self._fatigue = [
+            {
+                "movement": exertion.movement,
+                "peak_mm": exertion.peak_mm,
+                "full_mm": exertion.full_mm,
+                "needs": round(shares.get(exertion.movement, 1.0), 2),
+            }
+            for exertion in mapping.exertions()
+            if exertion.full_mm is not None or exertion.movement in shares
+        ]

@@ -19,10 +19,26 @@ def test_a_movement_that_fades_by_a_fifth_gets_a_smaller_range_suggested() -> No
     assert (zoom.movement, zoom.uses, zoom.full_mm) == ("zoom", 60, None)
     t_us = use(mapping, 50, 3.5, t_us)
     (zoom,) = mapping.exertions()
-    assert zoom.full_mm == round(0.7 * 4.5, 1)
+    assert zoom.full_mm == 3.5
     use(mapping, 50, 2.6, t_us)
     (zoom,) = mapping.exertions()
     assert zoom.full_mm == round(0.6 * 4.5, 1), "not below 60 %"
+
+
+def test_a_hand_that_begins_tired_is_measured_against_its_calibration() -> None:
+    user = UserSettings.model_validate({"filter": "none", "range": {"zoom": {"full": 4.5}}})
+    mapping = Mapping(PROFILE, user)
+    t_us = use(mapping, 49, 3.4, 0)
+    assert mapping.exertions()[0].full_mm is None, "not enough uses yet"
+    use(mapping, 1, 3.4, t_us)
+    assert mapping.exertions()[0].full_mm == 3.4
+
+
+def test_who_was_never_calibrated_is_measured_against_the_first_uses() -> None:
+    mapping = Mapping(PROFILE, UserSettings(filter="none"))
+    t_us = use(mapping, 50, 5.0, 0)
+    use(mapping, 50, 3.5, t_us)
+    assert mapping.exertions()[0].full_mm == round(0.7 * 4.5, 1)
 
 
 def test_partial_movements_are_no_fatigue() -> None:

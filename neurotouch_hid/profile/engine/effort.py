@@ -15,7 +15,8 @@ from neurotouch_hid.profile.user import Ranges
 
 USES: Final = 50
 FADED: Final = 0.8
-"""Tired when the median peak of the last 50 uses is 20 % below that of the first 50."""
+"""Tired when the median peak of the last 50 uses is 20 % below the calibrated full range, or below
+that of the first 50 uses where the movement was never calibrated."""
 
 LEAST_SHARE: Final = 0.6
 """No suggestion goes below this share of the range one began with."""
@@ -34,13 +35,15 @@ class Exertion:
         movement: as in the user's ranges, ``push_left`` or ``zoom``.
         uses: how often it was made.
         peak_mm: median peak of the latest uses, in mm of a usual hand.
-        full_mm: the full range to use from now on, in the person's own mm; None while it is right.
+        share: how far it goes now, as a share of what it went; None while it has not faded.
+        full_mm: the full range that fits this, in the person's own mm; None likewise.
         long_holds: how often it was held for more than 5 s: a toggle would be easier.
     """
 
     movement: str
     uses: int
     peak_mm: float
+    share: float | None
     full_mm: float | None
     long_holds: int
 
@@ -86,6 +89,11 @@ class Effort:
         """Every movement that was made, by name."""
         return tuple(self._judge(name, record) for name, record in sorted(self._records.items()))
 
+    def rest(self) -> None:
+        """The hand has rested: only what it does from now on says whether it is tired."""
+        for record in self._records.values():
+            record.latest.clear()
+
     def _finish(self) -> None:
         if self._movement and self._peak_mm >= USE_MM:
             record = self._records.setdefault(self._movement, _Record())
@@ -98,12 +106,18 @@ class Effort:
         self._held_since_us, self._long = None, False
 
     def _judge(self, movement: str, record: _Record) -> Exertion:
-        peak_mm = median(record.latest)
-        share = peak_mm / median(record.first)
-        full_mm = None
-        if record.uses >= 2 * USES and share <= FADED:
-            kind = GestureKind["PUSH" if movement.startswith("push") else movement.upper()]
-            own = getattr(self._ranges, movement)
-            usual_mm = DEFAULT_FULL_MM[kind] if own is None else own.full
-            full_mm = round(max(share, LEAST_SHARE) * usual_mm, 1)
-        return Exertion(movement, record.uses, round(peak_mm, 1), full_mm, record.long_holds)
+        peak_mm = median(record.latest) if record.latest else 0.0
+        own = getattr(self._ranges, movement)
+        usual_mm = DEFAULT_FULL_MM[find_kind(movement)]
+        fresh_mm, least_uses = (median(record.first), 2 * USES) if own is None else (usual_mm, USES)
+        share = full_mm = None
+        watched = len(record.latest) == USES and record.uses >= least_uses
+        if watched and peak_mm <= FADED * fresh_mm:
+            share = max(peak_mm / fresh_mm, LEAST_SHARE)
+            full_mm = round(share * (usual_mm if own is None else own.full), 1)
+        return Exertion(movement, record.uses, round(peak_mm, 1), share, full_mm, record.long_holds)
+
+
+def find_kind(movement: str) -> GestureKind:
+    """The gesture a movement of the user's ranges belongs to."""
+    return GestureKind["PUSH" if movement.startswith("push") else movement.upper()]

@@ -1,0 +1,77 @@
+"""What is done about a hand that tires: nothing, a suggestion, or less is asked of it."""
+
+from dataclasses import replace
+
+from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.profile.decision import Journal
+from neurotouch_hid.profile.engine.effort import Effort, Exertion
+from neurotouch_hid.profile.engine.reading import Reading
+from neurotouch_hid.profile.engine.relief import RESTED_US, Relief
+from neurotouch_hid.profile.user import UserSettings
+
+
+class Tiredness:
+    """Watches the readings and, where the person wants it, eases them.
+
+    Args:
+        user: the ranges, and what is to be done.
+        journal: is told of each suggestion and each step.
+    """
+
+    def __init__(self, user: UserSettings, journal: Journal) -> None:
+        self._setting = user.fatigue
+        self._journal = journal
+        self._effort = Effort(user.range)
+        self._relief = Relief(user.range)
+        self._suggested: set[str] = set()
+        self._used_us: int | None = None
+
+    def exertions(self) -> tuple[Exertion, ...]:
+        """What the movements have cost so far; without suggestions if none are wanted."""
+        report = self._effort.report()
+        if self._setting != "none":
+            return report
+        return tuple(replace(exertion, share=None, full_mm=None) for exertion in report)
+
+    def shares(self) -> dict[str, float]:
+        """The share of its full range that each movement needs now, where that is less than 1."""
+        return self._relief.shares
+
+    def rest(self) -> None:
+        """The person makes a pause: everything is as calibrated again."""
+        if self._relief.shares:
+            self._journal.note("fatigue", "full ranges as calibrated", "a pause")
+        self._relief.undo()
+        self._effort.rest()
+        self._suggested.clear()
+
+    def update(self, reading: Reading) -> None:
+        """Takes one reading, and eases it."""
+        self._effort.update(reading)
+        if self._setting == "none":
+            return
+        if reading.kind != GestureKind.NONE:
+            self._used_us = reading.t_us
+            self._relief.ease(reading)
+            return
+        if self._used_us is not None and reading.t_us - self._used_us >= RESTED_US:
+            self._used_us = None
+            self.rest()
+        if self._relief.is_due(reading.t_us):
+            self._consider(reading.t_us)
+
+    def _consider(self, t_us: int) -> None:
+        exertions = self._effort.report()
+        before = self._relief.shares
+        self._relief.step(t_us, exertions if self._setting == "auto" else ())
+        for exertion in exertions:
+            name = exertion.movement
+            words = name.replace("_", " ")
+            share = self._relief.shares.get(name)
+            if share != before.get(name) and share is not None:
+                self._journal.note("fatigue", f"{words} needs {share:.0%} of its range")
+            if exertion.full_mm is not None and name not in self._suggested:
+                self._suggested.add(name)
+                why = f"its median is {exertion.peak_mm:g} mm now"
+                what = f"{words} could be full at {exertion.full_mm:g} mm"
+                self._journal.note("fatigue", what, why)
