@@ -1,4 +1,4 @@
-"""What surrounds a line that plays live: control socket, profiles, keyboard, desktop."""
+"""What surrounds a line that plays live: control socket, profiles, keyboard, desktop, sound."""
 
 import os
 from collections.abc import Callable
@@ -12,6 +12,7 @@ from neurotouch_hid.desktop import Follower, open_window
 from neurotouch_hid.device import ChordReader, Device
 from neurotouch_hid.driver import find_runtime_folder
 from neurotouch_hid.errors import AlreadyRunningError, DriverError
+from neurotouch_hid.monitor import SoundMonitor
 from neurotouch_hid.profile import Profile, UserSettings
 from neurotouch_hid.runtime import (
     SAID,
@@ -57,6 +58,7 @@ class Live:
 
     Attributes:
         session: what the line obeys.
+        sound: a tap of the line.
     """
 
     def __init__(
@@ -80,18 +82,21 @@ class Live:
             profile,
             user,
             self.session,
-            announce=lambda sentence: click.echo(sentence, err=True),
+            announce=_announce,
             prepare=lambda new: device.prepare(find_companions(new)),
         )
         self._closing.callback(self._profiles.close)
         self.session.listen(self._hear)
         chords = ChordReader(self._press, settings.keys_of)
         self._closing.callback(chords.close)
+        self.sound = SoundMonitor(self.session, _announce)
+        self._closing.callback(self.sound.close)
         self._facts: dict[str, Callable[[], str]] = {
             "source": lambda: source,
             "device": lambda: device.name,
             "keyboard": chords.describe,
             "desktop": lambda: "none has a profile of its own",
+            "sound": self.sound.describe,
         }
         if settings.applications:
             follower = Follower(
@@ -128,3 +133,7 @@ class Live:
             self._profiles.next()
         elif command in SAID:
             self._profiles.say(SAID[command])
+
+
+def _announce(sentence: str) -> None:
+    click.echo(sentence, err=True)

@@ -66,7 +66,7 @@ def play(
     click.echo(f"Gamepad ready: {title}. Ctrl-C ends.", err=True)
     packets = source if seconds is None else _for_seconds(source, seconds)
     with ExitStack() as stack:
-        taps: list[Tap] = []
+        taps: list[Tap] = [] if live is None else [live.sound]
         if trace is not None:
             writer = TraceWriter(trace)
             stack.callback(writer.close)

@@ -21,6 +21,7 @@ _FACTS = {
     "gesture": "gesture",
     "keyboard": "keyboard",
     "desktop": "applications",
+    "sound": "sound",
 }
 
 
@@ -51,8 +52,8 @@ def _list_facts(status: dict[str, Any]) -> list[str]:
         f"slices: {status['slices_hz']:g} per second",
     ]
     lines += [f"time in {name}: {ms:.3f} ms a slice" for name, ms in status["stage_ms"].items()]
-    for error in status["errors"]:
     lines += [_describe_fatigue(**fading) for fading in status["fatigue"]]
+    for error in status["errors"]:
         at = time.strftime("%H:%M:%S", time.localtime(error["at"]))
         lines.append(f"error at {at}: {error['error']}")
     return lines

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from neurotouch_hid.profile.feedback import Feedback
 from neurotouch_hid.profile.library import NAME_PATTERN
 from neurotouch_hid.profile.schema import check_version, make_schema
 from neurotouch_hid.profile.strict import Strict, give_unit, make_optional
@@ -98,17 +99,21 @@ class UserSettings(Strict):
         description="lifted: rest is no hand on the gel. resting: the hand stays on it, and rest "
         "is how it lies. Default: lifted.",
     )
-    slots: Annotated[
     fatigue: Literal["none", "suggest", "auto"] = Field(
         default="suggest",
         description="What is done when a movement fades by a fifth: none, suggest a smaller range "
         "in the status, or auto, which needs up to 40 % less from then on, by 1 % a minute, until "
         "a pause. Default: suggest.",
     )
+    slots: Annotated[
         list[Annotated[str, Field(pattern=NAME_PATTERN)]], Field(min_length=1, max_length=8)
     ] = Field(
         default=["default"],
         description="The favourite profiles that next_profile goes through. Default: [default].",
+    )
+    feedback: Feedback = Field(
+        default_factory=Feedback,
+        description="What is heard of what the gestures do. Default: nothing.",
     )
 
 

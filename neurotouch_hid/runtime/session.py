@@ -63,6 +63,16 @@ class Session:
         self._window = (self._begun, 0, 0, stopwatch.spent_ns)
         self._rates = Rates()
 
+    @property
+    def mapping(self) -> Mapping:
+        """What carries out the profile that holds."""
+        return self._pipeline.mapping
+
+    @property
+    def user(self) -> UserSettings:
+        """The person's values that hold."""
+        return self._user
+
     def listen(self, hear: Callable[[str], object]) -> None:
         """Has ``hear`` told of each command that takes effect, whoever gave it.
 
@@ -131,6 +141,7 @@ class Session:
             "events_hz": round(rates.events_hz),
             "events_lost": self._lost,
             "stage_ms": {name: round(ms, 4) for name, ms in rates.stage_ms},
+            "fatigue": self._fatigue,
             "errors": [{"at": round(at, 3), "error": text} for at, text in self._errors.copy()],
         }
 
@@ -141,7 +152,6 @@ class Session:
                 mapping.resume()
             case "pause" | "toggle":
                 mapping.pause()
-            "fatigue": self._fatigue,
             case "panic":
                 mapping.panic()
             case "resume":

@@ -11,6 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from neurotouch_hid.monitor.cue import CueKind
+from neurotouch_hid.monitor.tone import make_wave
+
 LIMIT_S = 60.0
 HEAVY = ("click", "numpy", "numba", "cv2", "pydantic", "ruamel", "evdev", "asyncio", "threading")
 
@@ -28,6 +31,7 @@ class Driver:
             **os.environ,
             "RUNTIME_DIRECTORY": str(folder / "run"),
             "XDG_CONFIG_HOME": str(folder / "config"),
+            "PATH": f"{folder / 'bin'}:{os.environ['PATH']}",
         }
         self._log = folder / "stderr.txt"
         with self._log.open("w") as log:
@@ -167,6 +171,22 @@ def test_gel_goes_to_the_next_favourite(start):
     driver.end()
 
 
+def test_sound_comes_as_soon_as_the_person_wants_it(start):
+    driver = start()
+    heard = driver.folder / "heard"
+    player = driver.folder / "bin" / "pw-play"
+    player.parent.mkdir()
+    player.write_text(f'#!/bin/sh\ncat "$1" > {heard}\n')
+    player.chmod(0o755)
+    user = driver.folder / "config/neurotouch/user.yaml"
+    user.write_text("version: 1\nslots: [mine]\nfeedback: {sound: tones, volume: {press: 0}}\n")
+    driver.wait(lambda: "has been reloaded" in driver.said)
+    driver.do("panic")
+    driver.wait(lambda: driver.status()["sound"] == "tones through pw-play")
+    driver.end()
+    assert heard.read_bytes() == make_wave(CueKind.PANIC, 80)
+
+
 def test_status_has_one_fact_on_each_line_and_the_state_first(shared):
     driver = shared
     driver.do("resume")
@@ -182,6 +202,7 @@ def test_status_has_one_fact_on_each_line_and_the_state_first(shared):
     assert facts["events"].endswith("0 lost")
     assert {"time in tracker", "time in gesture", "time in profile"} <= set(facts)
     assert "chord" in facts["keyboard"]
+    assert facts["sound"] == "none"
     driver.do("panic")
     assert driver.do("status").startswith("WARNING: stopped by panic")
 

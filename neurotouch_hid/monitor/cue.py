@@ -1,0 +1,133 @@
+"""What is worth hearing in a turn of the line."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Final
+
+from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.messages import GestureKind, Step
+from neurotouch_hid.monitor.sentence import describe_gesture
+from neurotouch_hid.profile import Decision, Mapping, UserSettings
+from neurotouch_hid.profile.timing import resolve_times
+
+ACCEPT_VOLUME: Final = 60
+"""In percent, where the person has chosen none and has to wait for a gesture to act."""
+
+_LOST: Final = GestureConfig().min_tracked
+_FOUND: Final = _LOST + 30
+"""More than are needed, so that a gel at the limit does not come and go with every slice."""
+
+
+class CueKind(StrEnum):
+    """The classes of sounds, the most important first."""
+
+    PANIC = "panic"
+    PAUSE = "pause"
+    LOST = "lost"
+    RESUME = "resume"
+    LAYER = "layer"
+    ACCEPT = "accept"
+    REJECT = "reject"
+    PRESS = "press"
+
+
+@dataclass(frozen=True, slots=True)
+class Cue:
+    """Something to hear.
+
+    Attributes:
+        kind: which sound.
+        words: the same in words, for speech.
+    """
+
+    kind: CueKind
+    words: str
+
+
+class CueFinder:
+    """Compares each turn with the one before.
+
+    In one turn one thing is heard, the most important. *Press* is a gesture that begins, *accept* a
+    binding that acts, *reject* one that does not, as with slow and bounce keys. While nothing acts,
+    gestures are not heard.
+
+    Args:
+        mapping: what carries out the profile at the start.
+    """
+
+    def __init__(self, mapping: Mapping) -> None:
+        self._state = mapping.state
+        self._place = mapping.profile.name, mapping.layer
+        self._last: Decision | None = None
+        self._gesture = GestureKind.NONE
+        self._tracked = False
+        self._take_new(mapping.decisions())
+
+    def find(self, step: Step, mapping: Mapping) -> Cue | None:
+        """What is to be heard of ``step``, carried out by ``mapping``; mostly nothing."""
+        stop = self._hear_state(mapping)
+        lost = self._hear_tracker(step)
+        layer = self._hear_layer(mapping)
+        decided = self._hear_decisions(mapping)
+        began = step.gesture.kind != GestureKind.NONE and self._gesture == GestureKind.NONE
+        self._gesture = step.gesture.kind
+        if stop or lost or mapping.state != "running":
+            return stop or lost
+        press = Cue(CueKind.PRESS, describe_gesture(step.gesture).split(" ", 1)[0])
+        return layer or decided or (press if began else None)
+
+    def _hear_state(self, mapping: Mapping) -> Cue | None:
+        before, self._state = self._state, mapping.state
+        if self._state == before:
+            return None
+        match self._state:
+            case "panic":
+                return Cue(CueKind.PANIC, "stopped")
+            case "paused":
+                return Cue(CueKind.PAUSE, "paused")
+        return Cue(CueKind.RESUME, "resumed")
+
+    def _hear_tracker(self, step: Step) -> Cue | None:
+        n_valid = int(step.markers.valid.sum())
+        before = self._tracked
+        self._tracked = n_valid >= (_LOST if before else _FOUND)
+        return Cue(CueKind.LOST, "gel lost") if before and not self._tracked else None
+
+    def _hear_layer(self, mapping: Mapping) -> Cue | None:
+        before, self._place = self._place, (mapping.profile.name, mapping.layer)
+        if self._place == before:
+            return None
+        profile, layer = self._place
+        words = f"profile {profile}" if profile != before[0] else f"layer {layer}"
+        return Cue(CueKind.LAYER, words.replace("-", " "))
+
+    def _hear_decisions(self, mapping: Mapping) -> Cue | None:
+        new = self._take_new(mapping.decisions())
+        for decision in reversed(new):
+            if decision.verdict == "pressed":
+                return Cue(CueKind.ACCEPT, decision.what.rsplit(" -> ", 1)[-1])
+        if any(decision.verdict == "ignored" for decision in new):
+            return Cue(CueKind.REJECT, "not accepted")
+        return None
+
+    def _take_new(self, decisions: tuple[Decision, ...]) -> list[Decision]:
+        """The decisions made since the last call; equal ones are told apart by identity."""
+        new = []
+        for decision in reversed(decisions):
+            if decision is self._last:
+                break
+            new.append(decision)
+        self._last = decisions[-1] if decisions else None
+        return new[::-1]
+
+
+def choose_volume(kind: CueKind, user: UserSettings, mapping: Mapping) -> int:
+    """How loud the person wants a cue to be, in percent."""
+    volumes = user.feedback.volume
+    match kind:
+        case CueKind.ACCEPT if volumes.accept is None:
+            waits = resolve_times(mapping.profile.timing, user.timing).accept_ms > 0
+            return ACCEPT_VOLUME if waits else 0
+        case CueKind.PANIC | CueKind.RESUME:
+            return volumes.pause
+    return int(getattr(volumes, kind))
