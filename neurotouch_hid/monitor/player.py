@@ -4,7 +4,6 @@ import os
 import shutil
 import signal
 import subprocess
-import tempfile
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -14,15 +13,15 @@ from neurotouch_hid.monitor.cue import Cue
 from neurotouch_hid.monitor.tone import make_wave
 from neurotouch_hid.profile.feedback import SoundName
 
-PATIENCE_S: Final = 1.5
-"""For a player to end: three times the longest tone and a slow start."""
-
 PLAYERS: Final[dict[SoundName, tuple[tuple[str, ...], ...]]] = {
     "tones": (("pw-play", "/dev/stdin"), ("paplay", "/dev/stdin"), ("aplay", "-q", "/dev/stdin")),
     "speech": (("spd-say", "--application-name=neurotouch", "--priority=text"),),
 }
 """In the order in which they are tried: PipeWire, PulseAudio, ALSA; speech-dispatcher, whose
 volume goes from -100 to 100 and whose texts cut each other short."""
+
+PATIENCE_S: Final[dict[SoundName, float]] = {"tones": 1.5, "speech": 5.0}
+"""For a program to end: three times the longest tone; the first word starts the speech server."""
 
 _MISSING: Final[dict[SoundName, str]] = {
     "tones": "no sound: none of pw-play, paplay and aplay is installed",
@@ -53,23 +52,23 @@ def play_cue(cue: Cue, mode: SoundName, volume: int) -> Outcome:
         if found is None:
             continue
         spoken = [] if mode == "tones" else [f"--volume={2 * volume - 100}", "--", cue.words]
-        fault = _run([found, *arguments, *spoken], content)
+        fault = _run([found, *arguments, *spoken], content, PATIENCE_S[mode])
         if not fault:
             return Outcome(True, f"{mode} through {program}")
         failed.append(f"{program} {fault}")
     return Outcome(False, f"no {mode}: {', '.join(failed)}" if failed else _MISSING[mode])
 
 
-def _run(command: Sequence[str], content: bytes) -> str:
+def _run(command: Sequence[str], content: bytes, patience_s: float) -> str:
     """Runs a program to its end, or to the end of our patience; what went wrong, if anything.
 
-    The content is a file as its standard input: it can be opened as /dev/stdin and searched, and
-    who writes it waits for nobody.
+    The content is a file in memory as its standard input: it can be opened as /dev/stdin and
+    searched, and who writes it waits for nobody.
     """
-    with tempfile.TemporaryFile() as file:
-        file.write(content)
-        file.seek(0)
-        try:
+    try:
+        with os.fdopen(os.memfd_create("cue"), "w+b") as file:
+            file.write(content)
+            file.seek(0)
             process = subprocess.Popen(  # noqa: S603  (a program from PATH, words of a profile)
                 command,
                 stdin=file,
@@ -77,13 +76,13 @@ def _run(command: Sequence[str], content: bytes) -> str:
                 stderr=subprocess.DEVNULL,
                 start_new_session=True,  # Ctrl-C is for the driver
             )
-        except OSError as error:
-            return f"cannot be started ({error.strerror})"
-        try:
-            code = process.wait(PATIENCE_S)
-        except subprocess.TimeoutExpired:
-            with suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
-            return "does not end"
+    except OSError as error:
+        return f"cannot be started ({error.strerror})"
+    try:
+        code = process.wait(patience_s)
+    except subprocess.TimeoutExpired:
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        return "does not end"
     return f"ended with code {code}" if code else ""

@@ -8,12 +8,15 @@ from typing import Final
 
 from neurotouch_hid.messages import Step
 from neurotouch_hid.monitor.cue import Cue, CueFinder, choose_volume
-from neurotouch_hid.monitor.player import PATIENCE_S, play_cue
+from neurotouch_hid.monitor.player import play_cue
 from neurotouch_hid.profile.feedback import SoundName
 from neurotouch_hid.runtime import Session
 
 GAP_S: Final = 0.12
 """Between the starts of two sounds: closer ones are a noise, and each costs a process."""
+
+CLOSE_S: Final = 6.0
+"""More than all players in a row may take before they are ended."""
 
 
 class SoundMonitor:
@@ -60,7 +63,7 @@ class SoundMonitor:
         """Ends the thread; a sound that is being played may end first."""
         self._stopped.set()
         self._wake.set()
-        self._thread.join(2 * PATIENCE_S)
+        self._thread.join(CLOSE_S)
 
     def _work(self) -> None:
         while True:

@@ -82,9 +82,15 @@ def test_the_next_player_is_asked_where_one_fails(programs, tmp_path: Path) -> N
     assert (tmp_path / "heard").read_bytes() == make_wave(CueKind.PAUSE, 70)
 
 
-def test_what_fails_is_a_sentence(programs) -> None:
+def test_what_fails_is_a_sentence(programs, tmp_path: Path) -> None:
     assert play_cue(PAUSE, "tones", 70).sentence.endswith("paplay and aplay is installed")
     programs("paplay", "exit 1")
+    programs("aplay", "")
+    (tmp_path / "bin" / "aplay").write_text("#!/nowhere")
+    assert play_cue(PAUSE, "tones", 70).sentence.endswith(
+        "aplay cannot be started (No such file or directory)"
+    )
+    (tmp_path / "bin" / "aplay").unlink()
     assert play_cue(PAUSE, "tones", 70).sentence == "no tones: paplay ended with code 1"
     assert "speech-dispatcher" in play_cue(PAUSE, "speech", 70).sentence
 
