@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from neurotouch_hid.cli import pointing
 from neurotouch_hid.cli.method import choose_method
 
 if TYPE_CHECKING:
@@ -19,14 +20,23 @@ _ROWS = (
 )
 
 
-@click.command(epilog="\b\nExamples:\n  neurotouch bench\n  neurotouch bench --json bench.json")
+@click.group(
+    invoke_without_command=True,
+    epilog="\b\nExamples:\n"
+    "  neurotouch bench\n"
+    "  neurotouch bench --json bench.json\n"
+    "  neurotouch bench pointing                        how well you point, see its --help",
+)
 @choose_method
 @click.option("--json", "json_path", type=click.Path(path_type=Path, dir_okay=False))
-def command(method: "Method", json_path: Path | None) -> None:
+@click.pass_context
+def command(ctx: click.Context, method: "Method", json_path: Path | None) -> None:
     """Measure the speed of every stage on this machine, on one core.
 
     Slices are 10 ms of sensor time at the paper's speeds.
     """
+    if ctx.invoked_subcommand is not None:
+        return
     from neurotouch_hid.evaluation.benchmark import run_benchmark
 
     result = run_benchmark(method, lambda text: click.echo(f"{text} ...", err=True))
@@ -50,3 +60,6 @@ def _format(result: dict[str, Any]) -> str:
         lines.append(f"{name:<28}{value:>10.3f}{'':>10}  {unit:<18}{goal:>6}")
     lines.append(f"The scene has {result['events_per_s'] / 1e6:.2f} million events/s.")
     return "\n".join(lines)
+
+
+command.add_command(pointing.command)

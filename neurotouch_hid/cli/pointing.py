@@ -1,0 +1,221 @@
+"""``neurotouch bench pointing``: how well somebody points, before and after a change."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import click
+
+from neurotouch_hid.cli.method import choose_method
+
+if TYPE_CHECKING:
+    from neurotouch_hid.evaluation.pointing import Pointing
+    from neurotouch_hid.evaluation.throughput import Trial
+    from neurotouch_hid.messages import GamepadState
+
+_TOLD_US = 1_000_000
+_SIMULATED = "SIMULATED: a program moved, so the figures say nothing about a person."
+
+
+@click.command(
+    name="pointing",
+    epilog="\b\nExamples:\n"
+    "  neurotouch bench pointing --json before.json     then change something, and:\n"
+    "  neurotouch bench pointing --compare before.json\n"
+    "  neurotouch bench pointing --simulated            see how it goes, no gel needed",
+)
+@click.option("--profile", show_default="the first of your favourites", help="Name or path.")
+@click.option(
+    "--source",
+    default="davis:",
+    show_default=True,
+    help="davis: (the camera), file:NAME.aedat4 (a recording) or sim:NAME (the simulator).",
+)
+@click.option(
+    "--speed",
+    type=click.Choice(["recorded", "max"]),
+    default="recorded",
+    show_default=True,
+    help="As recorded, or as fast as possible; then trials begin by themselves.",
+)
+@click.option(
+    "--select",
+    type=click.Choice(["dwell", "button"]),
+    default="dwell",
+    show_default=True,
+    help="Select by resting for half a second, or by any button of the profile.",
+)
+@click.option(
+    "--targets",
+    type=click.Choice(["3", "5", "7", "9", "11", "13", "25"]),
+    default="9",
+    show_default=True,
+    help="How many of each of the two sizes.",
+)
+@click.option("--simulated", is_flag=True, help="A simulated subject takes the test.")
+@click.option("--seed", default=0, show_default=True, help="Seed of whatever is simulated.")
+@click.option(
+    "--json",
+    "json_path",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Save the result to this file.",
+)
+@click.option(
+    "--compare",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Compare with a result saved before.",
+)
+@choose_method
+def command(
+    profile: str | None,
+    source: str,
+    speed: Literal["recorded", "max"],
+    select: str,
+    targets: str,
+    simulated: bool,
+    seed: int,
+    json_path: Path | None,
+    compare: Path | None,
+    method: Literal["neurotouch", "paper"],
+) -> None:
+    """Measure how well you point: targets around a circle, one after the other (ISO 9241-411).
+
+    Nothing hurries you: Enter begins a trial, its time begins with your first movement. Pushes move
+    the pointer as the profile moves the left stick or the mouse.
+    """
+    from neurotouch_hid.evaluation.pointing import Pointing
+    from neurotouch_hid.evaluation.subject import perform_pointing
+    from neurotouch_hid.evaluation.throughput import compare_results, measure_pointing, read_result
+    from neurotouch_hid.profile import Mapping, load_profile, load_user
+
+    if simulated and select == "button":
+        raise click.UsageError("The simulated subject selects by dwell only.")
+    before = read_result(compare) if compare is not None else None
+    user = load_user()
+    name = profile or user.slots[0]
+    test = Pointing(dwell=select == "dwell", targets=int(targets))
+    is_simulated = simulated or source.startswith("sim:")
+    if is_simulated:
+        click.echo(_SIMULATED)
+    if simulated:
+        perform_pointing(test, Mapping(load_profile(name), user), seed)
+        for number, trial in enumerate(test.trials, 1):
+            click.echo(_describe(number, test.total, trial))
+    else:
+        guided = speed == "recorded" and not source.startswith("file:")
+        _play(test, _read_pads(source, speed, seed, method, name), guided=guided)
+    figures = measure_pointing(test.trials)
+    head = {"version": 1, "simulated": is_simulated, "profile": name, "select": select}
+    result = {**head, "source": "subject" if simulated else source, **figures}
+    click.echo("\n".join(_format(result, test.total)))
+    if json_path is not None:
+        json_path.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+    if before is not None:
+        for key in ("simulated", "select"):
+            if before.get(key) != result[key]:
+                click.echo(f"WARNING: '{key}' was another before; this compares little.")
+        mark = "SIMULATED " if is_simulated else ""
+        for line in compare_results(before, result):
+            click.echo(f"{mark}{line}")
+
+
+def _read_pads(
+    source: str,
+    speed: Literal["recorded", "max"],
+    seed: int,
+    method: Literal["neurotouch", "paper"],
+    name: str,
+) -> Iterator["GamepadState"]:
+    """What the gel does to the outputs, slice by slice."""
+    from neurotouch_hid.cli.play import prepare_kernels
+    from neurotouch_hid.gesture import GestureConfig
+    from neurotouch_hid.profile import load_profile, load_user
+    from neurotouch_hid.runtime import Pipeline
+    from neurotouch_hid.source import open_source
+
+    profile, config = load_profile(name), GestureConfig(method=method)
+    with open_source(source, speed=speed, seed=seed) as packets:
+        prepare_kernels(profile, config, source)
+        live = speed == "recorded" and not packets.name.startswith("file:")
+        pipeline = Pipeline.build(profile, config, user=load_user(), rig=packets.rig, live=live)
+        try:
+            for packet in packets:
+                yield pipeline.advance(packet).pad
+        finally:
+            pipeline.close()
+
+
+def _play(test: "Pointing", pads: Iterator["GamepadState"], *, guided: bool) -> None:
+    """Trial after trial until all are done or the source ends."""
+    from neurotouch_hid.cli.keyboard import Keyboard
+
+    keyboard = Keyboard() if guided else None
+    asked, told_us = -1, 0
+    for pad in pads:
+        if not test.is_running and asked != len(test.trials):
+            asked, told_us = len(test.trials), pad.t_us
+            click.echo(_ask(test) + (" Enter begins." if guided else ""))
+        if not test.is_running and (keyboard is None or keyboard.poll() is not None):
+            test.begin()
+        trial = test.update(pad)
+        if trial is not None:
+            click.echo(_describe(len(test.trials), test.total, trial))
+            if test.is_over:
+                return
+        elif test.is_running and guided and pad.t_us - told_us >= _TOLD_US:
+            told_us = pad.t_us
+            click.echo(_tell_way(test))
+    click.echo(f"The source has ended after {len(test.trials)} of {test.total} targets.")
+
+
+def _ask(test: "Pointing") -> str:
+    width_px, _ = test.target
+    return (
+        f"Target {len(test.trials) + 1} of {test.total}, {width_px:.0f} wide: {_tell_next(test)}."
+    )
+
+
+def _tell_next(test: "Pointing") -> str:
+    from neurotouch_hid.evaluation.pointing import name_way
+
+    begin, end = test.start_px, test.target[1]
+    return f"{name_way(begin, end)}, {_measure(begin, end):.0f} away"
+
+
+def _tell_way(test: "Pointing") -> str:
+    from neurotouch_hid.evaluation.pointing import name_way
+
+    width_px, end = test.target
+    left_px = _measure(test.pointer_px, end)
+    if left_px <= 0.5 * width_px:
+        return "on the target"
+    return f"{name_way(test.pointer_px, end)}, {left_px:.0f} left"
+
+
+def _measure(begin: tuple[float, float], end: tuple[float, float]) -> float:
+    return float(((end[0] - begin[0]) ** 2 + (end[1] - begin[1]) ** 2) ** 0.5)
+
+
+def _describe(number: int, total: int, trial: "Trial") -> str:
+    word = "hit" if trial.is_hit else "missed"
+    return f"{number} of {total}: {word}, {trial.movement_s:.2f} s"
+
+
+def _format(result: dict[str, Any], total: int) -> list[str]:
+    mark = " (SIMULATED)" if result["simulated"] else ""
+    lines = [
+        f"throughput{mark}: {result['throughput_bit_s']:.2f} bit/s",
+        f"movement time{mark}: {result['movement_s']:.2f} s",
+        f"missed targets{mark}: {100.0 * result['error_rate']:.0f} % of {result['trials']}",
+    ]
+    lines += [
+        f"targets {block['width_px']:.0f} wide: {block['throughput_bit_s']:.2f} bit/s, "
+        f"effective width {block['effective_width_px']:.0f}, "
+        f"effective distance {block['effective_distance_px']:.0f}, "
+        f"{block['movement_s']:.2f} s, {100.0 * block['error_rate']:.0f} % missed"
+        for block in result["blocks"]
+    ]
+    if result["trials"] < total:
+        lines.append(f"WARNING: only {result['trials']} of {total} targets were selected.")
+    return lines
