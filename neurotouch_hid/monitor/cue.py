@@ -4,9 +4,10 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Final
 
+import numpy as np
+
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import GestureKind, Step
-from neurotouch_hid.monitor.sentence import describe_gesture
 from neurotouch_hid.profile import Decision, Mapping, UserSettings
 from neurotouch_hid.profile.timing import resolve_times
 
@@ -19,7 +20,7 @@ _FOUND: Final = _LOST + 30
 
 
 class CueKind(StrEnum):
-    """The classes of sounds, the most important first."""
+    """The sounds there are."""
 
     PANIC = "panic"
     PAUSE = "pause"
@@ -47,7 +48,7 @@ class Cue:
 class CueFinder:
     """Compares each turn with the one before.
 
-    In one turn one thing is heard, the most important. *Press* is a gesture that begins, *accept* a
+    *Press* is a gesture that begins, *accept* a
     binding that acts, *reject* one that does not, as with slow and bounce keys. While nothing acts,
     gestures are not heard.
 
@@ -63,18 +64,16 @@ class CueFinder:
         self._tracked = False
         self._take_new(mapping.decisions())
 
-    def find(self, step: Step, mapping: Mapping) -> Cue | None:
-        """What is to be heard of ``step``, carried out by ``mapping``; mostly nothing."""
-        stop = self._hear_state(mapping)
-        lost = self._hear_tracker(step)
-        layer = self._hear_layer(mapping)
-        decided = self._hear_decisions(mapping)
-        began = step.gesture.kind != GestureKind.NONE and self._gesture == GestureKind.NONE
-        self._gesture = step.gesture.kind
-        if stop or lost or mapping.state != "running":
-            return stop or lost
-        press = Cue(CueKind.PRESS, describe_gesture(step.gesture).split(" ", 1)[0])
-        return layer or decided or (press if began else None)
+    def find(self, step: Step, mapping: Mapping) -> list[Cue]:
+        """What is to be heard of ``step``, carried out by ``mapping``; mostly nothing.
+
+        Only one sound can be played at a time, so the most important stands first.
+        """
+        heard: list[Cue | None] = [self._hear_state(mapping), self._hear_tracker(step)]
+        acting = self._hear_layer(mapping), self._hear_decisions(mapping), self._hear_begin(step)
+        if mapping.state == "running":
+            heard += acting
+        return [cue for cue in heard if cue is not None]
 
     def _hear_state(self, mapping: Mapping) -> Cue | None:
         before, self._state = self._state, mapping.state
@@ -88,9 +87,9 @@ class CueFinder:
         return Cue(CueKind.RESUME, "resumed")
 
     def _hear_tracker(self, step: Step) -> Cue | None:
-        n_valid = int(step.markers.valid.sum())
+        n_valid = np.count_nonzero(step.markers.valid)
         before = self._tracked
-        self._tracked = n_valid >= (_LOST if before else _FOUND)
+        self._tracked = bool(n_valid >= (_LOST if before else _FOUND))
         return Cue(CueKind.LOST, "gel lost") if before and not self._tracked else None
 
     def _hear_layer(self, mapping: Mapping) -> Cue | None:
@@ -109,6 +108,12 @@ class CueFinder:
         if any(decision.verdict == "ignored" for decision in new):
             return Cue(CueKind.REJECT, "not accepted")
         return None
+
+    def _hear_begin(self, step: Step) -> Cue | None:
+        before, self._gesture = self._gesture, step.gesture.kind
+        if before != GestureKind.NONE or self._gesture == GestureKind.NONE:
+            return None
+        return Cue(CueKind.PRESS, self._gesture.label.split("_", 1)[0])
 
     def _take_new(self, decisions: tuple[Decision, ...]) -> list[Decision]:
         """The decisions made since the last call; equal ones are told apart by identity."""

@@ -46,13 +46,15 @@ class SoundMonitor:
     def __call__(self, step: Step) -> None:
         """Posts what is to be heard of ``step``; never waits."""
         mapping, user = self._session.mapping, self._session.user
-        cue = self._finder.find(step, mapping)
-        if cue is None or user.feedback.sound == "none":
+        cues, sound = self._finder.find(step, mapping), user.feedback.sound
+        if sound == "none":
             return
-        volume = choose_volume(cue.kind, user, mapping)
-        if volume:
-            self._mailbox.append((cue, user.feedback.sound, volume))
-            self._wake.set()
+        for cue in cues:
+            volume = choose_volume(cue.kind, user, mapping)
+            if volume:
+                self._mailbox.append((cue, sound, volume))
+                self._wake.set()
+                return
 
     def describe(self) -> str:
         """What is heard, or why nothing is."""

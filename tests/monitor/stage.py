@@ -22,6 +22,9 @@ layers:
       - {when: zoom, do: {button: b}}
 """
 
+FLICK = "rest 100ms; push left 12mm 10ms hold 100ms; rest 200ms"
+"""So quick that it begins and acts in one turn."""
+
 
 def parse(text: str) -> Profile:
     return parse_profile(text.encode(), "x.yaml")

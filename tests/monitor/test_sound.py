@@ -16,7 +16,7 @@ from neurotouch_hid.monitor.player import play_cue
 from neurotouch_hid.monitor.tone import make_wave
 from neurotouch_hid.profile import Mapping, UserSettings, rehearse
 from neurotouch_hid.runtime import Pipeline, Session, Stopwatch
-from tests.monitor.stage import BUTTONS, parse, turn
+from tests.monitor.stage import BUTTONS, FLICK, parse, turn
 
 LIMIT_S = 20.0
 PAUSE = Cue(CueKind.PAUSE, "paused")
@@ -150,6 +150,16 @@ def test_other_values_of_the_person_hold_at_once(programs, tmp_path: Path) -> No
     stage.sound.close()
 
 
+def test_a_silent_class_hides_no_other(programs, tmp_path: Path) -> None:
+    programs("aplay", f"wc -c >> {tmp_path}/heard")
+    stage = Stage(feedback("tones"))  # the timing is game: what acts at once is not heard
+    for gesture in rehearse(FLICK):
+        stage.sound(turn(stage.mapping, gesture))
+    wait((tmp_path / "heard").exists)
+    stage.sound.close()
+    assert (tmp_path / "heard").read_text().split() == [str(len(make_wave(CueKind.PRESS, 30)))]
+
+
 def test_a_missing_player_is_said_once(programs) -> None:
     stage = Stage(feedback("speech"))
     for _ in range(3):
@@ -170,7 +180,7 @@ def test_a_player_that_hangs_holds_up_nobody_and_the_newest_cue_follows(
     go_on = tmp_path / "go on"
     programs(
         "aplay",
-        f"wc -c >> {tmp_path}/heard; [ -e '{go_on}' ] || exec sleep 300",
+        f"[ -e '{go_on}' ]; hang=$?; wc -c >> {tmp_path}/heard; [ $hang = 0 ] || exec sleep 300",
     )
     stage = Stage(feedback("tones"))
     heard = tmp_path / "heard"
