@@ -151,12 +151,17 @@ def _play(test: "Pointing", pads: Iterator["GamepadState"], *, guided: bool) -> 
     from neurotouch_hid.cli.keyboard import Keyboard
 
     keyboard = Keyboard() if guided else None
+    if guided:
+        click.echo("Enter = begin the next trial, Q = stop and measure what there is.")
     asked, told_us = -1, 0
     for pad in pads:
         if not test.is_running and asked != len(test.trials):
             asked, told_us = len(test.trials), pad.t_us
-            click.echo(_ask(test) + (" Enter begins." if guided else ""))
-        if not test.is_running and (keyboard is None or keyboard.poll() is not None):
+            click.echo(_ask(test))
+        key = "" if keyboard is None else keyboard.poll()
+        if key is not None and key.lower() == "q":
+            return
+        if not test.is_running and key is not None:
             test.begin()
         trial = test.update(pad)
         if trial is not None:
