@@ -77,6 +77,7 @@ def main() -> None:
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     try:
         code = cli.main(standalone_mode=False)
+        sys.stdout.flush()
     except NeuroTouchError as error:
         click.echo(f"Error: {error.message}", err=True)
         if error.hint:
@@ -92,6 +93,12 @@ def main() -> None:
         # The reader of our output is gone, as in `neurotouch demo | head`: nothing is wrong.
         sys.stdout = None  # nothing left to flush at exit
         code = 0
+    except OSError as error:
+        # A full disk under `neurotouch ... > file`, a folder that vanished: files that we open
+        # ourselves have sentences of their own.
+        click.echo(f"Error: {error.filename or 'the output'}: {error.strerror}.", err=True)
+        sys.stdout = None
+        code = 1
     sys.exit(code if isinstance(code, int) else 0)
 
 

@@ -279,6 +279,7 @@ def test_closing_the_terminal_ends_the_driver(tmp_path):
     if pid == 0:
         descriptor = os.open(log, os.O_WRONLY | os.O_CREAT)
         os.dup2(descriptor, 2)
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)  # also where the tests run under nohup
         os.execve(RUN[0], [*RUN, "--show", "nothing"], environment)
     try:
         deadline = time.monotonic() + LIMIT_S
@@ -289,8 +290,12 @@ def test_closing_the_terminal_ends_the_driver(tmp_path):
         while "has been reloaded" not in log.read_text():
             assert time.monotonic() < deadline
             time.sleep(0.05)
-    finally:
         os.close(terminal)
-        _, status = os.waitpid(pid, 0)
-    assert os.waitstatus_to_exitcode(status) == 0
+        while (ended := os.waitpid(pid, os.WNOHANG)) == (0, 0):
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+    except BaseException:
+        os.kill(pid, signal.SIGKILL)
+        raise
+    assert os.waitstatus_to_exitcode(ended[1]) == 0
     assert "The pad is neutral." in log.read_text()
