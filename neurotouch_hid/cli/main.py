@@ -27,7 +27,7 @@ _SUMMARIES = {
     "schema": "Print the JSON Schema of profiles, for editors.",
     "simulate": "Write a simulated data set, recordings with labels.",
     "evaluate": "Measure the recognition on labelled recordings, as the paper does.",
-    "bench": "Measure the speed of every stage on this machine.",
+    "bench": "Measure the speed of every stage; how well somebody points.",
     "doctor": "Check this machine and say how to fix what is missing.",
     "completion": "Print the tab completion for bash, zsh or fish.",
 }
