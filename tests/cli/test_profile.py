@@ -290,6 +290,19 @@ def test_when_the_answers_end_the_draft_is_kept(home):
     assert not (home / "profiles" / ".drafts" / "spacecraft.yaml").exists()
 
 
+def test_a_change_can_be_tried_on_the_gel_before_it_is_kept(home):
+    # push, adjust, gain 2, try it, keep it, done, save
+    answers = [1, 3, 4, 2.0, 3, 1, 9, 1]
+    output, code = run(
+        "profile", "edit", "spacecraft", "--source", "sim:push-left", answers=answers
+    )
+    assert code == 0
+    moving = [line for line in output.splitlines() if line.startswith("push left")]
+    assert any("left_x -100 %" in line for line in moving)
+    assert "neutral" in moving[0] + moving[-1]
+    assert len(moving) > 5
+
+
 def test_the_text_editor_loses_nothing(home, tmp_path, monkeypatch):
     editor = tmp_path / "editor"
     editor.write_text('#!/bin/sh\nsed -i "s/stick: left/stick: middle/" "$1"\n', encoding="utf-8")

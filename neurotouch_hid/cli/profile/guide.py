@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from neurotouch_hid.profile.editing import Paper
     from neurotouch_hid.profile.schema import Binding
 
+TOLD_EVERY_US = 100_000  # ten lines a second of sensor time: readable, and still moving
+
 
 @click.command(
     epilog="\b\nExamples:\n"
@@ -306,8 +308,34 @@ class _Guide:
         if layer is not None:
             layers = {inner.name: inner for inner in self._load().all_layers}
             self._show_response(layers[layer].bindings[at])
-        if choose("Keep it?", ["Keep it", "Take it back"], default=0) == 1:
+        answers = ["Keep it", "Take it back"]
+        if self._source is not None:
+            answers.append("Try it on the gel")
+        answer = choose("Keep it?", answers, default=0)
+        while answer == 2:
+            self._try_on_gel(self._source or "")
+            answer = choose("Keep it?", answers, default=0)
+        if answer == 1:
             self._text = before
+
+    def _try_on_gel(self, source: str) -> None:
+        """One gesture, and what the draft makes of it while it moves, ten times a second."""
+        from neurotouch_hid.cli.calibrate import read_gestures
+        from neurotouch_hid.messages import GestureKind
+        from neurotouch_hid.monitor import describe_gesture, describe_pad
+        from neurotouch_hid.profile import Mapping, load_user
+
+        mapping = Mapping(self._load(), load_user())
+        click.echo("Make the gesture, and let go.")
+        due_us: int | None = None
+        for gesture in read_gestures(source):
+            pad = mapping.update(gesture)
+            if gesture.kind is GestureKind.NONE:
+                if due_us is not None:
+                    return
+            elif due_us is None or gesture.t_us >= due_us:
+                due_us = gesture.t_us + TOLD_EVERY_US
+                click.echo(f"{describe_gesture(gesture)}: {describe_pad(pad)}")
 
     def _show_response(self, binding: "Binding") -> None:
         """The value moving through the curve, from rest to beyond the end."""
