@@ -29,8 +29,8 @@ FAST_SCENE = "fast"
 """The paper's largest motions at its largest speeds, 18 mm at 210 mm/s: the most events."""
 PREPARED_S = 20.0
 """Sensor time of what is played, at most."""
-READY = "Gamepad ready"
-"""What ``neurotouch run`` prints when the pad is there."""
+READY, PLAYED = "Gamepad ready", "Played "
+"""What ``neurotouch run`` prints when the pad is there, and when all is played."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,13 +146,24 @@ def _measure_whole(path: Path, method: str) -> dict[str, float]:
     """Plays a recording in a process of its own: its pace without the start, and its memory."""
     _reap(_start_run(f"file:{path}", method))  # compiles what a file needs beyond the simulator
     process = _start_run(f"file:{path}", method)
-    _wait_ready(process)
+    _wait_for(READY, process)
     ready = time.perf_counter()
-    usage = _reap(process)
-    return {
-        "realtime_factor": PREPARED_S / (time.perf_counter() - ready),
-        "rss_mb": usage.ru_maxrss / 1024,
-    }
+    _wait_for(PLAYED, process)
+    took_s = time.perf_counter() - ready
+    rss_mb = _read_peak_mb(process.pid)  # it still has to tidy up
+    _reap(process)
+    return {"realtime_factor": PREPARED_S / took_s, "rss_mb": rss_mb}
+
+
+def _read_peak_mb(pid: int) -> float:
+    """The most memory a process had so far, 0 once it has ended.
+
+    Not ``ru_maxrss``, which begins with the memory of the process that started it.
+    """
+    for line in Path(f"/proc/{pid}/status").read_text().splitlines():
+        if line.startswith("VmHWM"):
+            return int(line.split()[1]) / 1024
+    return 0.0
 
 
 def _measure_start(method: str) -> dict[str, float]:
@@ -162,7 +173,7 @@ def _measure_start(method: str) -> dict[str, float]:
         help_cpu.append(usage.ru_utime + usage.ru_stime)
         begun = time.perf_counter()
         process = _start_run("sim:rest", method)
-        _wait_ready(process)
+        _wait_for(READY, process)
         pad.append(time.perf_counter() - begun)
         process.terminate()
         _reap(process)
@@ -181,9 +192,9 @@ def _start(arguments: list[str]) -> subprocess.Popen[str]:
     )
 
 
-def _wait_ready(process: subprocess.Popen[str]) -> None:
+def _wait_for(words: str, process: subprocess.Popen[str]) -> None:
     for line in process.stderr or ():
-        if line.startswith(READY):
+        if line.startswith(words):
             return
 
 

