@@ -93,7 +93,7 @@ def test_sense_fires_as_a_pixel_followed_microsecond_by_microsecond(seed):
     # The twin knows each crossing to 1 µs, and the next one counts from there. Where the signal is
     # nearly flat, a rounding moves the crossing by many µs.
     times = np.array([t for t, _ in expected[:n]])
-    close = np.abs(found["t"][:n] - times) <= 2 * np.arange(1, n + 1)
+    close = np.abs(found["t"][:n] - times) <= 3 * np.arange(1, n + 1)
     flat = np.abs(trace[found["t"][:n]] - trace[times]) < 0.02
     assert (close | flat).all()
 
