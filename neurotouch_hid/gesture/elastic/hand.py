@@ -109,7 +109,8 @@ class Hand:
         if warm is not None:
             warm = self._extend(warm, moved_mm, weight, noise_mm)
             warm = self._reduce(warm, moved_mm, weight, noise_mm)
-        if warm is None or forming:
+        self._turn += 1
+        if warm is None or (forming and self._turn % 2 == 0):  # in turn with ``_reduce``
             cold = self._search(moved_mm, weight, noise_mm)
             if warm is None or (
                 cold is not None and self._judge(cold, noise_mm) < 0.9 * self._judge(warm, noise_mm)
@@ -224,7 +225,6 @@ class Hand:
         It is asked every second slice, which tells soon enough and costs half.
         """
         count = len(fit.centres)
-        self._turn += 1
         if count < 2 or self._turn % 2:
             return fit
         keep = np.arange(count) != self._turn // 2 % count
