@@ -5,18 +5,22 @@ PYTHON ?= $(firstword $(foreach name,python3.13 python3.12 python3.11 python3,\
 VENV := .venv
 BIN := $(VENV)/bin
 SECONDS ?=
+LOCK := packaging/requirements.lock
+WHEELHOUSE := .cache/wheelhouse
+# The same commit gives the same bytes.
+EPOCH := $(shell git log -1 --format=%ct 2>/dev/null || echo 315532800)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint kernel bench dist clean
+.PHONY: help demo test lint kernel pictures bench dist deb lock system-test clean
 
 help: ## list the tasks
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 demo: $(VENV)/.runtime ## set up, then let a simulated gel drive the pad (SECONDS=10 ends by itself)
 	@$(BIN)/neurotouch demo $(if $(SECONDS),--seconds $(SECONDS))
 
 test: $(VENV)/.dev ## set up, then run all tests (real-kernel tests where QEMU is installed)
-	$(BIN)/pytest
+	$(BIN)/pytest -n auto --no-loadscope-reorder
 
 lint: $(VENV)/.dev ## ruff, mypy --strict, import contracts, spelling
 	$(BIN)/ruff check
@@ -28,14 +32,36 @@ lint: $(VENV)/.dev ## ruff, mypy --strict, import contracts, spelling
 kernel: $(VENV)/.dev ## only the tests in a real kernel under QEMU
 	NEUROTOUCH_REQUIRE_KERNEL=1 $(BIN)/pytest tests/kernel
 
+pictures: $(VENV)/.dev ## make the pictures of the README anew (needs Chromium)
+	$(BIN)/python -m tests.page.pictures
+
 bench: $(VENV)/.runtime ## measure the speed of every stage on this machine
 	@$(BIN)/neurotouch bench
 
 dist: $(VENV)/.dev ## build wheel and sdist into dist/
-	$(BIN)/python -m build
+	SOURCE_DATE_EPOCH=$(EPOCH) $(BIN)/python -m build --no-isolation
+
+deb: $(VENV)/.dev $(WHEELHOUSE)/.complete ## build the package for the Debian this is, into dist/
+	SOURCE_DATE_EPOCH=$(EPOCH) $(BIN)/python -m build --no-isolation --wheel
+	SOURCE_DATE_EPOCH=$(EPOCH) packaging/build-deb.sh "$$(ls -t dist/*.whl | head -n 1)" $(WHEELHOUSE) dist
+
+system-test: deb ## a whole Debian: install the package, plug, play, pull, purge (needs root and a core for half an hour)
+	NEUROTOUCH_SYSTEM_TEST=1 $(BIN)/pytest --timeout 0 tests/system
+
+lock: $(VENV)/.dev ## write anew which libraries the package carries, by hash
+	$(BIN)/uv pip compile --no-config --generate-hashes --universal --python-version 3.11 --quiet \
+		--no-annotate --custom-compile-command "make lock" pyproject.toml -o $(LOCK)
 
 clean: ## remove everything that the tasks made
 	rm -rf $(VENV) .cache dist build .pytest_cache .mypy_cache .ruff_cache .hypothesis
+
+# For Debian's own Python; the only step of the package that needs the network.
+$(WHEELHOUSE)/.complete: $(LOCK)
+	@echo "Downloading the libraries of the package ..."
+	@rm -rf $(WHEELHOUSE)
+	@/usr/bin/python3 -m pip download --quiet --disable-pip-version-check --only-binary=:all: \
+		--require-hashes --no-deps --requirement $(LOCK) --dest $(WHEELHOUSE)
+	@touch $@
 
 $(VENV)/bin/python:
 	@test -n "$(PYTHON)" || { echo "Python 3.11 or newer is needed (Debian: apt install python3 python3-venv)." >&2; exit 1; }

@@ -1,5 +1,6 @@
 """``python -m neurotouch_hid`` is the same as the ``neurotouch`` command: it starts here."""
 
+import gc
 import sys
 
 
@@ -12,6 +13,11 @@ def main() -> None:
         from neurotouch_hid.cli.order import give_order
 
         sys.exit(give_order(sys.argv[1]))
+    # While a program is loaded hardly anything becomes garbage, yet looking for it took 0.2 s.
+    gc.set_threshold(100_000)
+    # numba loads SciPy's linear algebra where it is installed, which takes 0.2 s of every start.
+    # No kernel needs any, and nothing else here needs SciPy: None is "there is no such module".
+    sys.modules.setdefault("scipy", None)  # type: ignore[arg-type]
     from neurotouch_hid.cli.main import main as run_command_line
 
     run_command_line()

@@ -21,7 +21,12 @@ LIMIT_BYTES: Final = 64 * 1024
 REQUEST_S: Final = 1.0
 """A question must be there, and is answered, within this time."""
 
+PLAYER: Final = "NEUROTOUCH_PLAYER"
+PLAYERS: Final = ("1", "2", "3", "4")
+"""Each player has a driver of their own."""
+
 _SOCKET: Final = "control"
+_SERVICE: Final = Path("/run/neurotouch")
 _PATIENCE_S: Final = 3 * REQUEST_S
 _AGAIN_S: Final = 0.1
 
@@ -30,7 +35,7 @@ Answer = dict[str, Any]
 
 def find_runtime_folder() -> Path:
     """The folder a driver of this user keeps its socket in; it need not exist."""
-    return _list_folders()[0]
+    return list_folders()[0]
 
 
 def find_socket(folder: Path) -> Path:
@@ -38,11 +43,12 @@ def find_socket(folder: Path) -> Path:
     return folder / _SOCKET
 
 
-def ask(command: str, **arguments: str) -> Answer:
+def ask(command: str, *, player: int | None = None, **arguments: str) -> Answer:
     """The running driver's answer to a command.
 
     Args:
         command: ``pause``, ``resume``, ``panic``, ``reload``, ``status`` or ``use``.
+        player: whose driver; as the environment says without.
         arguments: what the command needs: ``profile``, a name or an absolute path, for ``use``.
 
     Raises:
@@ -50,14 +56,89 @@ def ask(command: str, **arguments: str) -> Answer:
         DriverError: it does not answer, or it refuses.
     """
     question = json.dumps({"command": command, **arguments}).encode() + b"\n"
-    answer = _ask_somebody(question)
+    answer, line = _ask_somebody(question, player)
+    line.close()
     if answer.get("ok") is not True:
         raise DriverError(str(answer.get("error")), hint=answer.get("hint"))
     return answer
 
 
-def _list_folders() -> list[Path]:
-    """Where a driver may be, the user's own first, the system's service last."""
+def open_stream(command: str) -> tuple[Answer, socket.socket]:
+    """The running driver's answer, and the socket on which it goes on speaking.
+
+    Args:
+        command: ``record``: packets follow, until either end closes.
+
+    Raises:
+        NotRunningError: no driver is running.
+        DriverError: it does not answer, or it refuses.
+    """
+    answer, line = _ask_somebody(json.dumps({"command": command}).encode() + b"\n")
+    if answer.get("ok") is not True:
+        line.close()
+        raise DriverError(str(answer.get("error")), hint=answer.get("hint"))
+    line.settimeout(None)
+    return answer, line
+
+
+def is_service_running() -> bool:
+    """Whether the system's service is there, whoever may ask it anything."""
+    return is_served(_SERVICE)
+
+
+def is_served(folder: Path) -> bool:
+    """Whether a driver listens in a folder, of whatever user."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as line:
+        line.settimeout(REQUEST_S)
+        try:
+            line.connect(str(find_socket(folder)))
+        except OSError:
+            return False
+    return True
+
+
+def find_player() -> int:
+    """Whose driver is meant: 1, unless ``NEUROTOUCH_PLAYER`` names another player.
+
+    Raises:
+        DriverError: it names none.
+    """
+    text = os.environ.get(PLAYER, "1")
+    if text not in PLAYERS:
+        raise DriverError(f"{PLAYER} must be one of {', '.join(PLAYERS)}, not {text!r}.")
+    return int(text)
+
+
+def list_players() -> list[int]:
+    """Those whose drivers may run: the one that the environment names, else all with a socket."""
+    if PLAYER in os.environ:
+        return [find_player()]
+    found = (
+        player
+        for player in map(int, PLAYERS)
+        if any(find_socket(folder).exists() for folder in list_folders(player))
+    )
+    return list(found) or [1]
+
+
+def list_folders(player: int | None = None) -> list[Path]:
+    """Where a driver may be, the user's own first, the system's service last.
+
+    Args:
+        player: whose driver; as the environment says without.
+    """
+    player = player or find_player()
+    folders = _list_folders_of_first()
+    if player == 1:
+        return folders
+    own = f"-{player}"  # which the folder of this player's service bears already
+    return [
+        folder if folder.name.endswith(own) else folder.with_name(folder.name + own)
+        for folder in folders
+    ]
+
+
+def _list_folders_of_first() -> list[Path]:
     service = os.environ.get("RUNTIME_DIRECTORY", "").split(":")[0]
     if service:  # we are a part of a service, for which systemd made this folder
         return [Path(service)]
@@ -69,11 +150,11 @@ def _list_folders() -> list[Path]:
     if user != 0 and not folders:
         # The folder's owner and mode are checked before it is used.
         folders.append(Path(f"/tmp/neurotouch-{user}"))  # noqa: S108
-    return list(dict.fromkeys([*folders, Path("/run/neurotouch")]))
+    return list(dict.fromkeys([*folders, _SERVICE]))
 
 
-def _ask_somebody(question: bytes) -> Answer:
-    for path in map(find_socket, _list_folders()):
+def _ask_somebody(question: bytes, player: int | None = None) -> tuple[Answer, socket.socket]:
+    for path in map(find_socket, list_folders(player)):
         try:
             return _ask_patiently(path, question)
         except (FileNotFoundError, NotADirectoryError, ConnectionRefusedError):
@@ -89,31 +170,42 @@ def _ask_somebody(question: bytes) -> Answer:
     raise NotRunningError("No driver is running.", hint="Start it: neurotouch run")
 
 
-def _ask_patiently(path: Path, question: bytes) -> Answer:
-    """The answer; while the driver is busy with others, asks again."""
+def _ask_patiently(path: Path, question: bytes) -> tuple[Answer, socket.socket]:
+    """The answer and the open line; while the driver is busy with others, asks again."""
     deadline = time.monotonic() + _PATIENCE_S
     while time.monotonic() < deadline:
         with suppress(BlockingIOError):  # its queue is full
-            answer = _ask_once(path, question)
+            answer, line = _ask_once(path, question)
             if not answer.get("busy"):
-                return answer
+                return answer, line
+            line.close()
         time.sleep(_AGAIN_S)
     raise TimeoutError
 
 
-def _ask_once(path: Path, question: bytes) -> Answer:
-    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as line:
+def _ask_once(path: Path, question: bytes) -> tuple[Answer, socket.socket]:
+    line = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    try:
         line.settimeout(_PATIENCE_S)
         line.connect(str(path))
         with suppress(BrokenPipeError, ConnectionResetError):  # refused unread; the answer says why
             line.sendall(question)
-        text = b""
-        while b"\n" not in text and len(text) <= LIMIT_BYTES:
-            piece = line.recv(4096)
-            if not piece:
-                break
-            text += piece
-    answer = json.loads(text)
-    if not isinstance(answer, dict):
-        raise ValueError
-    return answer
+        answer = json.loads(_read_line(line))
+        if not isinstance(answer, dict):
+            raise ValueError
+    except (OSError, ValueError):
+        line.close()
+        raise
+    return answer, line
+
+
+def _read_line(line: socket.socket) -> bytes:
+    """A line of text, and not a byte more: what comes after it may be no text."""
+    text = b""
+    while len(text) <= LIMIT_BYTES:
+        ahead = line.recv(4096, socket.MSG_PEEK)
+        piece = line.recv(ahead.find(b"\n") + 1 or len(ahead)) if ahead else b""
+        text += piece
+        if not piece or text.endswith(b"\n"):
+            break
+    return text

@@ -2,10 +2,13 @@
 
 NeuroTouchError            1   anything else that we can explain
 ├── SourceError            3   a source cannot be opened or has failed
+│   ├── CameraError        3   the camera cannot be found, opened or used
+│   │   └── CameraBusyError  75  another program has the camera, which goes on undisturbed
 │   └── GelNotFoundError   5   the source works, but no gel is in the picture
 ├── RecordingError         4   a recording or its labels cannot be read or written
 ├── ProfileError           6   a profile says something we cannot do (file, line, column)
 ├── DeviceError            7   the virtual gamepad cannot be made or written
+├── PageError              1   the local web page cannot be served
 └── DriverError            8   the running driver cannot be reached, or it refuses
     ├── NotRunningError    8   no driver is running
     └── AlreadyRunningError  75  another driver is running, which goes on undisturbed
@@ -31,6 +34,16 @@ class SourceError(NeuroTouchError):
     exit_code = 3
 
 
+class CameraError(SourceError):
+    """The camera cannot be found, opened, set up or read."""
+
+
+class CameraBusyError(CameraError):
+    """Another program uses the camera."""
+
+    exit_code = 75
+
+
 class GelNotFoundError(SourceError):
     """Frames arrive, but the gel's markers are not in them."""
 
@@ -53,6 +66,10 @@ class DeviceError(NeuroTouchError):
     """The virtual gamepad cannot be created or written."""
 
     exit_code = 7
+
+
+class PageError(NeuroTouchError):
+    """The local web page cannot be served."""
 
 
 class DriverError(NeuroTouchError):

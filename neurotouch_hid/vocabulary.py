@@ -5,9 +5,14 @@ Apart from the records, so that a profile can be checked without loading numpy.
 
 from enum import IntEnum, StrEnum
 
+# The members are looked up in sets and dicts a hundred times a slice, and ``Enum`` works out their
+# hash in Python; their values have the same equality and a hash in C.
+
 
 class GestureKind(IntEnum):
     """What the user does. Clockwise is as seen by the user. The label is the lower-case name."""
+
+    __hash__ = int.__hash__
 
     NONE = 0
     PUSH = 1
@@ -37,6 +42,8 @@ class Button(StrEnum):
     Not the kernel's names: there ``BTN_NORTH`` is the button labelled X, which lies west.
     """
 
+    __hash__ = str.__hash__
+
     A = "a"
     B = "b"
     X = "x"
@@ -52,6 +59,8 @@ class Button(StrEnum):
 
 class Axis(StrEnum):
     """The axes of the pad: sticks and D-pad -1..1 (right and down are positive), triggers 0..1."""
+
+    __hash__ = str.__hash__
 
     LEFT_X = "left_x"
     LEFT_Y = "left_y"

@@ -1,33 +1,67 @@
 """Things that many tests share: one simulated push, made once; folders that are not the user's."""
 
-from collections.abc import Iterator
+import signal
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
 from hypothesis import settings
+from xdist.remote import Producer
+from xdist.scheduler import LoadFileScheduling
 
 from neurotouch_hid.messages import EventPacket, GestureKind, Truth
 from neurotouch_hid.source.simulator import Simulator
 from neurotouch_hid.source.simulator.script import Finger, Stroke, sequence
+from tests.kernel.machine import choose_machine
+
+KERNEL = "tests/kernel/"
 
 # No test is timed, compiled kernels take their time at the first call; the same examples each time.
 settings.register_profile("steady", deadline=None, derandomize=True)
 settings.load_profile("steady")
 
 
-@pytest.fixture(autouse=True, scope="session")
-def _own_folders() -> Iterator[None]:
-    """No test meets the driver, the profiles or the settings of who runs it, nor each other's."""
-    with TemporaryDirectory(prefix="nt-") as folder, pytest.MonkeyPatch.context() as patch:
-        for name in ("XDG_RUNTIME_DIR", "XDG_CONFIG_HOME"):
-            home = Path(folder) / name.lower()
-            home.mkdir(mode=0o700)
-            patch.setenv(name, str(home))
-        # Only here: a driver that runs for root on this machine would be asked otherwise.
-        patch.setenv("RUNTIME_DIRECTORY", f"{folder}/neurotouch")
-        yield
+def pytest_configure(config: pytest.Config) -> None:
+    """No test meets the driver, the profiles or the settings of who runs it, nor each other's.
+
+    Set before any test is collected: some read the shipped profiles when they are imported.
+    """
+    for signum in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT):
+        # Who runs in the background ignores them, and so would every program that the tests start.
+        if signal.getsignal(signum) is signal.SIG_IGN:
+            signal.signal(signum, signal.SIG_DFL)
+    patch = pytest.MonkeyPatch()
+    config.add_cleanup(patch.undo)
+    own = TemporaryDirectory(prefix="nt-")
+    config.add_cleanup(own.cleanup)
+    for name in ("XDG_RUNTIME_DIR", "XDG_CONFIG_HOME"):
+        home = Path(own.name) / name.lower()
+        home.mkdir(mode=0o700)
+        patch.setenv(name, str(home))
+    # Only here: a driver that runs for root on this machine would be asked otherwise.
+    patch.setenv("RUNTIME_DIRECTORY", f"{own.name}/neurotouch")
+
+
+class _ByFile(LoadFileScheduling):
+    """Shares the work by files, whose fixtures are made once; a kernel boots once for its files."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        path = super()._split_scope(nodeid)
+        if not path.startswith(KERNEL):
+            return path
+        return choose_machine(path.removeprefix(KERNEL))
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The slow kernels come first: each process begins with one."""
+    items.sort(key=lambda item: not item.nodeid.startswith(KERNEL))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> _ByFile:
+    """Work for several processes; groups by mark do not work with this pytest."""
+    return _ByFile(config, log)
 
 
 @dataclass(frozen=True)

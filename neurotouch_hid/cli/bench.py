@@ -1,23 +1,45 @@
 """``neurotouch bench``: how fast this machine is."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from neurotouch_hid.cli import pointing
-from neurotouch_hid.cli.method import choose_method
+from neurotouch_hid.cli import curves, latency, pointing, soak, steadiness
+from neurotouch_hid.cli.options import method_option
 
 if TYPE_CHECKING:
     from neurotouch_hid.gesture import Method
 
-_ROWS = (
-    ("tracker", "tracker_events_per_s", 1e-6, "million events/s", "20"),
-    ("contacts, type, intensity", "gesture_ms", 1.0, "ms per slice", "1"),
-    ("rest detection", "rest_ms", 1.0, "ms per frame", "0.2"),
-    ("the whole line", "advance_ms", 1.0, "ms per slice", ""),
+_ROWS: Final = (
+    (
+        "camera, bytes to events",
+        "davis_decode_events_per_s",
+        1e-6,
+        "million events/s",
+        (50,),
+        False,
+    ),
+    ("tracker", "tracker_events_per_s", 1e-6, "million events/s", (30,), False),
+    ("rest detection", "rest_ms", 1.0, "ms per frame", (0.1,), True),
+    ("tracker", "tracker_ms", 1.0, "ms per slice", (), True),
+    ("contacts, type, intensity", "gesture_ms", 1.0, "ms per slice", (0.3, 0.8), True),
+    ("profile", "profile_ms", 1.0, "ms per slice", (), True),
+    ("the whole line", "advance_ms", 1.0, "ms per slice", (), True),
 )
+"""Name, key, factor, unit, goals of median and p99, and whether they are the most or the least."""
+_LIVE: Final = (
+    ("at_1_khz", "1 kHz, 1 million events/s", (), 50),
+    ("at_250_hz", "250 Hz, 1 million events/s", (0.5, 1.5, 3.0), 20),
+    ("at_12_million", "250 Hz, 12 million events/s", (None, 20), None),
+    ("idle", "250 Hz, gel at rest", (), 3),
+)
+"""Key of the load, name, goals of the latency's p50, p99 and p99.9, and of the processor time."""
+_BACKLOG_MS: Final = 4.0
+"""A slice: a line that is later at the end than at the begin by more falls behind."""
+_RANKS = ("median", "p99", "p99.9")
 
 
 @click.group(
@@ -25,41 +47,75 @@ _ROWS = (
     epilog="\b\nExamples:\n"
     "  neurotouch bench\n"
     "  neurotouch bench --json bench.json\n"
-    "  neurotouch bench pointing                        how well you point, see its --help",
+    "  neurotouch bench pointing                        how well you point, see its --help\n"
+    "  neurotouch bench profile                         what tremor filters do; cost of a profile\n"
+    "  neurotouch bench latency                         from the last event to another program\n"
+    "  neurotouch bench curves docs/pictures            draws what docs/speed.md shows\n"
+    "  neurotouch bench soak                            memory over half an hour of play",
 )
-@choose_method
+@method_option
 @click.option("--json", "json_path", type=click.Path(path_type=Path, dir_okay=False))
+@click.option("--long", is_flag=True, help="Play the sustained rates for ten minutes each.")
 @click.pass_context
-def command(ctx: click.Context, method: "Method", json_path: Path | None) -> None:
+def command(ctx: click.Context, method: "Method", json_path: Path | None, long: bool) -> None:
     """Measure the speed of every stage on this machine, on one core.
 
-    Slices are 10 ms of sensor time at the paper's speeds.
+    The stages get slices of 10 ms at the paper's speeds; then the line plays live, in the sensor's
+    own time, at the rates that --rate of run gives.
     """
     if ctx.invoked_subcommand is not None:
         return
     from neurotouch_hid.evaluation.benchmark import run_benchmark
 
-    result = run_benchmark(method, lambda text: click.echo(f"{text} ...", err=True))
+    result = run_benchmark(method, lambda text: click.echo(f"{text} ...", err=True), long=long)
     click.echo(_format(result))
     if json_path is not None:
         json_path.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
 
 
 def _format(result: dict[str, Any]) -> str:
-    lines = [f"{'':<28}{'median':>10}{'p99':>10}  {'unit':<18}{'goal':>6}"]
-    for name, key, factor, unit, goal in _ROWS:
-        median, p99 = (result[key][which] * factor for which in ("median", "p99"))
-        lines.append(f"{name:<28}{median:>10.3f}{p99:>10.3f}  {unit:<18}{goal:>6}")
-    start = result["startup_s"]
-    for name, value, unit, goal in (
-        ("recording, whole line", result["realtime_factor"], "x real time", "10"),
-        ("neurotouch --help", start["help_cpu"], "s of processor", "0.15"),
-        ("run until the pad is there", start["pad"], "s", "1.5"),
-        ("memory", result["rss_mb"], "MB", "300"),
+    lines = [f"{'':<30}{'median':>10}{'p99':>10}{'p99.9':>10}  {'unit':<18}{'goal':>12}"]
+    for name, key, factor, unit, goals, most in _ROWS:
+        values = [result[key][rank] * factor for rank in _RANKS]
+        lines.append(_line(name, values, unit, goals, most=most))
+    start, live = result["startup_s"], result["live"]
+    for name, value, unit, goal, most in (
+        ("tracker against full search", result["tracker_ratio"], "times as fast", 5, False),
+        ("recording, whole line", result["realtime_factor"], "x real time", 10, False),
+        ("evaluate, all cores", result["evaluate_factor"], "x real time", 40, False),
+        ("neurotouch --help", start["help_cpu"], "s of processor", 0.15, True),
+        ("run until the pad is there", start["pad"], "s", 1.0, True),
+        ("memory", result["rss_mb"], "MB", 250, True),
     ):
-        lines.append(f"{name:<28}{value:>10.3f}{'':>10}  {unit:<18}{goal:>6}")
+        lines.append(_line(name, [value], unit, (goal,), most=most))
     lines.append(f"The scene has {result['events_per_s'] / 1e6:.2f} million events/s.")
+    lines += ["", f"Live, last event to the write to the pad ({live['device']}):"]
+    for key, name, latency_ms, core in _LIVE:
+        run = live[key]
+        values = [run["latency_ms"][rank] for rank in ("p50", "p99", "p99.9")]
+        lines.append(_line(name, values, "ms", latency_ms, most=True))
+        lines.append(_line("", [100.0 * run["core"]], "% of a core", (core,), most=True))
+        counts = f"{run['late']} late and {run['lost']} lost of {run['slices']:,} slices"
+        keeps_up = run["late"] == 0 if key == "at_1_khz" else not run["lost"]
+        verdict = "OK" if keeps_up and run["backlog_ms"] < _BACKLOG_MS else "short"
+        lines.append(f"{'':<30}{counts}, backlog {run['backlog_ms']:+.2f} ms  {verdict}")
     return "\n".join(lines)
 
 
+def _line(
+    name: str, values: Sequence[float], unit: str, goals: Sequence[float | None], *, most: bool
+) -> str:
+    """A row, and whether every goal is reached."""
+    shown = "".join(f"{value:>10.3f}" for value in values) + " " * 10 * (len(_RANKS) - len(values))
+    aims = [(v, g) for v, g in zip(values, goals, strict=False) if g is not None]
+    goal = "/".join(f"{g:g}" for _, g in aims)
+    reached = all(v <= g if most else v >= g for v, g in aims)
+    verdict = ("  OK" if reached else "  short") if aims else ""
+    return f"{name:<30}{shown}  {unit:<18}{goal:>12}{verdict}".rstrip()
+
+
 command.add_command(pointing.command)
+command.add_command(steadiness.command)
+command.add_command(latency.command)
+command.add_command(curves.command)
+command.add_command(soak.command)

@@ -12,18 +12,24 @@ def complete_profile(_ctx: click.Context, _param: click.Parameter, incomplete: s
     return [name for name in list_profiles() if name.startswith(incomplete)]
 
 
+def complete_paper(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Names of profiles, and the one of the person's own values."""
+    from neurotouch_hid.profile.library import OWN_VALUES, list_profiles
+
+    return [name for name in (*list_profiles(), OWN_VALUES) if name.startswith(incomplete)]
+
+
 def complete_key(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Ways to the values of the profile that stands before on the line."""
     from neurotouch_hid.profile.document import parse_document
-    from neurotouch_hid.profile.editing import list_ways, read_text
-    from neurotouch_hid.profile.library import find_profile
+    from neurotouch_hid.profile.editing import list_ways, take_paper
 
     try:
-        text, _ = read_text(find_profile(ctx.params.get("name") or "default"))
+        paper = take_paper(ctx.params.get("name") or "default", str)
     except NeuroTouchError:
         return []
-    root, _ = parse_document(text)
-    ways = list_ways(root.value) if root is not None else ()
+    root, _ = parse_document(paper.text)
+    ways = list_ways(root.value, paper.model) if root is not None else ()
     return [way for way in ways if way.startswith(incomplete)]
 
 

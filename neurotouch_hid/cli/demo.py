@@ -4,16 +4,21 @@ from contextlib import ExitStack
 
 import click
 
+from neurotouch_hid.cli.options import seconds_option
+
 
 @click.command(
     epilog="\b\nExamples:\n"
     "  neurotouch demo                      all gestures in turn, until Ctrl-C\n"
     "  neurotouch demo --scene pinch --seconds 10\n"
+    "  neurotouch demo --mouse              press the gel yourself, on a page in your browser\n"
     "  neurotouch demo --show lines         plain lines, for screen readers"
 )
 @click.option("--scene", default="tour", show_default=True, help="What the simulated hand does.")
+@click.option("--mouse", is_flag=True, help="Press the gel with mouse, touch or keyboard.")
+@click.option("--page/--no-page", default=True, help="Serve the live view and the spacecraft too.")
 @click.option("--profile", default="spacecraft", show_default=True, help="Name or path.")
-@click.option("--seconds", type=click.FloatRange(min=0.1), help="End by itself after so long.")
+@seconds_option
 @click.option(
     "--show",
     type=click.Choice(["auto", "picture", "lines"]),
@@ -21,14 +26,18 @@ import click
     show_default=True,
     help="auto: a picture on a terminal, else lines.",
 )
-def command(scene: str, profile: str, seconds: float | None, show: str) -> None:
+def command(
+    scene: str, mouse: bool, page: bool, profile: str, seconds: float | None, show: str
+) -> None:
     """Let a simulated gel drive the pad: no camera needed.
 
     Where this machine allows it, the pad is a real game controller that every program sees.
     """
+    from neurotouch_hid.cli.companion import open_page
     from neurotouch_hid.cli.live import Live, take_control
     from neurotouch_hid.cli.play import play, prepare_kernels
-    from neurotouch_hid.device import open_device
+    from neurotouch_hid.device import Device, open_device
+    from neurotouch_hid.driver import find_runtime_folder
     from neurotouch_hid.errors import DeviceError
     from neurotouch_hid.gesture import GestureConfig
     from neurotouch_hid.profile import load_profile, load_user
@@ -38,22 +47,26 @@ def command(scene: str, profile: str, seconds: float | None, show: str) -> None:
         find_companions,
         load_driver_settings,
     )
-    from neurotouch_hid.source import open_source
+    from neurotouch_hid.source import Source, open_source
+    from neurotouch_hid.source.hand import HandSource
 
+    if mouse and not page:
+        raise click.UsageError("--mouse needs the page")
     mapping, user, settings = load_profile(profile), load_user(), load_driver_settings()
     gesture = GestureConfig()
-    source = f"sim:{scene}"
+    source = "sim:rest" if mouse else f"sim:{scene}"
     with ExitStack() as stack:
         control = take_control(stack)
-        packets = stack.enter_context(open_source(source))
+        hand = HandSource(find_runtime_folder()) if mouse else None
+        packets: Source = stack.enter_context(hand or open_source(source))
         prepare_kernels(mapping, gesture, source)
         try:
-            pad = open_device("uinput", find_companions(mapping))
+            pad: Device = open_device("uinput", find_companions(mapping))
         except DeviceError as error:
             click.echo(f"No real controller this time: {error.message} Going on without.", err=True)
             pad = open_device("memory")
-        stack.enter_context(pad)
         stopwatch = Stopwatch()
+        pad = stopwatch.watch("device", stack.enter_context(pad), "write")
         pipeline = Pipeline.build(
             mapping, gesture, user=user, rig=packets.rig, live=True, stopwatch=stopwatch
         )
@@ -68,7 +81,12 @@ def command(scene: str, profile: str, seconds: float | None, show: str) -> None:
                 user=user,
                 settings=settings,
                 source=packets.name,
+                facts=hand.facts if hand is not None else None,
             )
         )
+        if hand is not None:
+            live.taps.append(hand.watch)
+        if page:
+            stack.enter_context(open_page("gel" if mouse else ""))
         title = f"SIMULATED {packets.name} → {pad.name}, profile {mapping.name}"
         play(packets, pipeline, pad, title=title, show=show, seconds=seconds, live=live)

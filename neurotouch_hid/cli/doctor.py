@@ -1,27 +1,134 @@
 """``neurotouch doctor``: what is missing on this machine."""
 
-import json
+import shlex
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
+from neurotouch_hid.cli.output import json_option, paint, plain_option, print_json
 
-@click.command(epilog="\b\nExamples:\n  neurotouch doctor\n  neurotouch doctor --json | jq .")
-@click.option("--json", "as_json", is_flag=True, help="Print the findings as JSON.")
-def command(as_json: bool) -> None:
+if TYPE_CHECKING:
+    from neurotouch_hid.doctor import Finding
+
+_COLOURS = {"OK": "green", "WARNING": "yellow", "FAILED": "red", "SKIPPED": "cyan"}
+
+
+@click.command(
+    epilog="\b\nExamples:\n"
+    "  neurotouch doctor\n"
+    "  neurotouch doctor --keys                   and try the keys that stop everything\n"
+    "  neurotouch doctor --fix-script > fix.sh    read it, then: sh fix.sh\n"
+    "  neurotouch doctor --json | jq '.[] | select(.status == \"FAILED\")'\n\n"
+    "Exit code 0 if nothing failed, 1 otherwise."
+)
+@click.option("--keys", is_flag=True, help="Try the keys that stop everything, without hurry.")
+@click.option(
+    "--fix-script", is_flag=True, help="Print a shell script with the fixes; run nothing."
+)
+@click.option(
+    "--picture",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Where to save the picture of the gel. Default: in your cache folder.",
+)
+@click.option(
+    "--source", help="Look at this instead of the camera, as file:NAME.aedat4 or sim:NAME."
+)
+@plain_option
+@json_option
+def command(
+    keys: bool,
+    fix_script: bool,
+    picture: Path | None,
+    source: str | None,
+    plain: bool,
+    as_json: bool,
+) -> None:
     """Check this machine and say how to fix what is missing.
 
-    Exit code 0 if nothing failed, 1 otherwise.
+    Each check has its time; what hangs is said and left alone. Nothing is changed.
     """
-    from neurotouch_hid.doctor import Status, examine
+    from neurotouch_hid.doctor import Status, examine, list_checks
 
+    checks = list_checks(picture, source)
+    quiet = as_json or fix_script
     findings = []
-    for finding in examine():
+    for finding in examine(checks):
         findings.append(finding)
-        if not as_json:
-            click.echo(f"{finding.status:<8} {finding.check}: {finding.sentence}")
-            if finding.fix:
-                click.echo(f"         Fix: {finding.fix}")
+        if not quiet:
+            _show(finding, plain=plain)
+    if keys:
+        findings.append(_try_keys())
+        if not quiet:
+            _show(findings[-1], plain=plain)
     if as_json:
-        click.echo(json.dumps([finding.as_json() for finding in findings], indent=2))
+        print_json([finding.as_json() for finding in findings])
+    elif fix_script:
+        click.echo(_write_script(findings), nl=False)
     if any(finding.status is Status.FAILED for finding in findings):
         raise SystemExit(1)
+
+
+def _show(finding: "Finding", *, plain: bool) -> None:
+    status = paint(f"{finding.status:<8}", _COLOURS[finding.status], plain=plain)
+    click.echo(f"{status} {finding.check}: {finding.sentence}")
+    if finding.fix:
+        click.echo(f"         Fix: {finding.fix}")
+    for line in finding.commands:
+        click.echo(f"           {line}")
+
+
+def _write_script(findings: "list[Finding]") -> str:
+    lines = [
+        "#!/bin/sh",
+        "# What 'neurotouch doctor --fix-script' proposes for this machine. Read it before you run",
+        "# it: each part says what it is for, and parts can be deleted. Nothing has been run yet.",
+        "set -eu",
+    ]
+    done: set[str] = set()
+    for finding in findings:
+        fresh = [line for line in finding.commands if line not in done]
+        done.update(fresh)
+        if not fresh:
+            continue
+        about = f"{finding.status} {finding.check}: {finding.sentence}\n{finding.fix or ''}"
+        # A name that a device gave itself may hold anything, but it stays a comment.
+        lines += ["", *(f"# {line}" for line in about.splitlines())]
+        for line in fresh:
+            lines += [f"echo {shlex.quote(f'+ {line}')}", line]
+    if not done:
+        lines += ["", "# Nothing that a command could mend was found."]
+    return "\n".join([*lines, ""])
+
+
+def _try_keys() -> "Finding":
+    from neurotouch_hid.doctor import Finding, Status
+    from neurotouch_hid.doctor.inventory import find_driver
+    from neurotouch_hid.doctor.person import try_chords
+
+    name = "stop keys"
+    if not sys.stdin.isatty():
+        return Finding(name, Status.SKIPPED, "They can only be tried on a terminal.")
+    if find_driver() is not None:
+        click.echo(
+            "The running driver obeys them too; 'neurotouch resume' lets it go on.", err=True
+        )
+    verdict = try_chords(lambda text: click.echo(text, err=True), _wait_or_skip)
+    return Finding(name, verdict.status, verdict.sentence, verdict.fix)
+
+
+def _wait_or_skip(happened: Callable[[], bool]) -> bool:
+    """True once it has happened, false if the person types S and Enter; waits for ever.
+
+    Other lines are no answer: Enter is part of a chord.
+    """
+    import select
+
+    while not happened():
+        if select.select([sys.stdin], [], [], 0.1)[0]:
+            line = sys.stdin.readline()
+            if not line or line.strip().lower() == "s":
+                return False
+    return True

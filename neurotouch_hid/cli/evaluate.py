@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from neurotouch_hid.cli.method import METHODS
+from neurotouch_hid.cli.options import METHODS, rate_option
 
 if TYPE_CHECKING:
     from neurotouch_hid.gesture import Method
@@ -53,9 +53,11 @@ if TYPE_CHECKING:
     show_default="all cores",
     help="Recordings to play at once.",
 )
+@rate_option
 def command(
     files: tuple[Path, ...],
     methods: "tuple[Method, ...]",
+    rate_hz: float | None,
     json_path: Path | None,
     report_path: Path | None,
     jobs: int,
@@ -69,6 +71,7 @@ def command(
 
         check_folder(report_path)
     methods = tuple(dict.fromkeys(methods))
+    slice_us = None if rate_hz is None else round(1e6 / rate_hz)
     evaluations = dict[str, Evaluation]()
     done = 0
 
@@ -81,7 +84,9 @@ def command(
         if len(methods) > 1:
             click.echo(f"Method {method}", err=True)
         config = GestureConfig(method=method)
-        evaluations[method] = evaluate_files(files, config, jobs=jobs, progress=tell)
+        evaluations[method] = evaluate_files(
+            files, config, slice_us=slice_us, jobs=jobs, progress=tell
+        )
     reports = {method: evaluation.report() for method, evaluation in evaluations.items()}
     if json_path is not None:
         _write_json(json_path, combine_reports(reports))

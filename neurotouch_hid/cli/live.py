@@ -9,13 +9,17 @@ from typing import Self
 import click
 
 from neurotouch_hid.desktop import Follower, open_window
-from neurotouch_hid.device import ChordReader, Device
+from neurotouch_hid.device import ChordReader, Copilot, Device
 from neurotouch_hid.driver import find_runtime_folder
-from neurotouch_hid.errors import AlreadyRunningError, DriverError
+from neurotouch_hid.errors import AlreadyRunningError, DriverError, ProfileError
 from neurotouch_hid.monitor import SoundMonitor
+from neurotouch_hid.page.feed import Feed
+from neurotouch_hid.page.observer import Facts, Observer
 from neurotouch_hid.profile import Profile, UserSettings
+from neurotouch_hid.profile.library import find_profile
 from neurotouch_hid.runtime import (
     SAID,
+    Broadcast,
     Commands,
     ControlSocket,
     DriverSettings,
@@ -23,6 +27,7 @@ from neurotouch_hid.runtime import (
     ProfileWatch,
     Session,
     Stopwatch,
+    Tap,
     find_companions,
 )
 
@@ -55,10 +60,12 @@ class Live:
         user: the person's values.
         settings: chords and applications.
         source: the name of the source.
+        facts: what else those who look on are told.
+        copilot: a device that plays along; chords are heard on it too.
 
     Attributes:
         session: what the line obeys.
-        sound: a tap of the line.
+        taps: what reads the line's Steps: sound, and the feed of those who look on.
     """
 
     def __init__(
@@ -73,6 +80,8 @@ class Live:
         user: UserSettings,
         settings: DriverSettings,
         source: str,
+        facts: Facts | None = None,
+        copilot: Copilot | None = None,
     ) -> None:
         self.session = Session(pipeline, stopwatch, user)
         self._control = control
@@ -89,14 +98,29 @@ class Live:
         self.session.listen(self._hear)
         chords = ChordReader(self._press, settings.keys_of)
         self._closing.callback(chords.close)
+        if copilot is not None:  # nobody else can read it
+            copilot.listen(settings.keys_of, self._press)
+            self.session.follow(lambda: copilot.share.buttons)
         self.sound = SoundMonitor(self.session, _announce)
         self._closing.callback(self.sound.close)
+        self._broadcast = Broadcast()
+        self._closing.callback(self._broadcast.close)
+        self.taps: list[Tap] = [self.sound, self._broadcast]
+        if control is not None:
+            looks: Facts = {
+                "source": lambda: source,
+                "device": lambda: device.name,
+                "file": self._find_file,
+            }
+            observer = Observer(self.session, stopwatch, {**looks, **(facts or {})})
+            self._open_feed(observer, control)
         self._facts: dict[str, Callable[[], str]] = {
             "source": lambda: source,
             "device": lambda: device.name,
             "keyboard": chords.describe,
             "desktop": lambda: "none has a profile of its own",
             "sound": self.sound.describe,
+            **(facts or {}),
         }
         if settings.applications:
             follower = Follower(
@@ -111,7 +135,8 @@ class Live:
 
     def __enter__(self) -> Self:
         if self._control is not None:
-            self._control.serve(Commands(self.session, self._profiles, self._facts).answer)
+            commands = Commands(self.session, self._profiles, self._facts, self._broadcast)
+            self._control.serve(commands.answer)
         return self
 
     def __exit__(
@@ -121,6 +146,20 @@ class Live:
         trace: TracebackType | None,
     ) -> None:
         self._closing.close()
+
+    def _open_feed(self, observer: Observer, control: ControlSocket) -> None:
+        admits = control.admits if control.has_guests else None
+        try:
+            feed = Feed(find_runtime_folder(), observer, admits)
+            self.taps.append(self._closing.enter_context(feed))
+        except DriverError as error:
+            click.echo(f"Warning: {error.message} 'neurotouch view' will not work.", err=True)
+
+    def _find_file(self) -> str:
+        """Where the profile that holds lies; empty if it has gone."""
+        with suppress(ProfileError, OSError):
+            return str(find_profile(self._profiles.name).resolve())
+        return ""
 
     def _press(self, chord: str) -> None:
         """What the keyboard orders: panic, or pause and its end."""

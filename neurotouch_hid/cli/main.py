@@ -3,7 +3,6 @@
 Only ``click`` is imported before a sub-command is chosen, so that ``neurotouch --help`` is instant.
 """
 
-import importlib
 import os
 import signal
 import sys
@@ -11,11 +10,15 @@ import sys
 import click
 
 from neurotouch_hid import __version__
+from neurotouch_hid.cli.group import LazyGroup
 from neurotouch_hid.errors import NeuroTouchError
 
 _SUMMARIES = {
     "run": "Drive the virtual gamepad from a camera, a recording or the simulator.",
     "demo": "Try it without a camera: a simulated gel drives the pad.",
+    "view": "Show live what the driver does, as a page on this machine.",
+    "monitor": "Tell live what the driver does, in the terminal.",
+    "game": "Fly the spacecraft with the gel, in your browser.",
     "pause": "Release everything and stop acting until you resume.",
     "resume": "Go on after a pause or a panic.",
     "panic": "Release everything and stay released, whatever happens, until you resume.",
@@ -25,35 +28,26 @@ _SUMMARIES = {
     "calibrate": "Measure your own range of each movement, without hurry.",
     "explain": "Say what the code of a fault means.",
     "schema": "Print the JSON Schema of profiles, for editors.",
+    "emulate": "Plug in an emulated camera, for those who have none.",
     "simulate": "Write a simulated data set, recordings with labels.",
     "evaluate": "Measure the recognition on labelled recordings, as the paper does.",
     "bench": "Measure the speed of every stage; how well somebody points.",
+    "setup": "Install what the system needs for a camera and a pad, if you use pip.",
+    "service": "Drive the pad as a service of the system; systemd runs this.",
+    "record": "Record events and frames to an AEDAT4 file, alone or while playing.",
+    "devices": "List the cameras and the game controllers of this machine.",
     "doctor": "Check this machine and say how to fix what is missing.",
+    "diagnostics": "Write one report about this machine for a bug thread, without private things.",
     "completion": "Print the tab completion for bash, zsh or fish.",
 }
 _EXIT_INTERRUPTED = 130
 
 
-class _LazyGroup(click.Group):
-    """Knows the names of its sub-commands and imports only the one that is used."""
-
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(_SUMMARIES)
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        if cmd_name not in _SUMMARIES:
-            return None
-        module = importlib.import_module(f"neurotouch_hid.cli.{cmd_name}")
-        command: click.Command = module.command
-        return command
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl(list(_SUMMARIES.items()))
-
-
 @click.group(
-    cls=_LazyGroup,
+    cls=LazyGroup,
+    invoke_without_command=True,
+    places={name: (f"neurotouch_hid.cli.{name}", "command") for name in _SUMMARIES},
+    summaries=_SUMMARIES,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog="\b\nExamples:\n"
     "  neurotouch demo                                  see it work, no camera needed\n"
@@ -61,13 +55,18 @@ class _LazyGroup(click.Group):
     "  neurotouch doctor                                what is missing on this machine",
 )
 @click.version_option(__version__, prog_name="neurotouch")
-def cli() -> None:
+@click.pass_context
+def cli(ctx: click.Context) -> None:
     """A soft gel that every program sees as a standard game controller.
 
     Exit codes: 0 done, 1 other failure, 2 wrong usage, 3 source, 4 recording or labels, 5 no gel in
     the picture, 6 profile, 7 virtual gamepad, 8 no driver runs, or it refuses, 75 another driver
     runs, 130 interrupted.
     """
+    if ctx.invoked_subcommand is None:
+        from neurotouch_hid.cli.welcome import welcome
+
+        welcome()
 
 
 def main() -> None:

@@ -3,21 +3,50 @@
 Nothing but the standard library is imported on the way here, not even the command line's own.
 """
 
+import json
 import sys
 
-from neurotouch_hid.driver import ask
-from neurotouch_hid.errors import DriverError
+from neurotouch_hid.driver import ask, list_players
+from neurotouch_hid.errors import DriverError, NotRunningError
 
 ORDERS = ("pause", "resume", "panic")
 
 
-def give_order(order: str) -> int:
-    """Tells the driver, prints what it answers, and returns the exit code."""
+def give_order(order: str, *, as_json: bool = False) -> int:
+    """Tells the drivers of all players, prints what they answer, and returns the exit code."""
     try:
-        print(ask(order)["text"])
+        texts = _tell(order)
     except DriverError as error:
+        if as_json:
+            print(json.dumps({"status": "FAILED", "message": error.message, "fix": error.hint}))
+            return error.exit_code
         print(f"Error: {error.message}", file=sys.stderr)
         if error.hint:
             print(f"Fix: {error.hint}", file=sys.stderr)
         return error.exit_code
+    for text in texts:
+        print(json.dumps({"status": "OK", "message": text}) if as_json else text)
     return 0
+
+
+def _tell(order: str) -> list[str]:
+    """What they answer; one that fails does not keep the others from hearing it.
+
+    Raises:
+        DriverError: none runs, or one refuses.
+    """
+    texts, failures = [], []
+    players = list_players()
+    for player in players:
+        whose = f"Player {player}: " if len(players) > 1 else ""
+        try:
+            texts.append(whose + ask(order, player=player)["text"])
+        except NotRunningError as error:  # a killed driver has left its socket behind
+            missing = error
+        except DriverError as error:
+            failures.append(error)
+    if failures:
+        raise failures[0]
+    if not texts:
+        raise missing
+    return texts

@@ -5,9 +5,12 @@ import os
 import sys
 import time
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from functools import wraps
+from typing import Any, TypeVar, cast
 
 import click
+
+from neurotouch_hid.errors import NeuroTouchError
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -24,8 +27,24 @@ def plain_option(command: Command) -> Command:
 
 
 def json_option(command: Command) -> Command:
-    """Adds ``--json``, which gives the command its ``as_json`` argument."""
-    return click.option("--json", "as_json", is_flag=True, help="Print it as JSON.")(command)
+    """Adds ``--json``, which gives the command its ``as_json`` argument.
+
+    With it, a failure is JSON too, with the keys that every outcome has: what it is, and the way
+    out. The exit code is the same.
+    """
+
+    @wraps(command)
+    def answer(*args: Any, as_json: bool, **settings: Any) -> Any:
+        try:
+            return command(*args, as_json=as_json, **settings)
+        except NeuroTouchError as error:
+            if not as_json:
+                raise
+            print_json({"status": "FAILED", "message": error.message, "fix": error.hint})
+            sys.exit(error.exit_code)
+
+    option = click.option("--json", "as_json", is_flag=True, help="Print it as JSON.")
+    return cast(Command, option(answer))
 
 
 def is_plain(*, asked: bool = False) -> bool:

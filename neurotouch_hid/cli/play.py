@@ -1,5 +1,6 @@
 """What ``run`` and ``demo`` share: prepare the line, play it, say what happened."""
 
+import gc
 import sys
 import threading
 from collections.abc import Iterator
@@ -15,7 +16,7 @@ from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.monitor import LinesMonitor, PictureMonitor, TraceWriter
 from neurotouch_hid.profile import Profile
-from neurotouch_hid.runtime import Pipeline, Tap, run_line, stop_on_signals, warm_up
+from neurotouch_hid.runtime import Pipeline, Tap, hurry, run_line, stop_on_signals, warm_up
 from neurotouch_hid.source import Source, open_source
 
 _PATIENCE_S = 1.0
@@ -25,16 +26,19 @@ _WARM_SLICES = 5  # up to the first frame
 def prepare_kernels(profile: Profile, gesture: GestureConfig, source: str) -> None:
     """Loads the compiled kernels of the line and of the source; says so if they must be compiled.
 
+    Of the sources only the simulator has kernels of its own that a first slice must not wait for.
+
     Args:
         profile: what the gestures mean.
         gesture: how they are recognised.
         source: what will be played, as the user wrote it.
     """
-    with _notice("Compiling for this processor (only the first time, about half a minute) ..."):
+    with _notice("Loading (the first time compiles for this processor, half a minute) ..."):
         warm_up(Pipeline.build(profile, gesture))
-        with open_source(source, speed="max") as first_slices:
-            for _ in islice(first_slices, _WARM_SLICES):
-                pass
+        if source.startswith("sim:"):
+            with open_source(source, speed="max") as first_slices:
+                for _ in islice(first_slices, _WARM_SLICES):
+                    pass
 
 
 def play(
@@ -66,7 +70,7 @@ def play(
     click.echo(f"Gamepad ready: {title}. Ctrl-C ends.", err=True)
     packets = source if seconds is None else _for_seconds(source, seconds)
     with ExitStack() as stack:
-        taps: list[Tap] = [] if live is None else [live.sound]
+        taps: list[Tap] = [] if live is None else [*live.taps]
         if trace is not None:
             writer = TraceWriter(trace)
             stack.callback(writer.close)
@@ -78,6 +82,10 @@ def play(
             stack.callback(monitor.close)
             taps.append(monitor)
         session = live.session if live is not None else None
+        if live is not None:
+            stack.enter_context(hurry())
+        gc.freeze()  # what is loaded stays: no collection has to look through it while we play
+        gc.set_threshold(1_000)  # so each one is short, and memory stays flat
         stats = run_line(packets, pipeline, device, taps, stop=stop, session=session)
     seen = pipeline.rest.detector.stats()
     if seen.n_references and not seen.n_frames:

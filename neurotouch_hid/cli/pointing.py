@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from neurotouch_hid.cli.method import choose_method
+from neurotouch_hid.cli.options import (
+    method_option,
+    profile_option,
+    seed_option,
+    source_option,
+    speed_option,
+)
+from neurotouch_hid.cli.steps import is_guided, read_steps
 
 if TYPE_CHECKING:
     from neurotouch_hid.evaluation.pointing import Pointing
@@ -25,20 +32,9 @@ _SIMULATED = "SIMULATED: a program moved, so the figures say nothing about a per
     "  neurotouch bench pointing --compare before.json\n"
     "  neurotouch bench pointing --simulated            see how it goes, no gel needed",
 )
-@click.option("--profile", show_default="the first of your favourites", help="Name or path.")
-@click.option(
-    "--source",
-    default="davis:",
-    show_default=True,
-    help="davis: (the camera), file:NAME.aedat4 (a recording) or sim:NAME (the simulator).",
-)
-@click.option(
-    "--speed",
-    type=click.Choice(["recorded", "max"]),
-    default="recorded",
-    show_default=True,
-    help="As recorded, or as fast as possible; then trials begin by themselves.",
-)
+@profile_option
+@source_option
+@speed_option
 @click.option(
     "--select",
     type=click.Choice(["dwell", "button"]),
@@ -54,7 +50,7 @@ _SIMULATED = "SIMULATED: a program moved, so the figures say nothing about a per
     help="How many of each of the two sizes.",
 )
 @click.option("--simulated", is_flag=True, help="A simulated subject takes the test.")
-@click.option("--seed", default=0, show_default=True, help="Seed of whatever is simulated.")
+@seed_option
 @click.option(
     "--json",
     "json_path",
@@ -66,7 +62,7 @@ _SIMULATED = "SIMULATED: a program moved, so the figures say nothing about a per
     type=click.Path(path_type=Path, dir_okay=False),
     help="Compare with a result saved before.",
 )
-@choose_method
+@method_option
 def command(
     profile: str | None,
     source: str,
@@ -103,8 +99,8 @@ def command(
         for number, trial in enumerate(test.trials, 1):
             click.echo(_describe(number, test.total, trial))
     else:
-        guided = speed == "recorded" and not source.startswith("file:")
-        _play(test, _read_pads(source, speed, seed, method, name), guided=guided)
+        steps = read_steps(source, speed, seed, method, profile=name)
+        _play(test, (step.pad for step in steps), guided=is_guided(source, speed))
     figures = measure_pointing(test.trials)
     head = {"version": 1, "simulated": is_simulated, "profile": name, "select": select}
     result = {**head, "source": "subject" if simulated else source, **figures}
@@ -118,32 +114,6 @@ def command(
         mark = "SIMULATED " if is_simulated else ""
         for line in compare_results(before, result):
             click.echo(f"{mark}{line}")
-
-
-def _read_pads(
-    source: str,
-    speed: Literal["recorded", "max"],
-    seed: int,
-    method: Literal["neurotouch", "paper"],
-    name: str,
-) -> Iterator["GamepadState"]:
-    """What the gel does to the outputs, slice by slice."""
-    from neurotouch_hid.cli.play import prepare_kernels
-    from neurotouch_hid.gesture import GestureConfig
-    from neurotouch_hid.profile import load_profile, load_user
-    from neurotouch_hid.runtime import Pipeline
-    from neurotouch_hid.source import open_source
-
-    profile, config = load_profile(name), GestureConfig(method=method)
-    with open_source(source, speed=speed, seed=seed) as packets:
-        prepare_kernels(profile, config, source)
-        live = speed == "recorded" and not packets.name.startswith("file:")
-        pipeline = Pipeline.build(profile, config, user=load_user(), rig=packets.rig, live=live)
-        try:
-            for packet in packets:
-                yield pipeline.advance(packet).pad
-        finally:
-            pipeline.close()
 
 
 def _play(test: "Pointing", pads: Iterator["GamepadState"], *, guided: bool) -> None:

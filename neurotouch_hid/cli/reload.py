@@ -2,13 +2,14 @@
 
 import click
 
+from neurotouch_hid.cli.order import give_order
+
 
 @click.command(epilog="\b\nExamples:\n  neurotouch reload")
-def command() -> None:
+@click.option("--json", "as_json", is_flag=True, help="Print the answer as JSON.")
+def command(as_json: bool) -> None:
     """Load the profile and your own values anew, now.
 
     Saved files are noticed within a second anyway. A profile with errors changes nothing.
     """
-    from neurotouch_hid.driver import ask
-
-    click.echo(ask("reload")["text"])
+    raise SystemExit(give_order("reload", as_json=as_json))

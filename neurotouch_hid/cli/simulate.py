@@ -9,7 +9,8 @@ import click
 @click.command(
     epilog="\b\nExamples:\n"
     "  neurotouch simulate play --users 1 --minutes 1\n"
-    "  neurotouch simulate paper-like              as long as the paper's: 5 users, 25 minutes"
+    "  neurotouch simulate paper-like              as long as the paper's: 5 users, 25 minutes\n"
+    "  neurotouch simulate hard --gel both --minutes 8"
 )
 @click.argument("out", type=click.Path(path_type=Path, file_okay=False))
 @click.option("--users", type=click.IntRange(min=1), default=5, show_default=True)
@@ -21,12 +22,21 @@ import click
     help="Length of all recordings together.",
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="Another seed, other people.")
-def command(out: Path, users: int, minutes: float, seed: int) -> None:
+@click.option(
+    "--gel",
+    type=click.Choice(["half-space", "solid", "both"]),
+    default="half-space",
+    show_default=True,
+    help="How the gel deforms: by closed forms, by finite elements, or a half of the set each.",
+)
+def command(out: Path, users: int, minutes: float, seed: int, gel: str) -> None:
     """Write simulated recordings with labels into the folder OUT.
 
-    One recording for each user and gesture. Ctrl-C stops; the same command goes on from there.
+    One recording for each gel, user and gesture. Ctrl-C stops; the same command goes on from
+    there.
     """
     from neurotouch_hid.source.simulator.dataset import Progress, write_dataset
+    from neurotouch_hid.source.simulator.gel import ELASTICITIES
 
     begun = time.monotonic()
     told = {"percent": -1}
@@ -38,6 +48,7 @@ def command(out: Path, users: int, minutes: float, seed: int) -> None:
             spent = time.monotonic() - begun
             click.echo(f"{percent:3d} %  {progress.path.name}  {spent:.0f} s", err=True)
 
-    paths = write_dataset(out, users, minutes, seed, tell)
+    gels = [name for name in ELASTICITIES if gel in (name, "both")]
+    paths = write_dataset(out, users, minutes, seed, tell, gels)
     size_mb = sum(path.stat().st_size for path in paths) / 1e6
     click.echo(f"{len(paths)} recordings with labels, {size_mb:.0f} MB, are in {out}.")

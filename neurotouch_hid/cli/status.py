@@ -19,7 +19,9 @@ _FACTS = {
     "layer": "layer",
     "gel": "gel",
     "gesture": "gesture",
+    "copilot": "co-pilot",
     "keyboard": "keyboard",
+    "mouse": "mouse",
     "desktop": "applications",
     "sound": "sound",
 }
@@ -52,7 +54,17 @@ def _list_facts(status: dict[str, Any]) -> list[str]:
         f"slices: {status['slices_hz']:g} per second",
     ]
     lines += [f"time in {name}: {ms:.3f} ms a slice" for name, ms in status["stage_ms"].items()]
+    lines += [
+        f"since the start, {name}: p50 {spread['p50']:.3f}, p99 {spread['p99']:.3f}, "
+        f"p99.9 {spread['p99.9']:.3f} ms"
+        for name, spread in status["stage_spread_ms"].items()
+    ]
     lines += [_describe_fatigue(**fading) for fading in status["fatigue"]]
+    lines += [
+        f"long holds: {movement.replace('_', ' ')}, {times} of more than 5 s. 'mode: toggle' in "
+        "the profile holds for you"
+        for movement, times in status["long_holds"].items()
+    ]
     for error in status["errors"]:
         at = time.strftime("%H:%M:%S", time.localtime(error["at"]))
         lines.append(f"error at {at}: {error['error']}")

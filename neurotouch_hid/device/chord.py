@@ -18,9 +18,7 @@ from typing import Final
 
 from evdev import ecodes
 
-NODES: Final = Path("/dev/input")
-SYSTEM: Final = Path("/sys/class/input")
-OURS: Final = "neurotouch/"
+from neurotouch_hid.device.inputs import NODES, OURS, SYSTEM, parse_bits
 
 CHORDS: Final = {
     "panic": ("KEY_BACKSPACE", "KEY_ESC", "KEY_ENTER"),
@@ -36,7 +34,6 @@ _USUAL: Final = [ecodes.ecodes[name] for name in ("KEY_ESC", "KEY_ENTER", "KEY_S
 
 _INPUT_EVENT: Final = struct.Struct("@llHHi")  # seconds, microseconds, type, code, value
 _SEARCH_S: Final = 2.0
-_WORD_BITS: Final = 64
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +57,7 @@ def find_keyboards(nodes: Path = NODES, system: Path = SYSTEM) -> list[Keyboard]
     for entry in sorted(system.glob("event*")):
         device, node = entry / "device", nodes / entry.name
         try:
-            keys = _parse_bits((device / "capabilities" / "key").read_text())
+            keys = parse_bits((device / "capabilities" / "key").read_text())
             phys, name = (
                 # Devices say what they like; a name goes to a terminal.
                 (device / file).read_text(errors="replace").strip()
@@ -205,11 +202,3 @@ class ChordReader:
         del self._down[descriptor]
         self._open = {node: fd for node, fd in self._open.items() if fd != descriptor}
         self._compare()
-
-
-def _parse_bits(text: str) -> int:
-    """A bitmap of the kernel, words of hexadecimal digits, as one number."""
-    bits = 0
-    for word in text.split():
-        bits = bits << _WORD_BITS | int(word, 16)
-    return bits

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Protocol
 
 from evdev import ecodes
 
@@ -30,19 +31,21 @@ def find_needed(state: GamepadState) -> set[Companion]:
 
 @dataclass(frozen=True, slots=True)
 class Control:
-    """One event code that keeps its value until it changes. At rest the value is 0.
+    """One event code that keeps its value until it changes.
 
     Attributes:
         type: EV_KEY or EV_ABS.
         code: the event code.
         minimum: the smallest value it can have.
         maximum: the largest.
+        rest: the value while nobody touches it.
     """
 
     type: int
     code: int
     minimum: int
     maximum: int
+    rest: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +58,7 @@ class Claim:
         phys: where it claims to be plugged in; udev rules and we find our own nodes by it.
         controls: what a report gives the values of, in this order.
         motions: the EV_REL codes, which have no value but only steps.
+        rumbles: games may make it shake; then somebody must answer them.
     """
 
     name: str
@@ -62,11 +66,31 @@ class Claim:
     phys: str
     controls: tuple[Control, ...]
     motions: tuple[int, ...] = ()
+    rumbles: bool = False
 
     @property
     def neutral(self) -> tuple[int, ...]:
         """The report of a node that nobody touches."""
-        return (0,) * len(self.controls)
+        return tuple(control.rest for control in self.controls)
+
+
+class Node(Protocol):
+    """One device of the kernel, at rest when it is made."""
+
+    def show(self, report: tuple[int, ...], steps: Steps = (), stamp_ns: int = 0) -> None:
+        """Write what has changed, as one frame; nothing if nothing has.
+
+        Args:
+            report: the value of every control of the claim, in its order.
+            steps: how far the claim's motions go now, as (code, steps).
+            stamp_ns: when it happened, on CLOCK_MONOTONIC; 0 is now.
+
+        Raises:
+            DeviceError: the kernel does not take it.
+        """
+
+    def close(self) -> None:
+        """Remove the node."""
 
 
 def make_key(code: int) -> Control:

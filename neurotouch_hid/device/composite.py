@@ -2,12 +2,17 @@
 
 import time
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from threading import Lock
 from types import TracebackType
 from typing import Self
 
-from neurotouch_hid.device import gamepad, keyboard, mouse
-from neurotouch_hid.device.claim import Claim, Companion, Steps, find_needed
+from neurotouch_hid.device import keyboard, mouse
+from neurotouch_hid.device.claim import Companion, Node, Steps, find_needed
+from neurotouch_hid.device.clock import SensorClock
+from neurotouch_hid.device.identity import Identity, PadKind, load_identities
+from neurotouch_hid.device.rumble import HearRumble
+from neurotouch_hid.device.uhid import UhidNode, open_uhid
 from neurotouch_hid.device.uinput import Ioctl, UinputNode, call_kernel, open_uinput
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import GamepadState
@@ -33,6 +38,10 @@ class CompositeDevice:
         self,
         companions: Iterable[Companion] = (),
         *,
+        kind: PadKind = "uinput",
+        identity: Identity | None = None,
+        player: int = 1,
+        hear_rumble: HearRumble | None = None,
         open_descriptor: Callable[[], int] = open_uinput,
         ioctl: Ioctl = call_kernel,
     ) -> None:
@@ -40,16 +49,26 @@ class CompositeDevice:
 
         Args:
             companions: what to make beside the pad.
-            open_descriptor: gives ``/dev/uinput`` opened for writing, anew for each node; a service
-                manager may have opened it.
+            kind: how the pad is made; the others are always made through ``/dev/uinput``.
+            identity: what the pad claims to be; an Xbox 360 pad without.
+            player: whose nodes these are, from 1 on; it stands in the place where they claim to be
+                plugged in.
+            hear_rumble: is told how games shake the pad; without, it does not claim to rumble.
+            open_descriptor: gives ``/dev/uinput``, opened anew for each node; a service manager may
+                have opened it.
             ioctl: the system call; tests record it.
 
         Raises:
-            DeviceError: ``/dev/uinput`` cannot be used, or the kernel refuses a node.
+            DeviceError: ``/dev/uinput`` or ``/dev/uhid`` cannot be used, or the kernel refuses a
+                node.
         """
         self._open_descriptor = open_descriptor
         self._ioctl = ioctl
-        self._pad = self._make(gamepad.CLAIM)
+        self._player = player
+        self._identity = identity or load_identities()["xbox360"]
+        self._layout = self._identity.layout
+        self._clock = SensorClock()
+        self._pad = self._make_pad(kind, hear_rumble)
         self._companions: dict[Companion, UinputNode] = {}
         self._motion = mouse.Motion()
         self._mouse_buttons: frozenset[str] = frozenset()
@@ -65,7 +84,7 @@ class CompositeDevice:
     def name(self) -> str:
         """What the user is told it is: the nodes, as other programs show them."""
         names = (claim.name for key, claim in _CLAIMS.items() if key in self._companions)
-        return " + ".join((gamepad.NAME, *names))
+        return " + ".join((self._identity.name, *names))
 
     def prepare(self, companions: Iterable[Companion]) -> None:
         """Make those of the nodes that are missing.
@@ -92,7 +111,7 @@ class CompositeDevice:
         with self._lock:
             self._require_open()
             self._add(find_needed(state))
-            self._show(state, self._motion.advance(state))
+            self._show(state, self._motion.advance(state), self._clock.stamp(state.t_us))
 
     def neutral(self) -> None:
         """Release everything on all nodes now; one that fails does not keep the others from it.
@@ -132,7 +151,14 @@ class CompositeDevice:
         """Close the device."""
         self.close()
 
-    def _make(self, claim: Claim) -> UinputNode:
+    def _make_pad(self, kind: PadKind, hear: HearRumble | None) -> Node:
+        if kind == "hid":  # Linux has no simple rumble for pads of no known maker
+            return UhidNode(open_uhid(), self._identity.make_claim(self._player))
+        claim = self._identity.make_claim(self._player, rumbles=hear is not None)
+        return UinputNode(self._open_descriptor(), claim, ioctl=self._ioctl, hear=hear)
+
+    def _make_companion(self, companion: Companion) -> UinputNode:
+        claim = replace(_CLAIMS[companion], phys=f"neurotouch/{companion}{self._player - 1}")
         return UinputNode(self._open_descriptor(), claim, ioctl=self._ioctl)
 
     def _require_open(self) -> None:
@@ -142,16 +168,16 @@ class CompositeDevice:
     def _add(self, companions: Iterable[Companion]) -> None:
         for companion in companions:
             if companion not in self._companions:
-                self._companions[companion] = self._make(_CLAIMS[companion])
+                self._companions[companion] = self._make_companion(companion)
 
     def _release(self) -> None:
         self._motion = mouse.Motion()  # the time until the next state does not count
-        self._show(GamepadState(0), ())
+        self._show(GamepadState(0), (), self._clock.now())
 
-    def _show(self, state: GamepadState, steps: Steps) -> None:
+    def _show(self, state: GamepadState, steps: Steps, stamp_ns: int) -> None:
         """Write to every node, whatever happens at the others; raise the first failure."""
-        reports = [
-            (self._pad, gamepad.encode(state), ()),
+        reports: list[tuple[Node | None, tuple[int, ...], Steps]] = [
+            (self._pad, self._layout.encode(state), ()),
             (self._companions.get(Companion.KEYBOARD), keyboard.encode(state), ()),
             (self._companions.get(Companion.MOUSE), mouse.encode(state), steps),
         ]
@@ -163,7 +189,7 @@ class CompositeDevice:
         for node, report, motion in reports:
             if node is not None:
                 try:
-                    node.show(report, motion)
+                    node.show(report, motion, stamp_ns)
                 except DeviceError as error:
                     failures.append(error)
         if failures:

@@ -7,7 +7,10 @@ from typing import Protocol, Self
 
 from neurotouch_hid.device.claim import Companion
 from neurotouch_hid.device.composite import CompositeDevice
+from neurotouch_hid.device.identity import choose_identity, load_identities
 from neurotouch_hid.device.memory import MemoryDevice
+from neurotouch_hid.device.rumble import HearRumble
+from neurotouch_hid.device.uhid import open_uhid
 from neurotouch_hid.device.uinput import open_uinput
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import GamepadState
@@ -52,28 +55,57 @@ class Device(Protocol):
         """Close the device."""
 
 
-def check_device(kind: str) -> None:
+def check_device(kind: str, identity: str | None = None) -> None:
     """Find out whether ``open_device`` may succeed, without making a pad.
 
     Raises:
-        DeviceError: ``/dev/uinput`` cannot be used.
+        DeviceError: the identity is no good, or ``/dev/uinput`` or ``/dev/uhid`` cannot be used.
     """
-    if kind == "uinput":
-        os.close(open_uinput())
+    match kind:
+        case "uinput":
+            choose_identity(identity, kind)
+            os.close(open_uinput())
+        case "hid":
+            choose_identity(identity, kind)
+            os.close(open_uhid())
 
 
-def open_device(kind: str, companions: Iterable[Companion] = ()) -> Device:
-    """Return a new, neutral device of a kind: ``uinput`` (a real one) or ``memory``.
+def open_device(
+    kind: str,
+    companions: Iterable[Companion] = (),
+    *,
+    identity: str | None = None,
+    player: int = 1,
+    hear_rumble: HearRumble | None = None,
+) -> Device:
+    """Return a new, neutral device of a kind: ``uinput``, ``hid`` (real ones) or ``memory``.
 
     Args:
         kind: its name.
         companions: what is needed beside the pad.
+        identity: what the pad claims to be: a shipped name, or the path of a file.
+        player: whose pad it is, from 1 on.
+        hear_rumble: is told how games shake the pad; without, it does not claim to rumble.
 
     Raises:
-        DeviceError: the kind is unknown, or ``/dev/uinput`` cannot be used.
+        DeviceError: the kind or the identity is unknown, programs would misread it, or
+            ``/dev/uinput`` or ``/dev/uhid`` cannot be used.
     """
-    if kind == "memory":
-        return MemoryDevice(companions)
-    if kind == "uinput":
-        return CompositeDevice(companions)
-    raise DeviceError(f"There is no device called {kind!r}.", hint="Use uinput or memory.")
+    match kind:
+        case "memory":
+            return MemoryDevice(companions)
+        case "uinput" | "hid":
+            return CompositeDevice(
+                companions,
+                kind=kind,
+                identity=choose_identity(identity, kind),
+                player=player,
+                hear_rumble=hear_rumble,
+            )
+    raise DeviceError(f"There is no device called {kind!r}.", hint="Use uinput, hid or memory.")
+
+
+def shows_change(before: GamepadState, after: GamepadState) -> bool:
+    """Say whether a pad of the usual layout shows two states differently."""
+    layout = load_identities()["xbox360"].layout
+    return layout.encode(before) != layout.encode(after)

@@ -4,6 +4,8 @@ Keys are positions; the desktop's layout decides which letters they are. They ar
 because udev takes a pad with four of them for a keyboard.
 """
 
+from functools import lru_cache
+
 from evdev import ecodes
 
 from neurotouch_hid.device.claim import Claim, make_key
@@ -58,4 +60,9 @@ def encode(state: GamepadState) -> tuple[int, ...]:
     third many distributions let it reboot on the spot. A profile from a stranger must not do that.
     """
     keys = state.keys if state.keys.isdisjoint(_ALTS) else state.keys - {_SYSRQ}
+    return _report(keys)
+
+
+@lru_cache(maxsize=64)  # nearly always the same few, a hundred times a second
+def _report(keys: frozenset[str]) -> tuple[int, ...]:
     return tuple(int(name in keys) for name in KEYS)

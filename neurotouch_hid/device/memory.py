@@ -6,12 +6,15 @@ from threading import Lock
 from types import TracebackType
 from typing import Self
 
-from neurotouch_hid.device import gamepad, keyboard, mouse
+from neurotouch_hid.device import keyboard, mouse
 from neurotouch_hid.device.claim import Companion, find_needed
+from neurotouch_hid.device.identity import load_identities
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import GamepadState
 
 _Report = tuple[int, ...]
+
+_LAYOUT = load_identities()["xbox360"].layout
 
 
 class MemoryDevice:
@@ -56,8 +59,9 @@ class MemoryDevice:
         with self._lock:
             self._require_open()
             self.companions |= find_needed(state)
-            steps = dict(self._motion.advance(state))
-            self.travel.update(steps)
+            steps = self._motion.advance(state)
+            if steps:
+                self.travel.update(dict(steps))
             self._show(state, moved=bool(steps))
 
     def neutral(self) -> None:
@@ -101,4 +105,4 @@ class MemoryDevice:
 def _encode(state: GamepadState) -> tuple[_Report, _Report, _Report, bool]:
     """The three reports, and whether the mouse moves: its stopping is kept too."""
     moves = any(state.pointer) or state.wheel != 0.0
-    return gamepad.encode(state), keyboard.encode(state), mouse.encode(state), moves
+    return _LAYOUT.encode(state), keyboard.encode(state), mouse.encode(state), moves

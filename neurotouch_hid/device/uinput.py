@@ -5,7 +5,6 @@ wants to read the new event node (and waits 2 s when it may not), writes every e
 can leave a ghost pad behind when its constructor fails.
 """
 
-import errno
 import fcntl
 import os
 import struct
@@ -15,12 +14,16 @@ from pathlib import Path
 from evdev import ecodes
 
 from neurotouch_hid.device.claim import Claim, Steps
+from neurotouch_hid.device.opening import Maker
+from neurotouch_hid.device.rumble import EFFECT_CODES, N_EFFECTS, HearRumble, RumbleServer
 from neurotouch_hid.errors import DeviceError
 
 NODE = Path("/dev/uinput")
 
 RULE = 'KERNEL=="uinput", SUBSYSTEM=="misc", TAG+="uaccess", OPTIONS+="static_node=uinput"'
 """The udev rule of ``udev/70-neurotouch-uinput.rules``."""
+
+_MAKER = Maker(NODE, "uinput", RULE, "70-neurotouch-uinput.rules")
 
 # linux/uinput.h and linux/input.h
 _INPUT_EVENT = struct.Struct("@llHHi")  # seconds, microseconds, type, code, value
@@ -40,6 +43,7 @@ UI_ABS_SETUP = _write_request(4, _ABS_SETUP.size)
 UI_SET_EVBIT = _write_request(100, struct.calcsize("@i"))
 UI_SET_KEYBIT = _write_request(101, struct.calcsize("@i"))
 UI_SET_RELBIT = _write_request(102, struct.calcsize("@i"))
+UI_SET_FFBIT = _write_request(107, struct.calcsize("@i"))
 UI_SET_PHYS = _write_request(108, struct.calcsize("@P"))
 
 Ioctl = Callable[[int, int, int | bytes], None]
@@ -56,10 +60,7 @@ def open_uinput(node: Path = NODE) -> int:
     Raises:
         DeviceError: there is no node, no module behind it, or no right to use it.
     """
-    try:
-        return os.open(node, os.O_WRONLY | os.O_CLOEXEC)
-    except OSError as error:
-        raise _explain_opening(node, error) from error
+    return _MAKER.open(node)
 
 
 class UinputNode:
@@ -68,18 +69,27 @@ class UinputNode:
     If the process dies, the kernel releases the pressed keys and removes the node. The caller sees
     to it that two threads do not write at once.
 
-    No force feedback is declared: a pad that declares it and does not answer freezes games for
-    half a minute.
+    Force feedback is declared only if somebody hears of it: a pad that declares it and does not
+    answer freezes games for a minute.
     """
 
-    def __init__(self, descriptor: int, claim: Claim, *, ioctl: Ioctl = call_kernel) -> None:
+    def __init__(
+        self,
+        descriptor: int,
+        claim: Claim,
+        *,
+        ioctl: Ioctl = call_kernel,
+        hear: HearRumble | None = None,
+    ) -> None:
         """Create the node.
 
         Args:
-            descriptor: ``/dev/uinput`` opened for writing, by ``open_uinput`` or by the service
-                manager. The node owns it from here on, also when this call fails.
+            descriptor: ``/dev/uinput`` opened by ``open_uinput`` or by the service manager, for
+                writing, and for reading too if the claim rumbles. The node owns it from here on,
+                also when this call fails.
             claim: what it claims to be.
             ioctl: the system call; tests record it.
+            hear: is told how games shake it; needed if the claim rumbles.
 
         Raises:
             DeviceError: the kernel refuses it.
@@ -88,15 +98,18 @@ class UinputNode:
         self._claim = claim
         self._ioctl = ioctl
         self._report = claim.neutral
+        # It must run before games can see the pad.
+        self._rumble = RumbleServer(descriptor, hear) if claim.rumbles and hear else None
         try:
             self._create()
         except OSError as error:
+            self._end_rumble()
             os.close(descriptor)
             raise DeviceError(
                 f"The kernel refuses to create the {claim.name}: {error.strerror}."
             ) from error
 
-    def show(self, report: tuple[int, ...], steps: Steps = ()) -> None:
+    def show(self, report: tuple[int, ...], steps: Steps = (), stamp_ns: int = 0) -> None:
         """Write one frame with all that changed, in one write; nothing if nothing did.
 
         Steps come first, so that a click is where the pointer then is. What is released comes
@@ -110,6 +123,8 @@ class UinputNode:
         Args:
             report: the value of every control of the claim, in its order.
             steps: how far the claim's motions go now, as (code, steps).
+            stamp_ns: when it happened, on CLOCK_MONOTONIC; 0 lets the kernel take its own time, as
+                do kernels before 6.8 in any case.
 
         Raises:
             DeviceError: the kernel does not take it.
@@ -128,8 +143,8 @@ class UinputNode:
             return
         frame.append((ecodes.EV_SYN, ecodes.SYN_REPORT, 0))
         try:
-            # Stamps of 0 let the kernel take its own time.
-            os.write(self._descriptor, b"".join(_INPUT_EVENT.pack(0, 0, *event) for event in frame))
+            at = stamp_ns // 1_000_000_000, stamp_ns // 1_000 % 1_000_000
+            os.write(self._descriptor, b"".join(_INPUT_EVENT.pack(*at, *event) for event in frame))
         except OSError as error:
             raise DeviceError(
                 f"The kernel no longer takes input for the {self._claim.name}: {error.strerror}.",
@@ -139,6 +154,7 @@ class UinputNode:
 
     def close(self) -> None:
         """Remove the node."""
+        self._end_rumble()
         try:
             self._ioctl(self._descriptor, UI_DEV_DESTROY, 0)
         except OSError:
@@ -149,47 +165,30 @@ class UinputNode:
     def _create(self) -> None:
         for type_ in sorted({control.type for control in self._claim.controls}):
             self._set(UI_SET_EVBIT, type_)
+        if self._rumble is not None:
+            self._set(UI_SET_EVBIT, ecodes.EV_FF)
+            for code in EFFECT_CODES:
+                self._set(UI_SET_FFBIT, code)
         for control in self._claim.controls:
             if control.type == ecodes.EV_KEY:
                 self._set(UI_SET_KEYBIT, control.code)
             else:
-                # Value, fuzz, flat and resolution are 0. Fuzz as the real pad declares it would
-                # keep a released stick off its centre.
-                range_ = (control.minimum, control.maximum)
-                self._set(UI_ABS_SETUP, _ABS_SETUP.pack(control.code, 0, *range_, 0, 0, 0))
+                # Fuzz, flat and resolution are 0. Fuzz as the real pad declares it would keep a
+                # released stick off its centre.
+                range_ = (control.rest, control.minimum, control.maximum)
+                self._set(UI_ABS_SETUP, _ABS_SETUP.pack(control.code, *range_, 0, 0, 0))
         if self._claim.motions:
             self._set(UI_SET_EVBIT, ecodes.EV_REL)
         for motion in self._claim.motions:
             self._set(UI_SET_RELBIT, motion)
         self._set(UI_SET_PHYS, self._claim.phys.encode() + b"\0")
-        self._set(UI_DEV_SETUP, _SETUP.pack(*self._claim.ids, self._claim.name.encode(), 0))
+        n_effects = N_EFFECTS if self._rumble is not None else 0
+        self._set(UI_DEV_SETUP, _SETUP.pack(*self._claim.ids, self._claim.name.encode(), n_effects))
         self._set(UI_DEV_CREATE, 0)
+
+    def _end_rumble(self) -> None:
+        if self._rumble is not None:
+            self._rumble.close()
 
     def _set(self, request: int, argument: int | bytes) -> None:
         self._ioctl(self._descriptor, request, argument)
-
-
-def _explain_opening(node: Path, error: OSError) -> DeviceError:
-    """Say which of the three usual reasons it is, and the way out."""
-    if error.errno == errno.ENOENT:
-        return DeviceError(
-            f"There is no {node} here, so no virtual gamepad can be made.",
-            hint="Load the module: sudo modprobe uinput. "
-            f"In a container, hand the host's node in: --device {node}.",
-        )
-    if error.errno in (errno.ENODEV, errno.ENXIO):
-        return DeviceError(
-            f"{node} exists, but the kernel module behind it is missing.",
-            hint="Load it: sudo modprobe uinput. If it is not found, this kernel was built "
-            "without it: install your distribution's package of extra kernel modules.",
-        )
-    if error.errno in (errno.EACCES, errno.EPERM):
-        mode = node.stat().st_mode & 0o777
-        return DeviceError(
-            f"You have no right to write to {node} (its mode is {mode:04o}).",
-            hint="Allow it for whoever sits at the machine:\n"
-            f"  echo '{RULE}' | sudo tee /etc/udev/rules.d/70-neurotouch-uinput.rules\n"
-            "  sudo udevadm control --reload && sudo udevadm trigger --name-match=uinput\n"
-            "In a container the host must grant the device as well.",
-        )
-    return DeviceError(f"{node} cannot be opened: {error.strerror}.")

@@ -77,6 +77,7 @@ def evaluate_files(
     paths: Sequence[Path],
     config: GestureConfig,
     *,
+    slice_us: int | None = None,
     jobs: int = 1,
     progress: Callable[[Path], None] | None = None,
 ) -> Evaluation:
@@ -85,6 +86,7 @@ def evaluate_files(
     Args:
         paths: AEDAT4 recordings, each with its ``NAME.labels.csv``.
         config: how gestures are recognised.
+        slice_us: length of a slice; the paper's without.
         jobs: how many recordings at once, each in a process of its own.
         progress: called with each path when it is done.
 
@@ -97,7 +99,7 @@ def evaluate_files(
         read_labels(labels_path(path))
     stems = Counter(path.stem for path in paths)
     finished = {}
-    for path, played in _play_all(paths, config, min(jobs, len(paths))):
+    for path, played in _play_all(paths, config, slice_us, min(jobs, len(paths))):
         finished[path] = played
         if progress is not None:
             progress(path)
@@ -107,15 +109,15 @@ def evaluate_files(
 
 
 def _play_all(
-    paths: Sequence[Path], config: GestureConfig, jobs: int
+    paths: Sequence[Path], config: GestureConfig, slice_us: int | None, jobs: int
 ) -> Iterator[tuple[Path, Played]]:
     if jobs <= 1:
-        yield from ((path, evaluate_file(path, config)) for path in paths)
+        yield from ((path, evaluate_file(path, config, slice_us)) for path in paths)
         return
     # Fresh processes: forking one that has loaded kernels and OpenCV threads is not safe.
     pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_die_silently)
     try:
-        futures = {pool.submit(evaluate_file, path, config): path for path in paths}
+        futures = {pool.submit(evaluate_file, path, config, slice_us): path for path in paths}
         yield from ((futures[done], done.result()) for done in as_completed(futures))
     except BrokenProcessPool as error:
         raise NeuroTouchError(
@@ -133,13 +135,16 @@ def _die_silently() -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
-def evaluate_file(path: Path, config: GestureConfig) -> Played:
+def evaluate_file(path: Path, config: GestureConfig, slice_us: int | None = None) -> Played:
     """What comes of one recording; see ``evaluate_files``."""
     labels = read_labels(labels_path(path))
     comparison = Comparison(LabelTrack(labels))
     profile = load_profile("default")
     warm_up(Pipeline.build(profile, config))  # compiling is no part of the speed
-    with open_source(f"file:{path}", speed="max") as source, MemoryDevice() as pad:
+    with (
+        open_source(f"file:{path}", slice_us=slice_us, speed="max") as source,
+        MemoryDevice() as pad,
+    ):
         pipeline = Pipeline.build(profile, config, rig=source.rig)
         stats = run_line(source, pipeline, pad, [comparison])
     comparison.tally.host_s = stats.host_s

@@ -49,7 +49,8 @@ class LabelTrack:
         share = (t_us - before.t_us) / (after.t_us - before.t_us)
         points = before.contacts_px.copy()
         rows, columns = pair_points(before.contacts_px, after.contacts_px)
-        points[rows] += share * (after.contacts_px[columns] - points[rows])
+        if rows:
+            points[rows] += share * (after.contacts_px[columns] - points[rows])
         intensity = before.intensity_mm + share * (after.intensity_mm - before.intensity_mm)
         return Truth(t_us, before.kind, points, intensity)
 
@@ -87,6 +88,8 @@ def pair_points(
     Returns:
         min(n, m) indices into ``first``, ascending, and their partners in ``second``.
     """
+    if not len(first) or not len(second):  # most of the time: at rest
+        return [], []
     if len(first) > len(second):
         partners, chosen = pair_points(second, first)
         order = sorted(range(len(chosen)), key=lambda k: chosen[k])

@@ -1,6 +1,7 @@
 """From marker displacements to a gesture, one slice at a time."""
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,9 +9,12 @@ from numpy.typing import NDArray
 from neurotouch_hid.geometry import Rig, fit_rig
 from neurotouch_hid.gesture.config import GestureConfig
 from neurotouch_hid.gesture.elastic import ElasticMethod
+from neurotouch_hid.gesture.kernels import displace
 from neurotouch_hid.gesture.neutral import Neutral
-from neurotouch_hid.gesture.paper import PaperMethod
 from neurotouch_hid.messages import Gesture, GestureKind, MarkerField, no_gesture
+
+if TYPE_CHECKING:
+    from neurotouch_hid.gesture.paper import PaperMethod
 
 FIRST_STEP_US = 10_000  # the length of a slice [NT, "Results"], until two have been seen
 
@@ -20,11 +24,7 @@ class GestureRecognizer:
 
     def __init__(self, config: GestureConfig | None = None) -> None:
         self._config = config or GestureConfig()
-        self._method = (
-            PaperMethod(self._config)
-            if self._config.method == "paper"
-            else ElasticMethod(self._config)
-        )
+        self._method = _make_method(self._config)
         self._neutral = Neutral(is_resting=self._config.neutral == "resting")
         self._rest_px: NDArray[np.float32] | None = None
         self._rig: Rig | None = None
@@ -48,11 +48,11 @@ class GestureRecognizer:
             self._neutral.anchor()
         step_us = FIRST_STEP_US if self._t_us is None else t_us - self._t_us
         self._t_us = t_us
-        use = markers.valid & np.isfinite(markers.position_px).all(axis=1)
-        if self._rig is None or int(use.sum()) < self._config.min_tracked:
+        moved_px, use = np.empty(rest_px.shape), np.empty(len(rest_px), np.bool_)
+        n_used = displace(rest_px, markers.position_px, markers.valid, moved_px, use)
+        if self._rig is None or n_used < self._config.min_tracked:
             self._method.reset()
             return no_gesture(t_us)
-        moved_px = np.where(use[:, None], markers.position_px.astype(np.float64) - rest_px, 0.0)
         moved_px = self._neutral.subtract(moved_px, step_us)
         if self._neutral.is_capturing:
             return no_gesture(t_us)
@@ -64,3 +64,12 @@ class GestureRecognizer:
         contacts_px = self._neutral.displace(gesture.contacts_px, rest_px.astype(np.float64))
         contacts_mm = self._rig.to_mm(contacts_px)
         return replace(gesture, contacts_px=contacts_px, contacts_mm=contacts_mm)
+
+
+def _make_method(config: GestureConfig) -> "PaperMethod | ElasticMethod":
+    if config.method == "paper":
+        # With OpenCV, which takes 60 MB and a twentieth of every start.
+        from neurotouch_hid.gesture.paper import PaperMethod  # noqa: PLC0415
+
+        return PaperMethod(config)
+    return ElasticMethod(config)

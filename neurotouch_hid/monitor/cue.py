@@ -28,6 +28,7 @@ class CueKind(StrEnum):
     RESUME = "resume"
     LAYER = "layer"
     ACCEPT = "accept"
+    STEP = "step"
     REJECT = "reject"
     PRESS = "press"
 
@@ -105,6 +106,9 @@ class CueFinder:
         for decision in reversed(new):
             if decision.verdict == "pressed":
                 return Cue(CueKind.ACCEPT, decision.what.rsplit(" -> ", 1)[-1])
+        for decision in reversed(new):
+            if decision.verdict == "step":
+                return Cue(CueKind.STEP, decision.why)
         if any(decision.verdict == "ignored" for decision in new):
             return Cue(CueKind.REJECT, "not accepted")
         return None
@@ -130,6 +134,8 @@ def choose_volume(kind: CueKind, user: UserSettings, mapping: Mapping) -> int:
     """How loud the person wants a cue to be, in percent."""
     volumes = user.feedback.volume
     match kind:
+        case CueKind.STEP:
+            return volumes.press if volumes.accept is None else volumes.accept
         case CueKind.ACCEPT if volumes.accept is None:
             waits = resolve_times(mapping.profile.timing, user.timing).accept_ms > 0
             return ACCEPT_VOLUME if waits else 0

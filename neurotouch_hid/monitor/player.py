@@ -14,11 +14,16 @@ from neurotouch_hid.monitor.tone import make_wave
 from neurotouch_hid.profile.feedback import SoundName
 
 PLAYERS: Final[dict[SoundName, tuple[tuple[str, ...], ...]]] = {
-    "tones": (("pw-play", "/dev/stdin"), ("paplay", "/dev/stdin"), ("aplay", "-q", "/dev/stdin")),
+    "tones": (
+        ("pw-play", "/dev/stdin"),
+        ("paplay", "/dev/stdin", "--latency-msec=50"),
+        ("aplay", "-q", "/dev/stdin"),
+    ),
     "speech": (("spd-say", "--application-name=neurotouch", "--priority=text"),),
 }
 """In the order in which they are tried: PipeWire, PulseAudio, ALSA; speech-dispatcher, whose
-volume goes from -100 to 100 and whose texts cut each other short."""
+volume goes from -100 to 100 and whose texts cut each other short. Without a latency of its own
+paplay fills two seconds of buffer and ends only when they are played."""
 
 PATIENCE_S: Final[dict[SoundName, float]] = {"tones": 1.5, "speech": 5.0}
 """For a program to end: three times the longest tone; the first word starts the speech server."""

@@ -22,6 +22,7 @@ Note = tuple[float, float]
 PATTERNS: Final[dict[CueKind, tuple[Note, ...]]] = {
     CueKind.PRESS: ((880.0, 0.04),),
     CueKind.ACCEPT: ((784.0, 0.06), (1175.0, 0.08)),
+    CueKind.STEP: ((784.0, 0.06),),
     CueKind.REJECT: ((196.0, 0.16),),
     CueKind.LAYER: ((587.0, 0.05), (587.0, 0.05), (740.0, 0.08)),
     CueKind.PAUSE: ((659.0, 0.12), (440.0, 0.18)),

@@ -22,7 +22,9 @@ class TraceWriter:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._part = path.with_name(path.name + ".part")
+        # A device or a pipe is written to as it is: it must not be replaced by a file.
+        is_file = path.is_file() or not path.exists()
+        self._part = path.with_name(path.name + ".part") if is_file else path
         try:
             self._file = self._part.open("w", encoding="utf-8")
         except OSError as error:

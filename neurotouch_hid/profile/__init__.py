@@ -13,6 +13,7 @@ if TYPE_CHECKING:
         check_profile,
         check_user,
         load_profile,
+        load_unused,
         load_user,
     )
     from neurotouch_hid.profile.mapping import Mapping
@@ -34,6 +35,7 @@ __all__ = [
     "explain",
     "list_profiles",
     "load_profile",
+    "load_unused",
     "load_user",
     "perform",
     "profile_schema",
@@ -54,6 +56,7 @@ _MODULES = {
     "explain": "codes",
     "list_profiles": "library",
     "load_profile": "load",
+    "load_unused": "load",
     "load_user": "load",
     "perform": "timeline",
     "profile_schema": "schema",

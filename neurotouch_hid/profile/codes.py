@@ -192,6 +192,17 @@ CODES: Final[dict[str, Explanation]] = {
         "A panic gesture can be made by accident, and then only the keyboard goes on. Offer a "
         "pause gesture too.",
     ),
+    "NT212": Explanation(
+        "a movement you do not use",
+        "Calibration, or 'unused' in user.yaml, says that you do not make this movement, so what "
+        "is taken for it does nothing. Give the binding another gesture; 'neurotouch profile new' "
+        "does that for a whole template. If you do make it: neurotouch calibrate GESTURE.",
+    ),
+    "NT213": Explanation(
+        "a key that Linux takes for itself",
+        "Alt+Print begins an order to the kernel (SysRq): the key after it could restart the "
+        "machine. The keyboard we make leaves Print out while Alt is down, so only Alt is pressed.",
+    ),
 }
 
 

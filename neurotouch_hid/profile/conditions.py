@@ -8,7 +8,7 @@ from pydantic_core import PydanticCustomError
 from neurotouch_hid.profile.strict import Strict, give_unit, make_optional
 from neurotouch_hid.profile.targets import EightWay
 from neurotouch_hid.profile.timing import Ms, Trigger
-from neurotouch_hid.vocabulary import GestureKind
+from neurotouch_hid.vocabulary import Button, GestureKind
 
 DEFAULT_ON_MM: Final = 2.5
 """Where an output that is either pressed or not presses: the type of a gesture is right in more
@@ -94,6 +94,13 @@ class Condition(Strict):
         description="Only with this many fingers. Counting is right in 90 % of cases from 7 mm on, "
         "so do not let it alone guard anything important. Default: any number.",
         json_schema_extra=make_optional("fingers"),
+    )
+    with_button: Annotated[Button, Field(strict=False)] | None = Field(
+        default=None,
+        description="Only while this button is held on the device that plays along (run "
+        "--copilot); which of the two comes first does not matter. Meanwhile the gesture is this "
+        "binding's alone: those without a button do not act on it. Default: none.",
+        json_schema_extra=make_optional(),
     )
     level: Literal["soft", "hard"] | None = Field(
         default=None,

@@ -4,7 +4,7 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Final, Literal
 
-Verdict = Literal["pressed", "ignored", "layer", "command", "fatigue"]
+Verdict = Literal["pressed", "ignored", "step", "layer", "command", "fatigue"]
 
 KEPT: Final = 20
 
@@ -17,7 +17,8 @@ class Decision:
         t_us: when.
         verdict: what was decided.
         what: the binding in words, ``push left tap -> button a``, a layer or a command.
-        why: what kept it from acting, ``repeat 140 ms < 200 ms``; empty otherwise.
+        why: what kept it from acting, ``repeat 140 ms < 200 ms``; of a step towards it, which one,
+            ``2 of 3``; empty otherwise.
     """
 
     t_us: int

@@ -39,6 +39,8 @@ def describe_condition(condition: Condition) -> str:
         words.append(f"at the {condition.zone}")
     if condition.contacts is not None:
         words.append(f"with {condition.contacts} finger{'s' if condition.contacts > 1 else ''}")
+    if condition.with_button is not None:
+        words.append(f"while {condition.with_button} is held")
     words += [word for word in (condition.level, condition.press) if word is not None]
     if condition.phase is not None:
         words.append(f"in its {condition.phase}")

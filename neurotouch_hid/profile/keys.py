@@ -1,6 +1,6 @@
 """Names of keyboard keys and mouse buttons, for people, and what the kernel calls them."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from string import ascii_lowercase, digits
 from types import MappingProxyType
 from typing import Final
@@ -117,3 +117,10 @@ def parse_chord(text: str) -> tuple[str, ...]:
             "chord", "a chord has at most {most} keys", {"most": str(MAX_CHORD)}
         )
     return tuple(KEYS[name] for name in names)
+
+
+def is_order_to_kernel(kernel_names: Collection[str]) -> bool:
+    """True of a chord with Alt and Print, which begins a "magic" order to Linux itself."""
+    return "KEY_SYSRQ" in kernel_names and not {"KEY_LEFTALT", "KEY_RIGHTALT"}.isdisjoint(
+        kernel_names
+    )

@@ -3,7 +3,10 @@
 from neurotouch_hid.profile.conditions import Sequence
 from neurotouch_hid.profile.schema import Binding, Layer
 
-_NARROWING = ("direction", "zone", "contacts", "level", "phase", "press", "min_speed_mm_s")
+_NARROWING = (
+    *("direction", "zone", "contacts", "with_button"),
+    *("level", "phase", "press", "min_speed_mm_s"),
+)
 
 
 def merge_bindings(upper: Layer, first: Layer) -> tuple[Binding, ...]:

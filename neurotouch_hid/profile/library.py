@@ -5,20 +5,23 @@ import re
 from pathlib import Path
 from typing import Final
 
-import neurotouch_hid
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.profile.faults import make_printable, suggest
+from neurotouch_hid.resources import PACKAGE_FOLDER, find_resources
 
 NAME_PATTERN: Final = r"^[a-z0-9_-]{1,64}$"
 """The name of a profile; never a path."""
 
-PACKAGE_FOLDER: Final = Path(neurotouch_hid.__file__).parent
+_OTHERS: Final = ("2", "3", "4")
+"""The players beyond the first."""
+
+OWN_VALUES: Final = "user"
+"""What commands call the person's own values; no profile has this name."""
 
 
 def find_shipped_folder(package: Path = PACKAGE_FOLDER) -> Path:
-    """The folder of the shipped profiles: inside an installed package, beside it in a checkout."""
-    packaged = package / "data" / "profiles"
-    return packaged if packaged.is_dir() else package.parent / "profiles"
+    """The folder of the shipped profiles."""
+    return find_resources("profiles", package)
 
 
 def find_user_folder() -> Path:
@@ -27,8 +30,14 @@ def find_user_folder() -> Path:
 
 
 def find_user_file() -> Path:
-    """The file of the user's own values; it need not exist."""
-    return _find_config_folder() / "user.yaml"
+    """The file of the user's own values; it need not exist.
+
+    Another player has another hand: ``NEUROTOUCH_PLAYER=2`` has them in a folder ``player-2``, and
+    beside them what else belongs to that player. Profiles are for everybody.
+    """
+    player = os.environ.get("NEUROTOUCH_PLAYER", "1")
+    folder = _find_config_folder()
+    return (folder / f"player-{player}" if player in _OTHERS else folder) / "user.yaml"
 
 
 def _find_config_folder() -> Path:

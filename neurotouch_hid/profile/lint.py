@@ -7,9 +7,10 @@ from neurotouch_hid.profile.conditions import Condition, Sequence
 from neurotouch_hid.profile.consistency import find_bindings
 from neurotouch_hid.profile.document import Node, find_mark
 from neurotouch_hid.profile.faults import Fault, Keys, format_path
+from neurotouch_hid.profile.keys import is_order_to_kernel
 from neurotouch_hid.profile.layering import merge_bindings
 from neurotouch_hid.profile.schema import Binding, Profile
-from neurotouch_hid.profile.targets import LayerTarget
+from neurotouch_hid.profile.targets import KeyTarget, LayerTarget
 from neurotouch_hid.profile.timing import PRESETS
 from neurotouch_hid.vocabulary import GestureKind
 
@@ -79,6 +80,8 @@ def _check_whole(profile: Profile, whole: Profile) -> Iterator[Finding]:
 def _check_binding(binding: Binding) -> Iterator[Finding]:
     if isinstance(binding.do, LayerTarget) and binding.do.mode == "hold":
         yield "NT206", ("do", "mode"), "no other gesture can be made while one holds this layer"
+    if isinstance(binding.do, KeyTarget) and is_order_to_kernel(binding.do.kernel_names):
+        yield "NT213", ("do", "key"), "Linux takes Alt+Print for itself, so Print is left out"
     if isinstance(binding.when, Sequence):
         return
     condition = binding.condition
@@ -142,5 +145,5 @@ def _check_twin(binding: Binding, bindings: list[Binding], keys: Keys) -> Iterat
 
 
 def _same_place(a: Condition, b: Condition) -> bool:
-    keys = ("gesture", "direction", "zone", "contacts")
+    keys = ("gesture", "direction", "zone", "contacts", "with_button")
     return all(getattr(a, key) == getattr(b, key) for key in keys)

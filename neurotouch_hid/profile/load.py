@@ -1,7 +1,7 @@
 """Reads profiles and the user's file: every mistake at once, with line, column and a way out."""
 
 import stat
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Generic, TypeVar
@@ -22,7 +22,9 @@ from neurotouch_hid.profile.faults import (
 from neurotouch_hid.profile.inheritance import build_on
 from neurotouch_hid.profile.library import find_profile, find_user_file
 from neurotouch_hid.profile.lint import find_warnings
+from neurotouch_hid.profile.movements import MOVEMENTS
 from neurotouch_hid.profile.schema import Profile
+from neurotouch_hid.profile.unmet import find_unmet
 from neurotouch_hid.profile.user import UserSettings
 from neurotouch_hid.profile.wording import locate_faults
 
@@ -76,14 +78,18 @@ def load_profile(name_or_path: str | Path) -> Profile:
     return check_profile(name_or_path).require()
 
 
-def check_profile(name_or_path: str | Path) -> Checked[Profile]:
+def check_profile(name_or_path: str | Path, unused: Collection[str] = ()) -> Checked[Profile]:
     """The profile of this name or at this path with all its faults, warnings included.
+
+    Args:
+        name_or_path: as people name it.
+        unused: movements that the person does not make, of whose use is warned.
 
     Raises:
         ProfileError: there is no such file, or it cannot be read.
     """
     path = find_profile(name_or_path)
-    return _check_profile(_read(path), make_printable(str(path)), (path.resolve(),))
+    return _check_profile(_read(path), make_printable(str(path)), (path.resolve(),), unused)
 
 
 def parse_profile(content: bytes, name: str) -> Profile:
@@ -99,15 +105,18 @@ def parse_profile(content: bytes, name: str) -> Profile:
     return check_content(content, name).require()
 
 
-def check_content(content: bytes, name: str, path: Path | None = None) -> Checked[Profile]:
+def check_content(
+    content: bytes, name: str, path: Path | None = None, unused: Collection[str] = ()
+) -> Checked[Profile]:
     """The profile in the content of a file with all its faults, before it is saved.
 
     Args:
         content: UTF-8 text, at most 64 kB.
         name: what the file is called in messages.
         path: the file it takes the place of; it must not be built on that.
+        unused: as of ``check_profile``.
     """
-    return _check_profile(content, name, () if path is None else (path.resolve(),))
+    return _check_profile(content, name, () if path is None else (path.resolve(),), unused)
 
 
 def load_user(path: Path | None = None) -> UserSettings:
@@ -120,6 +129,19 @@ def load_user(path: Path | None = None) -> UserSettings:
         ProfileError: as ``load_profile``.
     """
     return load_settings(find_user_file() if path is None else path, UserSettings)
+
+
+def load_unused() -> tuple[str, ...]:
+    """The movements this person does not make; none where the file that says so is wrong.
+
+    Only this one value is read: to make the models of the whole file costs a fifth of a check.
+    """
+    try:
+        root, _ = parse_document(_decode(_read(find_user_file())))
+    except (ProfileError, _UnreadableError):
+        return ()
+    values = root.value.get("unused") if root is not None and isinstance(root.value, dict) else ()
+    return tuple(name for name in MOVEMENTS if isinstance(values, list) and name in values)
 
 
 def load_settings(path: Path, model: type[Model]) -> Model:
@@ -170,7 +192,9 @@ def _check_model(
     return Checked(name, text, tuple(sorted(set(faults))), written if whole else None, whole)
 
 
-def _check_profile(content: bytes, name: str, chain: tuple[Path, ...]) -> Checked[Profile]:
+def _check_profile(
+    content: bytes, name: str, chain: tuple[Path, ...], unused: Collection[str] = ()
+) -> Checked[Profile]:
     """As ``check_content``; ``chain`` are the files that lead here by ``extends``."""
 
     def finish(root: Node, profile: Profile) -> tuple[Profile | None, list[Fault]]:
@@ -186,7 +210,7 @@ def _check_profile(content: bytes, name: str, chain: tuple[Path, ...]) -> Checke
             return None, faults
         faults = check_layers(profile, whole, root)
         if not faults:
-            faults = find_warnings(profile, whole, root)
+            faults = find_warnings(profile, whole, root) + find_unmet(profile, whole, root, unused)
         return whole, faults
 
     return _check_model(content, name, Profile, finish)

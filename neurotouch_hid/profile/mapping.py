@@ -5,7 +5,7 @@ Host time never enters, so the same gestures give the same outputs, whatever the
 
 from typing import Final, Literal
 
-from neurotouch_hid.messages import GamepadState, Gesture
+from neurotouch_hid.messages import Button, GamepadState, Gesture
 from neurotouch_hid.profile.decision import Decision, Journal
 from neurotouch_hid.profile.engine.channel import Channel
 from neurotouch_hid.profile.engine.deck import Deck, make_channel
@@ -47,6 +47,8 @@ class Mapping:
         self._state: State = "running"
         self._commands: list[str] = []
         self._t_us: int | None = None
+        self._helper: frozenset[Button] = frozenset()
+        self._reading = Reading(0)
         self._tiredness = Tiredness(self._user, self._journal)
         self._take(profile)
 
@@ -64,6 +66,11 @@ class Mapping:
     def state(self) -> State:
         """Whether gestures act: running, paused (the same gesture goes on) or panic."""
         return self._state
+
+    @property
+    def reading(self) -> Reading:
+        """What the bindings were last asked about, in millimetres of a usual hand."""
+        return self._reading
 
     def decisions(self) -> tuple[Decision, ...]:
         """The latest decisions, oldest first: what was pressed, and what was ignored and why."""
@@ -109,6 +116,10 @@ class Mapping:
         """How the hand lies now is rest, for a person whose hand stays on the gel."""
         self._reader.rezero()
 
+    def hear_helper(self, buttons: frozenset[Button]) -> None:
+        """From now on these buttons are held on the device that plays along."""
+        self._helper = buttons
+
     def update(self, gesture: Gesture) -> GamepadState:
         """All outputs for this gesture, given what came before it."""
         t_us = self._journal.t_us = gesture.t_us
@@ -116,7 +127,8 @@ class Mapping:
             self._reader.forget()
             self._deck.release()
         self._t_us = t_us
-        reading = self._reader.read(gesture)
+        reading = self._reading = self._reader.read(gesture)
+        reading.helper = self._helper
         self._tiredness.update(reading)
         if self._reader.at_rest:
             self._deck.armed = True

@@ -33,7 +33,7 @@ class Moment:
 
 
 def perform(mapping: Mapping, gestures: Iterable[Gesture]) -> Iterator[Moment]:
-    """Every moment at which the gesture or an output changes, or something is ignored."""
+    """Every moment at which something changes, is ignored, or takes a sequence further."""
     hand, before, layer = "", _flatten(GamepadState(0)), mapping.layer
     for gesture in gestures:
         state = mapping.update(gesture)
@@ -45,7 +45,7 @@ def perform(mapping: Mapping, gestures: Iterable[Gesture]) -> Iterator[Moment]:
         changes += [
             str(decision)
             for decision in mapping.decisions()
-            if decision.t_us == gesture.t_us and decision.verdict == "ignored"
+            if decision.t_us == gesture.t_us and decision.verdict in ("ignored", "step")
         ]
         if changes or doing != hand:
             yield Moment(gesture.t_us, doing if doing != hand else "", tuple(changes))

@@ -7,6 +7,7 @@ from pydantic_core import PydanticCustomError
 
 from neurotouch_hid.profile.feedback import Feedback
 from neurotouch_hid.profile.library import NAME_PATTERN
+from neurotouch_hid.profile.movements import MovementName
 from neurotouch_hid.profile.schema import check_version, make_schema
 from neurotouch_hid.profile.strict import Strict, give_unit, make_optional
 from neurotouch_hid.profile.timing import FilterName, TimingSetting
@@ -68,11 +69,24 @@ class UserSettings(Strict):
         description="How far each movement comfortably goes; profiles count in millimetres of a "
         "usual hand, and this converts. Default: a usual hand.",
     )
+    unused: Annotated[list[MovementName], Field(max_length=8)] = Field(
+        default=[],
+        description="Movements that are not made, as calibration found: what is taken for them "
+        "does nothing, profile check warns of bindings that need them, and profile new avoids "
+        "them. Default: none.",
+    )
     filter: FilterName | None = Field(
         default=None,
         description="The tremor filter: none, light, medium or strong. Default: the timing "
         "preset's, or the profile's.",
         json_schema_extra=make_optional(),
+    )
+    tremor_hz: Annotated[float, Field(ge=3.0, le=12.0)] | None = Field(
+        default=None,
+        description="The frequency at which the hand trembles, in Hz: it is taken out before the "
+        "tremor filter, and followed as it drifts. Costs about 45 ms. Default: nothing is taken "
+        "out.",
+        json_schema_extra=make_optional("Hz"),
     )
     timing: TimingSetting | None = Field(
         default=None,

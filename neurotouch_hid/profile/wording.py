@@ -10,6 +10,7 @@ from neurotouch_hid.profile.conditions import Condition, WeakRelease
 from neurotouch_hid.profile.conditions import Sequence as Steps
 from neurotouch_hid.profile.document import Node, find_key_mark, find_mark, find_node
 from neurotouch_hid.profile.faults import Fault, Keys, Mark, format_path, make_printable, suggest
+from neurotouch_hid.profile.feedback import Feedback, Volumes
 from neurotouch_hid.profile.schema import Binding, Layer, Safety, SafetyGesture
 from neurotouch_hid.profile.shaping import CURVES
 from neurotouch_hid.profile.targets import MICE, TARGETS, Repeat
@@ -25,6 +26,8 @@ _MODELS: Final[Mapping[str, type[BaseModel]]] = {
     "release": WeakRelease,
     "repeat": Repeat,
     "range": Ranges,
+    "feedback": Feedback,
+    "volume": Volumes,
     **dict.fromkeys(Ranges.model_fields, Range),
     "<pattern>": Condition,
     "<sequence>": Steps,

@@ -1,7 +1,17 @@
-"""AEDAT4 in and out through the camera maker's library, and the labels beside a recording."""
+"""AEDAT4 in and out, and the labels beside a recording."""
 
 from neurotouch_hid.recording.labels import labels_path, read_labels, write_labels
 from neurotouch_hid.recording.reader import Batch, Recording
+from neurotouch_hid.recording.recorder import Recorder, RecorderStats
 from neurotouch_hid.recording.writer import RecordingWriter
 
-__all__ = ["Batch", "Recording", "RecordingWriter", "labels_path", "read_labels", "write_labels"]
+__all__ = [
+    "Batch",
+    "Recorder",
+    "RecorderStats",
+    "Recording",
+    "RecordingWriter",
+    "labels_path",
+    "read_labels",
+    "write_labels",
+]

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import IO
 
 from neurotouch_hid.errors import RecordingError
+from neurotouch_hid.recording.compression import MAX_BYTES, bound_lz4, bound_zstd
 
 MAGIC = b"#!AER-DAT4.0\r\n"
 _AEDAT = b"#!AER-DAT"
@@ -21,7 +22,7 @@ _MAX_HEADER_BYTES = 16 << 20
 _COMPRESSION_SLOT, _TABLE_SLOT, _TEXT_SLOT = 4, 6, 8  # bytes into the vtable
 _COMPRESSIONS = range(5)  # none, LZ4, LZ4 high, Zstandard, Zstandard high
 _LZ4 = (1, 2)
-_LZ4_MAGIC = 0x184D2204
+_ZSTD = (3, 4)
 _MIN_PACKET_BYTES = 12  # the smallest FlatBuffer with a size and a name
 _MAX_STREAMS = 1 << 16
 
@@ -46,8 +47,9 @@ def _walk(path: Path, file: IO[bytes]) -> Iterator[int]:
     end = file.seek(0, 2)
     file.seek(0)
     position, compression, table = _read_header(path, file, end)
-    yield 0  # the header is sound
     stop = end if table < 0 else min(table, end)
+    _check_size(path, stop, _bound(file, compression, stop, end))  # the table
+    yield 0  # the header is sound
     while position + 8 <= stop:
         file.seek(position)
         stream, size = struct.unpack("<ii", file.read(8))
@@ -56,33 +58,33 @@ def _walk(path: Path, file: IO[bytes]) -> Iterator[int]:
             raise RecordingError(f"{path} is damaged at byte {position - 8}")
         if position + size > end:
             return  # cut off: the library says so
-        if compression in _LZ4 and not _is_whole_lz4(file, position, size):
+        most = _bound(file, compression, position, position + size)
+        if most < 0:
             raise RecordingError(f"{path} is damaged at byte {position}")
+        _check_size(path, position, most)
         yield size
         position += size
 
 
-def _is_whole_lz4(file: IO[bytes], position: int, size: int) -> bool:
-    """True if an LZ4 frame with something in it fills these bytes exactly, block by block.
+def _bound(file: IO[bytes], compression: int, begin: int, end: int) -> int:
+    """The most that these bytes decompress to; -1 if they are damaged."""
 
-    A frame that ends early decompresses to nothing, which neither library expects.
-    """
-    end = position + size
-    file.seek(position)
-    magic, flags = struct.unpack("<IB", file.read(5))
-    if magic != _LZ4_MAGIC:
-        return False
-    position += 7 + (8 if flags & 8 else 0) + (4 if flags & 1 else 0)
-    n_blocks = 0
-    while position + 4 <= end:
+    def read(position: int, n: int) -> bytes:
         file.seek(position)
-        (block,) = struct.unpack("<I", file.read(4))
-        position += 4
-        if block == 0:
-            return n_blocks > 0 and position + (4 if flags & 4 else 0) == end
-        position += (block & 0x7FFFFFFF) + (4 if flags & 16 else 0)
-        n_blocks += 1
-    return False
+        return file.read(n)
+
+    if compression in _LZ4:
+        return bound_lz4(read, begin, end)
+    return bound_zstd(read, begin, end) if compression in _ZSTD else end - begin
+
+
+def _check_size(path: Path, begin: int, most: int) -> None:
+    if most > MAX_BYTES:
+        raise RecordingError(
+            f"{path} holds {most >> 20} MB in one piece at byte {begin}, far more than any camera "
+            "gives",
+            hint="it is damaged, or made to harm",
+        )
 
 
 def _read_header(path: Path, file: IO[bytes], end: int) -> tuple[int, int, int]:

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from faery.extension import aedat
 from numpy.typing import NDArray
 
 from neurotouch_hid.errors import RecordingError
@@ -91,6 +90,9 @@ class Recording:
             yield np.empty(0, EVENT_DTYPE), tuple(frames)
 
     def _open(self) -> Any:
+        # Imported here: it takes 0.15 s, and nobody needs it who plays no recording.
+        from faery.extension import aedat  # noqa: PLC0415
+
         try:
             return aedat.Decoder(self.path)
         except RuntimeError as error:

@@ -1,50 +1,82 @@
-"""Recordings out: events and frames to one AEDAT4 file that appears only when it is complete."""
+"""Recordings out: events and frames to one AEDAT4 file that is readable at every moment."""
 
+import os
 import shutil
-from collections import deque
-from itertools import starmap
+from array import array
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Self
 
-import dv_processing as dv
 import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.errors import RecordingError
-from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, EventPacket, Frame
+from neurotouch_hid.messages import EventPacket, Frame
+from neurotouch_hid.recording.packing import (
+    EVENTS,
+    FRAMES,
+    TABLE_POSITION_AT,
+    pack_events,
+    pack_frame,
+    pack_header,
+    pack_table,
+)
 from neurotouch_hid.recording.partial import PartialFile
 
-CAMERA_NAME = "DAVIS346"
 MIN_FREE_BYTES = 64 << 20
-"""Space that is left on the disk. The library writes from a thread of its own and aborts the whole
-process when the disk is full, so we stop before; what it still has queued is far less than this."""
+"""Space that is left on the disk, so that a recording takes no other program's room to breathe."""
+
+_COLUMNS = 6  # of the table
 
 
 class RecordingWriter:
     """Writes packets to an AEDAT4 file with the streams ``events`` and ``frames``.
 
-    The file is written under a temporary name beside its place and renamed by ``close()``, so a
-    recording that exists is complete. Leaving the ``with`` block by an exception (Ctrl-C too)
-    removes what was written.
+    Each packet is written at once and whole. Whatever ends the writing, the file can be read up to
+    there; a failed write is taken back.
+
+    Either the file takes its name only when it is complete (a recording that exists is complete,
+    and an exception in the ``with`` block removes what was written), or it is written
+    ``in_place``: it is there from the start, and an exception leaves what there is.
 
     Args:
-        path: where the recording will be; an existing one is replaced at the end.
+        path: where the recording will be; an existing one is replaced.
+        in_place: write under the name itself, from the start.
         min_free_bytes: how much of the disk to leave free.
+
+    Attributes:
+        path: where the recording will be.
+        size_bytes: how long it is now.
 
     Raises:
         RecordingError: the file cannot be made.
     """
 
-    def __init__(self, path: Path | str, *, min_free_bytes: int = MIN_FREE_BYTES) -> None:
+    def __init__(
+        self, path: Path | str, *, in_place: bool = False, min_free_bytes: int = MIN_FREE_BYTES
+    ) -> None:
+        self.path = Path(path)
+        self.size_bytes = 0
         self._min_free_bytes = min_free_bytes
-        self._file = PartialFile(Path(path))
-        config = dv.io.MonoCameraWriter.Config(CAMERA_NAME)
-        config.addEventStream((SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX))
-        config.addFrameStream((SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX))
-        self._writer: Any = dv.io.MonoCameraWriter(str(self._file.partial), config)
-        self._last_us = 0  # the library takes no events before the origin
+        self._partial = None if in_place else PartialFile(self.path)
+        self._table = array("q")
+        self._last_us = 0  # the format's readers take no events before the origin
         self._frame_us = 0
+        self._closed = False
+        try:
+            name = self.path if self._partial is None else self._partial.partial
+            self._file = name.open("wb", buffering=0)
+        except OSError as error:
+            raise self._failure(error) from error
+        try:
+            self._check_space()
+            self._append(pack_header())
+        except OSError as error:
+            self.discard()
+            raise self._failure(error) from error
+        except RecordingError:
+            self.discard()
+            raise
 
     def write(self, packet: EventPacket) -> None:
         """Append a packet; packets come in order of time.
@@ -60,57 +92,88 @@ class RecordingWriter:
         """Append events, (n,) EVENT_DTYPE, ascending in ``t`` and not older than those before."""
         if not len(events):
             return
-        self._check_space()
         t = events["t"]
         if t[0] < self._last_us or (t[1:] < t[:-1]).any():
             raise self._disorder("events")
+        self._add(EVENTS, pack_events(events), len(events), int(t[0]), int(t[-1]))
         self._last_us = int(t[-1])
-        store = dv.EventStore()
-        # The library builds a store from Python only event by event; starmap is its fastest loop.
-        deque(starmap(store.push_back, events.tolist()), maxlen=0)
-        self._writer.writeEvents(store)
 
     def write_frame(self, frame: Frame) -> None:
         """Append a frame, (260, 346) uint8, not older than the one before."""
-        self._check_space()
-        if frame.exposure_begin_us < self._frame_us:
+        begin_us = frame.exposure_begin_us
+        if begin_us < self._frame_us:
             raise self._disorder("frames")
-        self._frame_us = frame.exposure_begin_us
-        exposure_us = frame.exposure_end_us - frame.exposure_begin_us
-        self._writer.writeFrame(
-            dv.Frame(
-                frame.exposure_begin_us,
-                exposure_us,
-                0,
-                0,
-                np.ascontiguousarray(frame.pixels),
-                dv.FrameSource.SENSOR,
-            )
-        )
+        self._add(FRAMES, pack_frame(frame), 1, begin_us, begin_us)
+        self._frame_us = begin_us
+
+    def _add(self, stream: int, packet: bytes, n: int, first_us: int, last_us: int) -> None:
+        """Append a packet and note it for the table."""
+        self._check_space()
+        at = self.size_bytes + 8
+        try:
+            self._append(packet)
+        except OSError as error:
+            raise self._failure(error) from error
+        self._table.extend((stream, len(packet) - 8, at, n, first_us, last_us))
+
+    def _append(self, data: bytes) -> None:
+        """Append all of it or nothing."""
+        try:
+            written = 0
+            while written < len(data):
+                written += os.write(self._file.fileno(), memoryview(data)[written:])
+        except OSError:
+            self._file.truncate(self.size_bytes)
+            self._file.seek(self.size_bytes)
+            raise
+        self.size_bytes += len(data)
 
     def _check_space(self) -> None:
-        if shutil.disk_usage(self._file.path.parent).free < self._min_free_bytes:
+        if shutil.disk_usage(self.path.parent).free < self._min_free_bytes:
             raise RecordingError(
-                f"{self._file.path} cannot be written: the disk is full",
+                f"{self.path} cannot be written: the disk is full",
                 hint=f"make room: {self._min_free_bytes >> 20} MB have to stay free",
             )
 
-    def _disorder(self, what: str) -> RecordingError:
+    def _failure(self, error: OSError) -> RecordingError:
         return RecordingError(
-            f"{self._file.path}: {what} must be written in order of time, from 0 µs on"
+            f"{self.path} cannot be written: {error.strerror}",
+            hint="choose a folder that exists, with room, that you may write to",
         )
+
+    def _disorder(self, what: str) -> RecordingError:
+        return RecordingError(f"{self.path}: {what} must be written in order of time, from 0 µs on")
 
     def close(self) -> None:
         """Finish the file and put it in its place; a second call does nothing."""
-        if self._writer is not None:
-            self._writer = None  # the library writes its table and closes when the object dies
-            self._file.commit()
+        if self._closed:
+            return
+        self._closed = True
+        with self._file:
+            self._write_table()
+        if self._partial is not None:
+            self._partial.commit()
+
+    def _write_table(self) -> None:
+        """Lets readers find things at once; a file without a table is read from start to end."""
+        entries = np.frombuffer(self._table, np.int64).reshape(-1, _COLUMNS)
+        position = self.size_bytes
+        try:
+            self._append(pack_table(entries))
+            os.pwrite(self._file.fileno(), position.to_bytes(8, "little"), TABLE_POSITION_AT)
+        except OSError:
+            pass  # no room: all packets are there
 
     def discard(self) -> None:
         """Remove what was written; nothing stays."""
-        if self._writer is not None:
-            self._writer = None
-            self._file.discard()
+        if self._closed:
+            return
+        self._closed = True
+        self._file.close()
+        if self._partial is not None:
+            self._partial.discard()
+        else:
+            self.path.unlink(missing_ok=True)
 
     def __enter__(self) -> Self:
         return self
@@ -121,7 +184,7 @@ class RecordingWriter:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        if kind is None:
+        if kind is None or self._partial is None:
             self.close()
         else:
             self.discard()

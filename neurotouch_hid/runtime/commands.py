@@ -8,18 +8,24 @@ from typing import Any, Final, cast
 from neurotouch_hid.driver import REQUEST_S, Answer
 from neurotouch_hid.errors import DriverError, NeuroTouchError
 from neurotouch_hid.profile.faults import make_printable
+from neurotouch_hid.profile.mapping import State
+from neurotouch_hid.runtime.broadcast import Broadcast
+from neurotouch_hid.runtime.control import STREAM
 from neurotouch_hid.runtime.mailbox import Order
 from neurotouch_hid.runtime.reload import ProfileWatch
 from neurotouch_hid.runtime.session import Session
 
-COMMANDS: Final = ("pause", "resume", "panic", "reload", "status", "use")
+COMMANDS: Final = ("pause", "resume", "panic", "reload", "status", "use", "record")
 
 SAID: Final = {
     "pause": "Paused: everything is released. Go on with: neurotouch resume",
     "resume": "Resumed: the next gesture acts.",
     "panic": "Stopped: everything is released until: neurotouch resume",
 }
-"""What the person is told of an order that has been carried out."""
+"""What the person is told of an order that has taken effect."""
+
+_BEGINS: Final[Mapping[State, str]] = {"paused": "pause", "running": "resume", "panic": "panic"}
+"""The order that each state of the line comes from: a pause during a panic leaves the panic."""
 
 _WAIT_S: Final = 0.8 * REQUEST_S
 
@@ -31,14 +37,20 @@ class Commands:
         session: the running line.
         profiles: what loads its profiles.
         facts: what else ``status`` tells, asked anew each time.
+        broadcast: hands out what the line sees.
     """
 
     def __init__(
-        self, session: Session, profiles: ProfileWatch, facts: Mapping[str, Callable[[], str]]
+        self,
+        session: Session,
+        profiles: ProfileWatch,
+        facts: Mapping[str, Callable[[], str]],
+        broadcast: Broadcast | None = None,
     ) -> None:
         self._session = session
         self._profiles = profiles
         self._facts = facts
+        self._broadcast = broadcast
 
     def answer(self, question: dict[str, Any]) -> Answer:
         """The answer to a question from the socket."""
@@ -52,9 +64,9 @@ class Commands:
             case "pause" | "resume" | "panic" as order:
                 done = self._session.tell(cast(Order, order)).done
                 if _is_done(done):
-                    return {"done": True, "text": SAID[order]}
+                    return {"done": True, "text": SAID[_BEGINS[done.result()]]}
                 text = (
-                    f"The source is silent and the pad released; '{order}' holds from its return."
+                    f"The source is silent and the pad released; '{order}' is heard on its return."
                 )
                 return {"done": False, "text": text}
             case "reload":
@@ -66,6 +78,13 @@ class Commands:
             case "status":
                 facts = {name: tell() for name, tell in self._facts.items()}
                 return {"version": 1, **self._session.status(), **facts}
+            case "record" if self._broadcast is not None:
+                self._broadcast.require_place()
+                return {
+                    "source": self._facts["source"]() if "source" in self._facts else "",
+                    "text": "Packets follow.",
+                    STREAM: self._broadcast.serve,
+                }
             case unknown:
                 raise DriverError(
                     f"There is no command '{make_printable(unknown[:64])}'.",

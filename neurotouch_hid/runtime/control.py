@@ -1,4 +1,4 @@
-"""The control socket: other processes of the same person tell the running driver what to do."""
+"""The control socket: other processes tell the running driver what to do, if they may."""
 
 import errno
 import fcntl
@@ -9,13 +9,13 @@ import stat
 import struct
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Final, Self
 
-from neurotouch_hid.driver import LIMIT_BYTES, REQUEST_S, Answer, find_socket
+from neurotouch_hid.driver import LIMIT_BYTES, REQUEST_S, Answer, find_socket, is_served
 from neurotouch_hid.errors import AlreadyRunningError, DriverError
 
 MAX_CLIENTS: Final = 8
@@ -24,38 +24,54 @@ _CREDENTIALS: Final = struct.Struct("3i")  # pid, uid, gid
 _BACKLOG: Final = 64
 
 Answerer = Callable[[dict[str, Any]], Answer]
-"""Answers a question within ``REQUEST_S``; may be called from several threads at once."""
+"""Answers a question within ``REQUEST_S``; may be called from several threads at once. What goes on
+after the answer is a function under ``STREAM``, which gets the socket and may take its time."""
+
+STREAM: Final = "stream"
 
 
 class ControlSocket:
-    """A UNIX socket that only its owner and root can use; it also keeps a second driver away.
+    """A UNIX socket for its owner, root and perhaps guests; it also keeps a second driver away.
 
     Clients wait in the queue until ``serve``. A lock file beside the socket belongs to the driver
     as long as it lives, however it ends; so a socket found by the holder of the lock is stale.
 
     Args:
         folder: where the socket is made; the folder too if it is not there.
+        find_guests: the users who may ask as well, looked up for each question. Without, nobody
+            else can even reach the socket.
+
+    Attributes:
+        has_guests: whether there may be such users.
 
     Raises:
         AlreadyRunningError: another driver uses this folder.
         DriverError: no socket can be made here.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(
+        self, folder: Path, find_guests: Callable[[], Collection[int]] | None = None
+    ) -> None:
         self._path = find_socket(folder)
+        self.has_guests = find_guests is not None
+        self._find_guests = find_guests or frozenset
         self._places = threading.BoundedSemaphore(MAX_CLIENTS)
         self._closed = False
         try:
-            _prepare_folder(folder)
+            _prepare_folder(folder, open_to_all=find_guests is not None)
             self._lock = _take_lock(folder / "lock")
             try:
-                self._listener = _listen(self._path)
+                self._listener = _listen(self._path, open_to_all=find_guests is not None)
             except OSError:
                 os.close(self._lock)
                 raise
         except OSError as error:
             reason = error.strerror or str(error)
             raise DriverError(f"No control socket can be made in {folder}: {reason}.") from error
+
+    def admits(self, uid: int) -> bool:
+        """True if a user may ask: the owner, root, and whoever is a guest just now."""
+        return uid in (os.geteuid(), 0) or uid in self._find_guests()
 
     def serve(self, answer: Answerer) -> None:
         """From now on questions are answered, each in a thread of its own."""
@@ -97,7 +113,7 @@ class ControlSocket:
             uid = _CREDENTIALS.unpack(
                 client.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _CREDENTIALS.size)
             )[1]
-            if uid not in (os.geteuid(), 0):
+            if not self.admits(uid):
                 _refuse(client, _fail("This driver belongs to another user."))
             elif not self._places.acquire(blocking=False):
                 _refuse(client, _fail("The driver is busy with other questions.", busy=True))
@@ -111,26 +127,37 @@ class ControlSocket:
             with client:
                 said = _read_question(client)
                 reply = answer(said) if isinstance(said, dict) else _fail(said)
+                stream = reply.pop(STREAM, None)
                 client.settimeout(REQUEST_S)
                 client.sendall(_encode(reply))
+                if stream is not None:
+                    stream(client)
         except OSError:
             pass  # the client is gone; what it asked for has been done
         finally:
             self._places.release()
 
 
-def _prepare_folder(folder: Path) -> None:
-    """Makes the folder if need be; nobody else may reach into it.
+def _prepare_folder(folder: Path, *, open_to_all: bool) -> None:
+    """Makes the folder if need be; nobody else may reach into it unless it is open to all.
 
     Raises:
+        AlreadyRunningError: it is somebody else's, whose driver runs.
         DriverError: it is somebody else's.
     """
-    folder.mkdir(mode=0o700, exist_ok=True)
+    mode = 0o755 if open_to_all else 0o700
+    folder.mkdir(mode=mode, exist_ok=True)
     found = folder.lstat()
     if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.geteuid():
+        if is_served(folder):
+            raise AlreadyRunningError(
+                "The driver is already running, as another user.",
+                hint="See what it does: neurotouch status. If it is the service, end it: "
+                "sudo systemctl stop neurotouch",
+            )
         raise DriverError(f"{folder} is no folder of yours, so no control socket is made there.")
-    if stat.S_IMODE(found.st_mode) & 0o077:
-        folder.chmod(0o700)
+    if stat.S_IMODE(found.st_mode) != mode:
+        folder.chmod(mode)
 
 
 def _take_lock(path: Path) -> int:
@@ -154,13 +181,13 @@ def _take_lock(path: Path) -> int:
     return descriptor
 
 
-def _listen(path: Path) -> socket.socket:
+def _listen(path: Path, *, open_to_all: bool) -> socket.socket:
     """A listening socket at the path, instead of what a killed driver has left there."""
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
         path.unlink(missing_ok=True)
         listener.bind(str(path))
-        path.chmod(0o600)
+        path.chmod(0o666 if open_to_all else 0o600)
         listener.listen(_BACKLOG)
     except OSError:
         listener.close()

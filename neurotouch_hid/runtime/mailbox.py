@@ -7,6 +7,7 @@ from typing import Final, Literal
 
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.profile import Profile, UserSettings
+from neurotouch_hid.profile.mapping import State
 
 Order = Literal["pause", "resume", "toggle", "panic", "switch"]
 """``toggle`` pauses, or resumes from a pause; only ``resume`` ends a panic."""
@@ -23,13 +24,13 @@ class Letter:
         order: what to do.
         profile: what to go on with, for ``switch``.
         user: whose values hold then.
-        done: finished, without a result, once it has been done.
+        done: whether gestures act, once it has been done; an order may leave that as it was.
     """
 
     order: Order
     profile: Profile | None = None
     user: UserSettings | None = None
-    done: Future[None] = field(default_factory=Future)
+    done: Future[State] = field(default_factory=Future)
 
 
 class Mailbox:

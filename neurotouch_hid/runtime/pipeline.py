@@ -1,12 +1,19 @@
 """The line: one packet in, one pad state out."""
 
+from typing import Final
+
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
-from neurotouch_hid.messages import EventPacket, Step
+from neurotouch_hid.messages import EventPacket, GestureKind, RestField, Step
 from neurotouch_hid.profile import Mapping, Profile, UserSettings
 from neurotouch_hid.runtime.stopwatch import Stopwatch
 from neurotouch_hid.runtime.worker import InlineRest, RestExchange, ThreadedRest
-from neurotouch_hid.tracker import MarkerTracker, RestDetector
+from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector
+
+IDLE_US: Final = 500_000
+"""How long nothing must have been done before the line counts as idle."""
+IDLE_FRAME_US: Final = 200_000
+"""How often an idle line looks at a frame of a gel that was at rest in the one before."""
 
 
 class Pipeline:
@@ -17,6 +24,7 @@ class Pipeline:
         tracker: follows the markers.
         recognizer: reads the gesture from the markers.
         mapping: turns the gesture into a pad state.
+        live: frames wait for ``catch_up``, so that no pad state waits for them.
     """
 
     def __init__(
@@ -25,11 +33,16 @@ class Pipeline:
         tracker: MarkerTracker,
         recognizer: GestureRecognizer,
         mapping: Mapping,
+        *,
+        live: bool = False,
     ) -> None:
         self.rest = rest
         self.tracker = tracker
         self.recognizer = recognizer
         self.mapping = mapping
+        self.is_live = live
+        self._anchor: RestField | None = None
+        self._idle_us = self._looked_us = 0
 
     @classmethod
     def build(
@@ -49,30 +62,79 @@ class Pipeline:
             gesture: how they are recognised.
             user: the person's own values; a usual hand without.
             rig: known view of the sensor, if there is a rig file.
-            live: detect rest in a thread beside the line. Otherwise it is done in the line itself,
-                so that a recording gives the same Steps bit for bit at any speed.
+            live: detect rest in a thread beside the line, and look at frames after the pad was
+                written. Otherwise it is done in the line itself, so that a recording gives the same
+                Steps bit for bit at any speed.
             stopwatch: watches the stages, if somebody wants to know their times.
         """
-        detector = RestDetector(rig=rig)
+        finder = BlobFinder()
+        detector = RestDetector(rig=rig, finder=finder)
         rest: RestExchange = ThreadedRest(detector) if live else InlineRest(detector)
-        line = cls(rest, MarkerTracker(), GestureRecognizer(gesture), Mapping(profile, user))
+        tracker = MarkerTracker(finder=BlobFinder() if live else finder)  # no two threads share one
+        line = cls(rest, tracker, GestureRecognizer(gesture), Mapping(profile, user), live=live)
         if stopwatch is not None:
             line.rest = stopwatch.watch("rest", line.rest, "exchange")
             line.tracker = stopwatch.watch("tracker", line.tracker, "update")
+            line.tracker = stopwatch.watch("frames", line.tracker, "correct")
             line.recognizer = stopwatch.watch("gesture", line.recognizer, "update")
             line.mapping = stopwatch.watch("profile", line.mapping, "update")
         return line
 
     def advance(self, packet: EventPacket) -> Step:
-        """Takes one slice of sensor time through all stages."""
+        """Takes one slice of sensor time through all stages; live, call ``catch_up`` then."""
+        if self.is_live:
+            markers = self.tracker.update(_without_frames(packet))
+        else:
+            self._anchor = self._exchange(packet)
+            markers = self.tracker.update(packet)
+        gesture = self.recognizer.update(markers)
+        pad = self.mapping.update(gesture)
+        if gesture.kind is GestureKind.NONE and pad.is_neutral:
+            self._idle_us += packet.t_end_us - packet.t_begin_us
+        else:
+            self._idle_us = 0
+        return Step(packet, self._anchor, markers, gesture, pad)
+
+    @property
+    def is_idle(self) -> bool:
+        """Nothing has been done for a while."""
+        return self._idle_us >= IDLE_US
+
+    def catch_up(self, packet: EventPacket) -> None:
+        """Takes in the frames of a slice that has gone through, and what earlier ones have told.
+
+        This may wait until the pad is written: it moves markers by tenths of a pixel, and knows
+        where they were when the frame was exposed. Nothing is left to do if the line is not live.
+        """
+        if not self.is_live:
+            return
+        if packet.frames and self._may_skip(packet.frames[-1].t_us):
+            packet = _without_frames(packet)
+        self._anchor = self._exchange(packet)
+        for frame in packet.frames:
+            self.tracker.correct(frame)
+
+    def _exchange(self, packet: EventPacket) -> RestField | None:
         rest = self.rest.exchange(packet)  # newest answer or None; never blocks
         if rest is not None:
             self.tracker.anchor(rest)
-        markers = self.tracker.update(packet)
-        gesture = self.recognizer.update(markers)
-        pad = self.mapping.update(gesture)
-        return Step(packet, rest, markers, gesture, pad)
+        return rest
+
+    def _may_skip(self, frame_us: int) -> bool:
+        """True if a frame will tell nothing new: an idle gel that was at rest a moment ago."""
+        seen = self.rest.detector.stats()
+        was_at_rest = seen.n_rest > 0 and not seen.reason
+        if self.is_idle and was_at_rest and 0 <= frame_us - self._looked_us < IDLE_FRAME_US:
+            return True
+        self._looked_us = frame_us
+        return False
 
     def close(self) -> None:
         """Ends the thread of the rest detection, if there is one."""
         self.rest.close()
+
+
+def _without_frames(packet: EventPacket) -> EventPacket:
+    if not packet.frames:
+        return packet
+    return EventPacket(packet.t_begin_us, packet.t_end_us, packet.events, (), packet.gap)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final, Protocol, runtime_checkable
 
-from neurotouch_hid.messages import Step
+from neurotouch_hid.messages import Button, Step
 from neurotouch_hid.profile import Mapping, Profile, UserSettings
 from neurotouch_hid.runtime.loop import STALL_S
 from neurotouch_hid.runtime.mailbox import Letter, Mailbox, Order
@@ -52,11 +52,13 @@ class Session:
         self._pipeline = pipeline
         self._stopwatch = stopwatch
         self._hear: Callable[[str], object] = str  # nobody yet
+        self._helper: Callable[[], frozenset[Button]] | None = None
         self._mailbox = Mailbox()
         self._user = user
         self._errors: deque[tuple[float, str]] = deque(maxlen=KEPT_ERRORS)
         self._begun = time.monotonic()
         self._fatigue: list[dict[str, Any]] = []
+        self._long_holds: dict[str, int] = {}
         self._step: Step | None = None
         self._step_at = self._begun
         self._slices = self._events = self._lost = 0
@@ -80,11 +82,17 @@ class Session:
         """
         self._hear = hear
 
+    def follow(self, helper: Callable[[], frozenset[Button]]) -> None:
+        """Has ``helper`` asked before each slice which buttons are held beside the gel."""
+        self._helper = helper
+
     def obey(self) -> None:
         """Does what has been ordered since the last slice."""
         while (letter := self._mailbox.take()) is not None:
             self._carry_out(letter)
-            letter.done.set_result(None)
+            letter.done.set_result(self._pipeline.mapping.state)
+        if self._helper is not None:
+            self._pipeline.mapping.hear_helper(self._helper())
 
     def note(self, step: Step) -> None:
         """Takes notice of a slice that has gone through, and of the commands the gel gave in it."""
@@ -141,7 +149,12 @@ class Session:
             "events_hz": round(rates.events_hz),
             "events_lost": self._lost,
             "stage_ms": {name: round(ms, 4) for name, ms in rates.stage_ms},
+            "stage_spread_ms": {
+                name: dict(zip(("p50", "p99", "p99.9"), spread, strict=True))
+                for name, spread in self._stopwatch.spread_ms().items()
+            },
             "fatigue": self._fatigue,
+            "long_holds": self._long_holds,
             "errors": [{"at": round(at, 3), "error": text} for at, text in self._errors.copy()],
         }
 
@@ -195,3 +208,8 @@ class Session:
             for exertion in mapping.exertions()
             if exertion.full_mm is not None or exertion.movement in shares
         ]
+        self._long_holds = {
+            exertion.movement: exertion.long_holds
+            for exertion in mapping.exertions()
+            if exertion.long_holds
+        }

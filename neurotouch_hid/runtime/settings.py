@@ -1,15 +1,18 @@
 """What belongs to the driver on this machine: profiles of applications, chords of the keyboard."""
 
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Final, Literal
 
 from pydantic import AfterValidator, Field
+from pydantic_core import PydanticCustomError
 
+from neurotouch_hid.device import is_input_name
 from neurotouch_hid.profile.keys import parse_chord
 from neurotouch_hid.profile.library import NAME_PATTERN, find_user_file
 from neurotouch_hid.profile.load import load_settings
 from neurotouch_hid.profile.schema import check_version
-from neurotouch_hid.profile.strict import Strict
+from neurotouch_hid.profile.strict import Strict, give_unit, make_optional
+from neurotouch_hid.vocabulary import Button
 
 FILE: Final = "driver.yaml"
 
@@ -17,6 +20,12 @@ FILE: Final = "driver.yaml"
 def _check_chord(text: str) -> str:
     parse_chord(text)
     return text
+
+
+def _check_input(name: str) -> str:
+    if not is_input_name(name):
+        raise PydanticCustomError("key", "the kernel knows no key or button of this name")
+    return name
 
 
 Chord = Annotated[str, AfterValidator(_check_chord)]
@@ -47,6 +56,33 @@ class Chords(Strict):
     )
 
 
+KeyName = Annotated[str, AfterValidator(_check_input)]
+
+
+class CopilotSettings(Strict):
+    """A physical pad, keyboard or switch that plays on the same virtual pad."""
+
+    device: Annotated[str, Field(min_length=1, max_length=128)] | None = Field(
+        default=None,
+        description="auto for the first game pad, the path of an event node, or a part of the "
+        "name; 'neurotouch devices' shows them. Default: none.",
+        json_schema_extra=make_optional(),
+    )
+    priority: Literal["equal", "gel", "helper"] = Field(
+        default="equal",
+        description="Who decides about a stick or trigger that both move. equal: who moves it "
+        "further. Default: equal.",
+    )
+    keys: Annotated[dict[KeyName, Annotated[Button, Field(strict=False)]], Field(max_length=64)] = (
+        Field(
+            default={},
+            description="What keys and buttons of the device are, by the kernel's names: "
+            "{KEY_SPACE: a}. Default: pads as they are; space and enter are a, escape is b, the "
+            "arrows are the D-pad.",
+        )
+    )
+
+
 class DriverSettings(Strict):
     """The file ``driver.yaml`` beside the person's own values."""
 
@@ -60,6 +96,17 @@ class DriverSettings(Strict):
     )
     chords: Chords = Field(
         default_factory=Chords, description="The keyboard's way to stop. Default: see there."
+    )
+
+    copilot: CopilotSettings = Field(
+        default_factory=CopilotSettings,
+        description="A device that plays along. Default: see there.",
+    )
+    yield_to_mouse_ms: Annotated[int, Field(ge=0, le=10_000)] = Field(
+        default=1500,
+        description="How long the real mouse must be quiet before the gel moves the pointer, in "
+        "ms; 0: it never waits. Default: 1500.",
+        json_schema_extra=give_unit("ms"),
     )
 
     @property

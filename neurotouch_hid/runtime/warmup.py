@@ -14,7 +14,7 @@ from neurotouch_hid.messages import (
 from neurotouch_hid.runtime.pipeline import Pipeline
 
 _RIG = Rig((SENSOR_WIDTH_PX / 2, SENSOR_HEIGHT_PX / 2), NOMINAL_PX_PER_MM)
-_SLICE_US = 10_000
+_SLICE_US = 50_000  # so long that the noise of a gel at rest is measured in the second one
 
 
 def warm_up(pipeline: Pipeline) -> None:

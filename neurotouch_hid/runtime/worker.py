@@ -7,6 +7,8 @@ from typing import Protocol
 from neurotouch_hid.messages import EventPacket, Frame, RestField
 from neurotouch_hid.tracker import RestDetector
 
+WATCHED_PACKETS = 64  # with events, that wait until the gel is found; 0.6 s of them
+
 
 class RestExchange(Protocol):
     """Where the line hands over frames and takes the newest answer."""
@@ -44,12 +46,14 @@ class ThreadedRest:
     """Detects rest in a thread. Both mailboxes hold one letter, the newest wins, nobody waits.
 
     A mailbox is a deque of length one: ``append`` and ``pop`` are atomic, the line takes no lock.
+    Before the first frame, packets queue up for the thread, which adds up their events.
     """
 
     def __init__(self, detector: RestDetector) -> None:
         self.detector = detector
         self._frames: deque[Frame] = deque(maxlen=1)
         self._answers: deque[RestField] = deque(maxlen=1)
+        self._packets: deque[EventPacket] = deque(maxlen=WATCHED_PACKETS)
         self._wake = threading.Event()
         self._stopped = False
         self._thread = threading.Thread(target=self._work, name="rest", daemon=True)
@@ -59,6 +63,9 @@ class ThreadedRest:
         """Posts the newest frame of ``packet`` and takes the answer that is ready, if any."""
         if packet.frames:
             self._frames.append(packet.frames[-1])
+            self._wake.set()
+        elif self.detector.is_watching:
+            self._packets.append(packet)
             self._wake.set()
         return self._answers.pop() if self._answers else None
 
@@ -75,6 +82,11 @@ class ThreadedRest:
             if self._stopped:
                 return
             if self._frames:
-                answer = self.detector.update(self._frames.pop())
-                if answer is not None:
-                    self._answers.append(answer)
+                self._packets.clear()
+                self._answer(self.detector.update(self._frames.pop()))
+            while self._packets:
+                self._answer(self.detector.watch(self._packets.popleft()))
+
+    def _answer(self, rest: RestField | None) -> None:
+        if rest is not None:
+            self._answers.append(rest)

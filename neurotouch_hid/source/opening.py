@@ -1,29 +1,51 @@
 """From a source's name on the command line to the source."""
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from neurotouch_hid.errors import SourceError
 from neurotouch_hid.source.pacing import PacedSource
 from neurotouch_hid.source.protocol import Source
 
+if TYPE_CHECKING:
+    from neurotouch_hid.source.davis import DavisConfig
+
 Speed = Literal["recorded", "max"]
-FORMS = ("file:NAME.aedat4", "sim:NAME", "davis:")
+PAPER_US = 10_000
+"""Slices of recordings and simulations [NT, "Results"], so that figures stay comparable."""
+LIVE_US = 4_000
+"""Slices of a camera: an event waits for the end of its slice, for half of one on average."""
+FORMS = ("davis:", "davis:SERIAL", "file:NAME.aedat4", "sim:NAME")
 
 
 def open_source(
-    spec: str, *, slice_us: int = 10_000, speed: Speed = "recorded", seed: int = 0
+    spec: str,
+    *,
+    slice_us: int | None = None,
+    speed: Speed = "recorded",
+    seed: int = 0,
+    camera: "DavisConfig | None" = None,
+    wait: bool = False,
+    max_delay_us: int | None = None,
 ) -> Source:
     """The source of a name.
 
     Args:
-        spec: ``file:NAME.aedat4`` (or just the path), ``sim:NAME``, ``davis:``.
-        slice_us: length of a slice of sensor time.
-        speed: ``recorded`` plays no faster than it happened, ``max`` as fast as it is asked for.
+        spec: ``davis:`` (the first camera) or ``davis:SERIAL``, ``file:NAME.aedat4`` (or just the
+            path), ``sim:NAME``.
+        slice_us: length of a slice of sensor time; without, ``LIVE_US`` of a camera and
+            ``PAPER_US`` of anything else.
+        speed: ``recorded`` plays no faster than it happened, ``max`` as fast as it is asked for; a
+            camera has only its own.
         seed: of the simulator's chance; recordings have none.
+        camera: how a camera is set up.
+        wait: a camera need not be there yet.
+        max_delay_us: slices of a camera that wait longer for whoever takes them are dropped;
+            without, so long as suits the line.
 
     Raises:
         SourceError: there is no such source.
         RecordingError: the recording cannot be used.
+        CameraError: the camera cannot be used.
     """
     kind, colon, rest = spec.partition(":")
     if not colon or kind not in {"file", "sim", "davis"}:
@@ -31,7 +53,17 @@ def open_source(
             kind, rest = "file", spec
         else:
             raise SourceError(f"{spec!r} is not a source", hint=f"give one of {', '.join(FORMS)}")
-    source = _open(kind, rest, slice_us, seed)
+    if kind == "davis":
+        from neurotouch_hid.source.davis import MAX_DELAY_US, DavisSource  # noqa: PLC0415
+
+        return DavisSource(
+            rest,
+            camera,
+            slice_us=slice_us or LIVE_US,
+            wait=wait,
+            max_delay_us=max_delay_us or MAX_DELAY_US,
+        )
+    source = _open(kind, rest, slice_us or PAPER_US, seed)
     return PacedSource(source) if speed == "recorded" else source
 
 
@@ -43,15 +75,7 @@ def _open(kind: str, rest: str, slice_us: int, seed: int) -> Source:
         if not rest:
             raise SourceError("file: needs the name of a recording", hint="file:NAME.aedat4")
         return Replay(rest, slice_us=slice_us)
-    if kind == "sim":
-        from neurotouch_hid.source.simulator import Simulator  # noqa: PLC0415
-        from neurotouch_hid.source.simulator.scenes import (  # noqa: PLC0415
-            find_scene,
-            scene_config,
-        )
+    from neurotouch_hid.source.simulator import Simulator  # noqa: PLC0415
+    from neurotouch_hid.source.simulator.scenes import find_scene, scene_config  # noqa: PLC0415
 
-        return Simulator(find_scene(rest), scene_config(rest), seed=seed, slice_us=slice_us)
-    raise SourceError(
-        "davis: (the camera itself) is not in this version yet",
-        hint="play a recording with file:NAME.aedat4 or the simulator with sim:NAME",
-    )
+    return Simulator(find_scene(rest), scene_config(rest), seed=seed, slice_us=slice_us)

@@ -6,6 +6,7 @@ from types import TracebackType
 from typing import Self
 
 from neurotouch_hid.messages import EventPacket
+from neurotouch_hid.source.lull import Lull
 from neurotouch_hid.source.protocol import Source
 
 
@@ -16,11 +17,15 @@ class PacedSource:
     packet is handed out when as much host time has passed as sensor time up to its end. Every due
     time is counted from the start, so errors of single waits never add up, and a loop
     that was late catches up. Sensor time that a source left out (a long silence) is not waited for.
+    Slices in which nothing happens come as one while ``doze`` allows it.
 
     Args:
         source: what is played.
         clock_ns: host time.
         sleep_s: how to wait.
+
+    Attributes:
+        due_ns: the moment on that clock at which the end of the newest packet happened.
     """
 
     def __init__(
@@ -31,19 +36,31 @@ class PacedSource:
     ) -> None:
         self.name = source.name
         self.rig = source.rig
+        self.due_ns = 0
         self._source, self._clock_ns, self._sleep_s = source, clock_ns, sleep_s
+        self._lull = Lull()
 
     def __iter__(self) -> Iterator[EventPacket]:
         start_ns: int | None = None
         played_us = 0
-        for packet in self._source:
+        for packet in self._join():
             if start_ns is None:
                 start_ns = self._clock_ns()
             played_us += packet.t_end_us - packet.t_begin_us
-            ahead_ns = start_ns + played_us * 1000 - self._clock_ns()
+            self.due_ns = start_ns + played_us * 1000
+            ahead_ns = self.due_ns - self._clock_ns()
             if ahead_ns > 0:
                 self._sleep_s(ahead_ns / 1e9)
             yield packet
+
+    def doze(self, *, is_idle: bool) -> None:
+        """From now on slices that hold nothing but noise may come as one, or no longer."""
+        self._lull.is_idle = is_idle
+
+    def _join(self) -> Iterator[EventPacket]:
+        for packet in self._source:
+            yield from self._lull.take(packet)
+        yield from self._lull.flush()
 
     def close(self) -> None:
         """Close the source that is played."""

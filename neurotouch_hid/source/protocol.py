@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from types import TracebackType
-from typing import Protocol, Self
+from typing import Protocol, Self, runtime_checkable
 
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EventPacket
@@ -38,4 +38,22 @@ class Source(Protocol):
         trace: TracebackType | None,
     ) -> None:
         """Close it."""
+        ...
+
+
+@runtime_checkable
+class Dozing(Protocol):
+    """A source that need not hand over every slice while nothing happens."""
+
+    def doze(self, *, is_idle: bool) -> None:
+        """From now on slices that hold nothing but noise may come as one, or no longer."""
+        ...
+
+
+@runtime_checkable
+class LiveSource(Source, Protocol):
+    """A source that may have nothing for a while, such as a camera that was unplugged."""
+
+    def turns(self) -> Iterator[EventPacket | None]:
+        """The packets as they come, and None whenever there was none for a twentieth second."""
         ...

@@ -18,20 +18,21 @@ _BLOCK = np.dtype(("V", EVENT_DTYPE.itemsize))
 class Slicer:
     """Makes packets of ``slice_us`` µs, each starting where the one before ended.
 
-    The grid starts at the first stamp seen. A slice is handed out when an event at or after its end
-    has arrived, since only events tell that the sensor's clock has gone on. A frame goes into the
-    slice in which its exposure ended; one that arrives after that slice was handed out goes into
-    the next. ``gap`` is 0: a slicer knows of no lost events.
+    A slice is handed out when an event at or after its end has arrived, or when ``reach`` says that
+    the sensor's clock has gone so far. A frame goes into the slice in which its exposure ended; one
+    that arrives after that slice was handed out goes into the next. ``gap`` is 0: a slicer knows of
+    no lost events.
 
     Args:
         slice_us: length of a slice.
+        begin_us: where the first slice begins; at the first stamp without.
     """
 
-    def __init__(self, slice_us: int) -> None:
+    def __init__(self, slice_us: int, begin_us: int | None = None) -> None:
         if slice_us <= 0:
             raise ValueError("a slice has at least 1 µs")
         self._slice_us = slice_us
-        self._begin_us: int | None = None
+        self._begin_us = begin_us
         self._parts: list[NDArray[np.void]] = []
         self._frames: list[Frame] = []
 
@@ -58,6 +59,14 @@ class Slicer:
                 self._skip_silence(int(t[position]))
         if position < len(events):
             self._parts.append(events[position:])
+
+    def reach(self, now_us: int) -> Iterator[EventPacket]:
+        """Hand out the slices that end at or before ``now_us``; all later events are not older."""
+        if self._begin_us is None:
+            return
+        while (end_us := self._begin_us + self._slice_us) <= now_us:
+            yield self._cut(np.empty(0, EVENT_DTYPE), end_us)
+            self._skip_silence(now_us)
 
     def flush(self) -> Iterator[EventPacket]:
         """Hand out what is left at the end of the stream, the last slice in full length."""

@@ -1,14 +1,18 @@
 """The tracker of all markers: events one by one, neighbours every 4 ms, frames as they come."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import N_MARKERS, NEIGHBOURS
-from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, MarkerField, RestField
+from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, MarkerField, RestField
 from neurotouch_hid.tracker import kernels
 from neurotouch_hid.tracker.correction import FrameCorrection
+from neurotouch_hid.tracker.correction import kernels as correction
+from neurotouch_hid.tracker.image import BlobFinder
+from neurotouch_hid.tracker.nearest import kernels as nearest
 
 _PAST = 64  # checks remembered: 128 ms, longer than any exposure and its way to us
 _MAX_DRIFT_PX = 1.0  # a marker farther off its rest position is being pushed
@@ -16,6 +20,8 @@ _TOUCH_PX = 0.2  # farther off than the rest of the gel: a soft touch that passe
 _DRIFT_US = 20e6  # time in which the rest position follows: a rig drifts over minutes ...
 _TOUCH_US = 300e6  # ... while a soft touch may be held for long
 _LONGEST_US = 200_000  # a rest position stands for no more time than that
+_NEVER_US = -(1 << 60)
+_MAX_HOLE_US = 100_000  # a camera that was away longer tells nothing about who is who
 _SHOWN_DRIFT_PX = 0.1  # smaller changes of the rest position are not shown to later stages
 
 
@@ -24,7 +30,7 @@ class TrackerConfig:
     """How events move markers.
 
     Attributes:
-        gate_px: an event farther from every marker than this is nobody's; at most 4.
+        gate_px: an event farther from every marker than this is nobody's; at most 3.5.
             A third of the pitch: markers that are pressed together come within 3.5 px.
         r_px2: variance of an event about its marker's centre, px². Larger than the marker: its
             events are not independent of each other.
@@ -39,6 +45,8 @@ class TrackerConfig:
             of a finger they differ by many pixels.
         rate_us: time over which the rate of a marker's events is averaged.
         n_sigma: a rate is motion if it is so many standard deviations above that of the noise.
+        search: where the marker nearest to an event is looked for: in the list of the event's
+            ``tiles``, or among ``all`` markers, the plain way that the lists are measured against.
         lead_px: ON events of a fast bright marker lie so far ahead of its centre, OFF events
             behind: the centre of a half circle of 1.25 px and some blur.
     """
@@ -56,6 +64,7 @@ class TrackerConfig:
     rate_us: int = 20_000
     n_sigma: float = 3.0
     lead_px: float = 1.0
+    search: Literal["tiles", "all"] = "tiles"
 
     def tuning(self) -> kernels.Tuning:
         """The same as the kernels take it."""
@@ -73,6 +82,7 @@ class TrackerConfig:
             self.rate_us * kernels.SECOND,
             self.n_sigma,
             self.lead_px,
+            self.search == "all",
         )
 
 
@@ -95,33 +105,52 @@ class TrackerStats:
     n_valid: int
 
 
+def make_tracks(neighbours: NDArray[np.intp], config: TrackerConfig) -> kernels.Tracks:
+    """Tracks of n markers that are nowhere yet.
+
+    Args:
+        neighbours: (n, 8), the lattice neighbours of each, -1 where there is none.
+        config: how events will move them.
+    """
+    n, n_tiles = len(neighbours), nearest.ROWS * nearest.COLUMNS
+    return kernels.Tracks(
+        state=np.zeros((n, kernels.ROW)),
+        aim_px=np.zeros((n, 4)),
+        near=np.zeros((n_tiles, nearest.CAPACITY), np.uint16),
+        n_near=np.zeros(n_tiles, np.uint8),
+        listed=np.zeros((n, 4), np.int64),
+        n_new=np.zeros(n, np.int64),
+        rate_hz=np.zeros(n),
+        r_px2=np.full(n, config.r_px2),
+        noise_hz=np.zeros(1),
+        lost=np.zeros(n, np.bool_),
+        rest_px=np.full((n, 2), np.nan),
+        neighbours=neighbours.copy(),  # writeable: kernels are compiled for one type only
+        past_px=np.zeros((_PAST, n, 2)),
+        past_us=np.full(_PAST, -1, np.int64),
+        clock=np.zeros(3, np.int64),
+        frame_us=np.full(1, _NEVER_US),
+    )
+
+
 class MarkerTracker:
     """Follows the 177 markers from the first rest position on."""
 
-    def __init__(self, config: TrackerConfig | None = None) -> None:
-        """Start without a gel; the first ``anchor`` gives one."""
+    def __init__(
+        self, config: TrackerConfig | None = None, finder: BlobFinder | None = None
+    ) -> None:
+        """Start without a gel; the first ``anchor`` gives one.
+
+        Args:
+            config: how events move markers.
+            finder: finds the markers in frames, see ``RestDetector``.
+        """
         self._config = config or TrackerConfig()
         self._tuning = self._config.tuning()
-        n, n_tiles = N_MARKERS, kernels.TILE_ROWS * kernels.TILE_COLUMNS
-        self._tracks = kernels.Tracks(
-            state=np.zeros((n, kernels.ROW)),
-            near=np.zeros((n_tiles, kernels.TILE_CAPACITY), np.uint16),
-            n_near=np.zeros(n_tiles, np.int16),
-            n_new=np.zeros(n, np.int64),
-            rate_hz=np.zeros(n),
-            r_px2=np.full(n, self._config.r_px2),
-            noise_hz=np.zeros(1),
-            seat_px=np.full((n, 2), np.nan),
-            lost=np.zeros(n, np.bool_),
-            rest_px=np.full((n, 2), np.nan),
-            neighbours=NEIGHBOURS.copy(),  # writeable: kernels are compiled for one type only
-            past_px=np.zeros((n, _PAST, 2)),
-            past_us=np.full(_PAST, -1, np.int64),
-            clock=np.zeros(3, np.int64),
-        )
-        self._correction = FrameCorrection(self._tracks, self._tuning)
+        n = N_MARKERS
+        self._tracks = make_tracks(NEIGHBOURS, self._config)
+        self._correction = FrameCorrection(self._tracks, self._tuning, finder or BlobFinder())
         self._rest_px = np.full((n, 2), np.nan, np.float32)
-        self._now_px = np.empty((n, 2))
         self._anchored = False
         self._anchor_us = 0
         self._end_us: int | None = None
@@ -136,8 +165,7 @@ class MarkerTracker:
         measured = rest.position_px.astype(np.float64)
         tracks, off = self._tracks, rest.position_px - self._tracks.rest_px
         self._n_anchors += 1
-        distance = np.hypot(*off.T)
-        if not self._anchored or np.median(distance) > _MAX_DRIFT_PX:
+        if not self._anchored or correction.median_size(off) > _MAX_DRIFT_PX:
             tracks.rest_px[:] = measured
             if not self._anchored:
                 t_us = float(rest.t_us if self._end_us is None else self._end_us)
@@ -157,21 +185,30 @@ class MarkerTracker:
             return self._unknown(packet.t_end_us)
         if packet.gap or self._end_us != packet.t_begin_us:
             self._n_gaps += self._end_us is not None
+            if packet.gap and packet.t_begin_us - (self._end_us or 0) > _MAX_HOLE_US:
+                self._anchored = False
+                return self._unknown(packet.t_end_us)
             self._restart(packet.t_begin_us)
         events = packet.events
         if not (events.flags.writeable and events.flags.c_contiguous):
             events = np.array(events, EVENT_DTYPE)
         start = 0
         for frame in packet.frames:
-            start = self._advance(events, start, min(frame.exposure_end_us, packet.t_end_us))
+            until_us = min(frame.exposure_end_us, packet.t_end_us)
+            start = int(kernels.advance(events, start, until_us, self._tracks, self._tuning))
             self._correction.apply(frame)
-        self._advance(events, start, packet.t_end_us)
+        position_px, valid = np.empty((N_MARKERS, 2), np.float32), np.empty(N_MARKERS, np.bool_)
+        kernels.finish(
+            events, start, packet.t_end_us, self._tracks, self._tuning, position_px, valid
+        )
         self._end_us = packet.t_end_us
         self._n_events += len(events)
-        kernels.predict(float(packet.t_end_us), self._tuning.memory_s, self._tracks, self._now_px)
-        return MarkerField(
-            packet.t_end_us, self._rest_px, self._now_px.astype(np.float32), ~self._tracks.lost
-        )
+        return MarkerField(packet.t_end_us, self._rest_px, position_px, valid)
+
+    def correct(self, frame: Frame) -> None:
+        """Take in a frame of a slice that is over."""
+        if self._anchored:
+            self._correction.apply(frame)
 
     def stats(self) -> TrackerStats:
         """What was done so far."""
@@ -190,12 +227,14 @@ class MarkerTracker:
         creeping back from one.
         """
         elapsed = min(max(elapsed_us, 0), _LONGEST_US)
-        common = np.median(off_px, axis=0)
-        local = off_px - common
-        distance = np.hypot(*local.T)[:, None]
-        share = np.where(distance <= _TOUCH_PX, elapsed / _DRIFT_US, elapsed / _TOUCH_US)
-        share[distance > _MAX_DRIFT_PX] = 0.0
-        self._tracks.rest_px[:] += elapsed / _DRIFT_US * common + share * local
+        correction.drift(
+            off_px,
+            elapsed / _DRIFT_US,
+            elapsed / _TOUCH_US,
+            _TOUCH_PX,
+            _MAX_DRIFT_PX,
+            self._tracks.rest_px,
+        )
 
     def _unknown(self, t_us: int) -> MarkerField:
         self._end_us = t_us
@@ -209,9 +248,7 @@ class MarkerTracker:
         tracks.state[:, kernels.A : kernels.C + 1] = (1.0, 0.0, 100.0)
         tracks.state[:, kernels.T] = t_us
         tracks.state[:, kernels.LEAD_X :] = 0.0
+        kernels.aim(float(t_us), tracks, self._tuning)
         tracks.n_new[:] = 0
         tracks.past_us[:] = -1
         tracks.clock[0] = -(-t_us // self._config.check_us) * self._config.check_us
-
-    def _advance(self, events: NDArray[np.void], start: int, until_us: int) -> int:
-        return int(kernels.advance(events, start, until_us, self._tracks, self._tuning))

@@ -26,23 +26,33 @@ VARIANTS = {
         ("elastic/fit/kernels.py", "SWAY_RAD = 0.01", "SWAY_RAD = 1e-6"),
     ),
     "no finite turns": (
-        ("elastic/fit/kernels.py", "bend[j] = math.sqrt(", "bend[j] = 0.0 * math.sqrt("),
+        ("elastic/fit/kernels.py", "bend = math.sqrt(", "bend = 0.0 * math.sqrt("),
         ("elastic/fit/kernels.py", "2, 0.0)) - 1.0", "2, 0.0))"),
     ),
     "contacts at lattice points": (
         ("elastic/fit/kernels.py", "STEP_MM = 2.0", "STEP_MM = 1e-3"),
     ),
     "one radius for all": (("elastic/fit/kernels.py", "RADIUS_MM = 0.8", "RADIUS_MM = 1e-3"),),
-    "a finger once found stays": (("elastic/hand.py", "keep: float = 0.6", "keep: float = -1e9"),),
-    "no second look while forming": (
-        ("elastic/hand.py", "if warm is None or forming:", "if warm is None:"),
+    "a finger once found stays": (
+        ("elastic/hand/hand.py", "keep: float = 0.6", "keep: float = -1e9"),
     ),
-    "push compared one to one": (("elastic/motion.py", "COMMON_GAIN = 1.6", "COMMON_GAIN = 1.0"),),
+    "no second look while forming": (
+        ("elastic/hand/kernels.py", "is_warm or (is_due and forming", "is_warm or (False"),
+    ),
+    "push compared one to one": (
+        ("elastic/motion/kernels.py", "COMMON_GAIN = 1.6", "COMMON_GAIN = 1.0"),
+    ),
     "type of each slice alone": (
         ("elastic/decision.py", "memory_us: int = 60_000", "memory_us: int = 1"),
         ("elastic/decision.py", "latch_mm: float = 2.0", "latch_mm: float = 1e9"),
     ),
-    "one finger at most": (("elastic/hand.py", "most: int = 3", "most: int = 1"),),
+    "types from all of the motion": (
+        ("elastic/motion/kernels.py", "LANDING_SHARE = 0.8", "LANDING_SHARE = 0.0"),
+    ),
+    "all gestures end at one size": (
+        ("elastic/decision.py", "least_off_mm: float = 0.18", "least_off_mm: float = 0.28"),
+    ),
+    "one finger at most": (("elastic/hand/hand.py", "most: int = MOST", "most: int = 1"),),
     "method: paper": (("config.py", 'method: Method = "neurotouch"', 'method: Method = "paper"'),),
 }  # fmt: skip
 
@@ -129,8 +139,8 @@ def main():
         prepared = Path(folder) / "scenes.pickle"
         prepared.write_bytes(pickle.dumps(make_scenes()))
         package = Path(folder) / "neurotouch_hid"
-        ignored = shutil.ignore_patterns("__pycache__")
-        shutil.copytree(ROOT / "neurotouch_hid", package, ignore=ignored)
+        # Compiled loops are kept with the copies; those of a changed file are compiled anew.
+        shutil.copytree(ROOT / "neurotouch_hid", package)
         for name, changes in VARIANTS.items():
             copy = Path(folder) / name.replace(" ", "-").replace(":", "")
             shutil.copytree(package, copy / "neurotouch_hid")

@@ -1,5 +1,6 @@
 """``neurotouch calibrate`` through a pipe: asked, read out, answered, saved, undone."""
 
+import json
 import os
 import subprocess
 import sys
@@ -10,7 +11,7 @@ from neurotouch_hid.profile import load_user
 
 PLAYED = """
 import sys
-from neurotouch_hid.cli.calibrate import conclude
+from neurotouch_hid.cli.conclusion import conclude
 from neurotouch_hid.cli.keyboard import Keyboard
 from neurotouch_hid.profile import load_user, rehearse
 from neurotouch_hid.profile.calibration import Session
@@ -18,7 +19,9 @@ from neurotouch_hid.profile.calibration import Session
 session = Session(load_user(), guided=False)
 for gesture in rehearse(sys.argv[1]):
     session.take(gesture)
-conclude(session, Keyboard(), yes="--yes" in sys.argv, plain=True)
+conclude(
+    session, Keyboard(), yes="--yes" in sys.argv, plain=True, as_json="--json" in sys.argv
+)
 """
 WEAK_ZOOM = (
     "rest 1s; pinch 8mm 300ms hold 6s tremor 5hz 1mm; rest 1s; pinch 8mm; rest 1s;"
@@ -45,14 +48,14 @@ def launch(*arguments, answers=""):
     )
 
 
-def conclude(script, answers=""):
-    done = launch("-c", PLAYED, script, answers=answers)
+def conclude(script, *options, answers=""):
+    done = launch("-c", PLAYED, script, *options, answers=answers)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
 
 def test_what_came_out_is_shown_saved_and_relieved(home):
-    output = conclude(WEAK_ZOOM, "1\n1\n2\n")
+    output = conclude(WEAK_ZOOM, answers="1\n1\n2\n")
     assert "Tremor: 5.1 Hz, 1.0 mm" in output or "Tremor: 5.0 Hz, 1.0 mm" in output
     assert "pinch: was a usual hand's, now 0.6 to " in output
     assert "zoom: was a usual hand's, now 0.6 to 2.4 mm" in output
@@ -65,7 +68,7 @@ def test_what_came_out_is_shown_saved_and_relieved(home):
     assert "do: {trigger: right, value: 1.0, mode: toggle}" in profile
     assert "when: {gesture: pinch, press: long}" in profile
 
-    output = conclude(AGAIN, "1\n")
+    output = conclude(AGAIN, answers="1\n")
     assert "zoom: was 0.6 to 2.4 mm, now 0.6 to 4 mm" in output
     assert load_user().range.zoom.full == 4.0
     done = launch("-m", "neurotouch_hid", "calibrate", "--undo")
@@ -73,14 +76,59 @@ def test_what_came_out_is_shown_saved_and_relieved(home):
     assert load_user().range.zoom.full == 2.4
 
 
+WEAK_LEFT = "rest 1s; " + "; rest 1s; ".join(
+    (
+        *(2 * ["push right 8mm 200ms hold 300ms"]),
+        *(2 * ["push left 3mm 200ms hold 300ms"]),
+        "rest 1s",
+    )
+)
+
+
+@pytest.mark.parametrize(
+    ("answers", "turned"),
+    [("1\n2\n", "push right double"), ("1\n3\n3\n", "push up tap")],
+)
+def test_a_weak_side_of_a_stick_is_relieved_too(home, answers, turned):
+    output = conclude(WEAK_LEFT, answers=answers)
+    assert f"For you: {turned} turns round push -> stick left" in output
+    profile = (home / "profiles" / "default.yaml").read_text(encoding="utf-8")
+    assert "do: {stick: left, range_mm: [1.0, 8.0], curve: {expo: 0.3}, invert_x: true}" in profile
+    assert "do: {layer: base-turned}" in profile
+
+
+def test_a_persons_own_tremor_can_be_taken_out(home):
+    output = conclude(WEAK_ZOOM, answers="3\n1\n1\n")
+    assert "3. Use medium, and take out your own tremor of 5." in output
+    assert 4.5 < load_user().tremor_hz < 5.5
+    assert load_user().filter == "medium"
+
+
 def test_nothing_is_saved_against_a_persons_will(home):
-    output = conclude(WEAK_ZOOM, "2\n2\n")
+    output = conclude(WEAK_ZOOM, answers="2\n2\n")
     assert "Nothing was saved" in output
     done = launch("-c", PLAYED, WEAK_ZOOM, answers="nonsense\n9\n")
     assert done.returncode != 0
     assert "'nonsense' is none of the numbers" in done.stdout
     assert "No movement was made twice" in conclude("rest 1s; pinch 8mm; rest 1s")
     assert not home.exists()
+
+
+def test_a_program_gets_what_came_out_and_saves_by_yes_only(home):
+    told = json.loads(conclude(WEAK_ZOOM, "--json"))
+    assert told["changed"] is False
+    assert not home.exists()
+    movements = {movement["movement"]: movement for movement in told["movements"]}
+    assert movements["zoom"]["now"]["full"] == 2.4
+    assert movements["zoom"]["used"] is True
+    assert len(movements["pinch"]["peaks_mm"]) == 2
+    assert 4.0 < told["tremor"]["frequency_hz"] < 6.0
+    assert [(side["weak"], side["strong"]) for side in told["weak"]] == [("zoom", "pinch")]
+    assert told["weak"][0]["share"] < 0.5
+    told = json.loads(conclude(WEAK_ZOOM, "--json", "--yes"))
+    assert told["changed"] is True
+    assert load_user().range.zoom.full == 2.4
+    assert json.loads(conclude("rest 1s", "--json"))["status"] == "WARNING"
 
 
 def test_ten_calibrations_are_kept(home):
@@ -111,6 +159,24 @@ def test_a_movement_is_asked_for_and_read_out_while_the_gel_is_live():
     assert any("Step 3 of 3. Push to the right, as far as is comfortable" in li for li in lines)
     assert any(line.endswith(" millimetres, good") for line in lines)
     assert "No movement was made twice" in lines[-1]
+
+
+def test_where_speech_is_wanted_everything_is_spoken(home, tmp_path, monkeypatch):
+    home.mkdir()
+    (home / "user.yaml").write_text("feedback: {sound: speech}\n", encoding="utf-8")
+    said = tmp_path / "said"
+    spd_say = tmp_path / "bin" / "spd-say"
+    spd_say.parent.mkdir()
+    spd_say.write_text(f'#!/bin/sh\nfor last; do :; done; echo "$last" >> {said}\n')
+    spd_say.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{spd_say.parent}:{os.environ['PATH']}")
+    source = ("--source", "sim:push-right", "--seconds", "6", "--speed", "max")
+    done = launch("-m", "neurotouch_hid", "calibrate", *source, "--json")
+    assert done.returncode == 0, done.stderr
+    spoken = said.read_text(encoding="utf-8").splitlines()
+    assert spoken
+    assert all(words.endswith("millimetres, good") for words in spoken)
+    assert set(spoken) <= set(done.stderr.splitlines())
 
 
 def test_one_can_stop_at_any_time(home):

@@ -51,7 +51,11 @@ def test_help_imports_nothing_heavy():
 
 
 @pytest.mark.parametrize(
-    "command", ["run", "demo", "simulate", "evaluate", "bench", "doctor", "completion"]
+    "command",
+    [
+        *("run", "demo", "simulate", "evaluate", "bench", "record"),
+        *("devices", "doctor", "diagnostics", "completion"),
+    ],
 )
 def test_every_command_has_help_with_examples(command):
     done = neurotouch(command, "--help")
@@ -71,7 +75,7 @@ def test_completion_is_a_script_for_the_shell(shell):
     [
         (["rum"], 2, "No such command 'rum'"),
         (["run", "--speed", "warp"], 2, "'warp' is not one of"),
-        (["run", "--source", "davis:"], 3, "davis"),
+        (["run", "--source", "davis:"], 3, "No DAVIS camera"),
         (["run", "--source", "sim:tuor", "--device", "memory"], 3, "sim:tour"),
         (["run", "--source", "file:nothing.aedat4", "--device", "memory"], 4, "nothing.aedat4"),
         (["run", "--source", "sim:tour", "--profile", "spacecrat"], 6, "spacecraft"),
@@ -114,13 +118,22 @@ def test_run_writes_a_trace_with_one_line_per_slice(tmp_path):
     assert not any(lines[-1]["pad"].values())
 
 
+def test_run_takes_as_many_slices_a_second_as_wanted(tmp_path):
+    trace = tmp_path / "push.jsonl"
+    options = ("--source", "sim:push", "--device", "memory", "--speed", "max", "--trace", trace)
+    assert neurotouch("run", "--rate", "250", *options).returncode == 0
+    stamps = [json.loads(line)["t_us"] for line in trace.read_text().splitlines()]
+    assert stamps == list(range(4_000, 4_000 * (len(stamps) + 1), 4_000))
+    assert len(stamps) > 100
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_signal_while_playing_is_an_orderly_end(number):
     process = start("run", "--source", "sim:tour", "--device", "memory", "--show", "nothing")
     wait_ready(process)
     process.send_signal(number)
     process.send_signal(number)  # twice is harmless
-    _, rest = process.communicate(timeout=30)
+    _, rest = process.communicate(timeout=60)
     assert process.returncode == 0
     assert "The pad is neutral." in rest
     assert "Traceback" not in rest

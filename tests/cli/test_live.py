@@ -125,7 +125,7 @@ def test_pause_resume_and_panic_from_the_command_line(start):
     assert driver.do("resume").startswith("Resumed")
     assert driver.status()["state"] == "running"
     assert driver.do("panic").startswith("Stopped")
-    driver.do("pause")
+    assert driver.do("pause").startswith("Stopped")  # the panic goes on
     driver.do("reload")
     driver.process.send_signal(signal.SIGHUP)
     driver.wait(lambda: driver.said.count("has been reloaded") == 2)

@@ -37,5 +37,5 @@ def test_a_simulated_subject_presses_no_button():
 def test_bench_alone_keeps_its_options():
     assert "--json" in bench("--help").output
     assert "--method" in bench("--help").output
-    assert {option.name for option in command.params} == {"method", "json_path"}
+    assert {option.name for option in command.params} == {"method", "json_path", "long"}
     assert command.invoke_without_command

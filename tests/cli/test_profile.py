@@ -161,6 +161,12 @@ def test_use_makes_a_favourite_and_keeps_no_version(home):
     assert "slots: [mouse, racing, default]" in text
     assert "OK mouse, shipped, in use" in run("profile", "list")[0]
     assert run("profile", "use", "nope")[1] == 6
+    (home / "elsewhere.yaml").write_text(
+        "version: 1\nname: e\nextends: [mouse]\n", encoding="utf-8"
+    )
+    output, code = run("profile", "use", home / "elsewhere.yaml")
+    assert code == 6
+    assert "profile import" in output
 
 
 def test_what_is_exported_has_nothing_of_the_person(home, tmp_path):
@@ -201,6 +207,83 @@ def test_an_import_shows_what_it_does_and_asks(home, tmp_path):
     assert run("profile", "import", file, "--yes")[1] == 6
     file.write_bytes(b"a" * 70_000)
     assert run("profile", "import", file, "--yes")[1] == 6
+
+
+OUTCOME = {"status", "message", "file", "changed", "lines", "faults", "notes", "fix"}
+
+
+def test_every_change_has_the_same_shape_for_programs(home, tmp_path):
+    other = tmp_path / "other.yaml"
+    for command in (
+        ("new", "mine"),
+        ("set", "mine", "push.gain", "1.5"),
+        ("bind", "mine", "pinch hold", "button x"),
+        ("unbind", "mine", "pinch hold"),
+        ("undo", "mine"),
+        ("upgrade", "mine"),
+        ("use", "mine"),
+        ("import", other, "--yes"),
+    ):
+        other.write_text(
+            own(home, "mine").replace("name: mine", "name: b") if home.exists() else ""
+        )
+        output, code = run("profile", *command, "--json")
+        told = json.loads(output)
+        assert code == 0
+        assert set(told) == OUTCOME
+        assert told["status"] == "OK"
+        assert told["changed"] is (command[0] != "upgrade")
+    assert own(home, "b")
+    refused = json.loads(run("profile", "set", "mine", "push.gain", "99", "--json")[0])
+    assert set(refused) == OUTCOME
+    assert refused["status"] == "FAILED"
+    assert refused["faults"][0]["code"] == "NT114"
+    output, code = run("profile", "set", "mine", "x.y", "1", "--json")
+    assert code == 6
+    assert json.loads(output)["status"] == "FAILED"
+    asked = json.loads(run("profile", "import", other, "--name", "c", "--json")[0])
+    assert asked["changed"] is False
+    assert len(asked["lines"]) > 10
+    assert not (home / "profiles" / "c.yaml").exists()
+
+
+def test_a_persons_values_come_back_from_what_was_exported(home, tmp_path):
+    mine = "version: 1\nfilter: strong\nunused: [zoom]\n"
+    home.mkdir()
+    (home / "user.yaml").write_text(mine, encoding="utf-8")
+    assert (
+        run(
+            "profile",
+            "export",
+            "racing",
+            "--output",
+            tmp_path / "r.yaml",
+            "--user",
+            tmp_path / "me.yaml",
+        )[1]
+        == 0
+    )
+    (home / "user.yaml").write_text("version: 1\n", encoding="utf-8")
+    output, _ = run("profile", "import", "--user", tmp_path / "me.yaml", answers=["n"])
+    assert "added: unused: [zoom]" in output
+    assert "Nothing was saved" in output
+    assert run("profile", "import", "--user", tmp_path / "me.yaml", answers=["y"])[1] == 0
+    assert (home / "user.yaml").read_text(encoding="utf-8") == mine
+    assert run("profile", "import", "--user", tmp_path / "r.yaml", "--yes")[1] == 6
+    assert run("profile", "import", tmp_path / "me.yaml", "--yes")[1] == 6
+    assert run("calibrate", "--undo")[1] == 0
+    assert (home / "user.yaml").read_text(encoding="utf-8") == "version: 1\n"
+
+
+def test_a_new_profile_asks_for_nothing_one_cannot_do(home):
+    home.mkdir()
+    (home / "user.yaml").write_text("version: 1\nunused: [zoom]\n", encoding="utf-8")
+    assert "you do not use zoom: this never acts [NT212]" in run("profile", "check", "default")[0]
+    output, code = run("profile", "new", "mine")
+    assert code == 0
+    assert "For you: pinch long -> button b" in output or "-> button b" in output
+    assert "NT212" not in run("profile", "check", "mine")[0]
+    assert "you do not use: zoom" in run("profile", "show", "mine", "--effective")[0]
 
 
 def test_an_upgrade_adds_the_version_and_the_schema_line(home):
@@ -394,3 +477,42 @@ def test_the_names_of_profiles_need_no_models():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "False\n"
+
+
+def test_filters_are_told_beside_their_design_and_the_cost_of_a_profile():
+    figures = json.loads(run("bench", "profile", "--json")[0])
+    assert {"light", "medium", "strong"} < set(figures["filters"])
+    assert figures["engine_ms"]["bindings"] == 60
+    output, code = run("bench", "profile")
+    assert code == 0
+    assert "medium leaves of a tremor 3" in output
+    assert "(28) % at 5 Hz" in output
+
+
+def test_a_persons_own_values_are_changed_like_a_profile(home):
+    assert run("profile", "set", "user", "filter", "strong")[1] == 0
+    assert run("profile", "set", "user", "feedback.sound", "tones")[1] == 0
+    assert run("profile", "set", "user", "feedback.volume.press", "10")[1] == 0
+    text = (home / "user.yaml").read_text(encoding="utf-8")
+    assert "filter: strong\n" in text
+    assert "feedback: {sound: tones, volume: {press: 10}}" in text
+    assert run("profile", "set", "user", "filter", "mad")[1] == 6
+    assert run("profile", "check", "user")[1] == 0
+    assert json.loads(run("profile", "show", "user", "--json")[0])["user"]["filter"] == "strong"
+    assert run("profile", "undo", "user")[1] == 0
+    assert "press" not in (home / "user.yaml").read_text(encoding="utf-8")
+    assert run("profile", "new", "user")[1] == 6
+    assert "feedback.volume" in " ".join(complete("profile", "set", "user", "feed"))
+
+
+def test_a_persons_own_values_by_questions(home):
+    # timing slow; turned by 12.5 degrees; by 999, which does not fit; sound tones; done; save
+    answers = [1, 3, 5, 12.5, 5, 999, 8, 2, 9, 1]
+    output, code = run("profile", "edit", "user", answers=answers)
+    assert code == 0, output
+    assert "That does not fit" in output
+    text = (home / "user.yaml").read_text(encoding="utf-8")
+    assert "timing: slow\n" in text
+    assert "rotate_deg: 12.5\n" in text
+    assert "feedback: {sound: tones}" in text
+    assert "Nothing has changed" in run("profile", "edit", "user", answers=[9])[0]

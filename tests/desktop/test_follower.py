@@ -4,7 +4,7 @@ import time
 
 from neurotouch_hid.desktop import DesktopError, Follower
 
-LIMIT_S = 20.0
+LIMIT_S = 60.0
 
 
 class Desktop:

@@ -2,8 +2,11 @@
 
 import errno
 import os
+import struct
 
 from neurotouch_hid.device.uinput import UI_DEV_SETUP
+
+EVENT_BYTES = 24
 
 
 class FakeNode:
@@ -13,6 +16,7 @@ class FakeNode:
         self.reading, self.writing = os.pipe()
         os.set_blocking(self.reading, False)
         self.calls: list[tuple[int, int | bytes]] = []
+        self.stamps: list[tuple[int, int]] = []  # of what was taken last: seconds, microseconds
 
     @property
     def name(self) -> str:
@@ -21,11 +25,16 @@ class FakeNode:
         return setups[0][8:88].rstrip(b"\0").decode()
 
     def take(self) -> str:
-        """What was written since the last look, in hexadecimal."""
+        """What was written since the last look, in hexadecimal, with all stamps 0."""
         try:
-            return os.read(self.reading, 1 << 16).hex()
+            data = os.read(self.reading, 2048 * EVENT_BYTES)
         except BlockingIOError:
             return ""
+        self.stamps = [
+            struct.unpack_from("@ll", data, at) for at in range(0, len(data), EVENT_BYTES)
+        ]
+        places = range(0, len(data), EVENT_BYTES)
+        return "".join("00" * 16 + data[at + 16 : at + EVENT_BYTES].hex() for at in places)
 
     def vanish(self) -> None:
         """Refuse every write from now on, as a node does that the kernel has removed."""

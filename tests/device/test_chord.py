@@ -17,7 +17,7 @@ from neurotouch_hid.device.chord import (
 )
 
 EVENT = struct.Struct("@llHHi")
-LIMIT_S = 20.0
+LIMIT_S = 60.0
 KEYS = ("KEY_ESC", "KEY_ENTER", "KEY_SPACE", "KEY_A", "KEY_BACKSPACE")
 
 

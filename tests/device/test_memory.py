@@ -106,4 +106,4 @@ def test_devices_are_opened_by_name():
     assert device.companions == {Companion.MOUSE}
     with pytest.raises(DeviceError, match="'joystick'") as caught:
         open_device("joystick")
-    assert caught.value.hint == "Use uinput or memory."
+    assert caught.value.hint == "Use uinput, hid or memory."

@@ -9,12 +9,14 @@ from pathlib import Path
 import pytest
 from evdev import ecodes
 
-from neurotouch_hid.device import gamepad, keyboard, mouse
+from neurotouch_hid.device import keyboard, mouse
 from neurotouch_hid.device.claim import Claim
+from neurotouch_hid.device.identity import load_identities
 from neurotouch_hid.device.uinput import RULE, UinputNode, open_uinput
 from neurotouch_hid.errors import DeviceError
 from tests.device.kernel import FakeNode, Kernel
 
+PAD = load_identities()["xbox360"].make_claim()
 PHYS, SETUP, ABS_SETUP = 0x4008556C, 0x405C5503, 0x401C5504
 EVBIT, KEYBIT, RELBIT, CREATE, DESTROY = 0x40045564, 0x40045565, 0x40045566, 0x5501, 0x5502
 
@@ -47,7 +49,7 @@ def report(claim: Claim, **values: int) -> tuple[int, ...]:
 
 
 def test_the_calls_that_make_the_pad(kernel):
-    _, pad = make(kernel, gamepad.CLAIM)
+    _, pad = make(kernel, PAD)
     keys = [0x130, 0x131, 0x133, 0x134, 0x136, 0x137, 0x13A, 0x13B, 0x13C, 0x13D, 0x13E]
     stick = "00000000" + "0080ffff" + "ff7f0000" + "00000000" * 3
     trigger = "00000000" + "00000000" + "ff000000" + "00000000" * 3
@@ -98,14 +100,14 @@ def test_the_calls_that_make_the_keyboard(kernel):
 
 
 def test_one_packed_frame_per_change(kernel):
-    pad, seen = make(kernel, gamepad.CLAIM)
-    pad.show(report(gamepad.CLAIM, BTN_SOUTH=1, ABS_X=32767))
+    pad, seen = make(kernel, PAD)
+    pad.show(report(PAD, BTN_SOUTH=1, ABS_X=32767))
     assert seen.take() == event(1, 0x130, 1) + event(3, 0, 32767) + SYN
-    pad.show(report(gamepad.CLAIM, BTN_SOUTH=1, ABS_X=-32767))
+    pad.show(report(PAD, BTN_SOUTH=1, ABS_X=-32767))
     assert seen.take() == event(3, 0, -32767) + SYN
-    pad.show(report(gamepad.CLAIM, BTN_SOUTH=1, ABS_X=-32767))
+    pad.show(report(PAD, BTN_SOUTH=1, ABS_X=-32767))
     assert seen.take() == ""
-    pad.show(gamepad.CLAIM.neutral)
+    pad.show(PAD.neutral)
     assert seen.take() == event(3, 0, 0) + event(1, 0x130, 0) + SYN
 
 
@@ -121,7 +123,7 @@ def test_steps_come_first_then_releases_backwards_then_presses(kernel):
 
 
 def test_closing_removes_the_node(kernel):
-    pad, seen = make(kernel, gamepad.CLAIM)
+    pad, seen = make(kernel, PAD)
     pad.close()
     assert seen.calls[-1] == (DESTROY, 0)
     assert seen.is_closed
@@ -136,11 +138,11 @@ def test_a_refused_node_leaves_nothing_open(kernel):
 
 
 def test_a_node_that_vanished_is_an_error_each_time_and_still_closes(kernel):
-    pad, seen = make(kernel, gamepad.CLAIM)
+    pad, seen = make(kernel, PAD)
     seen.vanish()
     for _ in range(2):
         with pytest.raises(DeviceError, match="no longer takes input for the Microsoft"):
-            pad.show(report(gamepad.CLAIM, BTN_SOUTH=1))
+            pad.show(report(PAD, BTN_SOUTH=1))
     kernel.refused = (1, DESTROY)
     pad.close()
     assert seen.is_closed

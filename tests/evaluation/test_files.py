@@ -117,3 +117,19 @@ def test_a_folder_that_cannot_take_the_report_is_told_before_anything_is_played(
         CliRunner().invoke(
             command, [str(recordings[0]), "--report", str(tmp_path)], catch_exceptions=False
         )
+
+
+def test_the_length_of_a_slice_changes_no_figure_much(recordings):
+    config = GestureConfig()
+    reports = [
+        evaluate_files(recordings, config, slice_us=slice_us).report()
+        for slice_us in (10_000, 4_000, 1_000)
+    ]
+    for report in reports[1:]:
+        assert report["observations"] > 2 * reports[0]["observations"]
+        for key, tolerance in (
+            ("gesture_accuracy", 0.03),
+            ("count_accuracy", 0.05),
+            ("intensity_mae_mm", 0.1),
+        ):
+            assert report[key] == pytest.approx(reports[0][key], abs=tolerance), key

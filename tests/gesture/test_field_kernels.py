@@ -7,10 +7,13 @@ from hypothesis import strategies as st
 
 from neurotouch_hid.geometry import LATTICE_MM
 from neurotouch_hid.gesture.elastic.field.kernels import (
+    bound_gain,
     couple,
     fill_responses,
+    find_site,
     measure_gains,
     respond,
+    respond_along,
     rim_window,
 )
 from tests.reference import gesture_elastic as reference
@@ -18,11 +21,30 @@ from tests.reference import gesture_elastic as reference
 PLACE = st.floats(-26, 26)
 
 
+def respond_everywhere(points, sites, regular=0.0):
+    atoms = np.empty((2 * len(points), 3 * len(sites)))
+    fill_responses(points, sites, 6.5, atoms)
+    rows = atoms.reshape(-1, len(sites), 3)
+    return atoms.astype(np.float32), np.linalg.inv(
+        np.einsum("nsa,nsb->sab", rows, rows) + regular * np.eye(3)
+    )
+
+
 @given(PLACE, PLACE, PLACE, PLACE, st.floats(4.5, 9))
 def test_respond_equals_its_twin(x, y, cx, cy, a):
     xx, xy, yy, tx, ty = respond(x, y, rim_window(x * x + y * y), cx, cy, a)
     expected = reference.respond(x, y, cx, cy, a)
     np.testing.assert_allclose([[xx, xy, tx], [xy, yy, ty]], expected, atol=1e-9)
+
+
+@given(st.lists(st.tuples(PLACE, PLACE), min_size=1, max_size=20), PLACE, PLACE, st.floats(4.5, 9))
+def test_many_points_respond_as_each_alone(points, cx, cy, a):
+    points = np.array([*points, (cx, cy), (cx + a, cy)])
+    window = np.array([rim_window(float(r2)) for r2 in (points**2).sum(axis=1)])
+    answer = np.empty((7, len(points)))
+    respond_along(points[:, 0].copy(), points[:, 1].copy(), window, cx, cy, a, answer)
+    each = [respond(x, y, w, cx, cy, a) for (x, y), w in zip(points, window, strict=True)]
+    np.testing.assert_array_equal(answer[:5].T, each)
 
 
 @pytest.mark.parametrize("k", [1, 2, 3])
@@ -49,23 +71,58 @@ def test_gains_equal_their_twin(seed):
     rng = np.random.default_rng(seed)
     points, sites = LATTICE_MM[::5], LATTICE_MM[60:110:9]
     residual, weight = rng.normal(0, 1, points.shape), rng.random(len(points))
-    atoms, gains = np.empty((3 * len(sites), 2 * len(points))), np.empty(len(sites))
-    fill_responses(points, sites, 6.5, atoms)
-    rows = atoms.reshape(len(sites), 3, -1)
-    inverse = np.linalg.inv(np.einsum("san,sbn->sab", rows, rows))
+    atoms, inverse = respond_everywhere(points, sites)
+    gains = np.empty(len(sites))
     measure_gains(atoms, inverse, residual, weight, gains)
     expected = reference.gains(points, sites, 6.5, residual, weight)
-    np.testing.assert_allclose(gains, expected, rtol=1e-9)
+    np.testing.assert_allclose(gains, expected, rtol=1e-5, atol=1e-6 * max(expected))
+
+
+@settings(max_examples=10)
+@given(st.integers(0, 2**32 - 1), st.sampled_from([0.01, 1.0, 20.0]))
+def test_no_gain_exceeds_the_bound(seed, size):
+    rng = np.random.default_rng(seed)
+    points, sites = LATTICE_MM, LATTICE_MM[::3].copy()
+    site = rng.integers(len(sites))
+    atoms, inverse = respond_everywhere(points, sites)
+    finger = (atoms[:, 3 * site : 3 * site + 3] @ rng.normal(0, size, 3)).reshape(-1, 2)
+    residual, weight = finger + rng.normal(0, 0.05, points.shape), rng.random(len(points))
+    bound = bound_gain(residual, weight)
+    assert bound == pytest.approx((weight**2 @ residual**2).sum())
+    assert bound <= weight @ (residual**2).sum(axis=1)
+    gain = find_site(atoms, inverse, residual, weight, sites, np.zeros((0, 2)), 5.0)[1]
+    assert 0.0 < gain <= 1.0005 * bound
 
 
 def test_the_gain_of_a_finger_is_largest_where_it_is():
-    atoms = np.empty((3 * len(LATTICE_MM), 2 * len(LATTICE_MM)))
-    fill_responses(LATTICE_MM, LATTICE_MM, 6.5, atoms)
-    rows = atoms.reshape(len(LATTICE_MM), 3, -1)
-    inverse = np.linalg.inv(np.einsum("san,sbn->sab", rows, rows) + 1e-6 * np.eye(3))
-    gains = np.empty(len(LATTICE_MM))
+    atoms, inverse = respond_everywhere(LATTICE_MM, LATTICE_MM, 1e-6)
     for site in (88, 40, 120):
-        field = (rows[site].T @ (1.0, -2.0, 0.1)).reshape(-1, 2)
-        measure_gains(atoms, inverse, field, np.ones(len(field)), gains)
-        assert gains.argmax() == site
-        assert gains[site] == pytest.approx((field**2).sum(), rel=1e-3)
+        field = (atoms[:, 3 * site : 3 * site + 3] @ (1.0, -2.0, 0.1)).reshape(-1, 2)
+        best, gain = find_site(
+            atoms, inverse, field, np.ones(len(field)), LATTICE_MM.copy(), np.zeros((0, 2)), 5.0
+        )
+        assert best == site
+        assert gain == pytest.approx((field**2).sum(), rel=1e-3)
+
+
+@settings(max_examples=10)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 3))
+def test_no_site_is_found_near_a_known_finger(seed, k):
+    rng = np.random.default_rng(seed)
+    points, sites = LATTICE_MM[::5], LATTICE_MM[::2].copy()
+    residual, weight = rng.normal(0, 1, points.shape), rng.random(len(points))
+    centres = rng.uniform(-20, 20, (k, 2))
+    atoms, inverse = respond_everywhere(points, sites)
+    site, gain = find_site(atoms, inverse, residual, weight, sites, centres, 9.0)
+    gains = reference.gains(points, sites, 6.5, residual, weight)
+    free = np.hypot(*(sites[:, None] - centres).transpose(2, 0, 1)).min(axis=1) >= 9.0
+    assert free[site]
+    assert gain == pytest.approx(max(gains[free]), rel=1e-5)
+    assert gains[site] == pytest.approx(gain, rel=1e-5)
+
+
+def test_there_is_no_site_where_fingers_are_everywhere():
+    atoms, inverse = respond_everywhere(LATTICE_MM, LATTICE_MM[:4])
+    field, weight = np.ones(LATTICE_MM.shape), np.ones(len(LATTICE_MM))
+    sites = LATTICE_MM[:4].copy()
+    assert find_site(atoms, inverse, field, weight, sites, sites, 5.0)[1] == 0.0

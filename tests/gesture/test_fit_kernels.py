@@ -5,18 +5,28 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from neurotouch_hid.geometry import LATTICE_MM
+from neurotouch_hid.geometry import LATTICE_MM, Rig
 from neurotouch_hid.gesture.elastic.field.kernels import couple, rim_window
 from neurotouch_hid.gesture.elastic.fit.kernels import (
     accumulate,
     build_columns,
+    build_slopes,
+    find_common,
     invert,
+    measure_spread,
     refine,
     solve,
+    weigh_markers,
 )
+from neurotouch_hid.gesture.elastic.hand import Hand
+from neurotouch_hid.gesture.elastic.hand.hand import FIT
 from tests.reference import gesture_elastic as reference
 
 WINDOW = np.array([rim_window(float(r2)) for r2 in (LATTICE_MM**2).sum(axis=1)])
+POINTS = np.ascontiguousarray(LATTICE_MM.T)
+HAND = Hand()
+HAND.place(LATTICE_MM.astype(np.float32), Rig((0.0, 0.0), 1.0))  # a pixel a millimetre
+GEL = HAND.gel
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 24), st.integers(1, 3))
@@ -37,7 +47,50 @@ def test_solve_refuses_a_singular_system():
 def test_invert_equals_numpy(seed, n):
     rng = np.random.default_rng(seed)
     matrix = rng.normal(0, 1, (n, n)) + 4 * np.eye(n)
-    np.testing.assert_allclose(invert(matrix) @ matrix, np.eye(n), atol=1e-8)
+    inverse = matrix.copy()
+    invert(inverse)
+    np.testing.assert_allclose(inverse @ matrix, np.eye(n), atol=1e-8)
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.01, 5.0))
+def test_markers_far_off_the_fit_are_trusted_less(seed, limit_mm2):
+    rng = np.random.default_rng(seed)
+    moved, residual = rng.normal(0, 3, (40, 2)), rng.normal(0, 1, (40, 2))
+    use, weight = rng.random(40) < 0.8, np.empty(40)
+    total, field = weigh_markers(use, moved, residual, limit_mm2, weight)
+    expected = use / (1.0 + ((residual**2).sum(axis=1) / limit_mm2) ** 2)
+    np.testing.assert_allclose(weight, expected, rtol=1e-12)
+    assert total == pytest.approx(expected.sum())
+    assert field == pytest.approx((expected * (moved**2).sum(axis=1)).sum())
+
+
+def test_without_a_fit_all_measured_markers_are_trusted():
+    use, moved, weight = np.array([True, False]), np.ones((2, 2)), np.empty(2)
+    assert weigh_markers(use, moved, moved, np.inf, weight) == (1.0, 2.0)
+    assert weight.tolist() == [1.0, 0.0]
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 30))
+def test_the_common_motion_is_the_median_of_trusted_markers(seed, n):
+    rng = np.random.default_rng(seed)
+    moved, weight = rng.normal(0, 1, (n, 2)), rng.random(n) * (rng.random(n) < 0.7)
+    weight[0] = 1.0
+    assert find_common(moved, weight) == tuple(np.median(moved[weight > 0], axis=0))
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 30))
+def test_the_spread_is_that_of_trusted_markers(seed, n):
+    rng = np.random.default_rng(seed)
+    moved, weight = rng.normal(0, 1, (n, 2)), rng.random(n) * (rng.random(n) < 0.7)
+    weight[0] = 1.0
+    trusted = moved[weight > 0]
+    away = np.abs(trusted - np.median(trusted, axis=0))
+    assert measure_spread(moved, weight) == pytest.approx(1.4826 * np.median(away))
+
+
+def test_the_spread_of_noise_is_its_standard_deviation():
+    moved = np.random.default_rng(0).normal(5.0, 0.3, (10_000, 2))
+    assert measure_spread(moved, np.ones(10_000)) == pytest.approx(0.3, rel=0.03)
 
 
 def hand(k, seed):
@@ -48,32 +101,60 @@ def hand(k, seed):
     return centres, rng.uniform(5.5, 7.5, k), motions
 
 
+def describe(centres, radii, motions):
+    """A ``FIT`` of these fingers."""
+    fits, k = np.zeros(1, FIT), len(centres)
+    fits["count"] = k
+    fits["centres"][0, :k], fits["radii"][0, :k], fits["motions"][0, :k] = centres, radii, motions
+    return fits
+
+
+def invert_coupling(centres, radii):
+    inverse = couple(centres, radii)
+    invert(inverse)
+    return inverse
+
+
 @pytest.mark.parametrize("k", [1, 2, 3])
 def test_columns_equal_their_twin(k):
     centres, radii, motions = hand(k, k)
-    columns, bent = np.empty((177, 2, 4 * k + 3)), np.empty((177, 2))
-    inverse = invert(couple(centres, radii))
-    build_columns(LATTICE_MM, WINDOW, centres, radii, motions, inverse, False, columns, bent)
+    columns, bent = np.empty((4 * k + 3, 2, 177)), np.empty((2, 177))
+    inverse = invert_coupling(centres, radii)
+    build_columns(POINTS, WINDOW, centres, radii, motions, inverse, columns, bent)
+    columns = columns.transpose(2, 1, 0)
     expected = reference.columns(LATTICE_MM, centres, radii)
     np.testing.assert_allclose(columns[:, :, : 3 * k], expected, atol=1e-9)
     np.testing.assert_allclose(
-        bent, reference.bend(LATTICE_MM, centres, radii, motions[:, 2]), atol=1e-9
+        columns[:, :, 3 * k : 4 * k], reference.presses(LATTICE_MM, centres, radii), atol=1e-12
+    )
+    np.testing.assert_allclose(
+        bent.T, reference.bend(LATTICE_MM, centres, radii, motions[:, 2]), atol=1e-9
     )
     np.testing.assert_array_equal(columns[5, :, 4 * k : 4 * k + 2], np.eye(2))
+
+
+@pytest.mark.parametrize("k", [1, 2, 3])
+def test_slopes_equal_their_twin(k):
+    centres, radii, motions = hand(k, 20 + k)
+    columns = np.empty((3 * k, 2, 177))
+    inverse = invert_coupling(centres, radii)
+    build_slopes(POINTS, WINDOW, centres, radii, motions, inverse, columns)
+    expected = reference.slopes(LATTICE_MM, centres, radii, motions)
+    np.testing.assert_allclose(columns.transpose(2, 1, 0), expected, atol=1e-9)
 
 
 @settings(max_examples=20)
 @given(st.integers(0, 2**32 - 1))
 def test_normal_equations_equal_numpy(seed):
     rng = np.random.default_rng(seed)
-    columns, weight = rng.normal(0, 1, (12, 2, 5)), rng.integers(0, 3, 12) / 2
-    target, bent = rng.normal(0, 1, (12, 2)), rng.normal(0, 1, (12, 2))
+    columns, weight = rng.normal(0, 1, (5, 2, 12)), rng.integers(0, 3, 12) / 2
+    target = rng.normal(0, 1, (2, 12))
     normal, right = np.empty((5, 5)), np.empty((5, 1))
-    accumulate(columns, target, bent, weight, normal, right)
-    expected = np.einsum("nap,n,naq->pq", columns, weight, columns)
+    accumulate(columns, target, weight, normal, right)
+    expected = np.einsum("pan,n,qan->pq", columns, weight, columns)
     np.testing.assert_allclose(np.tril(normal), np.tril(expected), atol=1e-12)
     np.testing.assert_allclose(
-        right[:, 0], np.einsum("nap,n,na->p", columns, weight, target - bent), atol=1e-12
+        right[:, 0], np.einsum("pan,n,an->p", columns, weight, target), atol=1e-12
     )
 
 
@@ -83,18 +164,27 @@ def test_refine_finds_the_fingers_of_the_twin(k):
     moved = np.einsum(
         "nap,p->na", reference.columns(LATTICE_MM, centres, radii), motions.ravel()
     ) + reference.bend(LATTICE_MM, centres, radii, motions[:, 2])
-    found, sizes = centres + 1.5, np.full(k, 6.5)
-    answer, press, offset = np.zeros((k, 3)), np.zeros(k), np.zeros(3)
-    residual, weight = np.empty((177, 2)), np.ones(177)
-    fixed = (LATTICE_MM, WINDOW, moved, weight, found, sizes, 6.5, np.zeros(k))
-    refine(*fixed, answer, press, offset, residual, 0.05, 0.02, 0)
-    before = (residual**2).sum()
-    cost = refine(*fixed, answer, press, offset, residual, 0.05, 0.02, 12)
-    assert cost == pytest.approx((residual**2).sum())
-    assert cost < 0.1 * before
-    np.testing.assert_allclose(found, centres, atol=0.6)
-    np.testing.assert_allclose(answer[:, :2], motions[:, :2], atol=0.3)
-    np.testing.assert_allclose(offset[:2], 0.0, atol=0.1)
+    fits, weight = describe(centres + 1.5, np.full(k, 6.5), np.zeros((k, 3))), np.ones(177)
+    fit = fits[0]
+    refine(GEL[0], fit, moved, weight, 6.5, np.zeros(k), 0.05, 0.02, 0)
+    before = (fit["residual"] ** 2).sum()
+    refine(GEL[0], fit, moved, weight, 6.5, np.zeros(k), 0.05, 0.02, 12)
+    assert fit["cost"] == pytest.approx((fit["residual"] ** 2).sum())
+    assert fit["cost"] < 0.1 * before
+    np.testing.assert_allclose(fit["centres"][:k], centres, atol=0.6)
+    np.testing.assert_allclose(fit["motions"][:k, :2], motions[:, :2], atol=0.3)
+    np.testing.assert_allclose(fit["offset"][:2], 0.0, atol=0.1)
+    x, y, turn = fit["motions"][:k].T
+    size_mm = np.sqrt(x**2 + y**2 + 0.5 * (turn * fit["radii"][:k]) ** 2)
+    assert fit["largest_mm"] == pytest.approx(size_mm.max())
+
+
+def test_where_nothing_is_known_of_the_fingers_the_cost_is_infinite():
+    fit = describe(*hand(2, 5))[0]
+    fit["residual"] = 1.0
+    refine(GEL[0], fit, np.ones((177, 2)), np.zeros(177), 6.5, np.zeros(2), 0.0, 0.0, 1)
+    assert fit["cost"] == np.inf
+    assert not fit["residual"].any()
 
 
 def test_markers_without_weight_do_not_count():
@@ -106,10 +196,7 @@ def test_markers_without_weight_do_not_count():
         weight[::7] = 0.0
         spoiled = moved.copy()
         spoiled[::7] += spoil
-        answer = np.zeros((2, 3))
-        refine(
-            LATTICE_MM, WINDOW, spoiled, weight, centres.copy(), radii.copy(), 6.5, np.zeros(2),
-            answer, np.zeros(2), np.zeros(3), np.empty((177, 2)), 0.05, 0.02, 2,
-        )  # fmt: skip
-        answers.append(answer)
+        fit = describe(centres, radii, np.zeros((2, 3)))[0]
+        refine(GEL[0], fit, spoiled, weight, 6.5, np.zeros(2), 0.05, 0.02, 2)
+        answers.append(fit["motions"].copy())
     np.testing.assert_array_equal(*answers)

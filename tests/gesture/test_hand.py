@@ -1,12 +1,16 @@
 """The fingers that are followed are the fingers that are there."""
 
 import numpy as np
+import pytest
 
-from neurotouch_hid.geometry import LATTICE_MM
-from neurotouch_hid.gesture.elastic.hand import Hand
+from neurotouch_hid.geometry import LATTICE_MM, Rig
+from neurotouch_hid.gesture.elastic.hand import Hand, HandConfig
+from neurotouch_hid.gesture.elastic.hand.kernels import NOW
 from tests.gesture.elastic import field
 
-SEES_ALL = np.ones(len(LATTICE_MM))
+SEES_ALL = np.ones(len(LATTICE_MM), np.bool_)
+RIG = Rig((0.0, 0.0), 1.0)  # a pixel a millimetre
+REST_PX = LATTICE_MM.astype(np.float32)
 PLACES = np.array([[-9.0, 0.0], [9.0, 0.0]])
 
 
@@ -20,13 +24,14 @@ def follow(hand, sizes_mm):
 
 
 def found(hand):
-    order = np.argsort(hand.fit.centres[:, 0])
-    return hand.fit.centres[order], hand.fit.motions[order, 0]
+    fit = hand.fits[NOW]
+    order = np.argsort(fit["centres"][: fit["count"], 0])
+    return fit["centres"][order], fit["motions"][order, 0]
 
 
 def test_two_fingers_are_followed():
     hand = Hand()
-    hand.place(LATTICE_MM.copy())
+    hand.place(REST_PX, RIG)
     follow(hand, [1.0, 2.0, 3.0, 4.0])
     centres, drags = found(hand)
     np.testing.assert_allclose(centres, PLACES, atol=1.5)
@@ -35,10 +40,11 @@ def test_two_fingers_are_followed():
 
 def test_fingers_that_ran_into_each_other_are_looked_for_anew():
     hand = Hand()
-    hand.place(LATTICE_MM.copy())
+    hand.place(REST_PX, RIG)
     follow(hand, [1.0, 2.0])
-    hand.fit.centres[:] = hand.fit.centres[0]  # one place: nothing tells their motions apart
-    hand.fit.radii[:] = hand.fit.radii[0]
+    fit = hand.fits[NOW]
+    fit["centres"][:] = fit["centres"][0]  # one place: nothing tells their motions apart
+    fit["radii"][:] = fit["radii"][0]
     follow(hand, [3.0, 4.0])
     centres, drags = found(hand)
     np.testing.assert_allclose(centres, PLACES, atol=1.5)
@@ -47,8 +53,68 @@ def test_fingers_that_ran_into_each_other_are_looked_for_anew():
 
 def test_a_finger_in_the_wrong_place_is_looked_for_anew():
     hand = Hand()
-    hand.place(LATTICE_MM.copy())
+    hand.place(REST_PX, RIG)
     follow(hand, [1.0, 2.0])
-    hand.fit.centres[:] = [[0.0, -24.0], [0.0, 24.0]]
+    hand.fits[NOW]["centres"][:2] = [[0.0, -24.0], [0.0, 24.0]]
     follow(hand, [3.0, 4.0])
     np.testing.assert_allclose(found(hand)[1], [4.0, -4.0], atol=0.5)
+
+
+def test_slices_of_any_length_know_and_doubt_their_fingers_alike():
+    trust, searches = [], []
+    for step_us in (1_000, 4_000, 10_000):
+        hand = Hand()
+        hand.place(REST_PX, RIG)
+        for t_us in range(0, 400_000, step_us):
+            size_mm = min(1.0 + 3.0 * t_us / 100_000, 4.0)
+            hand.update(pinch(size_mm), SEES_ALL, 0.05, step_us=step_us, forming=True)
+        searches.append(int(hand.state["n_searches"][0]))
+        trust.append(hand.fits[NOW]["trust"][:2])
+        np.testing.assert_allclose(found(hand)[1], [4.0, -4.0], atol=0.5)
+    np.testing.assert_allclose(trust, [trust[-1]] * 3, atol=0.3)
+    assert max(searches) <= searches[-1] + 1  # ten times as many slices, as many searches
+
+
+def test_asking_no_site_where_none_can_explain_enough_changes_nothing():
+    rng = np.random.default_rng(3)
+    sizes_mm = [0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 4.0, 4.0, 2.0, 1.0, 0.2, 0.0]
+    fields = [pinch(size_mm) + rng.normal(0.0, 0.01, LATTICE_MM.shape) for size_mm in sizes_mm]
+    told, asked = [], []
+    for sure in (HandConfig().sure, 0.0):  # 0: every site is asked every time
+        hand = Hand(HandConfig(sure=sure))
+        hand.place(REST_PX, RIG)
+        said = []
+        for moved in fields:
+            motion = hand.update(moved, SEES_ALL, 0.05, forming=True)
+            said.append((motion, motion and hand.show().mm.tolist()))
+        told.append(said)
+        asked.append(int(hand.state["n_asked"][0]))
+    assert told[0] == told[1]
+    assert asked[0] < 0.7 * asked[1]
+
+
+def test_names_stay_with_fingers_until_the_hand_is_forgotten():
+    hand = Hand()
+    hand.place(REST_PX, RIG)
+    follow(hand, [1.0, 2.0, 3.0])
+    names = hand.show().names
+    follow(hand, [4.0])
+    assert hand.show().names == names
+    assert len(set(names)) == 2
+    hand.reset()
+    assert hand.update(np.zeros(LATTICE_MM.shape), SEES_ALL, 0.05, forming=True) is None
+
+
+def test_contacts_are_told_in_the_gel_and_in_the_image():
+    rig = Rig((170.0, 130.0), 2.4, 0.2)
+    hand = Hand()
+    hand.place(rig.to_px(LATTICE_MM).astype(np.float32), rig)
+    moved_px = rig.to_px(LATTICE_MM + pinch(4.0)) - rig.to_px(LATTICE_MM)
+    for _ in range(4):
+        motion = hand.update(moved_px, SEES_ALL, 0.05, forming=False)
+    contacts = hand.show()
+    order = np.argsort(contacts.mm[:, 0])
+    np.testing.assert_allclose(contacts.mm[order], [[-5.0, 0.0], [5.0, 0.0]], atol=1.0)
+    np.testing.assert_allclose(contacts.px, rig.to_px(contacts.mm), atol=1e-9)
+    assert motion.n_fingers == 2
+    assert contacts.intensity_mm == pytest.approx(np.hypot(*contacts.drags_mm.T).mean())

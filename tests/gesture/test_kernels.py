@@ -4,7 +4,12 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from neurotouch_hid.gesture.kernels import find_near, find_peaks, smooth_displacement
+from neurotouch_hid.gesture.kernels import (
+    displace,
+    find_near,
+    find_peaks,
+    smooth_displacement,
+)
 from tests.reference import gesture as reference
 
 
@@ -41,3 +46,17 @@ def test_smooth_displacement_equals_its_twin(seed, n):
     mean = smooth_displacement(rest, displacement, 30.0)
     expected = reference.smooth_displacement(rest, displacement, 30.0)
     np.testing.assert_allclose(mean, np.reshape(expected, (n, 2)), atol=1e-12)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(0, 60))
+def test_displace_equals_its_twin(seed, n):
+    rng = np.random.default_rng(seed)
+    rest, position = rng.uniform(0, 346, (2, n, 2)).astype(np.float32)
+    position[rng.random((n, 2)) < 0.1] = np.nan
+    valid = rng.random(n) < 0.8
+    moved, use = np.empty((n, 2)), np.empty(n, np.bool_)
+    expected = reference.displace(rest.tolist(), position.tolist(), valid)
+    assert displace(rest, position, valid, moved, use) == sum(use)
+    assert use.tolist() == [step is not None for step in expected]
+    assert moved.tolist() == [step or [0.0, 0.0] for step in expected]

@@ -92,3 +92,32 @@ def test_motion_is_not_drift():
         moved[:] = (5.0 * np.sin(2 * np.pi * i / 200), 0.0)  # 2 mm at half a hertz
         neutral.follow(neutral.subtract(moved, 10_000), 2.5, 10_000, is_quiet=True)
     assert np.abs(neutral.pose_px).max() < 0.2
+
+
+@pytest.mark.parametrize(
+    ("kind", "drags"),
+    [
+        (GestureKind.PUSH, [[4.0, 0.0], [4.0, 0.0]]),
+        (GestureKind.PINCH, [[3.0, 0.0], [-3.0, 0.0]]),
+        (GestureKind.ZOOM, [[-3.0, 0.0], [3.0, 0.0]]),
+        (GestureKind.TWIST_CW, [[0.0, -4.0], [0.0, 4.0]]),
+        (GestureKind.TWIST_CCW, [[0.0, 4.0], [0.0, -4.0]]),
+    ],
+)
+def test_gestures_beside_a_resting_trembling_hand_also_after_a_new_anchor(kind, drags):
+    centres = np.vstack([PALM[0], [[-11.0, -9.0], [11.0, -9.0]]])
+    player, rng = Player(neutral="resting"), np.random.default_rng(3)
+
+    def play(size, slices):
+        kinds = []
+        for _ in range(slices):
+            tremble = rng.normal(0.0, 0.1, (1, 2))
+            drag = np.vstack([PALM[1] + tremble, size * np.array(drags)])
+            kinds.append(player.see(field(centres, drag)).kind)
+        return kinds
+
+    assert set(play(0.0, 60)) == {GestureKind.NONE}
+    for _ in range(2):
+        assert set(play(1.0, 30)[5:]) == {kind}
+        assert set(play(0.0, 30)[5:]) == {GestureKind.NONE}
+        player.rest_px = player.rest_px.copy()  # seen as untouched: a resting hand's pose stays

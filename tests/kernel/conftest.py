@@ -1,5 +1,7 @@
-"""Boots the kernel once for all tests of this folder and hands them what the guest saw."""
+"""Boots the kernel once for pads and once for cameras; hands the tests what the guest saw."""
 
+import fcntl
+import functools
 import json
 import os
 import subprocess
@@ -10,9 +12,17 @@ from typing import Any
 
 import pytest
 
-from tests.kernel.machine import COMPILED, ROOT, MissingError, boot, fetch_kernel, require_packages
+from tests.kernel.machine import (
+    COMPILED,
+    ROOT,
+    MissingError,
+    boot,
+    choose_machine,
+    fetch_kernel,
+    require_packages,
+)
 
-TIME_LIMIT_S = 1200.0
+TIME_LIMIT_S = 2000.0
 """Several times what it takes on two idle cores without hardware virtualisation."""
 
 # Compiled kernels are kept per processor; QEMU's is not ours. For a generic one they are compiled
@@ -21,25 +31,36 @@ NUMBA = {"NUMBA_CPU_NAME": "generic", "NUMBA_CACHE_DIR": str(COMPILED)}
 
 
 @pytest.fixture(scope="session")
-def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder that the guest wrote; the tests are skipped where no kernel can be booted."""
-    try:
-        require_packages()
-        kernel = fetch_kernel()
-    except MissingError as error:
-        if os.environ.get("NEUROTOUCH_REQUIRE_KERNEL") == "1":
-            pytest.fail(f"real-kernel tests are required, but {error}")
-        pytest.skip(f"real-kernel tests: {error}")
-    folder = tmp_path_factory.mktemp("kernel")
-    prepare_tour(folder / "tour.aedat4")
-    settings = [f"{name}={value}" for name, value in NUMBA.items()]
-    program = ["env", *settings, sys.executable, "-m", "tests.kernel.guest", str(folder)]
-    console = boot(kernel, program, folder, time_limit_s=TIME_LIMIT_S)
-    (folder / "console.txt").write_text(console)
-    return folder
+def machines(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Boots a machine when it is first asked for, and returns the folder that its guest wrote."""
+
+    @functools.cache
+    def booted(machine: str) -> Path:
+        try:
+            require_packages()
+            kernel = fetch_kernel()
+        except MissingError as error:
+            if os.environ.get("NEUROTOUCH_REQUIRE_KERNEL") == "1":
+                pytest.fail(f"real-kernel tests are required, but {error}")
+            pytest.skip(f"real-kernel tests: {error}")
+        folder = tmp_path_factory.mktemp(machine)
+        prepare(machine, folder / "tour.aedat4")
+        settings = [f"{name}={value}" for name, value in NUMBA.items()]
+        program = ["env", *settings, sys.executable, "-m", "tests.kernel.guest", str(folder)]
+        console = boot(kernel, [*program, machine], folder, time_limit_s=TIME_LIMIT_S)
+        (folder / "console.txt").write_text(console)
+        return folder
+
+    return booted
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
+def results(request: pytest.FixtureRequest, machines: Callable[[str], Path]) -> Path:
+    """What the guest wrote; the tests are skipped where no kernel can be booted."""
+    return machines(choose_machine(request.path.name))
+
+
+@pytest.fixture(scope="module")
 def guest(results: Path) -> Callable[[str], Any]:
     """Returns what a chapter of the guest's program saw; no answer is a failure."""
 
@@ -56,14 +77,24 @@ def guest(results: Path) -> Callable[[str], Any]:
     return saw
 
 
-def prepare_tour(recording: Path) -> None:
-    """Record the tour for the guest, and play it here once, which compiles all it needs."""
+def prepare(machine: str, recording: Path) -> None:
+    """Record the tour for the guest, and do here once what compiles all that the guest needs."""
     play = ["run", "--source", f"file:{recording}", "--device", "memory", "--speed", "max"]
-    for module in (["tests.kernel.tour", str(recording)], ["neurotouch_hid", *play]):
-        subprocess.run(
-            [sys.executable, "-m", *module],
-            cwd=ROOT,
-            env={**os.environ, **NUMBA},
-            stdout=subprocess.DEVNULL,
-            check=True,
-        )
+    run("tests.kernel.tour", str(recording))
+    if machine == "cameras":
+        run("tests.kernel.davis")
+    COMPILED.mkdir(parents=True, exist_ok=True)
+    with (COMPILED / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # both machines play the line; it is compiled once
+        run("neurotouch_hid", *play)
+
+
+def run(*module: str) -> None:
+    """Run a module here as the guest would."""
+    subprocess.run(
+        [sys.executable, "-m", *module],
+        cwd=ROOT,
+        env={**os.environ, **NUMBA},
+        stdout=subprocess.DEVNULL,
+        check=True,
+    )

@@ -1,5 +1,6 @@
 """A Debian kernel under QEMU that sees this machine's files and runs one program on them."""
 
+import fcntl
 import os
 import select
 import shutil
@@ -19,6 +20,7 @@ PACKAGES = {
     "busybox": "busybox-static",
     "depmod": "kmod",
     "dpkg": "dpkg",
+    "ip": "iproute2",
     "qemu-system-x86_64": "qemu-system-x86",
     "udevadm": "udev",
 }
@@ -28,8 +30,17 @@ KVM_PATIENCE_S = 30.0
 """With working hardware virtualisation the guest answers within a few seconds."""
 
 
+CAMERA_TESTS = ("test_camera", "test_davis")
+"""The files whose chapters are played by a machine of their own, beside that of the others."""
+
+
 class MissingError(Exception):
     """This machine cannot boot the kernel; the message says what is missing."""
+
+
+def choose_machine(test_file: str) -> str:
+    """Which of the machines plays the chapters that a file of tests asks about."""
+    return "cameras" if test_file.startswith(CAMERA_TESTS) else "pads"
 
 
 def require_packages() -> None:
@@ -52,9 +63,14 @@ def fetch_kernel() -> Path:
     Raises:
         MissingError: the package cannot be had.
     """
-    cached = sorted(CACHE.glob("linux-image-*/boot/vmlinuz-*"))
-    if cached:
-        return cached[-1]
+    CACHE.mkdir(parents=True, exist_ok=True)
+    with (CACHE / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # two processes of tests may ask at once
+        cached = sorted(CACHE.glob("linux-image-*/boot/vmlinuz-*"))
+        return cached[-1] if cached else _download_kernel()
+
+
+def _download_kernel() -> Path:
     listed = _output("apt-cache", "depends", "linux-image-amd64")
     names = [line.split()[-1] for line in listed.splitlines() if "Depends: linux-image-" in line]
     if not names:

@@ -22,7 +22,7 @@ def classes(udev: dict[str, str]) -> set[str]:
 
 
 def test_nothing_is_made_that_the_profile_does_not_use(guest):
-    assert guest("claims")["nodes"] == [PAD]
+    assert guest("claims_uinput")["nodes"] == [PAD]
     assert guest("tour")["nodes"] == [PAD]  # neurotouch run --profile spacecraft
 
 

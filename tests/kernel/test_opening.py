@@ -1,31 +1,38 @@
-"""The three reasons why /dev/uinput cannot be used, and the shipped rule."""
+"""The three reasons why /dev/uinput or /dev/uhid cannot be used, and the shipped rules."""
 
 import pytest
 
-from neurotouch_hid.device.uinput import RULE
+from neurotouch_hid.device import uhid, uinput
+
+RULES = {"uinput": uinput.RULE, "uhid": uhid.RULE}
 
 
-@pytest.fixture(scope="module")
-def opening(guest):
-    return guest("opening")
+@pytest.fixture(params=RULES)
+def name(request):
+    return request.param
 
 
-def test_without_right(opening):
+@pytest.fixture
+def opening(guest, name):
+    return guest("opening")[name]
+
+
+def test_without_right(opening, name):
     said = opening["without_right"]
-    assert said["message"] == "You have no right to write to /dev/uinput (its mode is 0600)."
-    assert RULE in said["hint"]
+    assert said["message"] == f"You have no right to write to /dev/{name} (its mode is 0600)."
+    assert RULES[name] in said["hint"]
 
 
-def test_without_node(opening):
+def test_without_node(opening, name):
     said = opening["without_node"]
-    assert said["message"] == "There is no /dev/uinput here, so no virtual gamepad can be made."
-    assert "sudo modprobe uinput" in said["hint"]
+    assert said["message"] == f"There is no /dev/{name} here, so no virtual gamepad can be made."
+    assert f"sudo modprobe {name}" in said["hint"]
 
 
-def test_without_module(opening):
+def test_without_module(opening, name):
     said = opening["without_module"]
-    assert said["message"] == "/dev/uinput exists, but the kernel module behind it is missing."
-    assert "sudo modprobe uinput" in said["hint"]
+    assert said["message"] == f"/dev/{name} exists, but the kernel module behind it is missing."
+    assert f"sudo modprobe {name}" in said["hint"]
 
 
 def test_opening_the_static_node_loads_the_module(opening):

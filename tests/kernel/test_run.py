@@ -5,9 +5,10 @@ from collections import Counter
 
 import pytest
 
-from neurotouch_hid.device.gamepad import AXES, BUTTONS, encode
+from neurotouch_hid.device.identity import load_identities
 from neurotouch_hid.messages import Axis, Button, GamepadState
 
+XBOX = load_identities()["xbox360"].layout
 MOVES = {
     # What profiles/spacecraft.yaml says, in SDL's words; -1 the one way, 1 the other.
     "push": {("leftx", -1), ("leftx", 1), ("lefty", -1), ("lefty", 1)},
@@ -25,9 +26,9 @@ MOVED_AXES = {
 }
 CLEARLY = 5000
 """Of 32767: what no trembling reaches and even the weakest gesture of the tour exceeds."""
-AXIS_CODES = {control.code: axis for axis, control in AXES.items()}
-KEY_CODES = {control.code: button for button, control in BUTTONS.items()}
-NEUTRAL = encode(GamepadState(0))
+AXIS_CODES = {control.code: axis for axis, control in XBOX.axes.items()}
+KEY_CODES = {control.code: button for button, control in XBOX.buttons.items()}
+NEUTRAL = XBOX.encode(GamepadState(0))
 
 
 def read_reports(events: list[list[int]]) -> list[tuple[int, ...]]:
@@ -50,7 +51,7 @@ def read_trace(results) -> list[tuple[int, ...]]:
     for line in (results / "tour.jsonl").read_text().splitlines():
         pad = json.loads(line)["pad"]
         buttons = frozenset(button for button in Button if pad[button])
-        reports.append(encode(GamepadState(0, buttons, {axis: pad[axis] for axis in Axis})))
+        reports.append(XBOX.encode(GamepadState(0, buttons, {axis: pad[axis] for axis in Axis})))
     return reports
 
 

@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 
 import numpy as np
 import pytest
@@ -102,6 +103,19 @@ def test_trace_has_one_line_per_slice_with_every_control(tmp_path):
 def test_trace_into_a_missing_folder_is_one_sentence(tmp_path):
     with pytest.raises(NeuroTouchError, match=r"cannot be written: No such file"):
         TraceWriter(tmp_path / "missing" / "play.jsonl")
+
+
+def test_what_is_no_file_is_not_replaced_by_one(tmp_path):
+    """As root, ``--trace /dev/null`` would otherwise take the device from everybody."""
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    trace = TraceWriter(path)
+    trace(step(10_000, GestureKind.NONE))
+    trace.close()
+    assert path.is_fifo()
+    assert json.loads(os.read(reader, 100_000))["t_us"] == 10_000
+    os.close(reader)
 
 
 def test_lines_tell_only_changes():

@@ -18,7 +18,7 @@ from neurotouch_hid.profile import Mapping, UserSettings, rehearse
 from neurotouch_hid.runtime import Pipeline, Session, Stopwatch
 from tests.monitor.stage import BUTTONS, FLICK, parse, turn
 
-LIMIT_S = 20.0
+LIMIT_S = 60.0
 PAUSE = Cue(CueKind.PAUSE, "paused")
 
 
@@ -72,7 +72,7 @@ def test_the_player_is_given_the_tone_as_a_file(programs, tmp_path: Path) -> Non
     assert outcome.played
     assert outcome.sentence == "tones through paplay"
     assert (tmp_path / "heard").read_bytes() == make_wave(CueKind.PAUSE, 70)
-    assert (tmp_path / "asked").read_text() == "/dev/stdin\n"
+    assert (tmp_path / "asked").read_text() == "/dev/stdin --latency-msec=50\n"
 
 
 def test_the_next_player_is_asked_where_one_fails(programs, tmp_path: Path) -> None:

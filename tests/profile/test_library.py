@@ -6,7 +6,12 @@ import pytest
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.profile import list_profiles, load_profile
-from neurotouch_hid.profile.library import find_profile, find_shipped_folder, find_user_folder
+from neurotouch_hid.profile.library import (
+    find_profile,
+    find_shipped_folder,
+    find_user_file,
+    find_user_folder,
+)
 
 TEXT = "version: 1\nname: {}\nbindings:\n  - {{when: push, do: {{stick: left}}}}\n"
 
@@ -80,3 +85,12 @@ def test_a_relative_configuration_folder_is_ignored(monkeypatch) -> None:
     monkeypatch.setenv("XDG_CONFIG_HOME", "relative")
     monkeypatch.setenv("HOME", "/home/somebody")
     assert find_user_folder() == Path("/home/somebody/.config/neurotouch/profiles")
+
+
+def test_another_player_has_values_of_their_own_and_the_same_profiles(monkeypatch) -> None:
+    monkeypatch.setenv("XDG_CONFIG_HOME", "/etc")
+    folder = Path("/etc/neurotouch")
+    for player, file in {"1": "user.yaml", "2": "player-2/user.yaml", "x": "user.yaml"}.items():
+        monkeypatch.setenv("NEUROTOUCH_PLAYER", player)
+        assert find_user_file() == folder / file
+        assert find_user_folder() == folder / "profiles"

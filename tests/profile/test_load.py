@@ -167,7 +167,7 @@ MISTAKES = [
         binding(when="{§gestur: pinch}"),
         [
             "bindings[0].when.gestur: unknown key; "
-            "known here: gesture, direction, sectors, zone, contacts, level, phase, "
+            "known here: gesture, direction, sectors, zone, contacts, with_button, level, phase, "
             "min_speed_mm_s, on_mm, off_mm, press, hold_ms, accept_ms, ignore_repeat_ms, "
             "trigger, release"
         ],

@@ -6,6 +6,7 @@ import pytest
 
 from neurotouch_hid.messages import GamepadState
 from neurotouch_hid.profile import Mapping
+from neurotouch_hid.profile.decision import Journal
 from neurotouch_hid.profile.engine.output import Outputs
 from neurotouch_hid.profile.engine.pointer import PointerCare
 from neurotouch_hid.profile.targets import MouseMotionTarget
@@ -43,15 +44,27 @@ def test_dwelling_clicks_once_and_only_after_a_movement() -> None:
     assert when == pytest.approx(500 + 500, abs=30)
 
 
+def test_a_dwell_can_be_heard_in_two_steps_and_left_between_them() -> None:
+    mapping = Mapping(make_profile(MOTION % ", dwell_ms: 800"), RAW)
+    run(mapping, "push left 8mm 100ms hold 300ms; rest 400ms; push left 8mm 100ms hold 300ms")
+    said = {str(decision) for decision in mapping.decisions()}
+    assert said == {"step: dwell -> mouse left (1 of 2)"}
+    mapping = Mapping(make_profile(MOTION % ", dwell_ms: 800"), RAW)
+    run(mapping, "push left 8mm 100ms hold 300ms; rest 2s")
+    heard = [(decision.verdict, decision.t_us) for decision in mapping.decisions()]
+    assert [verdict for verdict, _ in heard] == ["step", "pressed"]
+    assert heard[1][1] - heard[0][1] == 550_000
+
+
 def test_it_is_still_while_it_clicks_until_it_is_dragged() -> None:
-    care = PointerCare(MouseMotionTarget(mouse="motion"))
+    care = PointerCare(MouseMotionTarget(mouse="motion"), Journal())
     still = []
     for i in range(30):
         outputs = Outputs(mouse_buttons={"BTN_LEFT"}, pointer=(100.0, 0.0))
         care.tend(outputs, i * 10_000)
         still.append(outputs.pointer == (0.0, 0.0))
     assert still == [True] * 12 + [False] * 18, "12 px at 100 px/s"
-    free = PointerCare(MouseMotionTarget(mouse="motion", freeze_on_click=False))
+    free = PointerCare(MouseMotionTarget(mouse="motion", freeze_on_click=False), Journal())
     outputs = Outputs(mouse_buttons={"BTN_LEFT"}, pointer=(100.0, 0.0))
     free.tend(outputs, 0)
     assert outputs.pointer == (100.0, 0.0)

@@ -4,59 +4,81 @@ import math
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
+from scipy import signal
 
-from neurotouch_hid.messages import Gesture, GestureKind
+from neurotouch_hid.evaluation.steadiness import DESIGN, measure_filter
+from neurotouch_hid.messages import Axis, Gesture, GestureKind
 from neurotouch_hid.profile import Mapping, UserSettings
+from neurotouch_hid.profile.engine.notch import QUALITY, Notch, TremorWatch
 from neurotouch_hid.profile.engine.one_euro import FILTERS, OneEuro
 from tests.profile.stage import make_profile
 
 STEP_US = 10_000
 
-DESIGN = {
-    "light": ({4: 82, 5: 72, 6: 63, 8: 49, 10: 39}, 13, 12, 26),
-    "medium": ({4: 36, 5: 28, 6: 22, 8: 16, 10: 12}, 40, 39, 72),
-    "strong": ({4: 19, 5: 14, 6: 11, 8: 8, 10: 6}, 55, 57, 84),
-}
-"""By preset: percent of a tremor of 1 mm that is left, by its frequency in Hz; delay in ms of a
-press at half its rise and of its release at 20 %; lag in ms on a slow ramp of 3 mm/s."""
-
-
-def smooth(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
-    one_euro = OneEuro(*FILTERS[name])
-    return np.array([one_euro.update(float(value), STEP_US) for value in values])
-
-
-def cross(times: NDArray[np.float64], values: NDArray[np.float64], level: float) -> float:
-    """When the values pass the level for the first time, by linear interpolation, in s."""
-    above = (values >= level) == (values[-1] >= level)
-    i = int(np.argmax(above & (np.arange(len(values)) > 0)))
-    share = (level - values[i - 1]) / (values[i] - values[i - 1])
-    return float(times[i - 1] + share * (times[i] - times[i - 1]))
-
 
 @pytest.mark.parametrize("name", DESIGN)
-def test_the_presets_leave_of_a_tremor_what_the_design_says(name: str) -> None:
-    times = np.arange(0, 6, STEP_US * 1e-6)
-    for hz, expected in DESIGN[name][0].items():
-        left = smooth(name, 5.0 + np.sin(2 * np.pi * hz * times))[200:]
-        assert 100 * np.ptp(left) / 2 == pytest.approx(expected, abs=3), (hz, name)
+def test_the_presets_leave_and_delay_what_the_design_says(name: str) -> None:
+    measured, design = measure_filter(name), DESIGN[name]
+    for hz, percent in design.left.items():
+        assert measured.left[hz] == pytest.approx(percent, abs=3), (hz, name)
+    assert measured.press_ms == pytest.approx(design.press_ms, abs=3)
+    assert measured.release_ms == pytest.approx(design.release_ms, abs=4)
+    assert measured.ramp_ms == pytest.approx(design.ramp_ms, abs=4)
 
 
-@pytest.mark.parametrize("name", DESIGN)
-def test_the_presets_delay_as_the_design_says(name: str) -> None:
-    _, rise_ms, release_ms, ramp_ms = DESIGN[name]
-    times = np.arange(-0.5, 2.0, STEP_US * 1e-6)
-    share = np.clip(times / 0.3, 0, 1)
-    press = 5 * (10 * share**3 - 15 * share**4 + 6 * share**5)
-    late = cross(times, smooth(name, press), 2.5) - cross(times, press, 2.5)
-    assert 1e3 * late == pytest.approx(rise_ms, abs=3)
-    release = 5.0 - press
-    late = cross(times, smooth(name, release), 1.0) - cross(times, release, 1.0)
-    assert 1e3 * late == pytest.approx(release_ms, abs=4)
-    ramp = 3.0 * np.clip(times, 0, None)
-    lag = (ramp - smooth(name, ramp))[-1] / 3.0
-    assert 1e3 * lag == pytest.approx(ramp_ms, abs=4)
+@pytest.mark.parametrize("step_us", [3_000, 10_000, 30_000])
+def test_a_notch_agrees_with_the_one_of_scipy(step_us: int) -> None:
+    rng = np.random.default_rng(1)
+    values = rng.normal(5.0, 1.0, 200)
+    b, a = signal.iirnotch(5.0, QUALITY, 1e6 / step_us)
+    begun = signal.lfilter_zi(b, a) * values[0]
+    expected, _ = signal.lfilter(b, a, values, zi=begun)
+    # SciPy's width is that of the bilinear transform, the cookbook's that of the sine
+    notch = Notch(5.0)
+    assert np.corrcoef([notch.update(v, step_us) for v in values], expected)[0, 1] > 0.98
+    still = Notch(5.0)
+    assert [still.update(4.0, step_us) for _ in range(50)] == pytest.approx([4.0] * 50)
+
+
+def test_the_tremor_is_followed_as_it_drifts_but_not_beyond() -> None:
+    def find(hz: float, swing_mm: float = 1.0) -> list[float]:
+        watch = TremorWatch(5.0)
+        times = np.arange(0, 7, STEP_US * 1e-6)
+        found = [
+            watch.update(5.0 + swing_mm * math.sin(2 * math.pi * hz * t), STEP_US) for t in times
+        ]
+        return [hz for hz in found if hz is not None]
+
+    assert find(6.0) == pytest.approx([6.0, 6.0], abs=0.2)
+    assert find(8.0) == []
+    assert find(5.0, 0.01) == []
+
+
+def test_a_persons_own_tremor_is_taken_out_of_a_hold() -> None:
+    profile = make_profile("when: push, do: {axis: left_x, range_mm: [0, 10], deadzone: 0}")
+
+    def sway(hz: float, **own: float) -> float:
+        mapping = Mapping(profile, UserSettings(filter="medium", **own))
+        values = [mapping.update(g).axes.get(Axis.LEFT_X, 0.0) for g in trembling(5.0, hz, 1.0)]
+        return float(np.ptp(values[200:300]))
+
+    assert sway(5.0) > 0.04
+    assert sway(5.0, tremor_hz=5.0) < 0.2 * sway(5.0)
+    drifted = Mapping(profile, UserSettings(filter="medium", tremor_hz=5.0))
+    swayed = [
+        drifted.update(
+            Gesture(
+                i * STEP_US,
+                GestureKind.PUSH,
+                np.zeros((2, 2)),
+                np.zeros((2, 2)),
+                5.0 + math.sin(2 * math.pi * 6.0 * i * STEP_US * 1e-6),
+                (5.0, 0.0),
+            )
+        ).axes.get(Axis.LEFT_X, 0.0)
+        for i in range(800)
+    ]
+    assert np.ptp(swayed[500:]) < 0.5 * np.ptp(swayed[150:290])
 
 
 def test_a_new_zero_does_not_open_the_filter() -> None:

@@ -2,7 +2,6 @@
 
 import struct
 
-import dv_processing as dv
 import numpy as np
 import pytest
 
@@ -10,6 +9,7 @@ from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 from neurotouch_hid.recording import Recording, RecordingWriter
 from tests.recording.streams import ORIGIN_US, make_events, make_frames, make_packets
+from tests.vendor import dv
 
 
 def write(path, packets):

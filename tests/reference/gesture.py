@@ -23,3 +23,12 @@ def smooth_displacement(rest, displacement, radius):
         near = [v for q, v in zip(rest, displacement, strict=True) if math.dist(p, q) <= radius]
         means.append([math.fsum(v[axis] for v in near) / len(near) for axis in (0, 1)])
     return means
+
+
+def displace(rest, position, valid):
+    """The motion of each marker, None where it is not known."""
+    steps = []
+    for p, q, seen in zip(position, rest, valid, strict=True):
+        known = seen and all(math.isfinite(v) for v in p)
+        steps.append([p[0] - q[0], p[1] - q[1]] if known else None)
+    return steps

@@ -1,10 +1,12 @@
 """Slow plain twins of the kernels of the elastic fit, in numpy's linear algebra."""
 
+import cmath
 import math
 
 import numpy as np
 
 NU, CLAMP = 0.49, 31.0
+HEIGHT, VIEW, NEAR, STEP = 20.0, 100.0, 9.0, 0.8
 
 
 def window(x, y):
@@ -66,6 +68,93 @@ def columns(points, centres, radii):
             row = alone @ inverse
         rows.append(row)
     return np.array(rows)
+
+
+def presses(points, centres, radii):
+    """(n, 2, k): motion of each marker by each press: what sinks grows and flows aside."""
+    rows = []
+    for x, y in points:
+        row = []
+        for (cx, cy), a in zip(centres, radii, strict=True):
+            r2 = (x - cx) ** 2 + (y - cy) ** 2
+            depth = 1 - 0.5 * r2 / a**2 if r2 < a**2 else 0.5 * (a**2 / r2) ** 0.75
+            flow = a**2 / (2 * HEIGHT * (a**2 + r2))
+            row.append([depth / VIEW * x + flow * (x - cx), depth / VIEW * y + flow * (y - cy)])
+        rows.append(np.transpose(row))
+    return np.array(rows)
+
+
+def slopes(points, centres, radii, motions):
+    """(n, 2, 3 k): how each marker moves with x, y and radius of each finger, the loads held."""
+    loads = np.linalg.solve(couple(centres, radii), np.ravel(motions)).reshape(-1, 3)
+    out = np.zeros((len(points), 2, 3 * len(centres)))
+    for i, p in enumerate(points):
+        for j, ((cx, cy), a) in enumerate(zip(centres, radii, strict=True)):
+            if math.dist(p, (cx, cy)) > a + NEAR:
+                continue
+            for q, (x, y, r) in enumerate(STEP * np.eye(3)):
+                more = respond(*p, cx + x, cy + y, a + r) @ loads[j]
+                less = respond(*p, cx - x, cy - y, a - r) @ loads[j]
+                out[i, :, 3 * j + q] = (more - less) / (2 * STEP)
+    return out
+
+
+def measure_motion(centres, radii, motions):
+    """Translation, rotation, scale and what speaks for each of the six types."""
+    parts = [0.0] * 6
+    rest, drag = [complex(*c) for c in centres], [complex(x, y) for x, y, _ in motions]
+    n = len(rest)
+    common = sum(drag) / n
+    if n == 1:
+        rotation, scale = math.asin(motions[0][2]), 1.0
+        turn = abs(rotation) * 0.7 * radii[0]
+        parts[1] = abs(common)
+    else:
+        arm = [place - sum(rest) / n for place in rest]
+        inertia = sum(abs(a) ** 2 for a in arm)
+        similarity = 1 + sum(a.conjugate() * d for a, d in zip(arm, drag, strict=True)) / inertia
+        rotation, scale = cmath.phase(similarity), abs(similarity)
+        reach = math.sqrt(inertia / n)
+        turn, parts[3 if scale > 1 else 2] = abs(rotation) * reach, abs(scale - 1) * reach
+        parts[1] = abs(common) / 1.6
+    parts[4 if rotation > 0 else 5] = turn
+    return (common.real, common.imag, rotation, scale), parts
+
+
+class Landing:
+    """Motions since each finger, known by its name, landed."""
+
+    def __init__(self):
+        self.seen = {}
+
+    def subtract(self, names, motions, step_us):
+        seen, since = {}, []
+        for name, motion in zip(names, motions, strict=True):
+            total, us = self.seen.get(name, ([0.0, 0.0, 0.0], 0))
+            if us < 60_000:
+                total = [s + step_us * m for s, m in zip(total, motion, strict=True)]
+                us += step_us
+            seen[name] = total, us
+            landed = [s / us for s in total]
+            share = 0.8 * 0.5 / max(math.hypot(*landed[:2]), 0.5)
+            since.append([m - share * s for m, s in zip(motion, landed, strict=True)])
+        self.seen = seen
+        return np.array(since)
+
+
+def locate(centre, radius, motion, press, n=400):
+    """The mean of a patch weighted by its motion, by summing over it, and that place's motion."""
+    u = np.linspace(-1, 1, n) * radius
+    x, y = (p.ravel() for p in np.meshgrid(u, u))
+    x, y = x[np.hypot(x, y) <= radius], y[np.hypot(x, y) <= radius]
+    dx, dy = np.add(motion[:2], press / VIEW * np.asarray(centre))
+    turn = motion[2]
+    square = (dx - turn * y) ** 2 + (dy + turn * x) ** 2
+    weight = square * (square.mean() + square)
+    sx, sy = np.average(x, weights=weight), np.average(y, weights=weight)
+    bend = math.sqrt(1 - turn**2) - 1
+    moved = dx - turn * sy + bend * sx, dy + turn * sx + bend * sy
+    return centre[0] + sx, centre[1] + sy, *moved
 
 
 def bend(points, centres, radii, turns):

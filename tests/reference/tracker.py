@@ -6,9 +6,6 @@ import statistics
 SECOND = 1e-6
 
 
-TILE, REACH = 4, 6.0
-
-
 def nearest(x, y, gate, positions):
     """The index of the nearest position nearer than the gate, or -1."""
     distance = [math.hypot(x - px, y - py) for px, py in positions]
@@ -16,30 +13,18 @@ def nearest(x, y, gate, positions):
     return best if distance[best] < gate else -1
 
 
-def listed(x, y, seat):
-    """Whether a marker that was seated there can be reached from the tile of pixel (x, y)."""
-    return all(
-        TILE * (v // TILE) <= s + REACH and s - REACH < TILE * (v // TILE + 1)
-        for v, s in ((x, seat[0]), (y, seat[1]))
-    )
+def filter_events(events, state, aim, r_px2, tuning):
+    """Matrix Kalman filter; ``state`` rows x, y, vx, vy, a, b, c, t, lead are changed in place.
 
-
-def filter_events(events, state, seat, r_px2, tuning):
-    """Matrix Kalman filter; ``state`` rows x, y, vx, vy, a, b, c, t, lead are changed in place."""
+    ``aim`` rows: where ON (x, y) and OFF (x, y) events of each marker are expected.
+    """
     taken = []
     for t, x, y, on in events:
-        sign = 1 if on else -1  # where the event would be if it came from a marker's centre
-        from_px = [(x - sign * row[8], y - sign * row[9]) for row in state]
-        far = [
-            math.dist(at, row[:2]) if listed(x, y, s) else math.inf
-            for at, row, s in zip(from_px, state, seat, strict=True)
-        ]
-        i = min(range(len(far)), key=far.__getitem__)
-        i = i if far[i] < tuning.gate_px else -1
+        i = nearest(x, y, tuning.gate_px, [row[:2] if on else row[2:] for row in aim])
         taken.append(i)
         if i < 0:
             continue
-        px, py, vx, vy, a, b, c, since = state[i][:8]
+        px, py, vx, vy, a, b, c, since, lead_x, lead_y = state[i][:10]
         elapsed = max((t - since) * SECOND, 0.0)
         dt = min(elapsed, tuning.memory_s)
         fade = 1 - dt / tuning.memory_s
@@ -52,7 +37,8 @@ def filter_events(events, state, seat, r_px2, tuning):
             c + tuning.q_v * grow,
         )
         px, py = px + vx * step, py + vy * step
-        rx, ry = from_px[i][0] - px, from_px[i][1] - py
+        sign = 1 if on else -1  # where the event would be if it came from the marker's centre
+        rx, ry = x - sign * lead_x - px, y - sign * lead_y - py
         r = r_px2[i] * (1 + ((rx * rx + ry * ry) / tuning.spread_px**2) ** 2)
         k1, k2 = a / (a + r), b / (a + r)
         state[i][:8] = [
@@ -74,6 +60,18 @@ def collide(positions, expected, neighbours, closest):
         for i, j in pairs
         if math.dist(positions[i], positions[j]) < closest
     }
+
+
+def tear(positions, usable, rest, neighbours, least):
+    """Markers that moved by more than ``least`` while most of their neighbours stayed behind."""
+    moved = [math.dist(p, r) for p, r in zip(positions, rest, strict=True)]
+    torn = set()
+    for i, around in enumerate(neighbours):
+        near = [j for j in around if j >= 0 and usable[j]]
+        left = [j for j in near if moved[j] < 0.2 * moved[i]]
+        if moved[i] > least and len(left) >= 4 and len(left) > len(near) / 2:
+            torn.add(i)
+    return torn
 
 
 def weigh(t, motion, count, rate, noise, neighbours, n_checks, tuning):
@@ -173,4 +171,50 @@ def match_points(targets, points, gate):
         clear = len(order) < 2 or order[1][0] >= 2 * distance
         mutual = min(range(len(targets)), key=lambda k: math.dist(targets[k], points[j])) == i
         answers.append(j if clear and mutual else -2)
+    return answers
+
+
+def assign_blobs(then, sharp, points, areas, missed, lost, rest, neighbours, tuning):
+    """The blob of each track or None, and how often each track was missed."""
+    usual = statistics.median(areas)
+    single = {j for j, area in enumerate(areas) if area <= 1.8 * usual}
+    first = match_points(then, points, 3.5)
+    missed = [m + (s and j == -1) for m, s, j in zip(missed, sharp, first, strict=True)]
+    blob = [j if s and j in single else None for s, j in zip(sharp, first, strict=True)]
+    lost = [a or m > 0 for a, m in zip(lost, missed, strict=True)]
+    for _ in range(3):
+        at = [t if j is None else points[j] for t, j in zip(then, blob, strict=True)]
+        expected = expect(at, rest, neighbours, [j is not None for j in blob])
+        for i, answer in enumerate(expected):
+            if answer is None:
+                continue
+            x, y, spread = answer
+            off = max(abs(at[i][0] - x), abs(at[i][1] - y))
+            if off > tuning.max_stray_px + tuning.max_stray_ratio * spread:
+                blob[i], lost[i] = None, True
+        searching = [
+            i
+            for i, answer in enumerate(expected)
+            if blob[i] is None and lost[i] and sharp[i] and answer is not None
+        ]
+        free = sorted(single - set(blob))
+        found = match_points([expected[i][:2] for i in searching], [points[j] for j in free], 3.5)
+        if not any(k >= 0 for k in found):
+            break
+        for i, k in zip(searching, found, strict=True):
+            blob[i] = free[k] if k >= 0 else None
+    return blob, missed
+
+
+def drift(off, share, touched_share, touch, most, rest):
+    """Rest positions that follow by shares of what is common to all and of what is not."""
+    common = [statistics.median(v) for v in zip(*off, strict=True)]
+    answers = []
+    for v, at in zip(off, rest, strict=True):
+        local = [a - c for a, c in zip(v, common, strict=True)]
+        size = math.hypot(*local)
+        part = share if size <= touch else touched_share if size <= most else 0.0
+        answers.append(
+            [r + share * c + part * d for r, c, d in zip(at, common, local, strict=True)]
+        )
     return answers

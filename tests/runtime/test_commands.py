@@ -1,5 +1,8 @@
 """What the questions mean; the line here stands still unless a test turns it."""
 
+import time
+from concurrent.futures import ThreadPoolExecutor
+
 import pytest
 
 from neurotouch_hid.gesture import GestureConfig
@@ -28,6 +31,30 @@ def test_order_to_a_silent_source_is_noted(commands):
     assert answer["ok"]
     assert answer["done"] is False
     assert "silent" in answer["text"]
+
+
+@pytest.mark.parametrize(
+    ("orders", "words", "state"),
+    [
+        (["pause"], "Paused", "paused"),
+        (["pause", "pause"], "Paused", "paused"),
+        (["resume"], "Resumed", "running"),
+        (["panic"], "Stopped", "panic"),
+        (["pause", "panic"], "Stopped", "panic"),
+        (["panic", "pause"], "Stopped", "panic"),  # only resume ends a panic
+        (["panic", "pause", "resume", "pause"], "Paused", "paused"),
+    ],
+)
+def test_an_answer_says_what_holds_afterwards(commands, session, orders, words, state):
+    with ThreadPoolExecutor(1) as asker:
+        for order in orders:
+            asked = asker.submit(commands.answer, {"command": order})
+            while not asked.done():  # the line takes its orders between two slices
+                session.obey()
+                time.sleep(0.001)
+    assert asked.result()["done"]
+    assert asked.result()["text"].startswith(words)
+    assert commands.answer({"command": "status"})["state"] == state
 
 
 def test_too_many_orders_are_refused_but_never_a_panic(commands, session):

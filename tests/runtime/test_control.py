@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 from hypothesis import given
@@ -235,3 +236,56 @@ def test_folder_is_the_services_or_that_of_the_session(monkeypatch):
     assert find_runtime_folder() == Path("/run/user/7/neurotouch")
     monkeypatch.setenv("XDG_RUNTIME_DIR", "relative")
     assert find_runtime_folder().is_absolute()
+
+
+ASK_AS_NOBODY = """\
+import contextlib, os, socket, sys
+os.setgid(65534)
+os.setuid(65534)
+line = socket.socket(socket.AF_UNIX)
+line.connect(sys.argv[1])
+with contextlib.suppress(OSError):  # refused before it was said
+    line.sendall(b'{"command": "pause"}\\n')
+    line.shutdown(socket.SHUT_WR)
+print(line.makefile().readline())
+"""
+
+
+def ask_as_nobody(path: Path) -> dict:
+    said = subprocess.run(
+        ["/usr/bin/python3", "-c", ASK_AS_NOBODY, str(path)],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return json.loads(said.stdout)
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="only root can ask as somebody else")
+@pytest.mark.parametrize(("guests", "welcome"), [({65534}, True), ({12345}, False), ((), False)])
+def test_a_service_answers_its_guests_and_nobody_else(guests, welcome):
+    with TemporaryDirectory() as top:  # pytest's own folders let nobody in
+        Path(top).chmod(0o755)
+        folder = Path(top) / "neurotouch"
+        with ControlSocket(folder, lambda: guests) as control:
+            control.serve(lambda _: {"ok": True})
+            assert stat.S_IMODE(folder.stat().st_mode) == 0o755
+            answer = ask_as_nobody(find_socket(folder))
+            assert answer["ok"] is welcome
+            assert welcome or "another user" in answer["error"]
+            assert exchange(find_socket(folder), b'{"command": "pause"}\n')["ok"]  # always
+
+
+def test_guests_cannot_reach_the_lock(folder):
+    with ControlSocket(folder, frozenset):
+        assert stat.S_IMODE((folder / "lock").stat().st_mode) == 0o600
+        assert stat.S_IMODE(find_socket(folder).stat().st_mode) == 0o666
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="only root can give a folder away")
+def test_root_is_told_of_the_driver_that_another_user_runs(folder):
+    with ControlSocket(folder, frozenset):
+        os.chown(folder, 65534, 65534)  # as systemd gives the service its folder
+        with pytest.raises(AlreadyRunningError, match="as another user"):
+            ControlSocket(folder)
+        os.chown(folder, 0, 0)

@@ -11,7 +11,7 @@ from neurotouch_hid.errors import GelNotFoundError
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline, run_line
-from neurotouch_hid.runtime.loop import STALL_S
+from neurotouch_hid.runtime.loop import LIVE_STALL_S, STALL_S
 
 
 @pytest.fixture
@@ -65,7 +65,7 @@ def test_stalled_source_sends_neutral_while_it_is_silent(push, line):
     def stalling():
         yield from held(push)
         assert not device.states[-1].is_neutral
-        deadline = time.monotonic() + 20 * STALL_S
+        deadline = time.monotonic() + 60.0
         while not device.states[-1].is_neutral and time.monotonic() < deadline:
             time.sleep(0.01)
         seen.append(device.states[-1])
@@ -88,3 +88,41 @@ def test_source_without_frames_is_an_error_that_says_so(push, line):
     blind = [replace(packet, frames=()) for packet in held(push, 500_000)]
     with pytest.raises(GelNotFoundError, match="no frames, and events show"):
         run_line(blind, line, MemoryDevice())
+
+
+def test_a_camera_may_miss_one_beat_and_is_given_up_within_a_tenth_of_a_second():
+    beat_s = 2**15 / 1e6  # its clock wraps, and says so
+    assert 2 * beat_s < LIVE_STALL_S < 0.1 < STALL_S
+
+
+def test_while_a_live_source_has_nothing_the_loop_turns_obeys_and_ends(push, line):
+    stop, n_turns = threading.Event(), []
+
+    class Live:
+        name, rig = "live", None
+
+        def __iter__(self):
+            raise AssertionError
+
+        def turns(self):
+            yield from push.packets[:50]
+            while True:
+                yield None
+
+        def close(self):
+            pass
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *_):
+            pass
+
+    def count():
+        n_turns.append(1)
+        if len(n_turns) == 60:
+            stop.set()
+
+    stats = run_line(Live(), line, MemoryDevice(), stop=stop, turned=count)
+    assert stats.slices == 50
+    assert len(n_turns) == 60

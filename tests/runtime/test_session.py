@@ -7,7 +7,8 @@ import pytest
 from neurotouch_hid.device import MemoryDevice
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.gesture import GestureConfig
-from neurotouch_hid.profile import UserSettings, load_profile
+from neurotouch_hid.messages import Button
+from neurotouch_hid.profile import UserSettings, load_profile, rehearse
 from neurotouch_hid.runtime import Pipeline, Session, Stopwatch, run_line
 from neurotouch_hid.runtime.mailbox import CAPACITY, Letter, Mailbox
 
@@ -15,13 +16,13 @@ from neurotouch_hid.runtime.mailbox import CAPACITY, Letter, Mailbox
 class Line:
     """A line over a push that holds from 1.0 to 1.7 s, with things happening at given times."""
 
-    def __init__(self, push, user=None):
+    def __init__(self, push, user=None, profile="spacecraft"):
         self.push = push
         self.heard = []
         self.steps = []
         stopwatch = Stopwatch()
         self.pipeline = Pipeline.build(
-            load_profile("spacecraft"), GestureConfig(), user=user, stopwatch=stopwatch
+            load_profile(profile), GestureConfig(), user=user, stopwatch=stopwatch
         )
         self.session = Session(self.pipeline, stopwatch, user or UserSettings())
         self.session.listen(self.heard.append)
@@ -52,6 +53,27 @@ def test_line_without_orders_is_the_same_with_a_session(push):
     line = Pipeline.build(load_profile("spacecraft"), GestureConfig())
     run_line(push.packets, line, MemoryDevice(), [bare.append])
     assert [step.pad for step in Line(push).play().steps] == [step.pad for step in bare]
+
+
+CHORD = """
+version: 1
+name: chord
+bindings:
+  - {when: {gesture: push, with_button: x}, do: {button: a}}
+  - {when: push, do: {button: b}}
+"""
+
+
+def test_a_button_of_who_plays_along_makes_a_chord_of_the_push(push, tmp_path):
+    (tmp_path / "chord.yaml").write_text(CHORD)
+    line = Line(push, profile=str(tmp_path / "chord.yaml"))
+    held = set()
+    line.session.follow(lambda: frozenset(held))
+    line.play({1200: lambda: held.add(Button.X), 1400: held.clear})
+    pressed = {step.gesture.t_us // 1000: step.pad.buttons for step in line.steps}
+    assert pressed[1200] == {Button.B}
+    assert {pressed[t_ms] for t_ms in range(1210, 1401, 10)} == {frozenset({Button.A})}
+    assert pressed[1410] == frozenset()
 
 
 def test_pause_releases_in_the_same_slice_and_tracking_goes_on(push):
@@ -183,6 +205,14 @@ def test_status_tells_counts_times_and_errors(push):
     assert [error["error"] for error in status["errors"]] == [f"error {n}" for n in range(2, 7)]
 
 
+def test_status_names_what_was_held_for_long(push, monkeypatch):
+    monkeypatch.setattr("neurotouch_hid.runtime.session.WINDOW_S", 1e-6)
+    line = Line(push)
+    for gesture in rehearse("push left 6mm 200ms hold 6s; rest 500ms"):
+        line.session.mapping.update(gesture)
+    assert line.play().session.status()["long_holds"] == {"push_left": 1}
+
+
 def test_stopwatch_times_one_method_and_leaves_the_rest_alone():
     class Stage:
         size = 3
@@ -196,5 +226,6 @@ def test_stopwatch_times_one_method_and_leaves_the_rest_alone():
     assert stage.update(4) == 7
     assert stage.size == 3
     assert stopwatch.spent_ns["stage"] > 0
+    assert 0.0 < stopwatch.spread_ms()["stage"][0] <= stopwatch.spread_ms()["stage"][-1]
     with pytest.raises(AttributeError):
         stage.nothing  # noqa: B018

@@ -24,7 +24,7 @@ class SlowDetector(RestDetector):
 
 
 def wait_for(condition) -> None:
-    deadline = time.monotonic() + 10
+    deadline = time.monotonic() + 60
     while not condition():
         assert time.monotonic() < deadline, "the thread does not answer"
         time.sleep(0.001)
@@ -68,4 +68,23 @@ def test_line_never_waits_and_the_newest_frame_wins(push):
         assert beside.exchange(empty(framed[-1])) is None  # taken once
     finally:
         detector.go.release(10)
+        beside.close()
+
+
+def test_thread_finds_the_gel_in_events_alone(push):
+    frameless = [EventPacket(p.t_begin_us, p.t_end_us, p.events) for p in push.packets]
+    inline, beside = InlineRest(RestDetector()), ThreadedRest(RestDetector())
+    try:
+        expected = next(filter(None, map(inline.exchange, frameless)))
+        answers = []
+        for packet in frameless:
+            answers.append(beside.exchange(packet))
+            wait_for(lambda: not beside._packets)  # as slow as a camera; a fast one loses the rest
+        wait_for(lambda: beside._answers or any(answers))
+        answer = next(filter(None, [*answers, beside.exchange(empty(frameless[-1]))]))
+        assert answer.t_us == expected.t_us
+        assert (answer.position_px == expected.position_px).all()
+        assert not beside.detector.is_watching
+        assert "without frames" in beside.detector.stats().reason
+    finally:
         beside.close()

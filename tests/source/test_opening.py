@@ -79,7 +79,8 @@ def test_a_cut_recording_plays_up_to_the_break(recorded, tmp_path):
 
 
 def test_a_recording_without_frames(recorded, tmp_path):
-    dv = pytest.importorskip("dv_processing")
+    from tests.vendor import dv
+
     path = tmp_path / "b.aedat4"
     config = dv.io.MonoCameraWriter.Config("camera")
     config.addEventStream((346, 260))
@@ -98,8 +99,8 @@ def test_a_recording_without_frames(recorded, tmp_path):
 @pytest.mark.parametrize(
     ("spec", "words", "hint"),
     [
-        ("davis:", "not in this version yet", "file:NAME.aedat4"),
-        ("nonsense", "'nonsense' is not a source", "file:NAME.aedat4, sim:NAME, davis:"),
+        ("davis:", "No DAVIS camera is plugged in", "sim:tour"),
+        ("nonsense", "'nonsense' is not a source", "davis:SERIAL, file:NAME.aedat4, sim:NAME"),
         ("http://x", "'http://x' is not a source", "sim:NAME"),
         ("file:", "needs the name of a recording", "file:NAME.aedat4"),
         ("sim:nothing", "nothing", "tour"),
@@ -114,3 +115,8 @@ def test_unknown_sources(spec, words, hint):
 def test_a_missing_recording_is_not_an_unknown_source(tmp_path):
     with pytest.raises(RecordingError, match="does not exist"):
         open_source(str(tmp_path / "a.aedat4"))
+
+
+def test_recordings_keep_the_papers_slices_unless_told_otherwise(recorded):
+    lengths = {packet.t_end_us - packet.t_begin_us for packet in play(recorded, slice_us=None)}
+    assert lengths == {10_000}

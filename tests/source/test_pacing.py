@@ -61,3 +61,29 @@ def test_closing_closes_the_source():
     with PacedSource(packets) as source:
         assert source.name == "packets"
     assert packets.closed
+
+
+def test_the_moment_of_each_packets_end_is_told():
+    clock = Clock()
+    source = PacedSource(Packets(), clock, clock.sleep_s)
+    due_ns = []
+    for _ in source:
+        due_ns.append(source.due_ns)
+        clock.now_ns += 50_000_000  # a loop that is late; what is due does not wait for it
+    assert due_ns == [77 + (k + 1) * 10_000_000 for k in range(10)]
+
+
+def test_what_may_come_as_one_comes_when_all_of_it_has_happened():
+    class Quiet(Packets):
+        def __iter__(self):
+            for i in range(40):
+                yield EventPacket(i * 10_000, (i + 1) * 10_000, NO_EVENTS)
+
+    clock = Clock()
+    paced = PacedSource(Quiet(), clock, clock.sleep_s)
+    paced.doze(is_idle=True)
+    lengths_us = []
+    for packet in paced:
+        lengths_us.append(packet.t_end_us - packet.t_begin_us)
+        assert clock() - 77 == packet.t_end_us * 1_000 + 300_000
+    assert lengths_us == [10_000] * 10 + [40_000] * 7 + [20_000]

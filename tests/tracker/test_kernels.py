@@ -8,31 +8,19 @@ from hypothesis import strategies as st
 from neurotouch_hid.geometry import LATTICE_MM, NEIGHBOURS, Rig
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.tracker import TrackerConfig, kernels
-from neurotouch_hid.tracker.neighbours.kernels import collide, expect
+from neurotouch_hid.tracker.markers import make_tracks as make_empty_tracks
+from neurotouch_hid.tracker.nearest import kernels as nearest_kernels
+from neurotouch_hid.tracker.neighbours.kernels import collide, expect, tear
 from tests.reference import tracker as reference
 
 REST_PX = Rig((172.0, 130.0), 2.5, 0.1).to_px(LATTICE_MM)
 TUNING = TrackerConfig().tuning()
 
 
-def make_tracks(position_px, n_past=4):
-    n, n_tiles = len(position_px), kernels.TILE_ROWS * kernels.TILE_COLUMNS
-    tracks = kernels.Tracks(
-        state=np.zeros((n, kernels.ROW)),
-        near=np.zeros((n_tiles, kernels.TILE_CAPACITY), np.uint16),
-        n_near=np.zeros(n_tiles, np.int16),
-        n_new=np.zeros(n, np.int64),
-        rate_hz=np.zeros(n),
-        r_px2=np.full(n, TUNING.r_px2),
-        noise_hz=np.zeros(1),
-        seat_px=np.full((n, 2), np.nan),
-        lost=np.zeros(n, np.bool_),
-        rest_px=np.array(position_px, np.float64),
-        neighbours=NEIGHBOURS[:n].copy(),
-        past_px=np.zeros((n, n_past, 2)),
-        past_us=np.full(n_past, -1, np.int64),
-        clock=np.zeros(3, np.int64),
-    )
+def make_tracks(position_px, search="tiles"):
+    n = len(position_px)
+    tracks = make_empty_tracks(NEIGHBOURS[:n], TrackerConfig(search=search))
+    tracks.rest_px[:] = position_px
     put(tracks, range(n), position_px)
     return tracks
 
@@ -40,6 +28,13 @@ def make_tracks(position_px, n_past=4):
 def put(tracks, markers, at_px, t_us=0.0):
     at_px = np.array(at_px, np.float64).reshape(-1, 2)
     kernels.place(np.array(markers, np.intp), at_px, 1.0, t_us, tracks)
+
+
+def find_nearest(x, y, on, gate_px, tracks):
+    i, px2 = nearest_kernels.nearest(
+        x, y, on, gate_px**2, tracks.aim_px, tracks.near, tracks.n_near
+    )
+    return i if px2 < gate_px**2 else -1
 
 
 def make_events(rng, n, until_us=20_000):
@@ -51,22 +46,24 @@ def make_events(rng, n, until_us=20_000):
     return events
 
 
-@given(st.integers(0, 2**32 - 1), st.floats(0.0, 8.0))
-@settings(max_examples=15, deadline=None)
-def test_filter_equals_a_matrix_filter_with_a_search_of_all(seed, scatter):
+@given(st.integers(0, 2**32 - 1), st.floats(0.0, 8.0), st.sampled_from(["tiles", "all"]))
+@settings(max_examples=20, deadline=None)
+def test_filter_equals_a_matrix_filter_with_a_search_of_all(seed, scatter, search):
+    tuning = TrackerConfig(search=search).tuning()
     rng = np.random.default_rng(seed)
     position = REST_PX + rng.normal(0, scatter, REST_PX.shape)
     tracks, events = make_tracks(position), make_events(rng, 600)
     near = rng.integers(0, len(position), 600)  # most events lie around a marker
     events["x"][:500] = np.clip(position[near, 0] + rng.normal(0, 2, 600), 0, 345)[:500]
     events["y"][:500] = np.clip(position[near, 1] + rng.normal(0, 2, 600), 0, 259)[:500]
-    tracks.state[:, kernels.LEAD_X : kernels.LEAD_Y + 1] = rng.uniform(-1, 1, (177, 2))
+    tracks.state[:, kernels.LEAD_X : kernels.LEAD_Y + 1] = rng.uniform(-0.7, 0.7, (177, 2))
     tracks.r_px2[:] = rng.uniform(5, 50, 177)
-    state, seat = tracks.state.tolist(), tracks.seat_px.tolist()
+    kernels.aim(10_000.0, tracks, tuning)
+    state, aim = tracks.state.tolist(), tracks.aim_px.tolist()
 
-    assert kernels.filter_events(events, 0, 20_000, tracks, TUNING) == 600
+    assert kernels.filter_events(events, 0, 20_000, tracks, tuning) == 600
 
-    taken = reference.filter_events(events.tolist(), state, seat, tracks.r_px2, TUNING)
+    taken = reference.filter_events(events.tolist(), state, aim, tracks.r_px2, tuning)
     assert sum(i >= 0 for i in taken) > 300
     np.testing.assert_allclose(tracks.state, state, rtol=1e-9, atol=1e-9)
 
@@ -81,15 +78,19 @@ def test_filter_stops_at_the_moment_given():
 
 @given(st.integers(0, 2**32 - 1))
 @settings(max_examples=20, deadline=None)
-def test_grid_finds_the_nearest_wherever_markers_wander(seed):
+def test_lists_hide_no_marker_wherever_they_wander(seed):
     rng = np.random.default_rng(seed)
     tracks = make_tracks(rng.uniform(-20, 370, (177, 2)))
-    for i in rng.integers(0, 177, 400):
-        put(tracks, [i], rng.uniform((-30, -30), (380, 290)))
-    tracks.state[:, :2] += rng.uniform(-2, 2, (177, 2))  # what they move between two checks
-    position = tracks.state[:, :2].tolist()
-    for x, y in rng.integers(0, (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX), (100, 2)).tolist():
-        assert kernels.nearest(x, y, 1.0, 16.0, tracks) == reference.nearest(x, y, 4.0, position)
+    for i in rng.integers(0, 177, 20):
+        put(tracks, [i], rng.uniform((-900, -900), (900, 900)))
+    lead_px = rng.uniform(-0.7, 0.7, (177, 2))
+    tracks.state[:, kernels.LEAD_X : kernels.LEAD_Y + 1] = lead_px
+    kernels.aim(0.0, tracks, TUNING)
+    for on in (True, False):
+        expected = (tracks.state[:, :2] + (lead_px if on else -lead_px)).tolist()
+        for x, y in rng.integers(0, (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX), (100, 2)).tolist():
+            twin = reference.nearest(x, y, 3.5, expected)
+            assert find_nearest(x, y, on, 3.5, tracks) == twin
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.2, 1.0))
@@ -135,6 +136,40 @@ def test_of_two_markers_at_one_place_one_is_wrong(seed):
     collide(position, expected, NEIGHBOURS.copy(), out)
     twin = reference.collide(position.tolist(), expected.tolist(), NEIGHBOURS.tolist(), 1.5)
     assert set(np.flatnonzero(out).tolist()) == twin
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.3, 1.0))
+@settings(max_examples=20, deadline=None)
+def test_what_moves_alone_would_tear_the_gel(seed, share):
+    rng = np.random.default_rng(seed)
+    far = rng.random((177, 1)) < 0.3
+    position = REST_PX + rng.normal(0, 1, REST_PX.shape) + far * rng.normal(0, 8, REST_PX.shape)
+    usable, out = rng.random(177) < share, np.zeros(177, np.bool_)
+    tear(position, usable, REST_PX, NEIGHBOURS.copy(), 4.0, out)
+    twin = reference.tear(position.tolist(), usable, REST_PX.tolist(), NEIGHBOURS.tolist(), 4.0)
+    assert set(np.flatnonzero(out).tolist()) == twin
+
+
+def test_a_patch_that_sits_one_place_off_heals_as_it_moves_on():
+    patch = np.flatnonzero((np.abs(LATTICE_MM) < 6.0).all(axis=1))  # 3 x 3 markers
+    start = REST_PX.copy()
+    start[patch] += (0.0, -10.0)
+    tracks = make_tracks(start)
+    tracks.rest_px[:] = REST_PX
+    for k in range(1, 12):
+        tracks.n_new[patch] = 10  # they make events, most others none
+        kernels.check(k * 2_000, tracks, TUNING)
+    np.testing.assert_allclose(tracks.state[:, :2], REST_PX, atol=0.1)
+    assert not tracks.lost.any()
+
+
+def test_a_lost_marker_without_events_of_its_own_stays_lost():
+    tracks = make_tracks(REST_PX)
+    tracks.lost[[30, 90]] = True
+    for k in range(1, 6):
+        tracks.n_new[30] = 10
+        kernels.check(k * 2_000, tracks, TUNING)
+    assert np.flatnonzero(tracks.lost).tolist() == [90]
 
 
 def test_a_marker_that_follows_its_neighbour_is_not_valid():
@@ -211,6 +246,6 @@ def test_shift_moves_the_past_too():
     tracks = make_tracks(REST_PX)
     kernels.check(2_000, tracks, TUNING)
     kernels.shift(np.array([5]), np.array([[30.0, -20.0]]), tracks)
-    np.testing.assert_allclose(tracks.past_px[5, 0], REST_PX[5] + (30.0, -20.0))
+    np.testing.assert_allclose(tracks.past_px[0, 5], REST_PX[5] + (30.0, -20.0))
     x, y = np.rint(REST_PX[5] + (30.0, -20.0)).astype(int)
-    assert kernels.nearest(int(x), int(y), 1.0, 1.0, tracks) == 5
+    assert find_nearest(int(x), int(y), True, 1.0, tracks) == 5

@@ -11,7 +11,7 @@ from neurotouch_hid.source.simulator import Simulator, SimulatorConfig
 from neurotouch_hid.source.simulator.optics import CameraConfig
 from neurotouch_hid.source.simulator.script import Finger, Stroke, sequence
 from neurotouch_hid.source.simulator.sensor import SensorConfig
-from neurotouch_hid.tracker import MarkerTracker, RestDetector
+from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector, TrackerConfig
 
 REST_PX = Rig((172.0, 130.0), 2.5).to_px(LATTICE_MM).astype(np.float32)
 
@@ -66,6 +66,24 @@ def gestures():
         shot_hz=5.0,
         rig=Rig((176.0, 126.0), 2.4, 0.2),
     )
+
+
+def test_the_lists_of_the_tiles_hide_no_marker(gestures):
+    packets, _ = gestures
+    listed, plain = (
+        follow(packets, MarkerTracker(TrackerConfig(search=search))) for search in ("tiles", "all")
+    )
+    for a, b in zip(listed, plain, strict=True):
+        np.testing.assert_array_equal(a.position_px, b.position_px)
+        np.testing.assert_array_equal(a.valid, b.valid)
+
+
+def test_one_finder_for_both_changes_nothing(gestures):
+    packets, _ = gestures
+    finder = BlobFinder()
+    shared = follow(packets, MarkerTracker(finder=finder), detector=RestDetector(finder=finder))
+    for a, b in zip(shared, follow(packets), strict=True):
+        np.testing.assert_array_equal(a.position_px, b.position_px)
 
 
 def test_no_marker_is_lost_in_noise(gestures):
@@ -193,6 +211,20 @@ def test_missing_events_end_all_motion(lost):
     assert tracker.stats().n_gaps == 1
 
 
+def test_after_the_camera_was_away_nothing_is_known_before_the_next_anchor():
+    tracker = MarkerTracker()
+    tracker.anchor(RestField(0, REST_PX))
+    assert tracker.update(packet(0)).valid.all()
+    assert not tracker.update(packet(50, gap=1)).valid.any()
+    assert not tracker.update(packet(51)).valid.any()
+    moved_px = REST_PX + np.float32(5.0)  # the camera was put back a little askew
+    tracker.anchor(RestField(512_000, moved_px))
+    field = tracker.update(packet(52))
+    assert field.valid.all()
+    np.testing.assert_allclose(field.position_px, moved_px, atol=1e-4)
+    np.testing.assert_allclose(field.rest_px, moved_px, atol=1e-4)
+
+
 def test_the_rest_position_stays_one_object_and_follows_slowly():
     tracker = MarkerTracker()
     tracker.anchor(RestField(0, REST_PX))
@@ -264,7 +296,7 @@ def swap(tracker, i, j):
     state = tracker._tracks.state
     state[[i, j], :2] = state[[j, i], :2]
     for k in (i, j):
-        tracker._tracks.past_px[k] = state[k, :2]
+        tracker._tracks.past_px[:, k] = state[k, :2]
 
 
 def test_swapped_markers_are_told_apart_at_the_next_rest(gestures):

@@ -2,8 +2,9 @@
 
 import click
 
-from neurotouch_hid.cli.completing import complete_key, complete_profile
-from neurotouch_hid.cli.output import make_stamp, plain_option, say, show_changes
+from neurotouch_hid.cli.completing import complete_key, complete_paper, complete_profile
+from neurotouch_hid.cli.outcome import Outcome
+from neurotouch_hid.cli.output import json_option, make_stamp, plain_option
 from neurotouch_hid.cli.profile.saving import save_paper
 
 
@@ -20,15 +21,33 @@ from neurotouch_hid.cli.profile.saving import save_paper
     shell_complete=complete_profile,
     help="The profile to begin with.",
 )
+@json_option
 @plain_option
-def new(name: str, template: str, plain: bool) -> None:
-    """Make a profile of your own as a copy of another."""
-    from neurotouch_hid.profile.editing import make_profile
+def new(name: str, template: str, as_json: bool, plain: bool) -> None:
+    """Make a profile of your own as a copy of another.
+
+    What needs a movement that you do not use goes to another one, as far as one is free.
+    """
+    from neurotouch_hid.profile import load_unused
+    from neurotouch_hid.profile.editing import avoid, make_profile
 
     paper = make_profile(name, template, make_stamp)
-    paper.save(paper.text)
-    say("OK", f"Saved {paper.store.path}", plain=plain)
-    click.echo(f"Next: neurotouch profile edit {name}")
+    paper.check(paper.text).require()
+    mine = avoid(paper.text, load_unused())
+    paper.save(mine.text)
+    path = paper.store.path
+    outcome = Outcome(
+        f"Saved {path}",
+        file=path,
+        changed=True,
+        checked=paper.check(mine.text),
+        notes=(
+            *(f"For you: {what}" for what in mine.moved),
+            *(f"For you, without a gesture: {what}" for what in mine.left),
+            f"Next: neurotouch profile edit {name}",
+        ),
+    )
+    outcome.tell(plain=plain, as_json=as_json)
 
 
 @click.command(
@@ -39,29 +58,34 @@ def new(name: str, template: str, plain: bool) -> None:
     '  neurotouch profile set mine zoom.range_mm "[1, 3.5]"\n'
     "  neurotouch profile set mine layers.menu.push_left_tap.dpad up\n"
     "  neurotouch profile set mine timing steady\n"
-    "  neurotouch profile set mine push.gain --default",
+    "  neurotouch profile set mine push.gain --default\n"
+    "  neurotouch profile set user filter strong",
 )
-@click.argument("name", shell_complete=complete_profile)
+@click.argument("name", shell_complete=complete_paper)
 @click.argument("key", shell_complete=complete_key)
 @click.argument("value", required=False)
 @click.option("--default", "to_default", is_flag=True, help="Remove it, so its default holds.")
+@json_option
 @plain_option
-def set_command(name: str, key: str, value: str | None, to_default: bool, plain: bool) -> None:
+def set_command(
+    name: str, key: str, value: str | None, to_default: bool, as_json: bool, plain: bool
+) -> None:
     """Set one value; nothing else in the file changes.
 
-    A KEY is the gesture of a binding and what is set in it, or any key of the file.
+    A KEY is the gesture of a binding and what is set in it, or any key of the file. The NAME user
+    is your own values: filter, timing, handedness, feedback.sound and others.
     """
-    from neurotouch_hid.profile.editing import parse_value, reset_value, set_value, take_profile
+    from neurotouch_hid.profile.editing import parse_value, reset_value, set_value, take_paper
 
     if to_default == (value is not None):
         raise click.UsageError("give a VALUE, or --default")
-    paper = take_profile(name, make_stamp)
+    paper = take_paper(name, make_stamp)
     text = (
-        reset_value(paper.text, key)
+        reset_value(paper.text, key, paper.model)
         if value is None
-        else set_value(paper.text, key, parse_value(value))
+        else set_value(paper.text, key, parse_value(value), paper.model)
     )
-    save_paper(paper, text, plain=plain)
+    save_paper(paper, text, plain=plain, as_json=as_json)
 
 
 @click.command(
@@ -77,8 +101,11 @@ def set_command(name: str, key: str, value: str | None, to_default: bool, plain:
 @click.argument("do")
 @click.option("--layer", help="The layer. Default: the first.")
 @click.option("--add", is_flag=True, help="Keep what WHEN does already, and do this too.")
+@json_option
 @plain_option
-def bind(name: str, when: str, do: str, layer: str | None, add: bool, plain: bool) -> None:
+def bind(
+    name: str, when: str, do: str, layer: str | None, add: bool, as_json: bool, plain: bool
+) -> None:
     """Let a gesture do something.
 
     WHEN is a gesture (push, pinch, zoom, twist cw, twist ccw, twist, scale, any), perhaps with a
@@ -93,7 +120,7 @@ def bind(name: str, when: str, do: str, layer: str | None, add: bool, plain: boo
 
     paper = take_profile(name, make_stamp)
     text = bind_text(paper.text, parse_when(when), parse_do(do), layer, add=add)
-    save_paper(paper, text, plain=plain)
+    save_paper(paper, text, plain=plain, as_json=as_json)
 
 
 @click.command(
@@ -105,8 +132,11 @@ def bind(name: str, when: str, do: str, layer: str | None, add: bool, plain: boo
 @click.argument("when")
 @click.argument("do", required=False)
 @click.option("--layer", help="The layer. Default: the first.")
+@json_option
 @plain_option
-def unbind(name: str, when: str, do: str | None, layer: str | None, plain: bool) -> None:
+def unbind(
+    name: str, when: str, do: str | None, layer: str | None, as_json: bool, plain: bool
+) -> None:
     """Let a gesture no longer do something.
 
     Without DO, WHEN no longer does anything. The words are those of bind.
@@ -116,34 +146,16 @@ def unbind(name: str, when: str, do: str | None, layer: str | None, plain: bool)
 
     paper = take_profile(name, make_stamp)
     what = parse_do(do) if do is not None else None
-    save_paper(paper, unbind_text(paper.text, parse_when(when), what, layer), plain=plain)
-
-
-@click.command(
-    epilog="\b\nExamples:\n"
-    "  neurotouch profile undo mine              take back the last change; again, the one before\n"
-    "  neurotouch profile undo mine --to 3       back to version 3 of 'profile history'"
-)
-@click.argument("name", shell_complete=complete_profile)
-@click.option("--to", "number", type=click.IntRange(min=1), help="The version to go back to.")
-@plain_option
-def undo(name: str, number: int | None, plain: bool) -> None:
-    """Take back the last change.
-
-    Nothing is lost: what is undone stays in the history of NAME.
-    """
-    from neurotouch_hid.profile.editing import compare, read_text, take_profile
-
-    paper = take_profile(name, make_stamp)
-    version = paper.store.undo() if number is None else paper.store.restore(number)
-    show_changes(compare(paper.text, read_text(paper.store.path)[0]), plain=plain)
-    say("OK", f"{paper.name} is as in version {version.number} again.", plain=plain)
+    save_paper(
+        paper, unbind_text(paper.text, parse_when(when), what, layer), plain=plain, as_json=as_json
+    )
 
 
 @click.command(epilog="\b\nExamples:\n  neurotouch profile upgrade mine")
 @click.argument("name", shell_complete=complete_profile)
+@json_option
 @plain_option
-def upgrade(name: str, plain: bool) -> None:
+def upgrade(name: str, as_json: bool, plain: bool) -> None:
     """Rewrite a profile in the present format.
 
     The old one stays in the history of NAME.
@@ -155,37 +167,50 @@ def upgrade(name: str, plain: bool) -> None:
     paper = take_profile(name, make_stamp)
     text = upgrade_text(paper.text, find_schema(paper.store.path))
     if text == paper.text:
-        say("OK", f"{paper.name} is of the present version.", plain=plain)
+        current = Outcome(f"{paper.name} is of the present version.", file=paper.store.path)
+        current.tell(plain=plain, as_json=as_json)
         return
-    save_paper(paper, text, plain=plain)
+    save_paper(paper, text, plain=plain, as_json=as_json)
 
 
 @click.command(epilog="\b\nExamples:\n  neurotouch profile use racing")
 @click.argument("name", shell_complete=complete_profile)
+@json_option
 @plain_option
-def use(name: str, plain: bool) -> None:
+def use(name: str, as_json: bool, plain: bool) -> None:
     """Play with a profile from now on.
 
     A running driver switches to NAME, and NAME becomes the first of your favourites.
     """
     from neurotouch_hid.driver import ask
-    from neurotouch_hid.errors import NotRunningError
+    from neurotouch_hid.errors import NotRunningError, ProfileError
     from neurotouch_hid.profile import load_profile, load_user
-    from neurotouch_hid.profile.editing import set_value, take_user
-    from neurotouch_hid.profile.library import find_profile
+    from neurotouch_hid.profile.editing import compare, set_value, take_user
+    from neurotouch_hid.profile.library import find_profile, list_profiles
     from neurotouch_hid.profile.user import UserSettings
 
     load_profile(name)
-    stem = find_profile(name).stem
+    path = find_profile(name)
+    stem = path.stem
+    known = list_profiles().get(stem)
+    if known is None or known.resolve() != path.resolve():
+        raise ProfileError(
+            f"{path} is not among your profiles",
+            hint=f"Take it in first: neurotouch profile import {name}",
+        )
     slots = [stem, *(slot for slot in load_user().slots if slot != stem)]
     paper = take_user(make_stamp)
-    # no version: the versions kept are calibrations
-    paper.save(set_value(paper.text, "slots", slots[:8], UserSettings), keep=False)
-    say("OK", f"{stem} is the first of your favourites.", plain=plain)
+    text = set_value(paper.text, "slots", slots[:8], UserSettings)
+    paper.save(text, keep=False)  # no version: the versions kept are calibrations
     try:
-        say("OK", str(ask("use", profile=stem)["text"]), plain=plain)
+        note = str(ask("use", profile=stem)["text"])
     except NotRunningError:
-        click.echo("No driver is running; it holds from the next start.")
-
-
-COMMANDS = (new, set_command, bind, unbind, undo, upgrade, use)
+        note = "No driver is running; it holds from the next start."
+    outcome = Outcome(
+        f"{stem} is the first of your favourites.",
+        file=paper.store.path,
+        changed=text != paper.text,
+        lines=compare(paper.text, text) if as_json else (),
+        notes=(note,),
+    )
+    outcome.tell(plain=plain, as_json=as_json)

@@ -1,13 +1,15 @@
-"""``neurotouch profile edit``: questions and answers, or the user's own text editor."""
+"""The questions and answers of ``neurotouch profile edit``."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.completing import complete_profile
-from neurotouch_hid.cli.output import choose, is_plain, make_stamp, plain_option, say, show_changes
-from neurotouch_hid.cli.profile.saving import save_paper, show_warnings
+from neurotouch_hid.cli.outcome import show_faults
+from neurotouch_hid.cli.output import choose, is_plain, say, show_changes
+from neurotouch_hid.cli.profile.drafts import save_draft
+from neurotouch_hid.cli.profile.gel import see_gesture, try_on_gel
+from neurotouch_hid.cli.profile.saving import save_paper
 from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
@@ -15,85 +17,8 @@ if TYPE_CHECKING:
     from neurotouch_hid.profile.editing import Paper
     from neurotouch_hid.profile.schema import Binding
 
-TOLD_EVERY_US = 100_000  # ten lines a second of sensor time: readable, and still moving
 
-
-@click.command(
-    epilog="\b\nExamples:\n"
-    "  neurotouch profile edit mine             questions with numbered answers\n"
-    "  neurotouch profile edit mine --editor    the file itself, in $EDITOR"
-)
-@click.argument("name", shell_complete=complete_profile)
-@click.option("--editor", is_flag=True, help="Open the file in $VISUAL or $EDITOR; check it after.")
-@click.option(
-    "--source",
-    help="Let gestures be shown instead of named: file:NAME.aedat4, sim:NAME or davis:.",
-)
-@plain_option
-def edit(name: str, editor: bool, source: str | None, plain: bool) -> None:
-    """Change a profile step by step, by questions.
-
-    Nothing is timed. Every step can be taken back, and nothing is saved before you say so.
-    """
-    from neurotouch_hid.profile.editing import read_text, take_profile
-
-    paper = take_profile(name, make_stamp)
-    draft = _find_draft(paper)
-    text = paper.text
-    if draft.exists():
-        choices = ["Go on with it", "Throw it away"]
-        if choose("There is a draft that was not saved.", choices) == 0:
-            text = read_text(draft)[0]
-        else:
-            draft.unlink()
-    if editor:
-        settled = _edit_text(paper, text, draft, plain=plain)
-    else:
-        settled = _Guide(paper, text, draft, source, plain=plain).run()
-    if settled:
-        draft.unlink(missing_ok=True)
-
-
-def _find_draft(paper: "Paper") -> Path:
-    return paper.store.path.parent / ".drafts" / paper.store.path.name
-
-
-def _save_draft(draft: Path, text: str) -> None:
-    draft.parent.mkdir(parents=True, exist_ok=True)
-    draft.write_text(text, encoding="utf-8")
-    say("WARNING", f"Not saved; the draft lies in {draft}")
-    click.echo(f"Go on with it: neurotouch profile edit {draft.stem}")
-
-
-def _edit_text(paper: "Paper", text: str, draft: Path, *, plain: bool) -> bool:
-    """Opens the editor until the text is right, or until the person has had enough of it.
-
-    Gives false if a draft is left.
-    """
-    newline = "\r\n" if "\r\n" in text else "\n"
-    while True:
-        edited = click.edit(text, extension=".yaml", require_save=False) or ""
-        edited = edited.replace("\r\n", "\n").replace("\n", newline)
-        if edited == paper.text:
-            say("OK", "Nothing has changed.", plain=plain)
-            return True
-        text = edited
-        checked = paper.check(text)
-        if checked.whole is not None:
-            save_paper(paper, text, plain=plain)
-            return True
-        show_warnings(checked, plain=plain)
-        choices = ["Edit again", "Keep the old profile, throw this away", "Keep this as a draft"]
-        answer = choose("There are errors. What now?", choices, default=0)
-        if answer == 1:
-            say("OK", "The old profile is kept.", plain=plain)
-            return True
-        if answer == 2:
-            _save_draft(draft, text)
-            return False
-
-
-class _Guide:
+class Guide:
     """Asks, changes the draft, shows what came of it; the person keeps it or takes it back."""
 
     def __init__(
@@ -121,7 +46,7 @@ class _Guide:
                 pass
         except click.Abort:
             if self._text != self._paper.text:
-                _save_draft(self._draft, self._text)
+                save_draft(self._draft, self._text)
             raise
         if self._text == self._paper.text:
             say("OK", "Nothing has changed.", plain=self._plain)
@@ -268,7 +193,7 @@ class _Guide:
         number = choose("Which gesture?", gestures)
         gesture = gestures[number]
         if number == len(GESTURES):
-            shown = _see_gesture(self._source or "")
+            shown = see_gesture(self._source or "")
             if shown is None:
                 return None
             gesture = shown
@@ -299,12 +224,12 @@ class _Guide:
 
         checked = self._paper.check(text)
         if checked.whole is None:
-            show_warnings(checked, plain=self._plain)
+            show_faults(checked, plain=self._plain)
             click.echo("That does not fit, nothing has changed.")
             return
         before, self._text = self._text, text
         show_changes(compare(before, text), plain=self._plain)
-        show_warnings(checked, plain=self._plain)
+        show_faults(checked, plain=self._plain)
         if layer is not None:
             layers = {inner.name: inner for inner in self._load().all_layers}
             self._show_response(layers[layer].bindings[at])
@@ -313,29 +238,10 @@ class _Guide:
             answers.append("Try it on the gel")
         answer = choose("Keep it?", answers, default=0)
         while answer == 2:
-            self._try_on_gel(self._source or "")
+            try_on_gel(self._source or "", self._load())
             answer = choose("Keep it?", answers, default=0)
         if answer == 1:
             self._text = before
-
-    def _try_on_gel(self, source: str) -> None:
-        """One gesture, and what the draft makes of it while it moves, ten times a second."""
-        from neurotouch_hid.cli.calibrate import read_gestures
-        from neurotouch_hid.messages import GestureKind
-        from neurotouch_hid.monitor import describe_gesture, describe_pad
-        from neurotouch_hid.profile import Mapping, load_user
-
-        mapping = Mapping(self._load(), load_user())
-        click.echo("Make the gesture, and let go.")
-        due_us: int | None = None
-        for gesture in read_gestures(source):
-            pad = mapping.update(gesture)
-            if gesture.kind is GestureKind.NONE:
-                if due_us is not None:
-                    return
-            elif due_us is None or gesture.t_us >= due_us:
-                due_us = gesture.t_us + TOLD_EVERY_US
-                click.echo(f"{describe_gesture(gesture)}: {describe_pad(pad)}")
 
     def _show_response(self, binding: "Binding") -> None:
         """The value moving through the curve, from rest to beyond the end."""
@@ -344,24 +250,3 @@ class _Guide:
         for measure, value in sample_response(binding):
             bar = "" if self._plain or is_plain() else " " + "#" * round(40 * value)
             click.echo(f"at {measure:>8}: {100 * value:3.0f} percent{bar}")
-
-
-def _see_gesture(source: str) -> str | None:
-    """The first movement that is made on the gel, in words; None if the source ends before."""
-    from neurotouch_hid.cli.calibrate import read_gestures
-    from neurotouch_hid.profile import load_user
-    from neurotouch_hid.profile.calibration import Session
-
-    session = Session(load_user(), guided=False)
-    click.echo("Make the gesture, and let go.")
-    for gesture in read_gestures(source):
-        repetition = session.take(gesture)
-        if repetition is not None and session.accepts(repetition):
-            words = repetition.movement.replace("_", " ")
-            click.echo(f"Seen: {words}, {repetition.peak_mm:.1f} millimetres")
-            return words
-    click.echo("No gesture was seen.")
-    return None
-
-
-COMMANDS = (edit,)

@@ -1,52 +1,47 @@
-"""What every change ends with: checked, saved, shown."""
+"""What every change of a profile ends with: checked, saved, told."""
 
+import sys
 from typing import TYPE_CHECKING
 
-import click
-
-from neurotouch_hid.cli.output import say, show_changes
+from neurotouch_hid.cli.outcome import Outcome
+from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile.editing import Paper
 
 
-def save_paper(paper: "Paper", text: str, *, plain: bool) -> None:
-    """Saves a changed text if it is right, and shows what has changed.
+def save_paper(paper: "Paper", text: str, *, plain: bool, as_json: bool = False) -> None:
+    """Saves a changed text if it is right, and tells what has changed.
 
     Raises:
-        ProfileError: there are errors, or it cannot be written; nothing has changed.
+        ProfileError: there are errors, or it cannot be written; nothing has changed. With
+            ``as_json`` errors are told, and the process ends with the error's exit code.
     """
-    from neurotouch_hid.errors import ProfileError
     from neurotouch_hid.profile.editing import compare
 
+    path = paper.store.path
     if text == paper.text and paper.content is not None:
-        say("OK", f"{paper.name} says so already, nothing has changed.", plain=plain)
+        message = f"{paper.name} says so already, nothing has changed."
+        Outcome(message, file=path).tell(plain=plain, as_json=as_json)
         return
     checked = paper.check(text)
     try:
         checked.require()
     except ProfileError as error:
-        raise ProfileError(error.message, hint=error.hint or "Nothing was saved.") from None
+        fix = error.hint or "Nothing was saved."
+        if not as_json:
+            raise ProfileError(error.message, hint=fix) from None
+        refused = Outcome("There are errors.", "FAILED", path, checked=checked, fix=fix)
+        refused.tell(plain=plain, as_json=True)
+        sys.exit(error.exit_code)
     paper.save(text)
-    show_changes(compare(paper.text, text), plain=plain)
-    say("OK", f"Saved {paper.store.path}", plain=plain)
-    if paper.shipped:
-        click.echo("This is your own copy; the shipped profile stays as it is.")
-    show_warnings(checked, plain=plain)
-
-
-def show_warnings(checked: object, *, plain: bool) -> None:
-    """The faults of something that was read, one a line in plain output."""
-    from neurotouch_hid.profile import Checked
-
-    if not isinstance(checked, Checked):
-        return
-    if not plain:
-        if checked.faults:
-            click.echo(checked.format())
-        return
-    for fault in checked.faults:
-        status = "WARNING" if fault.severity == "warning" else "FAILED"
-        place = f"{checked.name}:{fault.mark.line + 1}:{fault.mark.column + 1}"
-        path = f"{fault.path}: " if fault.path else ""
-        say(status, f"{place}: {path}{fault.sentence} [{fault.code}]", fault.hint)
+    notes = ("This is your own copy; the shipped profile stays as it is.",) if paper.shipped else ()
+    saved = Outcome(
+        f"Saved {path}",
+        file=path,
+        changed=True,
+        lines=compare(paper.text, text),
+        checked=checked,
+        notes=notes,
+    )
+    saved.tell(plain=plain, as_json=as_json)

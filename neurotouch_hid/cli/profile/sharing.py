@@ -5,8 +5,14 @@ from pathlib import Path
 import click
 
 from neurotouch_hid.cli.completing import complete_profile
-from neurotouch_hid.cli.output import make_stamp, plain_option, say, show_changes
-from neurotouch_hid.cli.profile.saving import show_warnings
+from neurotouch_hid.cli.outcome import Outcome, confirm, show_faults
+from neurotouch_hid.cli.output import (
+    json_option,
+    make_stamp,
+    plain_option,
+    print_json,
+    show_changes,
+)
 from neurotouch_hid.errors import ProfileError
 
 
@@ -26,34 +32,47 @@ from neurotouch_hid.errors import ProfileError
     help="Write your own values too (ranges, filter, timing), to this file.",
 )
 @click.option("--force", is_flag=True, help="Overwrite files.")
-def export(name: str, output: Path | None, user_path: Path | None, force: bool) -> None:
+@json_option
+def export(
+    name: str, output: Path | None, user_path: Path | None, force: bool, as_json: bool
+) -> None:
     """Give a profile away, without your own values.
 
-    Ranges, filter and timing are yours: they go along only with --user, in a file of their own.
+    Ranges, filter and timing are yours: they go along only with --user, in a file of their own,
+    which 'neurotouch profile import --user' takes in.
     """
     from neurotouch_hid.profile import check_profile
     from neurotouch_hid.profile.editing import read_text
     from neurotouch_hid.profile.library import find_profile, find_shipped_folder, find_user_file
 
     path = find_profile(name)
-    profile = check_profile(path).require()
-    written = check_profile(path).written
-    text = read_text(path)[0]
-    if output is None:
-        click.echo(text, nl=False)
-    else:
-        _write(output, text, force=force)
+    checked = check_profile(path)
+    profile = checked.require()
+    files = {} if output is None else {output: checked.text}
     if user_path is not None:
         if not find_user_file().exists():
             raise ProfileError(
                 "you have no values of your own yet", hint="Make them: neurotouch calibrate"
             )
-        _write(user_path, read_text(find_user_file())[0], force=force)
-    for base in written.extends if written is not None else ():
-        if find_profile(base).parent != find_shipped_folder():
-            click.echo(
-                f"WARNING {profile.name} is built on your own '{base}': export that too.", err=True
-            )
+        files[user_path] = read_text(find_user_file())[0]
+    for target, text in files.items():
+        _write(target, text, force=force)
+    notes = tuple(
+        f"{profile.name} is built on your own '{base}': export that too."
+        for base in (checked.written.extends if checked.written is not None else ())
+        if find_profile(base).parent != find_shipped_folder()
+    )
+    if as_json:
+        written = [str(target) for target in files]
+        content = checked.text if output is None else None
+        print_json({"status": "OK", "files": written, "content": content, "notes": list(notes)})
+        return
+    if output is None:
+        click.echo(checked.text, nl=False)
+    for target in files:
+        click.echo(f"OK Saved {target}", err=True)
+    for note in notes:
+        click.echo(f"WARNING {note}", err=True)
 
 
 def _write(path: Path, text: str, *, force: bool) -> None:
@@ -65,25 +84,39 @@ def _write(path: Path, text: str, *, force: bool) -> None:
         write_whole(path, text.encode("utf-8"))
     except OSError as error:
         raise ProfileError(f"{path} cannot be written: {error.strerror}") from None
-    click.echo(f"OK Saved {path}", err=True)
 
 
 @click.command(
     "import",
     epilog="\b\nExamples:\n"
     "  neurotouch profile import friend.yaml\n"
-    "  neurotouch profile import friend.yaml --name racing-2 --yes",
+    "  neurotouch profile import friend.yaml --name racing-2 --yes\n"
+    "  neurotouch profile import --user me.yaml         your own values, on another machine",
 )
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--name", help="What to call it. Default: the name in the file.")
+@click.option("--user", "is_user", is_flag=True, help="FILE holds your own values, no profile.")
 @click.option("--yes", is_flag=True, help="Do not ask.")
+@json_option
 @plain_option
-def import_command(file: Path, name: str | None, yes: bool, plain: bool) -> None:
+def import_command(
+    file: Path, name: str | None, is_user: bool, yes: bool, as_json: bool, plain: bool
+) -> None:
     """Take a profile from a file, after showing what it does.
 
-    Nothing in FILE is ever run.
+    Nothing in FILE is ever run. With --json nothing is asked: without --yes it only says what would
+    change.
     """
-    from neurotouch_hid.profile import check_content
+    if is_user and name is not None:
+        raise click.UsageError("--user and --name cannot go together")
+    if is_user:
+        _take_values(file, yes=yes, as_json=as_json, plain=plain)
+    else:
+        _take_profile(file, name, yes=yes, as_json=as_json, plain=plain)
+
+
+def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, plain: bool) -> None:
+    from neurotouch_hid.profile import check_content, load_unused
     from neurotouch_hid.profile.editing import Paper, Store, adopt, compare, find_own_path
     from neurotouch_hid.profile.editing.desk import find_schema, read_text
     from neurotouch_hid.profile.editing.summary import summarize
@@ -91,7 +124,7 @@ def import_command(file: Path, name: str | None, yes: bool, plain: bool) -> None
     from neurotouch_hid.profile.library import find_shipped_folder
 
     text, content = read_text(file)
-    checked = check_content(content, make_printable(str(file)))
+    checked = check_content(content, make_printable(str(file)), unused=load_unused())
     profile = checked.require()
     stem = name if name is not None else profile.name
     own = find_own_path(stem)
@@ -99,22 +132,64 @@ def import_command(file: Path, name: str | None, yes: bool, plain: bool) -> None
     text = adopt(text, stem, schema)
     old_text, old = read_text(own) if own.exists() else ("", None)
     shipped = find_shipped_folder() / own.name
-    if old is not None:
-        click.echo(f"You have a profile '{stem}'. This would change:")
-        show_changes(compare(old_text, text), plain=plain)
-    elif shipped.exists():
-        click.echo(f"'{stem}' would hide the shipped profile. It would differ in:")
-        show_changes(compare(adopt(read_text(shipped)[0], stem, schema), text), plain=plain)
+    if old is None and shipped.exists():
+        lines = compare(adopt(read_text(shipped)[0], stem, schema), text)
     else:
-        click.echo(f"This profile is new to you. '{stem}' would be:")
-        for line in summarize(profile):
-            click.echo(line)
-    show_warnings(checked, plain=plain)
-    if not yes and not click.confirm(f"Save it as {own}?", default=False):
-        say("OK", "Nothing was saved.", plain=plain)
+        lines = compare(old_text, text)
+    if old is not None and not lines:
+        same = Outcome(f"Your profile '{stem}' is the same, nothing has changed.", file=own)
+        same.tell(plain=plain, as_json=as_json)
+        return
+    if not as_json:
+        if old is not None:
+            click.echo(f"You have a profile '{stem}'. This would change:")
+            show_changes(lines, plain=plain)
+        elif shipped.exists():
+            click.echo(f"'{stem}' would hide the shipped profile. It would differ in:")
+            show_changes(lines, plain=plain)
+        else:
+            click.echo(f"This profile is new to you. '{stem}' would be:")
+            for line in summarize(profile.model_copy(update={"name": stem})):
+                click.echo(line)
+        show_faults(checked, plain=plain)
+    if not confirm(f"Save it as {own}?", yes=yes, as_json=as_json):
+        _decline(own, lines, plain=plain, as_json=as_json)
         return
     Paper(stem, Store(own, make_stamp), old, old_text).save(text)
-    say("OK", f"Saved {own}", plain=plain)
+    saved = Outcome(f"Saved {own}", file=own, changed=True)
+    if as_json:
+        saved = Outcome(f"Saved {own}", file=own, changed=True, lines=lines, checked=checked)
+    saved.tell(plain=plain, as_json=as_json)
 
 
-COMMANDS = (export, import_command)
+def _take_values(file: Path, *, yes: bool, as_json: bool, plain: bool) -> None:
+    """The values of a person from a file that ``export --user`` wrote."""
+    from neurotouch_hid.profile import check_user
+    from neurotouch_hid.profile.editing import adopt, compare, read_text, take_user
+    from neurotouch_hid.profile.editing.desk import find_schema
+    from neurotouch_hid.profile.faults import make_printable
+
+    text, content = read_text(file)
+    check_user(content, make_printable(str(file))).require()
+    paper = take_user(make_stamp)
+    path = paper.store.path
+    text = adopt(text, "user", find_schema(path, "user-1.json"))
+    lines = compare(paper.text if paper.content is not None else "", text)
+    if lines and not as_json:
+        click.echo("Your own values would change:")
+        show_changes(lines, plain=plain)
+    if lines and not confirm(f"Save them as {path}?", yes=yes, as_json=as_json):
+        _decline(path, lines, plain=plain, as_json=as_json)
+        return
+    if lines:
+        paper.save(text)
+    said = f"Saved {path}" if lines else "These are your values already, nothing has changed."
+    notes = ("Back to those before: neurotouch calibrate --undo",) if lines else ()
+    shown = lines if as_json else ()
+    outcome = Outcome(said, file=path, changed=bool(lines), lines=shown, notes=notes)
+    outcome.tell(plain=plain, as_json=as_json)
+
+
+def _decline(path: Path, lines: list[tuple[str, int, str]], *, plain: bool, as_json: bool) -> None:
+    shown = lines if as_json else ()
+    Outcome("Nothing was saved.", file=path, lines=shown).tell(plain=plain, as_json=as_json)

@@ -1,14 +1,10 @@
 """When a gesture begins and ends, in which phase it is, and which type it is, over sensor time."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from neurotouch_hid.messages import GestureKind, Phase
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +16,17 @@ class DecisionConfig:
         on_noise: the same in errors of a marker.
         again_mm: how much more than the least since the last one begins the next: the gel creeps
             back for a while.
-        off_mm: all motions below it end the gesture.
+        sway_gain: how much more than the greatest motion of everything of late: the tracker follows
+            no knock exactly.
+        still_mm: such a motion of everything doubles ``on_us``: a knock may just begin.
+        sway_us: time constant in which that is forgotten.
+        messy_noise: while everything moves, what the fingers of a new gesture leave unexplained may
+            be so many errors of a marker, ...
+        messy_share: ... or this share of their motion: of a knock they explain little.
+        off_mm: all motions below it end the gesture; a small gesture, after which the gel has
+            nothing to creep back, goes on ...
+        least_off_mm: ... down to this ...
+        creep: ... and so much of its largest motion.
         on_us, off_us: for how long.
         memory_us: time constant of the evidence for a type.
         latch_mm: motion from which the type is final.
@@ -30,6 +36,8 @@ class DecisionConfig:
         overrule: evidence over the latched type's that still changes it.
         moving_mm_s: speed of a finger that is no hold.
         blur_mm: how sharply people see a gesture's first motion, width of a logistic curve.
+        linger_mm: how much more must be left for people to see one when fingers let go: the gel
+            follows them late.
         unsure_mm: error of a motion that neither the noise nor its size explains, mostly of the
             press of fingers that touch down.
     """
@@ -37,7 +45,14 @@ class DecisionConfig:
     on_mm: float = 0.26
     on_noise: float = 2.0
     again_mm: float = 0.1
+    sway_gain: float = 2.0
+    still_mm: float = 0.05
+    sway_us: int = 100_000
+    messy_noise: float = 2.5
+    messy_share: float = 0.1
     off_mm: float = 0.28
+    least_off_mm: float = 0.18
+    creep: float = 0.04
     on_us: int = 10_000
     off_us: int = 10_000
     memory_us: int = 60_000
@@ -47,7 +62,8 @@ class DecisionConfig:
     overrule: float = 3.0
     moving_mm_s: float = 6.0
     blur_mm: float = 0.1
-    unsure_mm: float = 0.3
+    linger_mm: float = 0.1
+    unsure_mm: float = 0.05
 
 
 class Decision:
@@ -55,7 +71,7 @@ class Decision:
 
     def __init__(self, config: DecisionConfig | None = None) -> None:
         self._config = config or DecisionConfig()
-        self._least_mm = 0.0
+        self._least_mm = self._sway_mm = 0.0
         self.reset()
 
     def reset(self) -> None:
@@ -66,8 +82,8 @@ class Decision:
         self.confidence = 1.0
         self.is_latched = False
         self.age_us = 0
-        self._evidence = np.zeros(len(GestureKind))
-        self._size_mm = 0.0
+        self._evidence = [0.0] * len(GestureKind)
+        self._size_mm = self._most_mm = 0.0
         self._n_fingers = 0
         self._above_us = self._below_us = self._led_us = 0
 
@@ -77,7 +93,14 @@ class Decision:
         return self.kind is GestureKind.NONE or not self.is_latched
 
     def update(
-        self, step_us: int, size_mm: float, parts_mm: Floats, n_fingers: int, noise_mm: float
+        self,
+        step_us: int,
+        size_mm: float,
+        parts_mm: Sequence[float],
+        n_fingers: int,
+        noise_mm: float,
+        sway_mm: float = 0.0,
+        error_mm: float = 0.0,
     ) -> None:
         """Takes one slice.
 
@@ -87,14 +110,21 @@ class Decision:
             parts_mm: (6,), what speaks for each type, see ``Motion``.
             n_fingers: that were found.
             noise_mm: error of a marker, one axis.
+            sway_mm: how far everything moved together.
+            error_mm: rms of what the fingers leave unexplained, one axis.
         """
         config = self._config
+        self._sway_mm = max(sway_mm, math.exp(-step_us / config.sway_us) * self._sway_mm)
         if self.kind is GestureKind.NONE:
             self._least_mm = min(self._least_mm, size_mm)
-        on_mm = max(config.on_mm, config.on_noise * noise_mm, self._least_mm + config.again_mm)
-        self._above_us = self._above_us + step_us if size_mm >= on_mm else 0
-        self._below_us = self._below_us + step_us if size_mm < config.off_mm else 0
-        if self.kind is GestureKind.NONE and self._above_us < config.on_us:
+        begins = size_mm >= self._find_on(noise_mm) and not self._is_knock(
+            size_mm, noise_mm, error_mm
+        )
+        off_mm = min(config.off_mm, config.least_off_mm + config.creep * self._most_mm)
+        self._above_us = self._above_us + step_us if begins else 0
+        self._below_us = self._below_us + step_us if size_mm < off_mm else 0
+        on_us = config.on_us if self._sway_mm < config.still_mm else 2 * config.on_us
+        if self.kind is GestureKind.NONE and self._above_us < on_us:
             self._size_mm = size_mm
             self.confidence = 1.0 - self._believe(size_mm)
             return
@@ -104,24 +134,40 @@ class Decision:
             self.confidence = 1.0 - self._believe(size_mm)
             return
         self.age_us += step_us
+        self._most_mm = max(self._most_mm, size_mm)
         if n_fingers > self._n_fingers and self.age_us < config.settle_us:
-            self._evidence[:] = 0.0  # it was about another hand
+            self._evidence = [0.0] * len(GestureKind)  # it was about another hand
             self.is_latched, self._led_us = False, 0
         self._n_fingers = n_fingers
         self._follow(step_us, size_mm)
         self._weigh(step_us, size_mm, parts_mm)
         self.confidence = self._believe(size_mm) * self._prefer(size_mm, noise_mm)
 
+    def _find_on(self, noise_mm: float) -> float:
+        """Motion of a finger that begins a gesture now."""
+        config = self._config
+        on_mm = max(config.on_mm, config.on_noise * noise_mm, self._least_mm + config.again_mm)
+        return on_mm + config.sway_gain * self._sway_mm
+
+    def _is_knock(self, size_mm: float, noise_mm: float, error_mm: float) -> bool:
+        """True if everything moves and fingers do not explain what remains."""
+        config = self._config
+        if self._sway_mm < config.still_mm or size_mm >= config.latch_mm:
+            return False
+        return error_mm > max(config.messy_noise * noise_mm, config.messy_share * size_mm)
+
     def _believe(self, size_mm: float) -> float:
         """Probability that people see a gesture of this size."""
         middle = 0.5 * (self._config.on_mm + self._config.off_mm)
+        if self.phase is Phase.RELEASE:
+            middle += self._config.linger_mm
         return 1.0 / (1.0 + math.exp(-(size_mm - middle) / self._config.blur_mm))
 
     def _prefer(self, size_mm: float, noise_mm: float) -> float:
         """Probability of the type given a gesture: its lead over the next in standard errors."""
-        others = np.delete(self._evidence, self.kind)
-        lead = float(self._evidence[self.kind] - others.max())
-        error = math.hypot(self._config.unsure_mm, noise_mm / 3.0, 0.05 * size_mm)
+        others = (e for kind, e in enumerate(self._evidence) if kind != self.kind)
+        lead = self._evidence[self.kind] - max(others)
+        error = math.hypot(self._config.unsure_mm, noise_mm / 3.0, 0.02 * size_mm)
         return 0.5 * (1.0 + math.erf(lead / error / 2.0))
 
     def _follow(self, step_us: int, size_mm: float) -> None:
@@ -136,11 +182,13 @@ class Decision:
         elif self.phase is not Phase.RELEASE:
             self.phase = Phase.HOLD if self.age_us > 60_000 else Phase.ATTACK
 
-    def _weigh(self, step_us: int, size_mm: float, parts_mm: Floats) -> None:
+    def _weigh(self, step_us: int, size_mm: float, parts_mm: Sequence[float]) -> None:
         config = self._config
         keep = math.exp(-step_us / config.memory_us)
-        self._evidence = keep * self._evidence + (1 - keep) * parts_mm
-        best = GestureKind(int(self._evidence.argmax()))
+        self._evidence = [
+            keep * e + (1 - keep) * part for e, part in zip(self._evidence, parts_mm, strict=True)
+        ]
+        best = GestureKind(self._evidence.index(max(self._evidence)))
         if self.kind is GestureKind.NONE:
             self.kind = best
             return

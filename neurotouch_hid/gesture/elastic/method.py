@@ -10,14 +10,15 @@ from neurotouch_hid.geometry import Rig
 from neurotouch_hid.gesture.config import GestureConfig
 from neurotouch_hid.gesture.elastic.decision import Decision, DecisionConfig
 from neurotouch_hid.gesture.elastic.hand import Hand
-from neurotouch_hid.gesture.elastic.motion import measure_motion
 from neurotouch_hid.messages import Gesture, GestureKind, no_gesture
 
 Floats = NDArray[np.float64]
 
-SHOWN_MM = 0.3  # people label a contact from about this motion on
 NOISE_US = 500_000  # time constant of the noise of the markers, measured at rest
-RESTING = DecisionConfig(on_mm=0.8, off_mm=0.5)  # a resting hand trembles by up to half a mm
+RESTING = DecisionConfig(on_mm=0.8, off_mm=0.5, least_off_mm=0.5)
+"""A resting hand trembles by up to half a mm."""
+NO_PARTS = (0.0,) * len(GestureKind)
+"""Nothing speaks for any type."""
 
 
 class ElasticMethod:
@@ -29,13 +30,11 @@ class ElasticMethod:
         self._rest_px: NDArray[np.float32] | None = None
         self._noise_mm = 0.08
         self._unheard_us = 0
-        self._shown: set[int] = set()
 
     def reset(self) -> None:
         """Forget the gesture."""
         self._hand.reset()
         self._decision.reset()
-        self._shown.clear()
 
     def update(
         self,
@@ -56,54 +55,54 @@ class ElasticMethod:
             use: (177,), measured markers.
             rig: of ``rest_px``.
         """
+        hand, decision = self._hand, self._decision
         if rest_px is not self._rest_px:
             self._rest_px = rest_px
-            self._hand.place(rig.to_mm(rest_px))
-        moved = rig.vector_to_mm(moved_px)
-        hand, decision = self._hand, self._decision
-        hand.update(moved, use.astype(np.float64), self._noise_mm, forming=decision.is_forming)
-        fit = hand.fit
-        if fit is None:
-            self._listen(moved[use], step_us)
-            decision.update(step_us, 0.0, np.zeros(len(GestureKind)), 0, self._noise_mm)
+            hand.place(rest_px, rig)
+        motion = hand.update(
+            moved_px, use, self._noise_mm, step_us=step_us, forming=decision.is_forming
+        )
+        if motion is None:
+            self._listen(step_us)
+            decision.update(step_us, 0.0, NO_PARTS, 0, self._noise_mm)
             if decision.kind is GestureKind.NONE:
                 self.reset()
             return no_gesture(t_us)
-        motion = measure_motion(fit.centres, fit.radii, fit.motions)
-        places, drags = fit.locate()
-        lengths = fit.measure()
-        decision.update(step_us, fit.largest_mm, motion.parts_mm, len(lengths), self._noise_mm)
+        decision.update(
+            step_us,
+            motion.largest_mm,
+            motion.parts_mm,
+            motion.n_fingers,
+            self._noise_mm,
+            sway_mm=motion.sway_mm,
+            error_mm=motion.error_mm,
+        )
         if decision.kind is GestureKind.NONE:
-            if fit.largest_mm < hand.config.least_mm:
+            if motion.largest_mm < hand.config.least_mm:
                 self.reset()
             return replace(no_gesture(t_us), confidence=decision.confidence)
-        self._shown |= {k for k, mm in zip(hand.ids, lengths, strict=True) if mm >= SHOWN_MM}
-        shown = np.array([k in self._shown for k in hand.ids])
-        if not shown.any():
-            shown[int(lengths.argmax())] = True
-        contacts = (places + drags)[shown]
+        contacts = hand.show()
         return Gesture(
             t_us=t_us,
             kind=decision.kind,
-            contacts_mm=contacts,
-            contacts_px=rig.to_px(contacts),
-            intensity_mm=float(lengths[shown].mean()),
-            translation_mm=motion.translation_mm,
+            contacts_mm=contacts.mm,
+            contacts_px=contacts.px,
+            intensity_mm=contacts.intensity_mm,
+            translation_mm=(motion.x_mm, motion.y_mm),
             rotation_rad=motion.rotation_rad,
             scale=motion.scale,
             confidence=decision.confidence,
             phase=decision.phase,
             speed_mm_s=decision.speed_mm_s,
-            finger_ids=tuple(k for k, seen in zip(hand.ids, shown, strict=True) if seen),
-            motion_mm=drags[shown],
+            finger_ids=contacts.names,
+            motion_mm=contacts.drags_mm,
         )
 
-    def _listen(self, moved: Floats, step_us: int) -> None:
+    def _listen(self, step_us: int) -> None:
         """Measures the noise of the markers while nothing moves, a few times in ``NOISE_US``."""
         self._unheard_us += step_us
         if self._unheard_us < NOISE_US // 10:
             return
-        spread = 1.4826 * float(np.median(np.abs(moved - np.median(moved, axis=0))))
         share = 1.0 - math.exp(-self._unheard_us / NOISE_US)
-        self._noise_mm += share * (spread - self._noise_mm)
+        self._noise_mm += share * (self._hand.measure_noise() - self._noise_mm)
         self._unheard_us = 0

@@ -1,20 +1,15 @@
 """Measuring what a hand can do, without hurry: noise, tremor, the range of eight movements."""
 
-from neurotouch_hid.profile.calibration.movements import MOVEMENTS, Movement
-from neurotouch_hid.profile.calibration.relief import hand_over
 from neurotouch_hid.profile.calibration.repetition import Repetition
 from neurotouch_hid.profile.calibration.result import WeakSide, find_weak_sides, write_ranges
 from neurotouch_hid.profile.calibration.session import Session
 from neurotouch_hid.profile.calibration.tremor import Tremor
 
 __all__ = [
-    "MOVEMENTS",
-    "Movement",
     "Repetition",
     "Session",
     "Tremor",
     "WeakSide",
     "find_weak_sides",
-    "hand_over",
     "write_ranges",
 ]

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from statistics import median
 from typing import Final
 
-from neurotouch_hid.profile.calibration.movements import name_movement
 from neurotouch_hid.profile.engine.reading import Reading
+from neurotouch_hid.profile.movements import name_movement
 
 BEGIN_MM: Final = 1.5
 END_MM: Final = 1.0
@@ -65,7 +65,7 @@ class RepetitionFinder:
             if mm >= max(BEGIN_MM, self._left_mm + AGAIN_MM):
                 self._begin_us, self.peak_mm, self._votes = reading.t_us, mm, {}
             return None
-        movement = name_movement(reading)
+        movement = name_movement(reading.kind, reading.four)
         if movement is not None:
             self._votes[movement] = self._votes.get(movement, 0.0) + reading.mm
         self.peak_mm = max(self.peak_mm, mm)

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Final
 
-from neurotouch_hid.profile.calibration.movements import MOVEMENTS
 from neurotouch_hid.profile.editing.layout import read_layout
 from neurotouch_hid.profile.editing.paths import find_way
 from neurotouch_hid.profile.editing.revision import reset_value, set_value
+from neurotouch_hid.profile.movements import MOVEMENTS
 from neurotouch_hid.profile.timing import FilterName
 from neurotouch_hid.profile.user import Range, Ranges, UserSettings
 
@@ -87,14 +87,16 @@ def write_ranges(
     ranges: Mapping[str, Range | None],
     date: str,
     tremor_filter: FilterName | None = None,
+    tremor_hz: float | None = None,
 ) -> str:
-    """The user's file with these ranges; a movement that is not used has none.
+    """The user's file with these ranges; a movement that is not used has none, and is named so.
 
     Args:
         text: the file.
         ranges: the measured movements only; all others stay.
         date: today, as YYYY-MM-DD.
         tremor_filter: the filter to be set, or None to leave that as it is.
+        tremor_hz: the frequency to be taken out, or None to leave that as it is.
     """
     _, document = read_layout(text, "user.yaml")
     measured = {
@@ -112,9 +114,22 @@ def write_ranges(
                 text = set_value(text, f"range.{name}", measured[name], UserSettings)
             elif name in ranges and find_way(document, f"range.{name}", UserSettings).exists:
                 text = reset_value(text, f"range.{name}", UserSettings)
+    text = _write_unused(text, document.get("unused", []), ranges)
     if tremor_filter is not None:
         text = set_value(text, "filter", tremor_filter, UserSettings)
+    if tremor_hz is not None:
+        text = set_value(text, "tremor_hz", round(tremor_hz, 1), UserSettings)
     return _put_date(text, date)
+
+
+def _write_unused(text: str, before: list[str], ranges: Mapping[str, Range | None]) -> str:
+    lost = {name: ranges[name] is None if name in ranges else name in before for name in MOVEMENTS}
+    unused = [name for name, is_lost in lost.items() if is_lost]
+    if unused == before:
+        return text
+    if unused:
+        return set_value(text, "unused", unused, UserSettings)
+    return reset_value(text, "unused", UserSettings)
 
 
 def _write(values: Mapping[str, float]) -> str:

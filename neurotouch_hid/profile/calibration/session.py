@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.messages import Gesture
-from neurotouch_hid.profile.calibration.movements import MOVEMENTS
 from neurotouch_hid.profile.calibration.repetition import Repetition, RepetitionFinder
 from neurotouch_hid.profile.calibration.result import LEAST_PEAK_MM, measure_range, measure_rest
 from neurotouch_hid.profile.calibration.tremor import Tremor, choose_filter, find_tremor
 from neurotouch_hid.profile.engine.reader import Reader
+from neurotouch_hid.profile.movements import MOVEMENTS
 from neurotouch_hid.profile.timing import FilterName
 from neurotouch_hid.profile.user import Range, Ranges, UserSettings
 from neurotouch_hid.vocabulary import GestureKind
@@ -47,7 +47,9 @@ class Session:
     def __init__(
         self, user: UserSettings, movements: tuple[str, ...] = (), *, guided: bool = True
     ) -> None:
-        plain = user.model_copy(update={"range": Ranges(), "filter": None})
+        plain = user.model_copy(
+            update={"range": Ranges(), "unused": [], "filter": None, "tremor_hz": None}
+        )
         self._reader = Reader(plain, "none", _ALL_KINDS, latch=True)
         self._finder = RepetitionFinder()
         self.movements = movements or tuple(MOVEMENTS)

@@ -6,6 +6,7 @@ from neurotouch_hid.profile.editing.desk import (
     find_own_path,
     make_profile,
     read_text,
+    take_paper,
     take_profile,
     take_user,
 )
@@ -21,19 +22,31 @@ from neurotouch_hid.profile.editing.revision import (
     upgrade,
 )
 from neurotouch_hid.profile.editing.store import Store, Version
+from neurotouch_hid.profile.editing.substitution import (
+    Substitution,
+    avoid,
+    hand_over,
+    list_wishes,
+    make_when,
+)
 from neurotouch_hid.profile.editing.values import parse_value
 
 __all__ = [
     "Paper",
     "Store",
+    "Substitution",
     "Version",
     "adopt",
+    "avoid",
     "bind",
     "compare",
     "find_bindings",
     "find_own_path",
+    "hand_over",
     "list_ways",
+    "list_wishes",
     "make_profile",
+    "make_when",
     "name_bindings",
     "parse_do",
     "parse_value",
@@ -41,6 +54,7 @@ __all__ = [
     "read_text",
     "reset_value",
     "set_value",
+    "take_paper",
     "take_profile",
     "take_user",
     "unbind",

@@ -71,6 +71,11 @@ def append_item(text: str, keys: Keys, value: dict[str, Any]) -> str:
     return _insert_line(text, part.end, block)
 
 
+def insert_lines(text: str, after: int, lines: Sequence[str]) -> str:
+    """The text with further lines below the one in which the character ``after`` stands."""
+    return _insert_line(text, after, "\n".join(lines))
+
+
 def remove_value(text: str, keys: Keys) -> str:
     """The text without a key or an item; what it leaves empty goes too.
 

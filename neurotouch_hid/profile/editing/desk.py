@@ -16,13 +16,14 @@ from neurotouch_hid.profile.editing.store import Store
 from neurotouch_hid.profile.faults import make_printable
 from neurotouch_hid.profile.library import (
     NAME_PATTERN,
+    OWN_VALUES,
     find_profile,
     find_shipped_folder,
     find_user_file,
     find_user_folder,
     list_profiles,
 )
-from neurotouch_hid.profile.load import MAX_BYTES, Checked, check_content, check_user
+from neurotouch_hid.profile.load import MAX_BYTES, Checked, check_content, check_user, load_unused
 from neurotouch_hid.profile.schema import Profile
 from neurotouch_hid.profile.user import UserSettings
 
@@ -58,7 +59,7 @@ class Paper:
         path = self.store.path
         if path.parent == find_user_folder():  # there it hides a shipped one of its name
             path = list_profiles().get(path.stem, path)
-        return check_content(content, name, path)
+        return check_content(content, name, path, load_unused())
 
     def save(self, text: str, *, keep: bool = True) -> None:
         """Saves the text if it is right; what stood there becomes a version unless ``keep`` is not.
@@ -113,6 +114,16 @@ def make_profile(name: str, template: str, stamp: Stamp) -> Paper:
     return Paper(name, Store(own, stamp), None, adopt(text, name, find_schema(own)))
 
 
+def take_paper(name_or_path: str, stamp: Stamp) -> Paper:
+    """A profile to be edited, or for ``user`` the person's own values.
+
+    Raises:
+        ProfileError: as ``take_profile``.
+    """
+    own = name_or_path == OWN_VALUES
+    return take_user(stamp) if own else take_profile(name_or_path, stamp)
+
+
 def take_user(stamp: Stamp) -> Paper:
     """The user's own values to be edited; a new file if there is none."""
     path = find_user_file()
@@ -135,6 +146,10 @@ def find_own_path(name: str) -> Path:
         raise ProfileError(
             f"'{make_printable(name[:80])}' is no name for a profile",
             hint="A name has 1 to 64 small letters, digits, _ or -, and is never a path.",
+        )
+    if name == OWN_VALUES:
+        raise ProfileError(
+            f"'{name}' is what your own values are called", hint="Give the profile another name."
         )
     return find_user_folder() / f"{name}.yaml"
 

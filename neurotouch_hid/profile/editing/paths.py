@@ -15,6 +15,7 @@ from pydantic import BaseModel
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.profile.conditions import Condition, Sequence, WeakRelease
 from neurotouch_hid.profile.faults import Keys, format_path, make_printable, suggest
+from neurotouch_hid.profile.feedback import Feedback, Volumes
 from neurotouch_hid.profile.schema import Layer, Profile, Safety, SafetyGesture
 from neurotouch_hid.profile.shaping import CURVES
 from neurotouch_hid.profile.targets import MICE, TARGETS, Repeat
@@ -31,6 +32,8 @@ _INSIDE: Final[dict[str, type[BaseModel]]] = {
     "repeat": Repeat,
     "release": WeakRelease,
     "range": Ranges,
+    "feedback": Feedback,
+    "volume": Volumes,
     **dict.fromkeys(Ranges.model_fields, Range),
 }
 """The model of what stands under a key."""

@@ -29,6 +29,7 @@ _KEYS: Final = {
 _LONG: Final = {
     r"\bat (?:the )?(\w+)\b": "zone",
     r"\bwith (\d+) fingers?\b": "contacts",
+    r"\bwhile (\w+) is held\b": "with_button",
     r"\bfrom ([\d.]+) ?mm\b": "on_mm",
     r"\bin (?:its )?(\w+)\b": "phase",
 }
@@ -62,7 +63,7 @@ def parse_when(words: str) -> Any:
         if word not in _KEYS or _KEYS[word] in found:
             raise _refuse(words, word, list(_KEYS))
         found[_KEYS[word]] = word
-    order = ("direction", "zone", "contacts", "level", "press", "phase", "on_mm")
+    order = ("direction", "zone", "contacts", "with_button", "level", "press", "phase", "on_mm")
     narrowed = {key: found[key] for key in order if key in found}
     return {"gesture": gesture, **narrowed} if narrowed else gesture
 

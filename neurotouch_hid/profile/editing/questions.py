@@ -89,7 +89,7 @@ def list_questions(binding: Binding) -> Iterator[Question]:
                 continue
             if binding.is_followed and key in _TIMED:
                 continue
-            words = _list_words(field.annotation)
+            words = list_words(field.annotation)
             yield Question(key, part, field.description or "", written.get(key), words)
 
 
@@ -99,13 +99,13 @@ _TIMED: Final = frozenset(
 """Keys of what is pressed; what follows a gesture has none of them."""
 
 
-def _list_words(annotation: Any) -> tuple[str, ...]:
+def list_words(annotation: Any) -> tuple[str, ...]:
     """The words of a choice, or none if it is not one."""
     if annotation is bool:
         return ("true", "false")
     if get_origin(annotation) is Literal:
         return tuple(str(word) for word in get_args(annotation))
-    inner = [_list_words(option) for option in get_args(annotation)]
+    inner = [list_words(option) for option in get_args(annotation)]
     found = [words for words in inner if words]
     return found[0] if len(found) == 1 and len(inner) <= 2 else ()
 

@@ -23,6 +23,7 @@ SPOKEN: Final = (
     "direction",
     "zone",
     "contacts",
+    "with_button",
     "level",
     "press",
     "phase",

@@ -6,6 +6,7 @@ from typing import Final
 from neurotouch_hid.profile.description import describe_binding, describe_condition
 from neurotouch_hid.profile.editing.values import format_value
 from neurotouch_hid.profile.layering import merge_bindings
+from neurotouch_hid.profile.movements import MOVEMENTS
 from neurotouch_hid.profile.schema import Binding, Layer, Profile
 from neurotouch_hid.profile.timing import resolve_times
 from neurotouch_hid.profile.user import UserSettings
@@ -91,6 +92,10 @@ def _summarize_times(profile: Profile, user: UserSettings | None) -> Iterator[st
     for movement, range_ in user.range:
         if range_ is not None:
             yield f"your range of {movement}: {range_.rest:g} to {range_.full:g} mm"
+    if user.unused:
+        yield f"you do not use: {', '.join(MOVEMENTS[name].words for name in user.unused)}"
+    if user.tremor_hz is not None:
+        yield f"your tremor_hz: {user.tremor_hz:g}"
     for key in ("handedness", "mirror", "rotate_deg", "neutral"):
         yield f"your {key}: {format_value(getattr(user, key))}"
 

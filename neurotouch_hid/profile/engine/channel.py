@@ -26,6 +26,7 @@ class Channel:
         times: how long things take.
         siblings: all bindings of the layer; a double beside it delays a tap.
         say: is told why something was not accepted.
+        accept: is told of each step of a sequence.
         label: the binding in words.
     """
 
@@ -53,6 +54,7 @@ class Channel:
         times: Times,
         siblings: tuple[Binding, ...],
         say: Say,
+        accept: Say,
         label: str,
     ) -> None:
         self.binding = binding
@@ -64,7 +66,7 @@ class Channel:
         self.put, self._slew = make_output(binding)
         self._direction = None if sequence else make_direction_test(binding.condition)
         self._tests = make_tests(binding.condition)
-        self._plan = Plan(binding, times, siblings, say)
+        self._plan = Plan(binding, times, siblings, say, accept)
         self.reset()
 
     def reset(self) -> None:
@@ -116,6 +118,29 @@ class Channel:
             self._slew.rest()
         self.down = held
         self.busy = busy or held
+
+    def claims(self, reading: Reading) -> bool:
+        """True of a chord whose button is held, if the gesture is its own, however far it goes."""
+        condition = self.binding.condition
+        return (
+            condition.with_button in reading.helper
+            and self.may_act(reading)
+            and condition.zone in (None, reading.zone)
+            and condition.contacts in (None, reading.contacts)
+        )
+
+    def withdraw(self, t_us: int) -> None:
+        """The gesture at hand is another's: forgets it; what is toggled or sticky stays."""
+        self._threshold.reset()
+        if self._steps is not None:
+            self._steps.update(Reading(t_us))
+        if self._gate is not None:
+            self._gate.reset()
+        self._presses = self._plan.make_presses()
+        self.down = self._mode is not None and self._mode.update(False, t_us)
+        self.busy = self.down
+        if self._slew is not None:
+            self._slew.rest()
 
     def finish_action(self) -> None:
         """Another binding's action is done: what waited for it lets go."""

@@ -2,6 +2,7 @@
 
 from typing import Final
 
+from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.decision import Journal
 from neurotouch_hid.profile.description import describe_binding
 from neurotouch_hid.profile.engine.channel import Channel
@@ -12,6 +13,8 @@ from neurotouch_hid.profile.layering import merge_bindings
 from neurotouch_hid.profile.schema import Binding, Profile
 from neurotouch_hid.profile.targets import CommandTarget, LayerTarget, MouseMotionTarget
 from neurotouch_hid.profile.timing import Times
+
+_NONE: Final[frozenset[Channel]] = frozenset()
 
 STOPPING: Final = ("pause", "panic")
 """The commands that are heard even while everything is paused."""
@@ -60,17 +63,20 @@ class Deck:
         layer = self._layers[self._current]
         outputs = Outputs()
         pressed, finished = [], False
-        wanted = layer.find_wanted(reading)
+        wanted, silent = layer.find_wanted(reading), layer.find_silent(reading)
         for channel in layer.channels:
             if not channel.busy and channel not in wanted:
                 continue
             before = channel.down
-            channel.update(reading)
-            if channel.down != before and not channel.binding.is_followed:
-                if channel.down:
-                    pressed.append(channel)
-                elif channel.binding.mode not in ("sticky", "oneshot"):
-                    finished = True
+            if channel in silent:
+                channel.withdraw(reading.t_us)
+            else:
+                channel.update(reading)
+                if channel.down != before and not channel.binding.is_followed:
+                    if channel.down:
+                        pressed.append(channel)
+                    elif channel.binding.mode not in ("sticky", "oneshot"):
+                        finished = True
             if channel.down and channel.put is not None:
                 channel.put(outputs, reading)
         if finished:
@@ -138,10 +144,16 @@ class _Layer:
             and channel.binding.do.command in STOPPING
         ]
         self.cares = [
-            PointerCare(binding.do)
+            PointerCare(binding.do, journal)
             for binding in bindings
             if isinstance(binding.do, MouseMotionTarget)
         ]
+        self._journal = journal
+        self._chords = [each for each in self.channels if each.binding.condition.with_button]
+        plain = frozenset(self.channels).difference(self._chords, self.stopping)
+        self._plain = plain
+        self._pressing = frozenset(each for each in plain if not each.binding.is_followed)
+        self._taken = GestureKind.NONE
         self._wanted: dict[tuple[object, ...], frozenset[Channel]] = {}
 
     def find_wanted(self, reading: Reading) -> frozenset[Channel]:
@@ -153,10 +165,38 @@ class _Layer:
             self._wanted[key] = wanted
         return wanted
 
+    def find_silent(self, reading: Reading) -> frozenset[Channel]:
+        """The channels that must not hear this gesture, because it is a chord's.
+
+        A longer chord wins over a shorter one: while its button is held, the gesture is the chord's
+        alone. Once the button is let go of, what follows the gesture goes on, but what is pressed
+        waits for the next gesture, or two things let go of one after the other would press a third.
+        What pauses or panics is always heard.
+        """
+        if not self._chords:
+            return _NONE
+        if any(chord.claims(reading) for chord in self._chords):
+            if self._taken != reading.kind:
+                self._taken = reading.kind
+                for channel in self.channels:
+                    if channel in self._pressing and channel.may_act(reading):
+                        self._journal.note("ignored", channel.label, "it is a chord's")
+            return self._plain
+        if self._taken != reading.kind:
+            self._taken = GestureKind.NONE
+        return self._pressing if self._taken != GestureKind.NONE else _NONE
+
 
 def make_channel(
     binding: Binding, times: Times, siblings: tuple[Binding, ...], journal: Journal
 ) -> Channel:
-    """A channel that writes into the journal why it ignored something."""
+    """A channel that writes into the journal what it ignored, and each step of a sequence."""
     label = describe_binding(binding)
-    return Channel(binding, times, siblings, lambda why: journal.note("ignored", label, why), label)
+    return Channel(
+        binding,
+        times,
+        siblings,
+        lambda why: journal.note("ignored", label, why),
+        lambda which: journal.note("step", label, which),
+        label,
+    )

@@ -10,6 +10,7 @@ from typing import Final
 
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.engine.reading import Reading
+from neurotouch_hid.profile.movements import name_movement
 from neurotouch_hid.profile.schema import DEFAULT_FULL_MM, DEFAULT_REST_MM
 from neurotouch_hid.profile.user import Ranges
 
@@ -74,9 +75,7 @@ class Effort:
             return
         if reading.mm > self._peak_mm:
             self._peak_mm = reading.mm
-            self._movement = reading.kind.label
-            if reading.kind == GestureKind.PUSH:
-                self._movement = f"push_{reading.four}" if reading.four is not None else ""
+            self._movement = name_movement(reading.kind, reading.four) or ""
         extent_mm = DEFAULT_FULL_MM[reading.kind] - DEFAULT_REST_MM
         if reading.mm < DEFAULT_REST_MM + HELD_SHARE * extent_mm:
             self._held_since_us = None

@@ -31,12 +31,18 @@ class Plan:
     """The stages of a channel, to be made anew at every reset."""
 
     def __init__(
-        self, binding: Binding, times: Times, siblings: tuple[Binding, ...], say: Say
+        self,
+        binding: Binding,
+        times: Times,
+        siblings: tuple[Binding, ...],
+        say: Say,
+        accept: Say,
     ) -> None:
         self._binding = binding
         self._condition = binding.condition
         self._times = times
         self._say = say
+        self._accept = accept
         self._others = [
             other.condition
             for other in siblings
@@ -57,7 +63,7 @@ class Plan:
     def make_steps(self) -> Steps | None:
         """The steps, if it is a sequence."""
         when = self._binding.when
-        return Steps(when, self._say) if isinstance(when, Sequence) else None
+        return Steps(when, self._say, self._accept) if isinstance(when, Sequence) else None
 
     def make_gate(self) -> Gate | None:
         """What it takes to be accepted; None for what follows a measure."""
@@ -146,7 +152,7 @@ class Plan:
 
 def _same_place(a: Condition, b: Condition) -> bool:
     """True if both act on the same gesture, apart from how it is pressed and how far."""
-    keys = ("gesture", "direction", "zone", "contacts", "phase")
+    keys = ("gesture", "direction", "zone", "contacts", "with_button", "phase")
     return all(getattr(a, key) == getattr(b, key) for key in keys)
 
 
@@ -167,6 +173,8 @@ def make_tests(condition: Condition) -> tuple[Test, ...]:
         tests.append(lambda reading: reading.zone == zone)
     if (contacts := condition.contacts) is not None:
         tests.append(lambda reading: reading.contacts == contacts)
+    if (button := condition.with_button) is not None:
+        tests.append(lambda reading: button in reading.helper)
     if (phase := condition.phase) is not None:
         tests.append(lambda reading: reading.phase == phase)
     if (speed := condition.min_speed_mm_s) is not None:

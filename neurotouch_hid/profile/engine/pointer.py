@@ -3,6 +3,7 @@
 import math
 from typing import Final
 
+from neurotouch_hid.profile.decision import Journal
 from neurotouch_hid.profile.engine.output import Outputs
 from neurotouch_hid.profile.keys import MOUSE_BUTTONS
 from neurotouch_hid.profile.targets import MouseMotionTarget
@@ -13,18 +14,24 @@ FREEZE_PX: Final = 12.0
 ARM_PX: Final = 10.0
 """A dwell click needs a real movement before it, so that nothing is clicked twice."""
 
+LOCK_US: Final = 250_000
+"""A dwell tells that it has begun once the pointer has rested this long; moving on ends it."""
+
 CLICK_US: Final = 50_000
+_DWELL: Final = "dwell -> mouse left"
 
 
 class PointerCare:
-    """Freezes the pointer while a button is down; clicks where it rests."""
+    """Freezes the pointer while a button is down; clicks where it rests, in two audible steps."""
 
-    def __init__(self, target: MouseMotionTarget) -> None:
+    def __init__(self, target: MouseMotionTarget, journal: Journal) -> None:
+        self._journal = journal
         self._freezes = target.freeze_on_click
         self._dwell_us = None if target.dwell_ms is None else 1000 * target.dwell_ms
         self._pressed_px = 0.0
         self._moved_px = 0.0
         self._rest_us: int | None = None
+        self._locked = False
         self._click_us: int | None = None
         self._t_us: int | None = None
 
@@ -43,10 +50,16 @@ class PointerCare:
     def _dwell(self, outputs: Outputs, t_us: int, way_px: float, dwell_us: int) -> None:
         if any(outputs.pointer):
             self._moved_px += way_px
-            self._rest_us = None
+            self._rest_us, self._locked = None, False
         elif self._rest_us is None:
             self._rest_us = t_us
-        elif self._moved_px >= ARM_PX and t_us - self._rest_us >= dwell_us:
-            self._click_us, self._moved_px = t_us, 0.0
+        elif self._moved_px >= ARM_PX:
+            rested_us = t_us - self._rest_us
+            if not self._locked and rested_us >= min(LOCK_US, dwell_us):
+                self._locked = True
+                self._journal.note("step", _DWELL, "1 of 2")
+            if rested_us >= dwell_us:
+                self._click_us, self._moved_px = t_us, 0.0
+                self._journal.note("pressed", _DWELL)
         if self._click_us is not None and t_us - self._click_us < CLICK_US:
             outputs.mouse_buttons.add(MOUSE_BUTTONS["left"])

@@ -1,6 +1,6 @@
 """From a gesture to a reading.
 
-orientation ─ neutral ─ filter ─ range ─ onset and latch ─ direction, zone, speed, phase
+orientation ─ neutral ─ unused ─ notch ─ filter ─ range ─ onset and latch ─ direction, zone, ...
 
 The order is fixed: the person's orientation and rest come first, then the tremor filter (in real
 millimetres), then the conversion to a usual hand, so that thresholds count in its millimetres.
@@ -14,6 +14,7 @@ from neurotouch_hid.messages import Gesture, GestureKind
 from neurotouch_hid.profile.conditions import Zone
 from neurotouch_hid.profile.engine.calibration import make_conversion
 from neurotouch_hid.profile.engine.neutral import RestingHand
+from neurotouch_hid.profile.engine.notch import Notch, TremorWatch
 from neurotouch_hid.profile.engine.one_euro import FILTERS, OneEuro
 from neurotouch_hid.profile.engine.reading import Phase, Reading
 from neurotouch_hid.profile.engine.regions import Vector, choose_direction, find_zone
@@ -38,6 +39,7 @@ PHASE_END_MM_S: Final = 8.0
 """From which speed on an intensity rises or falls, and below which it no longer does."""
 
 _SPEED_CUTOFF_HZ: Final = 5.0
+_PUSHES: Final = ("push_left", "push_right", "push_up", "push_down")
 _MIRRORED: Final = {
     GestureKind.TWIST_CW: GestureKind.TWIST_CCW,
     GestureKind.TWIST_CCW: GestureKind.TWIST_CW,
@@ -87,9 +89,13 @@ class Reader:
         self._convert = make_conversion(user.range)
         constants = FILTERS.get(filter_name)
         self._filters = [OneEuro(*constants) for _ in range(3)] if constants else []
-        self._bound = bound
+        hz = user.tremor_hz
+        self._notches = [Notch(hz) for _ in range(3)] if hz is not None else []
+        self._watch = TremorWatch(hz) if hz is not None else None
+        self._unused = frozenset(user.unused)
+        self._bound = frozenset(kind for kind in bound if self._is_made(kind))
         self._latch = latch
-        self._watches_onset = GestureKind.PUSH in bound and len(bound) > 1
+        self._watches_onset = GestureKind.PUSH in self._bound and len(self._bound) > 1
         self._t_us: int | None = None
         self._memory = _Memory()
 
@@ -103,6 +109,10 @@ class Reader:
         self._memory = _Memory()
         for smooth in self._filters:
             smooth.reset()
+        for notch in self._notches:
+            notch.reset()
+        if self._watch is not None:
+            self._watch.reset()
 
     def rezero(self) -> None:
         """How the hand lies now is rest, where it stays on the gel."""
@@ -128,12 +138,18 @@ class Reader:
             if moved is None:
                 return Reading(gesture.t_us)
             mm, x, y = moved
+        if kind == GestureKind.PUSH and self._unused:
+            mm, x, y = self._leave_out(mm, x, y)
+        if self._watch is not None:
+            mm, x, y = self._take_out(self._watch, (mm, x, y), step_us)
         if self._filters:
             mm, x, y = (
                 smooth.update(value, step_us)
                 for smooth, value in zip(self._filters, (mm, x, y), strict=True)
             )
         seen, kind = kind, self._memory.kind or kind
+        if not self._is_made(kind):
+            return Reading(gesture.t_us)
         if seen == GestureKind.PUSH:
             self._memory.way = _find_way(x, y)
         way = self._memory.way if kind == GestureKind.PUSH else None
@@ -155,6 +171,33 @@ class Reader:
             return x, y
         x, y = x * self._cos - y * self._sin, x * self._sin + y * self._cos
         return (-x if self._mirror else x), y
+
+    def _take_out(
+        self, watch: TremorWatch, values: tuple[float, float, float], step_us: int
+    ) -> tuple[float, float, float]:
+        """The values without the person's own tremor."""
+        hz = watch.update(values[0], step_us)
+        if hz is not None:
+            for notch in self._notches:
+                notch.tune(hz)
+        mm, x, y = (
+            notch.update(value, step_us) for notch, value in zip(self._notches, values, strict=True)
+        )
+        return max(mm, 0.0), x, y
+
+    def _is_made(self, kind: GestureKind) -> bool:
+        """False of a gesture the person does not make: it must be a mistake."""
+        if kind == GestureKind.PUSH:
+            return not self._unused.issuperset(_PUSHES)
+        return kind.label not in self._unused
+
+    def _leave_out(self, mm: float, x: float, y: float) -> tuple[float, float, float]:
+        """A push without its part in a direction that is not used."""
+        left_x = 0.0 if ("push_left" if x < 0.0 else "push_right") in self._unused else x
+        left_y = 0.0 if ("push_up" if y < 0.0 else "push_down") in self._unused else y
+        length = math.hypot(x, y)
+        share = math.hypot(left_x, left_y) / length if length > 0.0 else 1.0
+        return mm * share, left_x, left_y
 
     def _measure_speed(self, mm: float, step_us: int) -> None:
         step_s = min(max(step_us, 1_000), 50_000) * 1e-6

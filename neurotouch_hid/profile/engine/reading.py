@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.messages import Button, GestureKind
 from neurotouch_hid.profile.conditions import Zone
 from neurotouch_hid.profile.engine.regions import Vector
 from neurotouch_hid.profile.targets import EightWay
@@ -28,6 +28,7 @@ class Reading:
         speed_mm_s: how fast the intensity rises.
         top_speed_mm_s: how fast it has risen at most in this gesture.
         phase: whether it rises, stays or falls.
+        helper: the buttons that are held on the device that plays along.
     """
 
     t_us: int
@@ -42,3 +43,4 @@ class Reading:
     speed_mm_s: float = 0.0
     top_speed_mm_s: float = 0.0
     phase: Phase = "hold"
+    helper: frozenset[Button] = frozenset()

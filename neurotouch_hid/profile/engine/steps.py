@@ -16,12 +16,18 @@ class Steps:
     """Pressed while the last gesture of the sequence is there, if those before it were its others.
 
     What counts is the latest gestures, so a wrong one costs nothing but itself.
+
+    Args:
+        when: the gestures.
+        say: is told why a complete sequence was not accepted.
+        accept: is told of each step that was, but for the last, ``2 of 3``.
     """
 
-    def __init__(self, when: Sequence, say: Say) -> None:
+    def __init__(self, when: Sequence, say: Say, accept: Say) -> None:
         self._steps = [make_step(name) for name in when.sequence]
         self._within_us = None if when.within_ms is None else 1000 * when.within_ms
         self._say = say
+        self._accept = accept
         self._threshold = Threshold(DEFAULT_ON_MM, OFF_SHARE * DEFAULT_ON_MM)
         self._done: deque[Done] = deque(maxlen=len(self._steps))
         self._complete = False
@@ -40,10 +46,20 @@ class Steps:
             self._complete = self._is_complete()
             if self._complete:
                 self._done.clear()
+            elif (n := self._count()) > 0:
+                self._accept(f"{n} of {len(self._steps)}")
         elif not held:
             self._complete = False
         self.busy = held
         return self._complete
+
+    def _count(self) -> int:
+        """How many of its first gestures have just been made."""
+        done = list(self._done)
+        for n in range(min(len(done), len(self._steps) - 1), 0, -1):
+            if all(_fits(step, one) for step, one in zip(self._steps, done[-n:], strict=False)):
+                return n
+        return 0
 
     def _is_complete(self) -> bool:
         if len(self._done) < len(self._steps):

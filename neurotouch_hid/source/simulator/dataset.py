@@ -1,7 +1,7 @@
 """Writes a set of labelled recordings like the paper's, which has not been published."""
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -10,6 +10,7 @@ import numpy as np
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
+from neurotouch_hid.source.simulator.gel import Elasticity
 from neurotouch_hid.source.simulator.people import Person, draw_stroke, meet_person
 from neurotouch_hid.source.simulator.script import PRESS_US, Script, Stroke
 from neurotouch_hid.source.simulator.simulator import Simulator
@@ -32,11 +33,13 @@ class Recipe:
     user: int
     gesture: str
     duration_us: int
+    gel: Elasticity = "half-space"
 
     @property
     def name(self) -> str:
         """The recording's name without suffix."""
-        return f"user{self.user + 1}-{self.gesture}"
+        name = f"user{self.user + 1}-{self.gesture}"
+        return name if self.gel == "half-space" else f"{name}-{self.gel}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +65,9 @@ def write_dataset(
     minutes: float = 25.0,
     seed: int = 0,
     progress: Callable[[Progress], None] = lambda _: None,
+    gels: Sequence[Elasticity] = ("half-space",),
 ) -> list[Path]:
-    """Write one recording per user and gesture, with labels; finished ones are kept.
+    """Write one recording per gel, user and gesture, with labels; finished ones are kept.
 
     A recording appears under its name only when it is complete; ``dataset.json`` says what each was
     made from, so an interrupted run goes on where it stopped.
@@ -74,15 +78,16 @@ def write_dataset(
         minutes: length of the whole set.
         seed: another seed gives other people and other gestures.
         progress: told at the start, about once a simulated second, and at the end of each file.
+        gels: models of the gel. Every one has people and gestures of its own.
 
     Returns:
-        The recordings, users one after another.
+        The recordings, gels and users one after another.
 
     Raises:
         RecordingError: the folder or a file cannot be written.
     """
     folder = Path(out_dir)
-    recipes = plan_dataset(users, minutes, seed)
+    recipes = plan_dataset(users, minutes, seed, gels)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -102,11 +107,14 @@ def write_dataset(
     return paths
 
 
-def plan_dataset(users: int, minutes: float, seed: int) -> list[Recipe]:
-    """The recipes of a set, users one after another."""
-    duration_us = round(minutes * 60e6 / (users * len(KINDS)))
+def plan_dataset(
+    users: int, minutes: float, seed: int, gels: Sequence[Elasticity] = ("half-space",)
+) -> list[Recipe]:
+    """The recipes of a set, gels and users one after another."""
+    duration_us = round(minutes * 60e6 / (len(gels) * users * len(KINDS)))
     return [
-        Recipe(MODEL, seed, user, kind.label, duration_us)
+        Recipe(MODEL, seed, user, kind.label, duration_us, gel)
+        for gel in gels
         for user in range(users)
         for kind in KINDS
     ]
@@ -115,8 +123,10 @@ def plan_dataset(users: int, minutes: float, seed: int) -> list[Recipe]:
 def simulate_recipe(recipe: Recipe) -> Simulator:
     """The simulation that gives the recording."""
     kind = GestureKind[recipe.gesture.upper()]
-    person, config = meet_person(1000 * recipe.seed + recipe.user)
-    rng = np.random.default_rng((recipe.seed, recipe.user, kind))
+    apart = 0 if recipe.gel == "half-space" else 500
+    person, config = meet_person(1000 * recipe.seed + recipe.user + apart)
+    config = replace(config, gel=replace(config.gel, elasticity=recipe.gel))
+    rng = np.random.default_rng((recipe.seed, recipe.user + apart, kind))
     script = draw_script(recipe.name, kind, recipe.duration_us, person, rng)
     return Simulator(script, config, seed=int(rng.integers(1 << 31)), slice_us=SLICE_US)
 

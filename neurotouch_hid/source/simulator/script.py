@@ -4,8 +4,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from neurotouch_hid.messages import GestureKind
 
@@ -13,6 +15,43 @@ FINGERTIP_RADIUS_MM = 6.5  # contact patch of a fingertip on soft gel; finite el
 PRESS_US = 70_000  # touch-down time of a finger
 SLIP_US = 45_000  # how long the finger slips when it lets go
 N_RIPPLES = 3  # sinusoids per tremor and drift
+
+
+class Grasp(Protocol):
+    """Fingers on the gel from touch to release."""
+
+    @property
+    def kind(self) -> GestureKind:
+        """What they do."""
+
+    @property
+    def fingers(self) -> "tuple[Finger, ...]":
+        """Where they were laid."""
+
+    def move(self, t_us: int) -> NDArray[np.float64]:
+        """Where they are, (k, 4) float64: drag x, drag y in mm, turn in rad, press depth in mm."""
+
+
+class Play(Protocol):
+    """What happens on the gel: a script, or a hand that nobody has scripted.
+
+    It is asked for every knot of time once, in order; a script may also be asked for earlier ones.
+    """
+
+    @property
+    def name(self) -> str:
+        """For people."""
+
+    @property
+    def duration_us(self) -> int:
+        """When it ends or begins anew."""
+
+    @property
+    def endless(self) -> bool:
+        """Whether it never ends."""
+
+    def find(self, t_us: int) -> tuple[Grasp, int] | None:
+        """The grasp at work and the time within the play, or None at rest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +115,10 @@ class Stroke:
         late = max(finger.delay_us for finger in self.fingers)
         moving = PRESS_US + self.attack_us + self.hold_us + self.release_us
         return self.start_us + late + moving + 4 * self.creep_us
+
+    def move(self, t_us: int) -> NDArray[np.float64]:
+        """Where the fingers are, (k, 4) float64: drag x, y in mm, turn in rad, press in mm."""
+        return np.array([motion_at(self, finger, t_us) for finger in self.fingers])
 
 
 @dataclass(frozen=True, slots=True)

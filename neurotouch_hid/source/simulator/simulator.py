@@ -11,7 +11,7 @@ from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, Truth
 from neurotouch_hid.source.simulator.gel import KNOT_US, GelConfig, Motion
 from neurotouch_hid.source.simulator.optics import Camera, CameraConfig, LightConfig
-from neurotouch_hid.source.simulator.script import Script
+from neurotouch_hid.source.simulator.script import Play
 from neurotouch_hid.source.simulator.sensor import Sensor, SensorConfig
 
 
@@ -36,7 +36,7 @@ class Simulator:
 
     def __init__(
         self,
-        script: Script,
+        script: Play,
         config: SimulatorConfig | None = None,
         *,
         seed: int = 0,
@@ -78,7 +78,7 @@ class Simulator:
         while self._script.endless or t_us < self._script.duration_us:
             end_us = t_us + self._slice_us
             parts = [events]
-            while made_us <= end_us:
+            while made_us < end_us:
                 index = made_us // KNOT_US
                 knots = np.stack([self._motion.knot(index + k).outline for k in (-1, 0, 1, 2)])
                 new, taken = self._sensor.run(knots, KNOT_US, made_us, made_us + KNOT_US)

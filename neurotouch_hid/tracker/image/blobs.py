@@ -50,34 +50,41 @@ class Blobs:
 
 
 class BlobFinder:
-    """Finds the blobs of frames, with buffers that are used again and again."""
+    """Finds the blobs of frames, with buffers that are used again and again.
+
+    Whoever asks for the frame that was searched last gets what was found then.
+    """
 
     def __init__(self, config: BlobConfig | None = None) -> None:
         self._config = config or BlobConfig()
         h, w, block = SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, kernels.BLOCK_PX
         self._threshold = np.empty((-(-h // block), -(-w // block)))
         self._background = np.empty_like(self._threshold)
-        self._peak = np.empty(self._threshold.shape, np.int32)
-        self._seen = np.empty((h, w), np.uint8)
+        self._bright = np.zeros((h + 2, (w // 8 + 1) * 8), np.uint8)
         self._centroid_px = np.empty((MAX_BLOBS, 2))
         self._begin = np.empty(MAX_BLOBS + 1, np.int32)
         self._members = np.empty(h * w, np.int32)
+        self._found: tuple[NDArray[np.uint8], Blobs] | None = None
 
     def find(self, pixels: NDArray[np.uint8]) -> Blobs:
-        """The blobs of a frame (260, 346) uint8."""
+        """The blobs of a frame (260, 346) uint8, which nobody writes to any more."""
+        if self._found is None or self._found[0] is not pixels:
+            self._found = (pixels, self._search(pixels))
+        return self._found[1]
+
+    def _search(self, pixels: NDArray[np.uint8]) -> Blobs:
         c = self._config
         pixels = np.require(pixels, np.uint8, ["C", "W"])
         kernels.threshold_blocks(
-            pixels, c.n_sigma, c.min_contrast, self._threshold, self._background, self._peak
+            pixels, c.n_sigma, c.min_contrast, self._threshold, self._background
         )
         n = kernels.find_blobs(
             pixels,
             self._threshold,
             self._background,
-            self._peak,
             c.min_area_px,
             c.max_area_px,
-            self._seen,
+            self._bright,
             self._centroid_px,
             self._begin,
             self._members,

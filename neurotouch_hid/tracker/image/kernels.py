@@ -10,14 +10,13 @@ BLOCK_PX = 8  # light is measured in windows of 3 x 3 blocks: two to three marke
 SHIFT = 3  # log2(BLOCK_PX)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def threshold_blocks(
     pixels: NDArray[np.uint8],
     n_sigma: float,
     min_contrast: float,
     threshold: NDArray[np.float64],
     background: NDArray[np.float64],
-    peak: NDArray[np.int32],
 ) -> None:
     """Threshold and background of every block, from mean and deviation of the blocks around it.
 
@@ -29,7 +28,6 @@ def threshold_blocks(
         min_contrast: least threshold above the mean, grey levels.
         threshold: (rows, columns) float64, filled in.
         background: (rows, columns) float64, filled in: the level between the markers.
-        peak: (rows, columns) int32, filled in: the brightest pixel of the block itself.
     """
     h, w = pixels.shape
     rows, columns = threshold.shape
@@ -37,30 +35,24 @@ def threshold_blocks(
     sums = np.zeros((rows + 2, 3, columns + 2), np.int32)
     padded = columns * BLOCK_PX
     total, square = np.empty(padded, np.int32), np.empty(padded, np.int32)  # of 8 rows, by column
-    brightest = np.empty(padded, np.uint8)
     for i in range(rows):
-        total[:], square[:], brightest[:] = 0, 0, 0
+        total[:], square[:] = 0, 0
         top, bottom = i * BLOCK_PX, min(h, (i + 1) * BLOCK_PX)
-        for y in range(top, bottom):
+        for y in range(top, bottom, 2):
             row = pixels[y]
             for x in range(w):
-                brightest[x] = max(brightest[x], row[x])
-            if y % 2 == 0:
-                for x in range(w):
-                    v = np.int32(row[x])
-                    total[x] += v
-                    square[x] += v * v
+                v = np.int32(row[x])
+                total[x] += v
+                square[x] += v * v
         for j in range(columns):
-            s, q, p = np.int32(0), np.int32(0), np.uint8(0)
+            s, q = np.int32(0), np.int32(0)
             for k in range(BLOCK_PX):
                 x = j * BLOCK_PX + k
                 s += total[x]
                 q += square[x]
-                p = max(p, brightest[x])
             width = min(w - j * BLOCK_PX, BLOCK_PX)
             sums[i + 1, 0, j + 1] = (bottom - top + 1) // 2 * width
             sums[i + 1, 1, j + 1], sums[i + 1, 2, j + 1] = s, q
-            peak[i, j] = p
     for i in range(rows):
         tall = sums[i] + sums[i + 1] + sums[i + 2]
         for j in range(columns):
@@ -73,19 +65,37 @@ def threshold_blocks(
 
 
 @njit(cache=True, nogil=True)
+def _mark(
+    pixels: NDArray[np.uint8], threshold: NDArray[np.float64], out: NDArray[np.uint8]
+) -> None:
+    """Set what is above the threshold of its block in ``out``, one row further down."""
+    h, w = pixels.shape
+    rows, columns = threshold.shape
+    level = np.empty((columns, BLOCK_PX), np.uint8)
+    levels = level.ravel()
+    for i in range(rows):
+        for j in range(columns):
+            # Grey levels are whole numbers: above 37.4 is above 37.
+            level[j, :] = np.uint8(min(threshold[i, j], 255.0))
+        for y in range(i * BLOCK_PX, min(h, (i + 1) * BLOCK_PX)):
+            row, marked = pixels[y], out[y + 1]
+            for x in range(w):
+                marked[x] = row[x] > levels[x]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def _flood(
     y0: int,
     x0: int,
     begin: int,
     pixels: NDArray[np.uint8],
-    threshold: NDArray[np.float64],
     background: NDArray[np.float64],
-    seen: NDArray[np.uint8],
+    bright: NDArray[np.uint8],
     members: NDArray[np.int32],
 ) -> tuple[int, float, float, float]:
-    """Append the region around (x0, y0); its new end, mass and first moments in x and y."""
-    h, w = pixels.shape
-    seen[y0, x0] = 1
+    """Append the region around (x0, y0) and clear it; its new end, mass, first moments in x, y."""
+    w = pixels.shape[1]
+    bright[y0 + 1, x0] = 0
     members[begin] = y0 * w + x0
     head, tail = begin, begin + 1
     mass, mx, my = 0.0, 0.0, 0.0
@@ -100,27 +110,21 @@ def _flood(
         my += weight * y
         for dy, dx in ((-1, 0), (0, -1), (0, 1), (1, 0)):
             v, u = y + dy, x + dx
-            if (
-                0 <= v < h
-                and 0 <= u < w
-                and not seen[v, u]
-                and pixels[v, u] > threshold[v >> SHIFT, u >> SHIFT]
-            ):
-                seen[v, u] = 1
+            if bright[v + 1, u]:
+                bright[v + 1, u] = 0
                 members[tail] = v * w + u
                 tail += 1
     return tail, mass, mx, my
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def find_blobs(
     pixels: NDArray[np.uint8],
     threshold: NDArray[np.float64],
     background: NDArray[np.float64],
-    peak: NDArray[np.int32],
     min_area_px: int,
     max_area_px: int,
-    seen: NDArray[np.uint8],
+    bright: NDArray[np.uint8],
     centroid_px: NDArray[np.float64],
     begin: NDArray[np.int32],
     members: NDArray[np.int32],
@@ -131,10 +135,11 @@ def find_blobs(
         pixels: (h, w) uint8.
         threshold: (rows, columns) float64, of every block.
         background: (rows, columns) float64, of every block.
-        peak: (rows, columns) int32, of every block.
         min_area_px: smaller regions are noise.
         max_area_px: larger regions are no markers.
-        seen: (h, w) uint8 scratch.
+        bright: (h + 2, v) uint8 scratch, all 0, and so again afterwards; v is a multiple of 8 and
+            larger than w, so that no region has to look for the picture's border: also left of
+            the first column, which is the last one of the row before, there is nothing.
         centroid_px: (m, 2) float64, filled in, columns x, y.
         begin: (m + 1,) int32, filled in: pixels of blob i are members[begin[i]:begin[i + 1]].
         members: (h * w,) int32, filled in: y * w + x.
@@ -142,28 +147,26 @@ def find_blobs(
     Returns:
         The number of blobs, at most m.
     """
-    h, w = pixels.shape
-    seen[:] = 0
+    words = bright.view(np.uint64)  # most are 0
+    _mark(pixels, threshold, bright)
     n, used = 0, 0
     begin[0] = 0
-    for i in range(threshold.shape[0]):
-        for j in range(threshold.shape[1]):
-            if peak[i, j] <= threshold[i, j]:
+    for y0 in range(len(pixels)):
+        for j in range(words.shape[1]):
+            if not words[y0 + 1, j]:
                 continue
-            for y0 in range(i * BLOCK_PX, min(h, (i + 1) * BLOCK_PX)):
-                for x0 in range(j * BLOCK_PX, min(w, (j + 1) * BLOCK_PX)):
-                    if pixels[y0, x0] <= threshold[i, j] or seen[y0, x0]:
-                        continue
-                    if n == len(centroid_px):
-                        return n
-                    end, mass, mx, my = _flood(
-                        y0, x0, used, pixels, threshold, background, seen, members
-                    )
-                    if min_area_px <= end - used <= max_area_px:
-                        centroid_px[n, 0], centroid_px[n, 1] = mx / mass, my / mass
-                        used = end
-                        n += 1
-                        begin[n] = used
+            for x0 in range(8 * j, 8 * j + 8):
+                if not bright[y0 + 1, x0]:
+                    continue
+                if n == len(centroid_px):
+                    bright[:] = 0
+                    return n
+                end, mass, mx, my = _flood(y0, x0, used, pixels, background, bright, members)
+                if min_area_px <= end - used <= max_area_px:
+                    centroid_px[n, 0], centroid_px[n, 1] = mx / mass, my / mass
+                    used = end
+                    n += 1
+                    begin[n] = used
     return n
 
 
@@ -272,6 +275,32 @@ def gather_inside(
 
 
 @njit(cache=True, nogil=True)
+def _sort_by_row(
+    points_px: NDArray[np.float64],
+) -> tuple[NDArray[np.int32], NDArray[np.int32], float]:
+    """Points in order of rows of 1 px: those of row i are order[begin[i]:begin[i + 1]].
+
+    The third answer is the top of row 0. Nothing is compared here, for which of two points comes
+    first cannot be foretold.
+    """
+    m = len(points_px)
+    top = points_px[:, 1].min() if m else 0.0
+    n_rows = int(points_px[:, 1].max() - top) + 1 if m else 1
+    begin, order = np.zeros(n_rows + 1, np.int32), np.empty(m, np.int32)
+    filled = np.empty(n_rows, np.int32)
+    for j in range(m):
+        begin[int(points_px[j, 1] - top) + 1] += 1
+    for row in range(n_rows):
+        begin[row + 1] += begin[row]
+        filled[row] = begin[row]
+    for j in range(m):
+        row = int(points_px[j, 1] - top)
+        order[filled[row]] = j
+        filled[row] += 1
+    return order, begin, top
+
+
+@njit(cache=True, nogil=True)
 def match_points(
     targets_px: NDArray[np.float64],
     points_px: NDArray[np.float64],
@@ -295,17 +324,18 @@ def match_points(
     gate_px2, reach_px = gate_px * gate_px, 2.0 * gate_px
     near_px2 = np.full(m, gate_px2)
     nearest_px2 = np.empty(n)
-    by_y = np.argsort(points_px[:, 1])
-    sorted_y = points_px[by_y, 1]
+    by_row, begin, top = _sort_by_row(points_px)
+    n_rows = len(begin) - 1
     for i in range(n):
         best, best_px2, second_px2 = -1, np.inf, 4.0 * gate_px2
         x, y = targets_px[i, 0], targets_px[i, 1]
-        for k in range(np.searchsorted(sorted_y, y - reach_px), m):
-            dy = sorted_y[k] - y
-            if dy > reach_px:
-                break
-            j = by_y[k]
-            dx = points_px[j, 0] - x
+        above, below = y - reach_px - top, y + reach_px - top
+        first, last = 0, 0
+        if below >= 0.0 and above < n_rows:
+            first, last = begin[int(max(above, 0.0))], begin[int(min(below, n_rows - 1.0)) + 1]
+        for k in range(first, last):
+            j = by_row[k]
+            dx, dy = points_px[j, 0] - x, points_px[j, 1] - y
             px2 = dx * dx + dy * dy
             # Without branches: which point is nearer cannot be foretold.
             closer = px2 < best_px2
@@ -322,3 +352,90 @@ def match_points(
             out[i] = -2
         n_pairs += out[i] >= 0
     return n_pairs
+
+
+@njit(cache=True, nogil=True)
+def select(values: NDArray[np.float64], k: int) -> float:
+    """The value that ``k`` of the (n,) values do not exceed when they are put in order; all >= 0.
+
+    Found by its bits, which have the same order, halving what is left: to sort, one has to compare,
+    and what comes of that cannot be foretold.
+    """
+    bits = values.view(np.int64)
+    low, high = np.int64(0), bits.max()
+    while low < high:
+        middle = low + (high - low) // 2
+        n = 0
+        for i in range(len(bits)):  # eight at once
+            n += bits[i] <= middle
+        if n > k:
+            high = middle
+        else:
+            low = middle + 1
+    return float(np.array([low]).view(np.float64)[0])
+
+
+@njit(cache=True, nogil=True)
+def _measure_pairs(
+    before_px: NDArray[np.float64],
+    now_px: NDArray[np.float64],
+    gate_px: float,
+    match: NDArray[np.int32],
+) -> NDArray[np.float64]:
+    """How far each point that has a pair has moved: (pairs,) px; see ``match_points``."""
+    moved_px = np.empty(match_points(before_px, now_px, gate_px, match))
+    k = 0
+    for i in range(len(before_px)):
+        j = match[i]
+        if j >= 0:
+            dx, dy = now_px[j, 0] - before_px[i, 0], now_px[j, 1] - before_px[i, 1]
+            moved_px[k] = math.sqrt(dx * dx + dy * dy)
+            k += 1
+    return moved_px
+
+
+@njit(cache=True, nogil=True)
+def measure_largest(
+    before_px: NDArray[np.float64],
+    now_px: NDArray[np.float64],
+    gate_px: float,
+    n_left_out: int,
+    match: NDArray[np.int32],
+) -> tuple[int, float]:
+    """How many points have a pair, and how far all of these but some have moved at most.
+
+    Args:
+        before_px: (n, 2) float64, columns x, y.
+        now_px: (m, 2) float64.
+        gate_px: no point has moved farther; the answer if none has a pair.
+        n_left_out: how many may have moved farther than is told.
+        match: (n,) int32, filled in, see ``match_points``.
+    """
+    moved_px = _measure_pairs(before_px, now_px, gate_px, match)
+    n = len(moved_px)
+    if not n:
+        return 0, gate_px
+    return n, float(select(moved_px, max(n - 1 - n_left_out, 0)))
+
+
+@njit(cache=True, nogil=True)
+def measure_median(
+    before_px: NDArray[np.float64],
+    now_px: NDArray[np.float64],
+    gate_px: float,
+    match: NDArray[np.int32],
+) -> tuple[int, float]:
+    """How many points have a pair, and how far these have moved in the median.
+
+    Args:
+        before_px: (n, 2) float64, columns x, y.
+        now_px: (m, 2) float64.
+        gate_px: no point has moved farther; the answer if none has a pair.
+        match: (n,) int32, filled in, see ``match_points``.
+    """
+    moved_px = _measure_pairs(before_px, now_px, gate_px, match)
+    n = len(moved_px)
+    if not n:
+        return 0, gate_px
+    middle = select(moved_px, (n - 1) // 2)
+    return n, middle if n % 2 else 0.5 * (middle + select(moved_px, n // 2))

@@ -5,6 +5,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 CLOSEST_PX = 1.5  # of two markers, each 2.5 px wide: one of them follows the other one's events
+LEFT_SHARE = 0.2  # beside a finger the gel moves by half as much as under it, and more [Mindlin]
+LEFT_BEHIND = 4  # neighbours; three may lie on the line between two fingers that part
 
 
 @njit(cache=True, nogil=True)
@@ -110,3 +112,43 @@ def collide(
                 off_j = abs(position_px[j, 0] - expected_px[j, 0])
                 off_j += abs(position_px[j, 1] - expected_px[j, 1])
                 out[i if off_i > off_j else j] = True
+
+
+@njit(cache=True, nogil=True)
+def tear(
+    position_px: NDArray[np.float64],
+    usable: NDArray[np.bool_],
+    rest_px: NDArray[np.float64],
+    neighbours: NDArray[np.intp],
+    least_px: float,
+    out: NDArray[np.bool_],
+) -> None:
+    """Markers whose motion would tear the gel are set in out (n,).
+
+    The gel follows a finger far around it. A marker that has moved far while its neighbours have
+    not follows somebody else: so a whole patch that sits one place off heals from its corners.
+
+    Args:
+        position_px: (n, 2) float64, columns x, y.
+        usable: (n,) bool: neighbours that have a say.
+        rest_px: (n, 2) float64, where the markers lie at rest.
+        neighbours: (n, 8) intp, -1 where there is none.
+        least_px: a marker that has moved less may have.
+        out: (n,) bool, set for such markers, else left as it is.
+    """
+    least_px2 = least_px * least_px
+    for i in range(len(position_px)):
+        x, y = position_px[i, 0] - rest_px[i, 0], position_px[i, 1] - rest_px[i, 1]
+        moved_px2 = x * x + y * y
+        if not moved_px2 > least_px2:
+            continue
+        limit_px2 = LEFT_SHARE * LEFT_SHARE * moved_px2
+        n_used, n_left = 0, 0
+        for k in range(8):
+            j = neighbours[i, k]
+            if j >= 0 and usable[j]:
+                x, y = position_px[j, 0] - rest_px[j, 0], position_px[j, 1] - rest_px[j, 1]
+                n_used += 1
+                n_left += x * x + y * y < limit_px2
+        if n_left >= LEFT_BEHIND and 2 * n_left > n_used:
+            out[i] = True

@@ -46,7 +46,7 @@ def use(results: Path) -> dict[str, Any]:
     before = list_nodes()
     with open_device("uinput", Companion) as device:
         nodes = {name: find_node(phys) for name, phys in PLACES.items()}
-        run("udevadm", "settle", "--timeout=20")
+        run("udevadm", "settle", "--timeout=60")
         seen: dict[str, Any] = {"nodes_before": before, "nodes": list_nodes()}
         with open_games() as games:
             for name, game in games.items():
@@ -94,7 +94,7 @@ def press(device: Device, reader: Reader, key: str) -> list[tuple[int, int, int]
     device.write(GamepadState(0, keys=frozenset({key})))
     device.write(GamepadState(0))
     with contextlib.suppress(TimeoutError):  # the host will say what is missing
-        reader.wait_for(lambda events: len(events) >= n_before + 4, 2.0)
+        reader.wait_for(lambda events: len(events) >= n_before + 4)
     return reader.events[n_before:]
 
 
@@ -113,11 +113,13 @@ def held() -> Iterator[tuple[int, dict[str, Reader]]]:
     told, tell = os.pipe()
     child = os.fork()
     if child == 0:
-        device = open_device("uinput", Companion)
-        os.read(told, 1)
-        device.write(HELD)
-        signal.pause()
-        os._exit(0)
+        try:
+            device = open_device("uinput", Companion)
+            os.read(told, 1)
+            device.write(HELD)
+            signal.pause()
+        finally:
+            os._exit(0)
     readers = {name: Reader(find_node(phys)) for name, phys in PLACES.items()}
     os.write(tell, b".")
     for reader in readers.values():

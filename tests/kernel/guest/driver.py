@@ -1,6 +1,7 @@
 """Runs the driver itself, ``neurotouch run``, on the simulated gel."""
 
 import contextlib
+import signal
 import subprocess
 import sys
 import time
@@ -26,15 +27,17 @@ def play_tour(results: Path) -> dict[str, Any]:
     source, trace = results / "tour.aedat4", results / "tour.jsonl"
     seen: dict[str, dict[str, list[int]]] = {"sdl2": {}, "sdl3": {}}
     with started("spacecraft", f"file:{source}", "--trace", str(trace)) as (process, reader):
-        run("udevadm", "settle", "--timeout=20")
+        process.send_signal(signal.SIGSTOP)  # until the games are there
+        run("udevadm", "settle", "--timeout=60")
         nodes = list_nodes()
         with open_games() as games:
+            process.send_signal(signal.SIGCONT)
             while process.poll() is None:
                 for name, game in games.items():
                     for control, value in look(game).items():
                         low, high = seen[name].get(control, (0, 0))
                         seen[name][control] = [min(low, value), max(high, value)]
-                time.sleep(0.1)
+                time.sleep(0.02)
     return {**reader.report(), "exit_code": process.returncode, "nodes": nodes, **seen}
 
 

@@ -1,56 +1,77 @@
-"""Opens /dev/uinput in every state that a machine can have it in."""
+"""Opens /dev/uinput and /dev/uhid in every state that a machine can have them in."""
 
 import os
 import stat
 import subprocess
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from neurotouch_hid.device.uinput import NODE, open_uinput
+from neurotouch_hid.device import uhid, uinput
 from neurotouch_hid.errors import DeviceError
 
-RULES = Path("udev/70-neurotouch-uinput.rules")
+RULES = (Path("udev/70-neurotouch-uinput.rules"), Path("udev/70-neurotouch-hid.rules"))
 UDEVD = "/lib/systemd/systemd-udevd"
-STATIC_TAG = Path("/run/udev/static_node-tags/uaccess/uinput")
+STATIC_TAGS = Path("/run/udev/static_node-tags/uaccess")
 NOBODY = 65534
+
+
+@dataclass(frozen=True)
+class Maker:
+    """A node that makes devices, its number, and how we open it."""
+
+    node: Path
+    minor: int
+    open: Callable[[], int]
+
+
+MAKERS = {
+    "uinput": Maker(uinput.NODE, 223, uinput.open_uinput),
+    "uhid": Maker(uhid.NODE, 239, uhid.open_uhid),
+}
 
 
 def open_in_every_state(results: Path) -> dict[str, Any]:
     seen: dict[str, Any] = {
-        "without_right": as_nobody(say_how_it_opens),
-        "with_right": say_how_it_opens(),
+        name: {"without_right": as_nobody(partial(say_how_it_opens, name))} for name in MAKERS
     }
+    for name in MAKERS:
+        seen[name]["with_right"] = say_how_it_opens(name)
     run("udevadm", "control", "--exit")
-    run("rmmod", "uinput")
-    NODE.unlink(missing_ok=True)
-    seen["without_node"] = say_how_it_opens()
-
-    os.mknod(NODE, stat.S_IFCHR | 0o600, os.makedev(10, 223))
     loader = Path("/proc/sys/kernel/modprobe")
     usual = loader.read_text()
-    loader.write_text("/bin/false")
-    seen["without_module"] = say_how_it_opens()
-    loader.write_text(usual)
+    for name, maker in MAKERS.items():
+        run("rmmod", name)
+        maker.node.unlink(missing_ok=True)
+        seen[name]["without_node"] = say_how_it_opens(name)
+        os.mknod(maker.node, stat.S_IFCHR | 0o600, os.makedev(10, maker.minor))
+        loader.write_text("/bin/false")
+        seen[name]["without_module"] = say_how_it_opens(name)
+        loader.write_text(usual)
 
     install_rules()
     run(UDEVD, "--daemon")
-    run("udevadm", "settle", "--timeout=20")
-    seen["static_node_tagged"] = STATIC_TAG.exists()
-    seen["module_loaded_by_opening"] = say_how_it_opens()
-    run("udevadm", "trigger", "--settle", "--name-match=uinput")
-    seen["tags"] = properties(NODE).get("TAGS", "")
+    run("udevadm", "settle", "--timeout=60")
+    for name, maker in MAKERS.items():
+        seen[name]["static_node_tagged"] = (STATIC_TAGS / name).exists()
+        seen[name]["module_loaded_by_opening"] = say_how_it_opens(name)
+        run("udevadm", "trigger", "--settle", f"--name-match={name}")
+        seen[name]["tags"] = properties(maker.node).get("TAGS", "")
     return seen
 
 
 def install_rules() -> None:
     folder = Path("/run/udev/rules.d")
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / RULES.name).write_text(RULES.read_text())
+    for rules in RULES:
+        (folder / rules.name).write_text(rules.read_text())
 
 
-def say_how_it_opens() -> dict[str, str | None]:
+def say_how_it_opens(name: str) -> dict[str, str | None]:
     try:
-        os.close(open_uinput())
+        os.close(MAKERS[name].open())
     except DeviceError as error:
         return {"message": error.message, "hint": error.hint}
     return {"message": "opened", "hint": None}
@@ -61,15 +82,17 @@ def as_nobody(question: Any) -> Any:
     reading, writing = os.pipe()
     child = os.fork()
     if child == 0:
-        os.setgroups([])
-        os.setuid(NOBODY)
-        answer = question()
-        os.write(writing, repr(answer).encode())
-        os._exit(0)
-    os.waitpid(child, 0)
+        try:
+            os.setgroups([])
+            os.setuid(NOBODY)
+            os.write(writing, repr(question()).encode())
+        finally:
+            os._exit(0)
     os.close(writing)
     with os.fdopen(reading) as answers:
-        return eval(answers.read())
+        answer = answers.read()
+    os.waitpid(child, 0)
+    return eval(answer)
 
 
 def properties(node: Path) -> dict[str, str]:

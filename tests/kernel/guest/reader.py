@@ -65,7 +65,7 @@ class Reader:
                 raise TimeoutError(f"only these came: {self.events}")
             time.sleep(0.005)
 
-    def wait_until_quiet(self, quiet_s: float = 0.3, patience_s: float = 20.0) -> None:
+    def wait_until_quiet(self, quiet_s: float = 0.3, patience_s: float = 60.0) -> None:
         """Wait until nothing has come for some time."""
         deadline = time.monotonic() + patience_s
         n_events = -1
@@ -73,7 +73,7 @@ class Reader:
             n_events = len(self.events)
             time.sleep(quiet_s)
 
-    def wait_for_end(self, patience_s: float = 20.0) -> None:
+    def wait_for_end(self, patience_s: float = 60.0) -> None:
         """Wait until the device is gone."""
         self._thread.join(patience_s)
 

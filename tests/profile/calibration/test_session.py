@@ -6,18 +6,16 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.messages import Gesture, GestureKind
-from neurotouch_hid.profile import check_content, check_user, rehearse
+from neurotouch_hid.profile import check_user, rehearse
 from neurotouch_hid.profile.calibration import (
-    MOVEMENTS,
     Session,
     find_weak_sides,
-    hand_over,
     write_ranges,
 )
 from neurotouch_hid.profile.calibration.result import measure_range, measure_rest
 from neurotouch_hid.profile.calibration.tremor import choose_filter, find_tremor, smooth
-from neurotouch_hid.profile.document import parse_document
 from neurotouch_hid.profile.engine.one_euro import FILTERS
+from neurotouch_hid.profile.movements import MOVEMENTS
 from neurotouch_hid.profile.user import Range, UserSettings
 
 STEP_US = 10_000
@@ -225,28 +223,3 @@ def test_the_users_file_gets_what_was_measured_and_the_date():
     assert len(set(again.splitlines()) - set(text.splitlines())) == 2
     gone = write_ranges(again, {"zoom": None}, "2027-01-02")
     assert check_user(gone.encode(), "user.yaml").require().range.zoom is None
-
-
-def test_relief_gives_what_a_weak_movement_does_to_another():
-    text = """\
-version: 1
-name: mine
-bindings:
-  # opens
-  - when: {gesture: zoom, on_mm: 7.0}
-    do: {button: b}
-  - when: zoom  # faster
-    do: {trigger: right, range_mm: [1.0, 4.5]}
-  - when: push
-    do: {stick: left}
-  - when: pinch
-    do: {trigger: left}
-"""
-    changed, moved = hand_over(text, "zoom", {"gesture": "pinch", "press": "long"})
-    assert moved == ["b", "right 1.0 toggle"]
-    assert check_content(changed.encode(), "x").whole is not None
-    assert "# faster" in changed
-    bindings = parse_document(changed)[0].value["bindings"]
-    assert [b["when"] for b in bindings[:2]] == [{"gesture": "pinch", "press": "long"}] * 2
-    assert hand_over(text, "push_left", {"gesture": "pinch"}) == (text, [])
-    assert hand_over(text, "twist_cw", {"gesture": "pinch"}) == (text, [])

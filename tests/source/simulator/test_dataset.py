@@ -39,6 +39,16 @@ def test_a_recording_is_what_its_recipe_simulates(small_set):
     assert [truth.t_us for truth in labels] == list(range(5_000, recipe.duration_us, 40_000))
 
 
+def test_a_set_may_hold_both_gels_with_people_of_their_own():
+    recipes = dataset.plan_dataset(2, 1.0, 3, ("half-space", "solid"))
+    assert len(recipes) == 20
+    assert sum(recipe.duration_us for recipe in recipes) == 60_000_000
+    assert recipes[10].name == "user1-push-solid"
+    first, second = (dataset.simulate_recipe(recipes[k]) for k in (0, 10))
+    assert first.truth(0).markers_px[0, 0] != second.truth(0).markers_px[0, 0]
+    assert recipes[:10] == dataset.plan_dataset(2, 0.5, 3)  # the half-space half is the plain set
+
+
 def test_finished_recordings_are_kept_and_others_written_again(small_set):
     folder, paths, _ = small_set
     stamps = [path.stat().st_mtime_ns for path in paths]

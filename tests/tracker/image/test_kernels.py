@@ -25,13 +25,11 @@ def draw_dots(rng, n=120):
 def test_threshold_equals_the_statistics_of_each_window(seed):
     pixels = draw_dots(np.random.default_rng(seed))
     threshold = np.empty((33, 44))
-    background, peak = np.empty_like(threshold), np.empty(threshold.shape, np.int32)
-    kernels.threshold_blocks(pixels, 1.5, 10.0, threshold, background, peak)
+    background = np.empty_like(threshold)
+    kernels.threshold_blocks(pixels, 1.5, 10.0, threshold, background)
     twin = np.array(reference.threshold(pixels, 1.5, 10.0, BLOCK))
     np.testing.assert_allclose(threshold, twin[:, :, 0], atol=1e-6)
     np.testing.assert_allclose(background, twin[:, :, 1], atol=1e-6)
-    assert peak[32, 43] == pixels[256:, 344:].max()
-    assert peak[3, 5] == pixels[24:32, 40:48].max()
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -75,9 +73,52 @@ def test_a_white_frame_and_a_black_frame_have_no_blobs():
 
 
 def test_more_blobs_than_anyone_asked_for_are_cut_off():
+    finder = BlobFinder()
     pixels = np.zeros((260, 346), np.uint8)
     pixels[::4, ::4] = pixels[1::4, ::4] = 200
-    assert len(BlobFinder().find(pixels).centroid_px) == 1024
+    assert len(finder.find(pixels).centroid_px) == 1024
+    assert len(finder.find(np.zeros_like(pixels)).centroid_px) == 0  # nothing is left of it
+
+
+def test_blobs_at_the_border_of_the_picture_are_whole():
+    pixels = np.zeros((260, 346), np.uint8)
+    for y, x in ((0, 0), (0, 344), (257, 0), (257, 344), (100, 344), (101, 0)):
+        pixels[y : y + 3, x : x + 2] = 200
+    blobs = BlobFinder().find(pixels)
+    assert sorted(blobs.area_px.tolist()) == [6] * 6  # right and left are no neighbours
+
+
+def test_a_picture_is_searched_once():
+    finder, pixels = BlobFinder(), draw_dots(np.random.default_rng(1))
+    assert finder.find(pixels) is finder.find(pixels)
+    assert finder.find(pixels.copy()) is not finder.find(pixels)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(0, 40), st.integers(0, 40))
+@settings(max_examples=50, deadline=None)
+def test_motions_are_those_of_the_pairs(seed, n, m):
+    rng = np.random.default_rng(seed)
+    before, now = rng.uniform(0, 30, (n, 2)), rng.uniform(0, 30, (m, 2))
+    match = np.empty(n, np.int32)
+    expected = reference.match_points(before.tolist(), now.tolist(), 4.0)
+    sizes = sorted(np.hypot(*(now[j] - before[i])) for i, j in enumerate(expected) if j >= 0)
+    for left_out in (0, 2):
+        n_pairs, largest = kernels.measure_largest(before, now, 4.0, left_out, match)
+        assert match.tolist() == expected
+        assert n_pairs == len(sizes)
+        wanted = sizes[max(len(sizes) - 1 - left_out, 0)] if sizes else 4.0
+        assert largest == pytest.approx(wanted, rel=1e-12)
+    n_pairs, median = kernels.measure_median(before, now, 4.0, match)
+    assert match.tolist() == expected
+    assert n_pairs == len(sizes)
+    assert median == pytest.approx(np.median(sizes) if sizes else 4.0, rel=1e-12)
+
+
+@given(st.lists(st.floats(0.0, 1e9), min_size=1, max_size=40))
+@settings(max_examples=100, deadline=None)
+def test_any_place_in_order_is_selected(values):
+    chosen = [kernels.select(np.array(values), k) for k in range(len(values))]
+    assert chosen == sorted(values)
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 60), st.integers(1, 60))

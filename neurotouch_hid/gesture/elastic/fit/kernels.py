@@ -1,12 +1,14 @@
 """Compiled loops of the fit: linearised model, normal equations, Gauss-Newton."""
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from neurotouch_hid.gesture.elastic.field.kernels import couple, respond
+from neurotouch_hid.gesture.elastic.field.kernels import VIEW_MM, couple, respond_along
+from neurotouch_hid.gesture.elastic.motion.kernels import measure_size
 
 Floats = NDArray[np.float64]
 
@@ -15,7 +17,6 @@ DRAG_MM = 20.0  # prior width of a drag: hardly any
 TURN_RAD = 0.4  # prior width of a finger's turn about itself
 PRESS_MM = 1.5  # prior width of a press
 HEIGHT_MM = 20.0  # of the gel under a finger: what is pressed down flows aside
-VIEW_MM = 100.0  # from the lens to the gel: what sinks grows
 OFFSET_MM = 0.2  # prior width of a motion of the whole gel: a knock at the table
 SWAY_RAD = 0.01  # prior width of a turn of the whole gel under the camera
 RADIUS_MM = 0.8  # prior width of the radius of a contact patch
@@ -25,7 +26,7 @@ REACH_MM = 27.0  # no finger's middle is further out
 NEAR_MM = 9.0  # beyond a patch's edge where shifting it changes little
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, inline="always")
 def solve(matrix: Floats, vector: Floats) -> bool:
     """Solves the symmetric positive system in place (Cholesky); False if it is singular.
 
@@ -59,14 +60,15 @@ def solve(matrix: Floats, vector: Floats) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True)
-def invert(matrix: Floats) -> Floats:
-    """The inverse of a general matrix (n, n) with dominant diagonal (Gauss-Jordan, pivoting)."""
+@njit(cache=True, nogil=True, inline="always")
+def invert(matrix: Floats) -> None:
+    """Inverts a general matrix (n, n) with dominant diagonal in place (Gauss-Jordan, pivoting)."""
     n = len(matrix)
     work = np.zeros((n, 2 * n))
-    work[:, :n] = matrix
     for i in range(n):
         work[i, n + i] = 1.0
+        for j in range(n):
+            work[i, j] = matrix[i, j]
     for i in range(n):
         best = i
         for j in range(i + 1, n):
@@ -86,10 +88,12 @@ def invert(matrix: Floats) -> Floats:
                 if factor != 0.0:
                     for k in range(2 * n):
                         work[j, k] -= factor * work[i, k]
-    return work[:, n:].copy()
+    for i in range(n):
+        for j in range(n):
+            matrix[i, j] = work[i, n + j]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def build_columns(
     points: Floats,
     window: Floats,
@@ -97,7 +101,6 @@ def build_columns(
     radii: Floats,
     motions: Floats,
     inverse: Floats,
-    slopes: bool,
     columns: Floats,
     bent: Floats,
 ) -> None:
@@ -107,163 +110,266 @@ def build_columns(
     it move so although the others pull at it.
 
     Args:
-        points: (n, 2) mm, markers at rest.
+        points: (2, n) mm, markers at rest.
         window: (n,), ``rim_window`` there.
         centres: (k, 2) mm.
         radii: (k,) mm.
         motions: (k, 3): drag x, drag y in mm, sine of the turn.
         inverse: (3 k, 3 k), of ``couple``.
-        slopes: also write the columns of centres and radii.
-        columns: (n, 2, 4 k + 3 or 7 k + 3), written: motions, presses, offset (x, y, turn) of
-            everything, then x, y and radius of each finger.
-        bent: (n, 2) mm, written: what a finite turn adds to the linear one.
+        columns: (4 k + 3 or more, 2, n), written: motions, presses, offset (x, y, turn) of
+            everything. The rest is left as it is. Markers come last, so that a processor takes
+            several at once.
+        bent: (2, n) mm, written: what a finite turn adds to the linear one.
     """
-    k = len(centres)
-    first = 4 * k + 3
-    loads = np.zeros(3 * k)
-    for a in range(3 * k):
-        for b in range(3 * k):
-            loads[a] += inverse[a, b] * motions[b // 3, b % 3]
-    bend = np.empty(k)
+    k, n = len(centres), len(window)
+    x, y = points[0], points[1]
+    holder = np.empty(n, np.int64)
+    alone, answer = np.empty((3 * k, 2, n)), np.empty((7, n))
+    for i in range(n):
+        holder[i] = -1
+        bent[0, i] = bent[1, i] = 0.0
+        columns[4 * k, 0, i], columns[4 * k, 1, i] = 1.0, 0.0
+        columns[4 * k + 1, 0, i], columns[4 * k + 1, 1, i] = 0.0, 1.0
+        columns[4 * k + 2, 0, i], columns[4 * k + 2, 1, i] = -y[i], x[i]
     for j in range(k):
-        bend[j] = math.sqrt(max(1.0 - motions[j, 2] ** 2, 0.0)) - 1.0
-    alone = np.empty((2, 3 * k))
-    for i in range(len(points)):
-        x, y = points[i, 0], points[i, 1]
-        holder = -1
-        bent[i, 0] = bent[i, 1] = 0.0
-        for j in range(k):
-            cx, cy, a = centres[j, 0], centres[j, 1], radii[j]
-            xx, xy, yy, tx, ty = respond(x, y, window[i], cx, cy, a)
-            alone[0, 3 * j], alone[0, 3 * j + 1], alone[0, 3 * j + 2] = xx, xy, tx
-            alone[1, 3 * j], alone[1, 3 * j + 1], alone[1, 3 * j + 2] = xy, yy, ty
-            r2 = (x - cx) ** 2 + (y - cy) ** 2
+        cx, cy, a = centres[j, 0], centres[j, 1], radii[j]
+        respond_along(x, y, window, cx, cy, a, answer)
+        for i in range(n):
+            alone[3 * j, 0, i], alone[3 * j, 1, i] = answer[0, i], answer[1, i]
+            alone[3 * j + 1, 0, i], alone[3 * j + 1, 1, i] = answer[1, i], answer[2, i]
+            alone[3 * j + 2, 0, i], alone[3 * j + 2, 1, i] = answer[3, i], answer[4, i]
+        tx, ty, ratio = answer[3], answer[4], answer[5]
+        bend = math.sqrt(max(1.0 - motions[j, 2] ** 2, 0.0)) - 1.0
+        press = columns[3 * k + j]
+        for i in range(n):
+            dx, dy = x[i] - cx, y[i] - cy
+            r2 = dx * dx + dy * dy
             if r2 <= a * a:
-                holder = j
-                bent[i, 0], bent[i, 1] = bend[j] * ty, -bend[j] * tx
-            elif holder < 0:
-                bent[i, 0] += bend[j] * ty
-                bent[i, 1] -= bend[j] * tx
-            depth = max(1.0 - 0.5 * r2 / (a * a), 0.0) if r2 < a * a else 0.5 * (a * a / r2) ** 0.75
+                holder[i] = j
+                bent[0, i], bent[1, i] = bend * ty[i], -bend * tx[i]
+            elif holder[i] < 0:
+                bent[0, i] += bend * ty[i]
+                bent[1, i] -= bend * tx[i]
+        for i in range(n):
+            dx, dy = x[i] - cx, y[i] - cy
+            r2 = dx * dx + dy * dy
+            far = 0.5 * ratio[i] * math.sqrt(ratio[i])
+            depth = 1.0 - 0.5 * r2 / (a * a) if r2 < a * a else far
             flow = a * a / (2.0 * HEIGHT_MM * (a * a + r2))
-            columns[i, 0, 3 * k + j] = depth / VIEW_MM * x + flow * (x - cx)
-            columns[i, 1, 3 * k + j] = depth / VIEW_MM * y + flow * (y - cy)
-            if slopes:
-                at = first + 3 * j
-                if r2 > (a + NEAR_MM) ** 2:
-                    for p in range(3):
-                        columns[i, 0, at + p] = columns[i, 1, at + p] = 0.0
-                    continue
-                qx, qy, qt = loads[3 * j], loads[3 * j + 1], loads[3 * j + 2]
-                for p in range(3):
-                    sx = GRADIENT_MM if p == 0 else 0.0
-                    sy = GRADIENT_MM if p == 1 else 0.0
-                    sa = GRADIENT_MM if p == 2 else 0.0
-                    pxx, pxy, pyy, ptx, pty = respond(x, y, window[i], cx + sx, cy + sy, a + sa)
-                    mxx, mxy, myy, mtx, mty = respond(x, y, window[i], cx - sx, cy - sy, a - sa)
-                    h = 0.5 / GRADIENT_MM
-                    ux = (pxx - mxx) * qx + (pxy - mxy) * qy + (ptx - mtx) * qt
-                    uy = (pxy - mxy) * qx + (pyy - myy) * qy + (pty - mty) * qt
-                    columns[i, 0, at + p], columns[i, 1, at + p] = h * ux, h * uy
+            press[0, i] = depth / VIEW_MM * x[i] + flow * dx
+            press[1, i] = depth / VIEW_MM * y[i] + flow * dy
+    for b in range(3 * k):
         for axis in range(2):
-            for b in range(3 * k):
-                s = 0.0
-                if holder < 0:
-                    for a in range(3 * k):
-                        s += alone[axis, a] * inverse[a, b]
-                elif b // 3 == holder:
-                    s = alone[axis, b]
-                columns[i, axis, b] = s
-            columns[i, axis, 4 * k] = 1.0 - axis
-            columns[i, axis, 4 * k + 1] = axis
-        columns[i, 0, 4 * k + 2], columns[i, 1, 4 * k + 2] = -y, x
+            column = columns[b, axis]
+            for i in range(n):
+                column[i] = 0.0
+            for a in range(3 * k):
+                share, part = inverse[a, b], alone[a, axis]
+                for i in range(n):
+                    column[i] += part[i] * share
+            own = alone[b, axis]
+            for i in range(n):
+                if holder[i] >= 0:
+                    column[i] = own[i] if holder[i] == b // 3 else 0.0
+
+
+@njit(cache=True, nogil=True, inline="always")
+def build_slopes(
+    points: Floats,
+    window: Floats,
+    centres: Floats,
+    radii: Floats,
+    motions: Floats,
+    inverse: Floats,
+    columns: Floats,
+) -> None:
+    """How each marker moves as the fingers' places and sizes change, by differences.
+
+    Args:
+        points: (2, n) mm, markers at rest.
+        window: (n,), ``rim_window`` there.
+        centres: (k, 2) mm.
+        radii: (k,) mm.
+        motions: (k, 3): drag x, drag y in mm, sine of the turn.
+        inverse: (3 k, 3 k), of ``couple``.
+        columns: (3 k, 2, n), written: x, y and radius of each finger.
+    """
+    k, n = len(centres), len(window)
+    near, place = np.empty(n, np.int64), np.empty((3, n))
+    more, less = np.empty((7, n)), np.empty((7, n))
+    h = 0.5 / GRADIENT_MM
+    for b in range(3 * k):
+        for i in range(n):
+            columns[b, 0, i] = columns[b, 1, i] = 0.0
+    for j in range(k):
+        cx, cy, a = centres[j, 0], centres[j, 1], radii[j]
+        m = 0
+        for i in range(n):
+            x, y = points[0, i], points[1, i]
+            if (x - cx) ** 2 + (y - cy) ** 2 <= (a + NEAR_MM) ** 2:
+                near[m], place[0, m], place[1, m], place[2, m] = i, x, y, window[i]
+                m += 1
+        qx = qy = qt = 0.0
+        for b in range(3 * k):
+            motion = motions[b // 3, b % 3]
+            qx += inverse[3 * j, b] * motion
+            qy += inverse[3 * j + 1, b] * motion
+            qt += inverse[3 * j + 2, b] * motion
+        xs, ys, free = place[0, :m], place[1, :m], place[2, :m]
+        for p in range(3):
+            column = columns[3 * j + p]
+            for answer, step in ((more, GRADIENT_MM), (less, -GRADIENT_MM)):
+                sx, sy, sa = step * (p == 0), step * (p == 1), step * (p == 2)
+                respond_along(xs, ys, free, cx + sx, cy + sy, a + sa, answer)
+            for i in range(m):
+                xx, xy = more[0, i] - less[0, i], more[1, i] - less[1, i]
+                yy, tx, ty = (
+                    more[2, i] - less[2, i],
+                    more[3, i] - less[3, i],
+                    more[4, i] - less[4, i],
+                )
+                column[0, near[i]] = h * (xx * qx + xy * qy + tx * qt)
+                column[1, near[i]] = h * (xy * qx + yy * qy + ty * qt)
 
 
 @njit(cache=True, nogil=True)
+def weigh_markers(
+    use: NDArray[np.bool_], moved: Floats, residual: Floats, limit_mm2: float, weight: Floats
+) -> tuple[float, float]:
+    """Trust in each marker: one that was far off the last fit lost its dot.
+
+    Args:
+        use: (n,), measured markers.
+        moved: (n, 2) mm, their displacement.
+        residual: (n, 2) mm, of the last fit.
+        limit_mm2: a marker so far off, squared, is trusted by half.
+        weight: (n,) 0..1, written.
+
+    Returns:
+        The sum of the weights, and the weighted sum of the squared displacements, mm².
+    """
+    total, field = 0.0, 0.0
+    for i in range(len(use)):
+        far = (residual[i, 0] * residual[i, 0] + residual[i, 1] * residual[i, 1]) / limit_mm2
+        weight[i] = 1.0 / (1.0 + far * far) if use[i] else 0.0
+        total += weight[i]
+        field += weight[i] * (moved[i, 0] * moved[i, 0] + moved[i, 1] * moved[i, 1])
+    return total, field
+
+
+@njit(cache=True, nogil=True)
+def find_common(moved: Floats, weight: Floats) -> tuple[float, float]:
+    """The median displacement of the trusted markers, x and y in mm; at least one is trusted.
+
+    Args:
+        moved: (n, 2) mm.
+        weight: (n,), 0 for markers without any trust.
+    """
+    x, y = np.empty(len(weight)), np.empty(len(weight))
+    n = 0
+    for i in range(len(weight)):
+        if weight[i] > 0.0:
+            x[n], y[n] = moved[i, 0], moved[i, 1]
+            n += 1
+    return float(np.median(x[:n])), float(np.median(y[:n]))
+
+
+@njit(cache=True, nogil=True)
+def measure_spread(moved: Floats, weight: Floats) -> float:
+    """How far markers lie about their common motion: standard deviation of an axis, mm.
+
+    From the median of the distances, so a few that moved do not count.
+
+    Args:
+        moved: (n, 2) mm.
+        weight: (n,), 0 for markers without any trust; at least one has some.
+    """
+    x, y = find_common(moved, weight)
+    away = np.empty(2 * len(weight))
+    n = 0
+    for i in range(len(weight)):
+        if weight[i] > 0.0:
+            away[n], away[n + 1] = abs(moved[i, 0] - x), abs(moved[i, 1] - y)
+            n += 2
+    return 1.4826 * float(np.median(away[:n]))
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
 def accumulate(
-    columns: Floats, target: Floats, bent: Floats, weight: Floats, normal: Floats, right: Floats
+    columns: Floats, target: Floats, weight: Floats, normal: Floats, right: Floats
 ) -> None:
     """Normal equations of the weighted least squares, lower half.
 
+    Sums are taken in any order, so that a processor adds several products at once.
+
     Args:
-        columns: (n, 2, m).
-        target: (n, 2) mm, displacements.
-        bent: (n, 2) mm, part of them that is known.
+        columns: (m or more, 2, n).
+        target: (2, n) mm, displacements.
         weight: (n,).
-        normal: (m, m), written.
+        normal: (m, m), its lower half is written.
         right: (m, 1), written.
     """
-    m = len(normal)
-    normal[:] = 0.0
-    right[:] = 0.0
-    for i in range(len(columns)):
-        w = weight[i]
-        if w == 0.0:
-            continue
-        for axis in range(2):
-            row = columns[i, axis]
-            value = target[i, axis] - bent[i, axis]
-            for a in range(m):
-                f = w * row[a]
-                if f != 0.0:
-                    right[a, 0] += f * value
-                    for b in range(a + 1):
-                        normal[a, b] += f * row[b]
+    m, n = len(normal), len(weight)
+    x, y = np.empty(n), np.empty(n)
+    for a in range(m):
+        value = 0.0
+        for i in range(n):
+            x[i], y[i] = weight[i] * columns[a, 0, i], weight[i] * columns[a, 1, i]
+            value += x[i] * target[0, i] + y[i] * target[1, i]
+        right[a, 0] = value
+        for b in range(a + 1):
+            value = 0.0
+            for i in range(n):
+                value += x[i] * columns[b, 0, i] + y[i] * columns[b, 1, i]
+            normal[a, b] = value
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def refine(
-    points: Floats,
-    window: Floats,
+    gel: Any,
+    fit: Any,
     moved: Floats,
     weight: Floats,
-    centres: Floats,
-    radii: Floats,
     usual_radius: float,
     trust: Floats,
-    motions: Floats,
-    press: Floats,
-    offset: Floats,
-    residual: Floats,
     noise_mm: float,
     model_error: float,
     n_steps: int,
-) -> float:
+) -> None:
     """Fits fingers to displacements: Gauss-Newton, then one linear solve for the motions alone.
 
     Args:
-        points: (n, 2) mm, markers at rest.
-        window: (n,), ``rim_window`` there.
-        moved: (n, 2) mm, their displacement.
+        gel: of a ``GEL`` (1,).
+        fit: of ``FIT``; updated. Its cost is infinite where the fingers cannot be told apart, and
+            then nothing else there means anything.
+        moved: (n, 2) mm, the displacement of the markers.
         weight: (n,) 0..1, trust in each marker.
-        centres: (k, 2) mm, patch centres on the gel at rest; updated.
-        radii: (k,) mm; updated.
         usual_radius: mm, what radii are pulled to.
-        trust: (k,) 1/mm², how surely earlier slices know the centres.
-        motions: (k, 3): drag x, drag y in mm, sine of the turn; updated.
-        press: (k,) mm, how deep each finger presses; written.
-        offset: (3,): mm, mm, rad, motion of everything; written.
-        residual: (n, 2) mm; written.
+        trust: (k or more,) 1/mm², how surely earlier slices know the centres.
         noise_mm: of a marker, one axis.
         model_error: of the field, rms share of the largest motion.
         n_steps: of Gauss-Newton; 0 keeps centres and radii.
-
-    Returns:
-        The weighted sum of squared residuals, mm²; infinite where the fingers cannot be told apart,
-        and then nothing that is updated or written means anything.
     """
-    n, k = len(points), len(centres)
-    known = centres.copy()
-    bent = np.empty((n, 2))
-    cost = 0.0
+    n, k, window = len(weight), fit.count, gel.window[:]
+    centres, radii, motions = fit.centres[:k], fit.radii[:k], fit.motions[:k]
+    known = np.empty((k, 2))
+    for j in range(k):
+        known[j, 0], known[j, 1] = centres[j, 0], centres[j, 1]
+    columns, bent = np.empty((7 * k + 3, 2, n)), np.empty((2, n))
+    target = np.empty((2, n))
     for step in range(n_steps + 1):
         is_last = step == n_steps
         m = 4 * k + 3 if is_last else 7 * k + 3
-        columns = np.empty((n, 2, m))
-        inverse = invert(couple(centres, radii))
-        build_columns(points, window, centres, radii, motions, inverse, not is_last, columns, bent)
+        inverse = couple(centres, radii)
+        invert(inverse)
+        build_columns(gel.points, window, centres, radii, motions, inverse, columns, bent)
+        if not is_last:
+            slopes = columns[4 * k + 3 :]
+            build_slopes(gel.points, window, centres, radii, motions, inverse, slopes)
+        for i in range(n):
+            target[0, i], target[1, i] = moved[i, 0] - bent[0, i], moved[i, 1] - bent[1, i]
         normal, right = np.empty((m, m)), np.empty((m, 1))
-        accumulate(columns, moved, bent, weight, normal, right)
+        accumulate(columns, target, weight[:], normal, right)
         largest2 = 0.0
         for j in range(k):
             largest2 = max(largest2, motions[j, 0] ** 2 + motions[j, 1] ** 2)
@@ -284,22 +390,18 @@ def refine(
             normal[4 * k + p, 4 * k + p] += variance / OFFSET_MM**2
         normal[4 * k + 2, 4 * k + 2] += variance / SWAY_RAD**2
         if not solve(normal, right):
-            return np.inf
+            fit.cost = np.inf
+            for i in range(n):
+                fit.residual[i, 0] = fit.residual[i, 1] = 0.0
+            return
         for j in range(k):
             for p in range(3):
                 motions[j, p] = right[3 * j + p, 0]
             motions[j, 2] = min(max(motions[j, 2], -0.95), 0.95)
-        offset[0], offset[1], offset[2] = right[4 * k, 0], right[4 * k + 1, 0], right[4 * k + 2, 0]
-        for j in range(k):
-            press[j] = right[3 * k + j, 0]
+            fit.press[j] = right[3 * k + j, 0]
+        for p in range(3):
+            fit.offset[p] = right[4 * k + p, 0]
         if is_last:
-            for i in range(n):
-                for axis in range(2):
-                    s = moved[i, axis] - bent[i, axis]
-                    for a in range(m):
-                        s -= columns[i, axis, a] * right[a, 0]
-                    residual[i, axis] = s
-                    cost += weight[i] * s * s
             break
         for j in range(k):
             at = 4 * k + 3 + 3 * j
@@ -311,4 +413,16 @@ def refine(
                 centres[j, 1] *= REACH_MM / far
             radius = radii[j] + min(max(right[at + 2, 0], -1.0), 1.0)
             radii[j] = min(max(radius, LEAST_RADIUS_MM), MOST_RADIUS_MM)
-    return cost
+    for a in range(4 * k + 3):
+        for axis in range(2):
+            for i in range(n):
+                target[axis, i] -= columns[a, axis, i] * right[a, 0]
+    fit.cost = 0.0
+    for i in range(n):
+        x, y = target[0, i], target[1, i]
+        fit.residual[i, 0], fit.residual[i, 1] = x, y
+        fit.cost += weight[i] * x * x
+        fit.cost += weight[i] * y * y
+    fit.largest_mm = 0.0
+    for j in range(k):
+        fit.largest_mm = max(fit.largest_mm, measure_size(motions[j], radii[j]))

@@ -1,5 +1,11 @@
 """The silicone dome: contact patches in, positions of the markers over time out."""
 
-from neurotouch_hid.source.simulator.gel.motion import KNOT_US, GelConfig, Motion
+from neurotouch_hid.source.simulator.gel.motion import (
+    ELASTICITIES,
+    KNOT_US,
+    Elasticity,
+    GelConfig,
+    Motion,
+)
 
-__all__ = ["KNOT_US", "GelConfig", "Motion"]
+__all__ = ["ELASTICITIES", "KNOT_US", "Elasticity", "GelConfig", "Motion"]

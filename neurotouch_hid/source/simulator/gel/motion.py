@@ -3,20 +3,24 @@
 import math
 from collections import deque
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import GEL_RADIUS_MM, LATTICE_MM, N_MARKERS, NEIGHBOURS
 from neurotouch_hid.messages import GestureKind, Truth
-from neurotouch_hid.source.simulator.gel.kernels import deform
+from neurotouch_hid.source.simulator.gel import kernels, solid
 from neurotouch_hid.source.simulator.optics import Camera
-from neurotouch_hid.source.simulator.script import Script, Stroke, motion_at
+from neurotouch_hid.source.simulator.script import Grasp, Play
 
 KNOT_US = 4_000  # fast enough for the quickest hand: 210 mm/s is 0.84 mm a knot
 LABEL_FLOOR_MM = 0.3  # below it a person labels no gesture
 PROBE_REACH = 0.7  # where in a patch its deformation is probed, share of its radius
 N_HISTORY = 1024  # knots kept, about four seconds
+
+Elasticity = Literal["half-space", "solid"]
+ELASTICITIES: tuple[Elasticity, ...] = get_args(Elasticity)
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,10 +30,13 @@ class GelConfig:
     Attributes:
         lag: share of the motion that follows late; silicone loses about a tenth of its work.
         lag_us: time constant of that share.
+        elasticity: closed forms of a half space (``kernels``) or the solid dome of finite elements
+            (``solid``); they share no code.
     """
 
     lag: float = 0.1
     lag_us: int = 120_000
+    elasticity: Elasticity = "half-space"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,7 +63,7 @@ class Motion:
     gone starts the script again.
     """
 
-    def __init__(self, script: Script, camera: Camera, px_per_mm: float, gel: GelConfig) -> None:
+    def __init__(self, script: Play, camera: Camera, px_per_mm: float, gel: GelConfig) -> None:
         self._script, self._camera, self._gel = script, camera, gel
         self._px_per_mm = px_per_mm
         at_rest = camera.outline(np.column_stack([LATTICE_MM, np.zeros(N_MARKERS)]))
@@ -107,45 +114,40 @@ class Motion:
         if found is None:
             self._grip = None
             return self._rest
-        stroke, t_us = found
-        if self._grip is None or self._grip.stroke is not stroke:
-            self._grip = _Grip(stroke, self._camera)
+        grasp, t_us = found
+        if self._grip is None or self._grip.grasp is not grasp:
+            self._grip = _Grip(grasp, self._camera)
         moved = self._grip.move(t_us, self._gel)
         outline = self._camera.outline(moved[:N_MARKERS])
         probes = self._camera.project(moved[N_MARKERS:])
         contacts, moved_px = self._grip.summarise(probes)
-        return Knot(outline, stroke.kind, contacts, moved_px / self._px_per_mm)
+        return Knot(outline, grasp.kind, contacts, moved_px / self._px_per_mm)
 
 
 class _Grip:
-    """The fingers of one stroke on the gel, from the moment they touch."""
+    """The fingers of one grasp on the gel, from the moment they touch."""
 
-    def __init__(self, stroke: Stroke, camera: Camera) -> None:
-        self.stroke = stroke
-        fingers = stroke.fingers
+    def __init__(self, grasp: Grasp, camera: Camera) -> None:
+        self.grasp = grasp
+        fingers = grasp.fingers
         probes = [_probes(finger.contact_mm, finger.radius_mm) for finger in fingers]
         self._points = np.concatenate([LATTICE_MM, *probes])
         self._centres = np.array([finger.contact_mm for finger in fingers])
         self._radii = np.array([finger.radius_mm for finger in fingers])
-        self._mobility = _mobility(stroke)
+        self._mobility = _mobility(grasp)
         self._late = np.column_stack([self._points, np.zeros(len(self._points))])
         self._rest_px = camera.project(self._late[N_MARKERS:])
 
     def move(self, t_us: int, gel: GelConfig) -> NDArray[np.float64]:
         """Markers, then probes, (n, 3) mm, one knot after the last call."""
-        state = np.array([motion_at(self.stroke, finger, t_us) for finger in self.stroke.fingers])
+        state = self.grasp.move(t_us)
         motions, depths = state[:, :3].copy(), state[:, 3].copy()
-        moved = np.empty_like(self._late)
-        deform(
-            self._points,
-            self._centres,
-            self._radii,
-            motions,
-            depths,
-            NEIGHBOURS,
-            self._mobility,
-            moved,
-        )
+        given = (self._points, self._centres, self._radii, motions, depths)
+        if gel.elasticity == "solid":
+            moved = solid.deform(*given)
+        else:
+            moved = np.empty_like(self._late)
+            kernels.deform(*given, NEIGHBOURS, self._mobility, moved)
         self._late += (moved - self._late) * (1.0 - math.exp(-KNOT_US / gel.lag_us))
         moved += gel.lag * (self._late - moved)
         return moved
@@ -154,7 +156,7 @@ class _Grip:
         self, probes_px: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Per finger the place of its largest deformation (k, 2) and how far it moved (k,), px."""
-        shape = (len(self.stroke.fingers), -1)
+        shape = (len(self.grasp.fingers), -1)
         far = np.linalg.norm(probes_px - self._rest_px, axis=1).reshape(shape)
         # A soft maximum: the patch's centre where it moves as one, its outer side where it turns.
         weights = (far + 1e-6) ** 8
@@ -163,12 +165,12 @@ class _Grip:
         return contacts, (weights * far).sum(axis=1)
 
 
-def _mobility(stroke: Stroke) -> NDArray[np.float64]:
+def _mobility(grasp: Grasp) -> NDArray[np.float64]:
     """How freely each marker gives way, (177,) float64: not under a finger, little at the rim."""
     mobility: NDArray[np.float64] = np.maximum(
         1.0 - (np.hypot(*LATTICE_MM.T) / GEL_RADIUS_MM) ** 2, 0.0
     )
-    for finger in stroke.fingers:
+    for finger in grasp.fingers:
         away = np.hypot(*(LATTICE_MM - finger.contact_mm).T)
         mobility[away <= finger.radius_mm] = 0.0
     return mobility

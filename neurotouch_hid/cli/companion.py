@@ -1,0 +1,54 @@
+"""The page beside a demo: a process of its own, which ends with the demo however that ends."""
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import click
+
+from neurotouch_hid.page.address import read_address
+
+_PATIENCE_S = 5.0
+
+
+@contextmanager
+def open_page(page: str) -> Iterator[None]:
+    """Serves the page and says its links; where one is served already, only says them.
+
+    Args:
+        page: the page to name first: ``gel``, or empty for the live view.
+    """
+    address = read_address()
+    if address is not None:
+        _say_links(page, address.link(page), address.link("game"))
+        yield
+        return
+    process = subprocess.Popen(
+        [sys.executable, "-m", "neurotouch_hid", "view", "--edit", "--until-stdin-ends"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,  # Ctrl-C is for the demo
+    )
+    try:
+        said = [process.stdout.readline() if process.stdout is not None else "" for _ in range(2)]
+        if all(said):
+            view, game = (line.split(": ", 1)[1].strip() for line in said)
+            _say_links(page, view.replace("/#", f"/{page}#"), game)
+        yield
+    finally:
+        if process.stdin is not None:
+            process.stdin.close()
+        try:
+            process.wait(_PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            process.kill()
+        if process.stdout is not None:
+            process.stdout.close()
+        click.echo("Play the spacecraft with it: neurotouch game", err=True)
+
+
+def _say_links(page: str, first: str, game: str) -> None:
+    what = "Press the gel here" if page else "Watch it here"
+    click.echo(f"{what}: {first}\nPlay the spacecraft: {game}", err=True)

@@ -1,0 +1,113 @@
+"""``neurotouch devices``: the cameras and the game controllers of this machine."""
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from neurotouch_hid.cli.output import json_option, print_json
+from neurotouch_hid.errors import CameraError
+
+if TYPE_CHECKING:
+    from neurotouch_hid.doctor.inventory import Pad
+    from neurotouch_hid.source.davis import CameraInfo, CameraVersions
+
+
+@click.command(
+    epilog="\b\nExamples:\n"
+    "  neurotouch devices\n"
+    "  neurotouch devices --json | jq -r '.cameras[].serial'\n"
+    "  neurotouch run --source davis:00000216          the camera with this number\n"
+    "  neurotouch devices --watch                      what 'run --device hid' makes, read back\n\n"
+    "Exit code 0, also if there is nothing."
+)
+@click.option(
+    "--watch", is_flag=True, help="Print the reports of our HID pad as they come, until Ctrl-C."
+)
+@json_option
+def command(watch: bool, as_json: bool) -> None:
+    """List the cameras and the game controllers of this machine, ours marked.
+
+    A camera that nobody uses is opened for a moment to read its versions; one in use is left alone.
+    """
+    if watch:
+        from neurotouch_hid.cli.watching import watch_pad
+
+        watch_pad(as_json=as_json)
+        return
+    from neurotouch_hid.doctor.inventory import find_driver, find_pads
+    from neurotouch_hid.source.davis import find_cameras
+
+    cameras = [(info, *_identify(info)) for info in find_cameras()]
+    playing = str((find_driver() or {}).get("source", "")) if cameras else ""
+    if playing.startswith("davis:"):
+        has = f"the running driver plays {playing}"
+        cameras = [(info, known, f"{why}; {has}" if why else "") for info, known, why in cameras]
+    pads = find_pads()
+    if as_json:
+        print_json(
+            {
+                "cameras": [_report_camera(*camera) for camera in cameras],
+                "pads": [_report_pad(pad) for pad in pads],
+            }
+        )
+        return
+    for camera in cameras:
+        _show_camera(*camera)
+    if not cameras:
+        click.echo("No DAVIS camera is plugged in. Try without: neurotouch demo")
+    for pad in pads:
+        _show_pad(pad)
+    if not pads:
+        click.echo("There is no game controller. 'neurotouch run' makes one.")
+
+
+def _identify(info: "CameraInfo") -> "tuple[CameraVersions | None, str]":
+    """What the camera says of itself, or why it cannot be asked."""
+    from neurotouch_hid.source.davis import identify
+
+    if info.reason:
+        return None, info.reason
+    try:
+        return identify(info), ""
+    except CameraError as error:
+        return None, error.message.rstrip(".")
+
+
+def _show_camera(info: "CameraInfo", versions: "CameraVersions | None", reason: str) -> None:
+    status = "OK" if versions is not None else "WARNING"
+    usb = "USB 3" if info.speed_mbit_s >= 5000 else "USB 2, fast motion may lose events"
+    click.echo(f"{status} camera {info.serial or 'without a serial number'}: {info.product}")
+    click.echo(f"  plugged in: {info.port_path} (bus {info.bus}, address {info.address})")
+    click.echo(f"  speed: {info.speed_mbit_s} Mbit/s ({usb})")
+    if versions is None:
+        click.echo(f"  firmware: {info.firmware}")
+        click.echo(f"  not available: {reason}")
+    else:
+        click.echo(
+            f"  versions: firmware {versions.firmware}, logic {versions.logic} patch "
+            f"{versions.logic_patch}, chip {versions.chip}"
+        )
+    click.echo(f"  use it: --source davis:{info.serial}")
+
+
+def _show_pad(pad: "Pad") -> None:
+    whose = "ours" if pad.ours else "made by another program" if pad.virtual else "a real one"
+    click.echo(f"OK game controller {pad.name}: {whose}")
+    click.echo(f"  node: {pad.node}{'' if pad.readable else ' (you may not read it)'}")
+    click.echo(f"  identity: {pad.usb_id}, version {pad.ids[3]:#06x}")
+    if pad.place:
+        click.echo(f"  place: {pad.place}")
+
+
+def _report_camera(
+    info: "CameraInfo", versions: "CameraVersions | None", reason: str
+) -> dict[str, Any]:
+    known = None if versions is None else asdict(versions)
+    return {**asdict(info), "reason": reason or None, "versions": known}
+
+
+def _report_pad(pad: "Pad") -> dict[str, Any]:
+    bus, vendor, product, version = pad.ids
+    ids = {"bus": bus, "vendor": vendor, "product": product, "version": version}
+    return {**asdict(pad), "ids": ids}

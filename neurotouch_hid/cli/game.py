@@ -1,0 +1,34 @@
+"""``neurotouch game``: the spacecraft, flown by the gel."""
+
+import click
+
+
+@click.command(
+    epilog="\b\nExamples:\n"
+    "  neurotouch demo --mouse      in one terminal: a gel under your mouse\n"
+    "  neurotouch game              in another: the game in your browser\n"
+    "  neurotouch game --no-open    only prints the link"
+)
+@click.option("--open/--no-open", "open_browser", default=True, help="Open it in your browser.")
+@click.option("--port", type=click.IntRange(0, 65535), help="Default: 7878, or any if it is taken.")
+def command(open_browser: bool, port: int | None) -> None:
+    """Open the spacecraft game in your browser: rings, no hurry, no punishment.
+
+    It reads the virtual pad as any game does, so a running driver flies it. Without one it flies by
+    itself. Ctrl-C ends; where 'neurotouch view' or a demo serves the page already, this only opens
+    it.
+    """
+    from neurotouch_hid.cli.view import serve_page
+    from neurotouch_hid.page.address import Address, read_address
+
+    def tell(address: Address) -> None:
+        link = address.link("game")
+        click.echo(f"Spacecraft: {link}")
+        if open_browser and click.launch(link) != 0:
+            click.echo("No browser can be opened from here: open the link yourself.", err=True)
+
+    address = read_address()
+    if address is not None:
+        tell(address)
+    else:
+        serve_page(tell, port=port)

@@ -1,0 +1,62 @@
+"""``neurotouch monitor``: the live view in the terminal."""
+
+import click
+
+from neurotouch_hid.cli.output import plain_option
+
+PICTURE_HZ = 12
+
+
+@click.command(
+    epilog="\b\nExamples:\n"
+    "  neurotouch monitor                   a picture that follows the hand\n"
+    "  neurotouch monitor --plain           one line for each change, for screen readers\n"
+    "  neurotouch monitor --json | jq .say\n\n"
+    "Ctrl-C ends; the driver goes on. The same as a page: neurotouch view"
+)
+@plain_option
+@click.option("--json", "as_json", is_flag=True, help="Print each state as one line of JSON.")
+@click.option("--seconds", type=click.FloatRange(min=0.1), help="End by itself after so long.")
+def command(plain: bool, as_json: bool, seconds: float | None) -> None:
+    """Tell what the running driver does: gesture, pad, what it ignored and why, times, health.
+
+    Exit code 0 when the driver ends, 8 if none runs.
+    """
+    import json
+    import select
+    import shutil
+    import time
+
+    from neurotouch_hid.errors import NotRunningError
+    from neurotouch_hid.page.lines import LineWriter, draw_picture
+    from neurotouch_hid.page.listener import Listener, read_head
+
+    listener = Listener()
+    listener.want(PICTURE_HZ)
+    peer = listener.connect()
+    if peer is None:
+        raise NotRunningError("No driver is running.", hint="Start it: neurotouch run")
+    end = float("inf") if seconds is None else time.monotonic() + seconds
+    writer = LineWriter()
+    height = 0
+    while (left_s := end - time.monotonic()) > 0.0 and listener.peer is not None:
+        select.select([peer], [], [], min(left_s, 3600.0))
+        state = listener.take()
+        if state is None:
+            continue
+        head = read_head(state)
+        if as_json:
+            click.echo(json.dumps(head, ensure_ascii=False))
+        elif plain:
+            for line in writer.write(head, time.monotonic()):
+                click.echo(line)
+        else:
+            columns, rows = shutil.get_terminal_size()
+            lines = [line[: columns - 1] for line in draw_picture(head)[: rows - 1]]
+            lines += [""] * (height - len(lines))
+            up = f"\x1b[{height}A" if height else ""
+            height = len(lines)
+            click.echo(up + "".join(f"\r{line}\x1b[K\n" for line in lines), nl=False)
+    listener.close()
+    if left_s > 0.0:
+        click.echo("The driver has ended.", err=True)

@@ -1,0 +1,24 @@
+"""What was begun and not saved, kept beside the profiles."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from neurotouch_hid.cli.output import say
+
+if TYPE_CHECKING:
+    from neurotouch_hid.profile.editing import Paper
+
+
+def find_draft(paper: "Paper") -> Path:
+    """Where the draft of a profile lies; it need not exist."""
+    return paper.store.path.parent / ".drafts" / paper.store.path.name
+
+
+def save_draft(draft: Path, text: str) -> None:
+    """Keeps a text that was not saved, and says where."""
+    draft.parent.mkdir(parents=True, exist_ok=True)
+    draft.write_text(text, encoding="utf-8")
+    say("WARNING", f"Not saved; the draft lies in {draft}")
+    click.echo(f"Go on with it: neurotouch profile edit {draft.stem}")

@@ -1,0 +1,85 @@
+"""``neurotouch profile edit``: questions and answers, or the user's own text editor."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from neurotouch_hid.cli.completing import complete_paper
+from neurotouch_hid.cli.outcome import show_faults
+from neurotouch_hid.cli.output import choose, make_stamp, plain_option, say
+from neurotouch_hid.cli.profile.drafts import find_draft, save_draft
+from neurotouch_hid.cli.profile.guide import Guide
+from neurotouch_hid.cli.profile.saving import save_paper
+from neurotouch_hid.cli.profile.values import ask_values
+
+if TYPE_CHECKING:
+    from neurotouch_hid.profile.editing import Paper
+
+
+@click.command(
+    epilog="\b\nExamples:\n"
+    "  neurotouch profile edit mine             questions with numbered answers\n"
+    "  neurotouch profile edit mine --editor    the file itself, in $EDITOR\n"
+    "  neurotouch profile edit user             your own values: filter, timing, sound and others"
+)
+@click.argument("name", shell_complete=complete_paper)
+@click.option("--editor", is_flag=True, help="Open the file in $VISUAL or $EDITOR; check it after.")
+@click.option(
+    "--source",
+    help="Let gestures be shown instead of named: file:NAME.aedat4, sim:NAME or davis:.",
+)
+@plain_option
+def edit(name: str, editor: bool, source: str | None, plain: bool) -> None:
+    """Change a profile step by step, by questions.
+
+    Nothing is timed. Every step can be taken back, and nothing is saved before you say so.
+    """
+    from neurotouch_hid.profile import UserSettings
+    from neurotouch_hid.profile.editing import read_text, take_paper
+
+    paper = take_paper(name, make_stamp)
+    draft = find_draft(paper)
+    text = paper.text
+    if draft.exists():
+        choices = ["Go on with it", "Throw it away"]
+        if choose("There is a draft that was not saved.", choices) == 0:
+            text = read_text(draft)[0]
+        else:
+            draft.unlink()
+    if editor:
+        settled = _edit_text(paper, text, draft, plain=plain)
+    elif paper.model is UserSettings:
+        settled = ask_values(paper, text, plain=plain)
+    else:
+        settled = Guide(paper, text, draft, source, plain=plain).run()
+    if settled:
+        draft.unlink(missing_ok=True)
+
+
+def _edit_text(paper: "Paper", text: str, draft: Path, *, plain: bool) -> bool:
+    """Opens the editor until the text is right, or until the person has had enough of it.
+
+    Gives false if a draft is left.
+    """
+    newline = "\r\n" if "\r\n" in text else "\n"
+    while True:
+        edited = click.edit(text, extension=".yaml", require_save=False) or ""
+        edited = edited.replace("\r\n", "\n").replace("\n", newline)
+        if edited == paper.text:
+            say("OK", "Nothing has changed.", plain=plain)
+            return True
+        text = edited
+        checked = paper.check(text)
+        if checked.whole is not None:
+            save_paper(paper, text, plain=plain)
+            return True
+        show_faults(checked, plain=plain)
+        choices = ["Edit again", "Keep the old profile, throw this away", "Keep this as a draft"]
+        answer = choose("There are errors. What now?", choices, default=0)
+        if answer == 1:
+            say("OK", "The old profile is kept.", plain=plain)
+            return True
+        if answer == 2:
+            save_draft(draft, text)
+            return False

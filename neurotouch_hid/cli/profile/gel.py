@@ -1,0 +1,48 @@
+"""Gestures shown on the gel while a profile is edited."""
+
+from typing import TYPE_CHECKING
+
+import click
+
+from neurotouch_hid.cli.steps import read_steps
+
+if TYPE_CHECKING:
+    from neurotouch_hid.profile import Profile
+
+TOLD_EVERY_US = 100_000  # ten lines a second of sensor time: readable, and still moving
+
+
+def see_gesture(source: str) -> str | None:
+    """The first movement that is made on the gel, in words; None if the source ends before."""
+    from neurotouch_hid.profile import load_user
+    from neurotouch_hid.profile.calibration import Session
+
+    session = Session(load_user(), guided=False)
+    click.echo("Make the gesture, and let go.")
+    for gesture in (step.gesture for step in read_steps(source)):
+        repetition = session.take(gesture)
+        if repetition is not None and session.accepts(repetition):
+            words = repetition.movement.replace("_", " ")
+            click.echo(f"Seen: {words}, {repetition.peak_mm:.1f} millimetres")
+            return words
+    click.echo("No gesture was seen.")
+    return None
+
+
+def try_on_gel(source: str, profile: "Profile") -> None:
+    """One gesture, and what the draft makes of it while it moves, ten times a second."""
+    from neurotouch_hid.messages import GestureKind
+    from neurotouch_hid.monitor import describe_gesture, describe_pad
+    from neurotouch_hid.profile import Mapping, load_user
+
+    mapping = Mapping(profile, load_user())
+    click.echo("Make the gesture, and let go.")
+    due_us: int | None = None
+    for gesture in (step.gesture for step in read_steps(source)):
+        pad = mapping.update(gesture)
+        if gesture.kind is GestureKind.NONE:
+            if due_us is not None:
+                return
+        elif due_us is None or gesture.t_us >= due_us:
+            due_us = gesture.t_us + TOLD_EVERY_US
+            click.echo(f"{describe_gesture(gesture)}: {describe_pad(pad)}")

@@ -1,0 +1,93 @@
+"""The questions and answers of ``neurotouch profile edit user``."""
+
+from typing import TYPE_CHECKING
+
+import click
+
+from neurotouch_hid.cli.outcome import show_faults
+from neurotouch_hid.cli.output import choose, say, show_changes
+from neurotouch_hid.cli.profile.saving import save_paper
+from neurotouch_hid.errors import ProfileError
+
+if TYPE_CHECKING:
+    from neurotouch_hid.profile.editing import Paper
+
+_ASKED = (
+    "timing",
+    "filter",
+    "handedness",
+    "mirror",
+    "rotate_deg",
+    "neutral",
+    "fatigue",
+    "feedback.sound",
+)
+"""What people choose; ranges and what they do not use come from calibration."""
+
+
+def ask_values(paper: "Paper", text: str, *, plain: bool) -> bool:
+    """Asks for one value after the other until the person is done; gives true.
+
+    Raises:
+        ProfileError: there are errors already.
+    """
+    from neurotouch_hid.profile.editing.values import format_value
+
+    while True:
+        settings = paper.check(text).require()
+        shown = []
+        for key in _ASKED:
+            value: object = settings
+            for part in key.split("."):
+                value = getattr(value, part)
+            plainly = value.model_dump(exclude_none=True) if hasattr(value, "model_dump") else value
+            shown.append(f"{key}: {'the default' if value is None else format_value(plainly)}")
+        number = choose("Your own values: what do you want to change?", [*shown, "Done"])
+        if number == len(shown):
+            break
+        text = _ask(paper, text, _ASKED[number], plain=plain)
+    if text == paper.text:
+        say("OK", "Nothing has changed.", plain=plain)
+    elif choose("Save this?", ["Save", "Throw it away"], default=0) == 0:
+        save_paper(paper, text, plain=plain)
+    else:
+        say("OK", "Nothing was saved.", plain=plain)
+    return True
+
+
+def _ask(paper: "Paper", text: str, key: str, *, plain: bool) -> str:
+    """The text with another value; as it is if that does not fit."""
+    from neurotouch_hid.profile import UserSettings
+    from neurotouch_hid.profile.editing import compare, parse_value, reset_value, set_value
+    from neurotouch_hid.profile.editing.questions import list_words
+    from neurotouch_hid.profile.feedback import Feedback
+    from neurotouch_hid.profile.timing import Timing
+
+    fields = {
+        **UserSettings.model_fields,
+        "timing": Timing.model_fields["preset"],
+        "feedback.sound": Feedback.model_fields["sound"],
+    }
+    field = fields[key]
+    click.echo(UserSettings.model_fields.get(key, field).description or "")
+    words = list_words(field.annotation)
+    try:
+        if words:
+            at = choose("Which?", [*words, "The default"])
+            value = words[at] if at < len(words) else ""
+        else:
+            value = click.prompt("Value, or nothing for the default", default="")
+        if value:
+            changed = set_value(text, key, parse_value(value), UserSettings)
+        else:
+            changed = reset_value(text, key, UserSettings)
+    except ProfileError as error:
+        say("FAILED", error.message, error.hint or "", plain=plain)
+        return text
+    checked = paper.check(changed)
+    if checked.whole is None:
+        show_faults(checked, plain=plain)
+        click.echo("That does not fit, nothing has changed.")
+        return text
+    show_changes(compare(text, changed), plain=plain)
+    return changed

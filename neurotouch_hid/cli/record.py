@@ -1,0 +1,270 @@
+"""``neurotouch record``: events and frames to a file."""
+
+import logging
+import shutil
+import signal
+import sys
+import threading
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
+
+import click
+
+from neurotouch_hid.cli.output import json_option, plain_option, print_json, say
+from neurotouch_hid.errors import NeuroTouchError, NotRunningError, RecordingError
+
+if TYPE_CHECKING:
+    from neurotouch_hid.messages import EventPacket
+    from neurotouch_hid.recording import Recorder, RecorderStats
+    from neurotouch_hid.source import Speed
+
+_ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGALRM)
+_GRACE_S = 2.0
+"""A camera that is silent does not keep ``--seconds`` from ending the recording."""
+
+_MAX_DELAY_US = 10_000_000
+"""A recording wants late slices as well: so much may wait while the machine is busy."""
+
+_TERMINAL_S, _PLAIN_S = 1.0, 10.0
+"""How often progress is told: in one line on a terminal, else line by line."""
+
+
+class _Opened(NamedTuple):
+    """What is recorded: its name, its packets, and whether it goes on without us."""
+
+    name: str
+    packets: "Iterable[EventPacket]"
+    live: bool
+
+
+@click.command(
+    epilog="\b\nExamples:\n"
+    "  neurotouch record clip.aedat4                until Ctrl-C; also while the driver runs\n"
+    "  neurotouch record clip.aedat4 --seconds 60 --source davis:00000216\n"
+    "  neurotouch record tour.aedat4 --source sim:tour --seconds 20 --json\n\n"
+    "Play it: neurotouch run --source file:clip.aedat4"
+)
+@click.argument("out", type=click.Path(path_type=Path, dir_okay=False))
+@click.option(
+    "--source",
+    show_default="what the running driver sees, else davis:",
+    help="davis:SERIAL (a camera), file:NAME.aedat4 (a recording) or sim:NAME (the simulator).",
+)
+@click.option("--seconds", type=click.FloatRange(min=0.1), help="End after so much sensor time.")
+@click.option("--seed", default=0, show_default=True, help="Seed of the simulator.")
+@click.option("--force", is_flag=True, help="Replace OUT if it is there.")
+@plain_option
+@json_option
+def command(
+    out: Path,
+    source: str | None,
+    seconds: float | None,
+    seed: int,
+    force: bool,
+    plain: bool,
+    as_json: bool,
+) -> None:
+    """Record events and frames to the AEDAT4 file OUT, until Ctrl-C or the source ends.
+
+    While the driver runs this records what it sees, and the game goes on undisturbed. The file can
+    be read at every moment up to there: after Ctrl-C, on a full disk, and if this is killed.
+    """
+    from neurotouch_hid.recording import Recorder, RecordingWriter
+
+    _require_place(out, source, force=force)
+    fault: NeuroTouchError | None = None
+    with ExitStack() as stack:
+        # The simulator has no end: without --seconds it is as slow as a camera.
+        whole = source is not None and not source.startswith("sim:")
+        opened = _open(stack, source, "max" if seconds or whole else "recorded", seed)
+        stack.callback(_heed_signals)  # before the source is closed: that may hang
+        recorder = Recorder(RecordingWriter(out, in_place=True))
+        click.echo(f"Recording {opened.name} to {out}. Ctrl-C ends.", err=True)
+        with _Progress(recorder, out, plain=plain or not sys.stderr.isatty()):
+            try:
+                with _until_interrupted(seconds if opened.live else None):
+                    _record(opened, recorder, seconds)
+            except NeuroTouchError as error:
+                fault = error
+            finally:
+                recorder.close()
+        stats, fault = recorder.stats(), recorder.error or fault
+        if not stats.events and not stats.frames:
+            out.unlink(missing_ok=True)
+            raise fault or RecordingError(
+                "Nothing was recorded, so no file was made.",
+                hint="Is the camera in? neurotouch doctor",
+            )
+        _tell(opened.name, out, stats, fault, as_json=as_json)
+
+
+def _require_place(out: Path, source: str | None, *, force: bool) -> None:
+    if out.suffix.lower() != ".aedat4":
+        raise RecordingError(
+            f"{out} is no name of an AEDAT4 file, and nothing else is written.",
+            hint="Give a name that ends in .aedat4.",
+        )
+    if not out.exists():
+        return
+    played = Path((source or "").removeprefix("file:"))
+    if source is not None and played.is_file() and played.samefile(out):
+        raise RecordingError(f"{out} cannot be recorded to itself.", hint="Give another name.")
+    if not force:
+        raise RecordingError(
+            f"{out} is there already.", hint="Give another name, or --force to replace it."
+        )
+
+
+def _open(stack: ExitStack, source: str | None, speed: "Speed", seed: int) -> _Opened:
+    from neurotouch_hid.driver import open_stream
+    from neurotouch_hid.recording.wire import receive_packets
+    from neurotouch_hid.runtime import load_camera_config
+    from neurotouch_hid.source import open_source
+
+    if source is None:
+        try:
+            answer, line = open_stream("record")
+        except NotRunningError:
+            source = "davis:"
+        else:
+            stack.callback(line.close)
+            name = f"what the running driver sees ({answer['source']})"
+            return _Opened(name, receive_packets(line), live=True)
+    camera = load_camera_config()
+    packets = stack.enter_context(
+        open_source(source, speed=speed, seed=seed, camera=camera, max_delay_us=_MAX_DELAY_US)
+    )
+    return _Opened(packets.name, packets, live=packets.name.startswith("davis:"))
+
+
+def _record(opened: _Opened, recorder: "Recorder", seconds: float | None) -> None:
+    begin_us: int | None = None
+    for packet in opened.packets:
+        begin_us = packet.t_begin_us if begin_us is None else begin_us
+        recorder.take(packet, wait=not opened.live)
+        if recorder.error is not None:
+            return
+        if seconds is not None and packet.t_end_us - begin_us >= seconds * 1e6:
+            return
+
+
+@contextmanager
+def _until_interrupted(seconds: float | None) -> Iterator[None]:
+    """Ctrl-C, SIGTERM, SIGHUP or the time end the block; none of them is heeded any more then."""
+    ends = [number for number in _ENDS if signal.getsignal(number) is not signal.SIG_IGN]  # nohup
+
+    def interrupt(*_: object) -> None:
+        for number in ends:
+            signal.signal(number, signal.SIG_IGN)
+        raise KeyboardInterrupt
+
+    try:
+        for number in ends:
+            signal.signal(number, interrupt)
+        if seconds is not None:
+            signal.setitimer(signal.ITIMER_REAL, seconds + _GRACE_S)
+        yield
+    except KeyboardInterrupt:
+        pass
+    finally:
+        for number in ends:
+            signal.signal(number, signal.SIG_IGN)
+
+
+def _heed_signals() -> None:
+    """From now on they end the process as usual: all is written and said."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_DFL)
+
+
+class _AboveLine(logging.Handler):
+    """Puts what is logged above the line of progress, not into it."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        click.echo(f"\r\x1b[K{self.format(record)}", err=True)
+
+
+class _Progress:
+    """Tells how the recording goes, in a thread of its own: a silent source does not silence it."""
+
+    def __init__(self, recorder: "Recorder", out: Path, *, plain: bool) -> None:
+        self._recorder, self._folder, self._plain = recorder, out.parent, plain
+        self._done = threading.Event()
+        self._thread = threading.Thread(target=self._work, name="progress", daemon=True)
+        self._above = _AboveLine()
+
+    def __enter__(self) -> Self:
+        if not self._plain:
+            logging.getLogger("neurotouch_hid").addHandler(self._above)
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._done.set()
+        self._thread.join()
+        logging.getLogger("neurotouch_hid").removeHandler(self._above)
+
+    def _work(self) -> None:
+        period_s = _PLAIN_S if self._plain else _TERMINAL_S
+        before = self._recorder.stats()
+        while not self._done.wait(period_s):
+            now = self._recorder.stats()
+            line = self._describe(before, now, period_s)
+            click.echo(line if self._plain else f"\r\x1b[K{line}", err=True, nl=self._plain)
+            before = now
+        if not self._plain:
+            click.echo("\r\x1b[K", err=True, nl=False)
+
+    def _describe(self, before: "RecorderStats", now: "RecorderStats", period_s: float) -> str:
+        free = shutil.disk_usage(self._folder).free
+        events_hz = (now.events - before.events) / period_s
+        parts = [
+            f"{now.seconds:.0f} s",
+            f"{events_hz:,.0f} events/s",
+            f"{(now.frames - before.frames) / period_s:.0f} frames/s",
+            f"{now.lost_before + now.lost_here:,} events lost",
+            f"{now.size_bytes / 1e6:,.0f} MB",
+            f"{free / 1e9:,.1f} GB free",
+        ]
+        grown = now.size_bytes - before.size_bytes
+        if grown:
+            parts.append(f"room for {free / grown * period_s / 60:,.0f} min")
+        else:
+            parts.append("WARNING nothing comes from the source")
+        return ", ".join(parts)
+
+
+def _tell(
+    source: str, out: Path, stats: "RecorderStats", fault: NeuroTouchError | None, *, as_json: bool
+) -> None:
+    """What has been recorded; a fault that ended it is raised, or told in the same JSON."""
+    lost = stats.lost_before + stats.lost_here
+    status = "WARNING" if lost or fault is not None else "OK"
+    message = (
+        f"{out} holds {stats.seconds:.1f} s of {source}: {stats.events:,} events, "
+        f"{stats.frames:,} frames, {stats.size_bytes / 1e6:.1f} MB."
+    )
+    if stats.lost_before:
+        message += f" {stats.lost_before:,} events were lost before they came here."
+    if stats.lost_here:
+        message += f" {stats.lost_here:,} events were dropped, the disk was too slow."
+    if not as_json:
+        say(status, message)
+        if fault is not None:
+            raise fault
+        return
+    report: dict[str, Any] = {"status": status, "message": message, "fix": None}
+    if fault is not None:
+        report |= {"status": "FAILED", "error": fault.message, "fix": fault.hint}
+    print_json({**report, "file": str(out), "source": source, **asdict(stats)})
+    if fault is not None:
+        sys.exit(fault.exit_code)

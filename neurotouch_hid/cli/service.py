@@ -1,0 +1,159 @@
+"""``neurotouch service``: the driver as systemd runs it, there as long as the machine is on."""
+
+from contextlib import ExitStack
+from functools import partial
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from neurotouch_hid.device import Companion, Device
+    from neurotouch_hid.device.identity import PadKind
+    from neurotouch_hid.device.rumble import HearRumble
+    from neurotouch_hid.runtime import Supervisor
+    from neurotouch_hid.source import Source
+
+
+@click.command(
+    epilog="\b\nExamples:\n"
+    "  sudo systemctl start neurotouch          the usual way\n"
+    "  neurotouch service --source sim:tour     try it without a camera\n"
+    "  neurotouch service --compile             only compile for this processor\n\n"
+    "Exit codes: 0 ended by a signal, 3 source, 6 a file of settings, 7 virtual gamepad, 75 "
+    "another driver runs."
+)
+@click.option(
+    "--source",
+    show_default="davis:, with the serial number in service.yaml",
+    help="What to play instead of the camera.",
+)
+@click.option("--compile", "only_compile", is_flag=True, help="Compile for this processor and end.")
+def command(source: str | None, only_compile: bool) -> None:
+    """Drive the gamepad as a service: it waits for the camera, and keeps the pad without it.
+
+    Profile and camera are chosen in /etc/neurotouch/service.yaml; a person's own values lie beside
+    it, in user.yaml. Another player's service is neurotouch@2, its folder /etc/neurotouch/player-2.
+    """
+    from neurotouch_hid.cli.live import Live
+    from neurotouch_hid.cli.play import prepare_kernels
+    from neurotouch_hid.driver import find_player, find_runtime_folder
+    from neurotouch_hid.gesture import GestureConfig
+    from neurotouch_hid.profile import load_profile, load_user
+    from neurotouch_hid.runtime import (
+        ControlSocket,
+        Lookout,
+        Pipeline,
+        Stopwatch,
+        Supervisor,
+        find_companions,
+        find_seated_users,
+        hurry,
+        load_camera_config,
+        load_driver_settings,
+        load_service_settings,
+        open_pad,
+        run_line,
+        stop_on_signals,
+    )
+    from neurotouch_hid.source import open_source
+
+    supervisor = Supervisor()
+    choices, user, settings = load_service_settings(), load_user(), load_driver_settings()
+    name = choices.profile or user.slots[0]
+    profile, gesture = load_profile(name), GestureConfig()
+    source = source or choices.source
+    if only_compile:
+        prepare_kernels(profile, gesture, source)
+        open_source(source, wait=True).close()  # which compiles what reads the camera
+        return
+    with ExitStack() as stack:
+        control = stack.enter_context(ControlSocket(find_runtime_folder(), find_seated_users))
+        supervisor.report_status("preparing the kernels")
+        prepare_kernels(profile, gesture, source)
+        packets = stack.enter_context(open_source(source, camera=load_camera_config(), wait=True))
+        stopwatch = Stopwatch()
+        pipeline = Pipeline.build(
+            profile, gesture, user=user, rig=packets.rig, live=True, stopwatch=stopwatch
+        )
+        played = open_pad(
+            choices.device,
+            find_companions(profile),
+            settings,
+            identity=choices.identity,
+            player=find_player(),
+            wait=True,
+            make=partial(_make_pad, supervisor),
+        )
+        pad = stopwatch.watch("device", stack.enter_context(played.device), "write")
+        live = stack.enter_context(
+            Live(
+                control,
+                pipeline,
+                stopwatch,
+                pad,
+                name=name,
+                profile=profile,
+                user=user,
+                settings=settings,
+                source=packets.name,
+                facts={
+                    **played.facts,
+                    "source": lambda: _describe(packets),
+                    "keyboard": lambda: "the service may not read keyboards, so none stops it",
+                },
+                copilot=played.copilot,
+            )
+        )
+        stop = stop_on_signals(live.reload)
+        supervisor.report_ready()
+        supervisor.report_status(f"{packets.name} → {pad.name}. More: neurotouch status")
+        lookout = Lookout(packets)
+        stack.enter_context(hurry())
+
+        def turned() -> None:
+            supervisor.report_alive()
+            lookout.check()
+
+        run_line(packets, pipeline, pad, live.taps, stop=stop, session=live.session, turned=turned)
+        supervisor.report_stopping()
+
+
+def _describe(source: "Source") -> str:
+    """The source, and why nothing comes from it."""
+    from neurotouch_hid.source.davis import DavisSource
+
+    trouble = source.stats().trouble if isinstance(source, DavisSource) else ""
+    return f"{source.name}. {trouble}" if trouble else source.name
+
+
+def _make_pad(
+    supervisor: "Supervisor",
+    kind: "PadKind",
+    companions: "Iterable[Companion]",
+    *,
+    identity: str | None,
+    player: int,
+    hear_rumble: "HearRumble | None",
+) -> "Device":
+    """The pad, at rest, through descriptors that systemd has opened, or else are opened now.
+
+    One for each node there may ever be: the right to open more may end once the service is up.
+
+    Raises:
+        DeviceError: the kernel's node cannot be used.
+    """
+    from neurotouch_hid.device import Companion, CompositeDevice
+    from neurotouch_hid.device.identity import choose_identity
+    from neurotouch_hid.device.uinput import open_uinput
+
+    spare = [supervisor.take_descriptor("uinput") or open_uinput() for _ in ("pad", *Companion)]
+    return CompositeDevice(
+        companions,
+        kind=kind,
+        identity=choose_identity(identity, kind),
+        player=player,
+        hear_rumble=hear_rumble,
+        open_descriptor=lambda: spare.pop() if spare else open_uinput(),
+    )

@@ -1,0 +1,132 @@
+"""``neurotouch setup``: what the system must know about camera and pad, for those who use pip."""
+
+import os
+import shlex
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Final
+
+import click
+
+from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.resources import find_resources
+
+_RULES: Final = Path("/etc/udev/rules.d")
+_MODULES: Final = Path("/etc/modules-load.d")
+_PACKAGED: Final = Path("/usr/lib/udev/rules.d/70-neurotouch-service.rules")
+"""Part of the Debian package."""
+
+_MEANING: Final = {
+    "70-neurotouch-uinput.rules": "lets whoever sits at the machine make virtual gamepads, "
+    "keyboards and mice, with any program",
+    "70-neurotouch-camera.rules": "lets whoever sits at the machine open the camera",
+    "neurotouch.conf": "loads the kernel's module for them at every start",
+}
+
+
+@click.command(
+    epilog="\b\nExamples:\n"
+    "  neurotouch setup --dry-run        only say what would be done\n"
+    "  neurotouch setup                  say it, ask, do it (with sudo or pkexec)\n"
+    "  neurotouch setup --uninstall      take everything away again\n\n"
+    "Exit codes: 0 done, 1 not done."
+)
+@click.option("--dry-run", is_flag=True, help="Only say what would be done.")
+@click.option("--uninstall", is_flag=True, help="Take away what setup has installed.")
+@click.option("--yes", is_flag=True, help="Do not ask.")
+def command(dry_run: bool, uninstall: bool, yes: bool) -> None:
+    """Install the rules that camera and pad need, for those who installed with pip.
+
+    The Debian package brings all this along, and more narrowly: there only the service gets rights.
+    """
+    if _PACKAGED.exists() and not uninstall:
+        raise NeuroTouchError(
+            "The Debian package is installed, and its service has all the rights it needs.",
+            hint="Nothing is to be done. See: systemctl status neurotouch",
+        )
+    files = _list_files()
+    click.echo("This will be taken away:" if uninstall else "This will be installed:")
+    for source, target in files.items():
+        click.echo(f"  {target}\n    {_MEANING[source.name]}")
+    script = _remove(files) if uninstall else _install(files)
+    click.echo("by these commands, as root:")
+    for line in script:
+        click.echo(f"  {line}")
+    if dry_run:
+        return
+    if not yes:
+        click.confirm("Go on?", abort=True)
+    _run_as_root(script)
+    click.echo(
+        "Done. A camera that is plugged in stays open to you until it is unplugged."
+        if uninstall
+        else "Done. Check with: neurotouch doctor"
+    )
+
+
+def _list_files() -> dict[Path, Path]:
+    """Each file that comes with the program, and where it goes."""
+    rules, modules = find_resources("udev"), find_resources("modules-load.d")
+    return {
+        rules / "70-neurotouch-uinput.rules": _RULES / "70-neurotouch-uinput.rules",
+        rules / "70-neurotouch-camera.rules": _RULES / "70-neurotouch-camera.rules",
+        modules / "neurotouch.conf": _MODULES / "neurotouch.conf",
+    }
+
+
+def _install(files: dict[Path, Path]) -> list[str]:
+    copies = [
+        shlex.join(["install", "-D", "-m", "644", str(source), str(target)])
+        for source, target in files.items()
+    ]
+    # The module first: without it there is no device to trigger.
+    return [*copies, "modprobe uinput", "udevadm control --reload", *_have_udev_look_again()]
+
+
+def _remove(files: dict[Path, Path]) -> list[str]:
+    return [
+        shlex.join(["rm", "-f", *map(str, files.values())]),
+        "udevadm control --reload",
+        # The first look still finds the mark that the rule has left, and gives the right once more.
+        *_have_udev_look_again(),
+        # Rights once given stay with the node: this hides them, and other rules give theirs anew.
+        "if [ -e /dev/uinput ]; then chmod 600 /dev/uinput; fi",
+        *_have_udev_look_again(),
+    ]
+
+
+def _have_udev_look_again() -> list[str]:
+    return [
+        "udevadm trigger --action=change --sysname-match=uinput",
+        "udevadm trigger --action=change --subsystem-match=usb --attr-match=idVendor=152a",
+        "udevadm settle --timeout=10",
+    ]
+
+
+def _run_as_root(script: list[str]) -> None:
+    """Runs the commands up to the first that fails; asks for the password once.
+
+    Raises:
+        NeuroTouchError: one of them failed, or there is no way to become root.
+    """
+    if not shutil.which("udevadm"):
+        raise NeuroTouchError(
+            "There is no udev here, so there is nothing to set up.",
+            hint="In a container: run this on the host, and hand in /dev/uinput and the camera.",
+        )
+    shell = ["sh", "-euc", "\n".join(script)]
+    if os.geteuid() != 0:
+        gate = shutil.which("sudo") or shutil.which("pkexec")
+        if gate is None:
+            raise NeuroTouchError(
+                "There is neither sudo nor pkexec here to become root with.",
+                hint="Have the commands above run by root.",
+            )
+        shell.insert(0, gate)
+    done = subprocess.run(shell, check=False)  # noqa: S603 -- shown above, word by word
+    if done.returncode != 0:
+        raise NeuroTouchError(
+            f"It was not done to the end: exit code {done.returncode}.",
+            hint="What went wrong stands above. It can safely be run again.",
+        )

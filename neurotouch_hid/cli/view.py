@@ -1,0 +1,132 @@
+"""``neurotouch view``: the live view as a page on this machine."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from neurotouch_hid.page.address import Address
+
+
+@click.command(
+    epilog="\b\nExamples:\n"
+    "  neurotouch view                      prints the link of the page\n"
+    "  neurotouch view --open               opens it in your browser\n"
+    "  neurotouch view --edit               thresholds and curves can be dragged, and saved\n"
+    "  ssh -L 7878:localhost:7878 HOST      looks at a machine far away, safely\n"
+    "  neurotouch view --listen 192.168.1.5 --token-file ~/page-token\n\n"
+    "It shows whatever driver runs, now or later; closing either disturbs nobody. Ctrl-C ends."
+)
+@click.option("--edit", is_flag=True, help="Let the page change the profile and pause the driver.")
+@click.option("--open", "open_browser", is_flag=True, help="Open the page in your browser.")
+@click.option("--port", type=click.IntRange(0, 65535), help="Default: 7878, or any if it is taken.")
+@click.option(
+    "--listen",
+    metavar="ADDRESS",
+    help="Serve other machines too, at this address of one of your interfaces. Nothing is "
+    "encrypted, so only in a network you trust. Needs --token-file.",
+)
+@click.option(
+    "--token-file",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="A file only you can read, with the secret of the link. Default: a new one each time.",
+)
+@click.option("--until-stdin-ends", is_flag=True, hidden=True)
+def command(
+    edit: bool,
+    open_browser: bool,
+    port: int | None,
+    listen: str | None,
+    token_file: Path | None,
+    until_stdin_ends: bool,
+) -> None:
+    """Show live what the driver does: gesture, gel, curves, pad, times, and why it ignored what.
+
+    Terminals and screen readers get the same from 'neurotouch monitor --plain'.
+    """
+    if listen is not None and token_file is None:
+        raise click.UsageError("--listen needs a token of its own: add --token-file FILE")
+    token = _read_token(token_file) if token_file is not None else None
+
+    def tell(address: "Address") -> None:
+        click.echo(f"Live view: {address.link()}")
+        click.echo(f"Spacecraft: {address.link('game')}")
+        if listen is not None:
+            far = address.url.replace("127.0.0.1", f"[{listen}]" if ":" in listen else listen)
+            click.echo(f"From other machines: {far}#k=TOKEN, with what {token_file} holds")
+        if open_browser:
+            click.launch(address.link())
+
+    serve_page(
+        tell, edit=edit, port=port, listen=listen, token=token, until_stdin_ends=until_stdin_ends
+    )
+
+
+def serve_page(
+    tell: "Callable[[Address], None]",
+    *,
+    edit: bool = False,
+    port: int | None = None,
+    listen: str | None = None,
+    token: str | None = None,
+    until_stdin_ends: bool = False,
+) -> None:
+    """Serves the page until Ctrl-C; ``tell`` is given its address once it is there."""
+    import asyncio
+    import os
+    import signal
+    import sys
+
+    from neurotouch_hid.cli.output import make_stamp
+    from neurotouch_hid.page.address import (
+        Address,
+        forget_address,
+        read_address,
+        write_address,
+    )
+    from neurotouch_hid.page.guard import Guard, make_token
+    from neurotouch_hid.page.server import Server, open_sockets
+
+    token = token or make_token()
+    guard = Guard(token, listen)
+    server = Server(guard, open_sockets(listen, port), edit=edit, stamp=make_stamp)
+    address = Address(server.url, token, os.getpid())
+
+    async def serve() -> None:
+        loop, stop = asyncio.get_running_loop(), asyncio.Event()
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            loop.add_signal_handler(number, stop.set)
+        if until_stdin_ends:  # a demo has started us and ends us, however it ends itself
+            loop.add_reader(sys.stdin.fileno(), stop.set)
+        await server.run(stop)
+
+    if read_address() is None:  # else the other commands go on finding the first one
+        write_address(address)
+    try:
+        tell(address)
+        sys.stdout.flush()
+        asyncio.run(serve())
+    finally:
+        forget_address(address)
+
+
+def _read_token(path: Path) -> str:
+    """The secret in a file.
+
+    Raises:
+        PageError: it cannot be read, or others can read it too.
+    """
+    from neurotouch_hid.errors import PageError
+
+    try:
+        if path.stat().st_mode & 0o077:
+            raise PageError(f"Others can read {path}.", hint=f"chmod 600 {path}")
+        return path.read_text(encoding="ascii").strip()
+    except (OSError, ValueError) as error:
+        raise PageError(
+            f"The token in {path} cannot be read: {error}.",
+            hint=f"Make one: (umask 077; head -c 24 /dev/urandom | base64 | tr +/ -_ > {path})",
+        ) from None

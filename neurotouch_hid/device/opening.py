@@ -1,0 +1,72 @@
+"""Opens a node of the kernel's and, where that fails, says which of the usual reasons it is."""
+
+import errno
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from neurotouch_hid.errors import DeviceError
+
+
+@dataclass(frozen=True, slots=True)
+class Maker:
+    """A node that makes devices.
+
+    Attributes:
+        node: where it is.
+        module: the kernel module behind it.
+        rule: the udev rule that gives it to whoever sits at the machine.
+        file: what the rule's file is called.
+    """
+
+    node: Path
+    module: str
+    rule: str
+    file: str
+
+    def open(self, node: Path | None = None) -> int:
+        """Return an open descriptor.
+
+        Args:
+            node: another place, for tests.
+
+        Raises:
+            DeviceError: there is no node, no module behind it, or no right to use it.
+        """
+        node = node or self.node
+        try:
+            return os.open(node, os.O_RDWR | os.O_CLOEXEC)
+        except OSError as error:
+            raise self._explain(node, error) from error
+
+    def _explain(self, node: Path, error: OSError) -> DeviceError:
+        load = f"sudo modprobe {self.module}"
+        if error.errno == errno.ENOENT:
+            return DeviceError(
+                f"There is no {node} here, so no virtual gamepad can be made.",
+                hint=f"Load the module: {load}. "
+                f"In a container, hand the host's node in: --device {node}.",
+            )
+        if error.errno in (errno.ENODEV, errno.ENXIO):
+            return DeviceError(
+                f"{node} exists, but the kernel module behind it is missing.",
+                hint=f"Load it: {load}. If it is not found, this kernel was built "
+                "without it: install your distribution's package of extra kernel modules.",
+            )
+        if error.errno in (errno.EACCES, errno.EPERM):
+            mode = node.stat().st_mode & 0o777
+            return DeviceError(
+                f"You have no right to write to {node} (its mode is {mode:04o}).",
+                hint=f"{explain_rule(self.rule, self.file, f'--name-match={self.module}')}\n"
+                "In a container the host must grant the device as well.",
+            )
+        return DeviceError(f"{node} cannot be opened: {error.strerror}.")
+
+
+def explain_rule(rule: str, file: str, trigger: str) -> str:
+    """Return how to install a rule and make it hold."""
+    return (
+        "Allow it for whoever sits at the machine:\n"
+        f"  echo '{rule}' | sudo tee /etc/udev/rules.d/{file}\n"
+        f"  sudo udevadm control --reload && sudo udevadm trigger {trigger}"
+    )

@@ -1,0 +1,103 @@
+"""Is a camera there, may we use it, and is it connected well?"""
+
+from pathlib import Path
+from typing import Final
+
+from neurotouch_hid.doctor.finding import Verdict, approve, fail, skip, warn
+from neurotouch_hid.doctor.inventory import find_driver
+from neurotouch_hid.doctor.rights import SERVICE_RULE, install_rule
+from neurotouch_hid.source.davis import CameraInfo, find_cameras, identify
+from neurotouch_hid.source.davis.finding import SUPER_SPEED_MBIT_S, SYSFS
+
+_LOOK_AGAIN: Final = (
+    "sudo udevadm control --reload",
+    "sudo udevadm trigger --action=change --subsystem-match=usb --attr-match=idVendor=152a",
+)
+
+
+def check_presence() -> Verdict:
+    """Is a DAVIS plugged in?"""
+    cameras = find_cameras()
+    if not cameras:
+        return skip(
+            "No DAVIS camera is plugged in. If one is: try another cable and socket. "
+            "'neurotouch demo' works without."
+        )
+    return approve(f"Plugged in: {', '.join(map(_describe, cameras))}.")
+
+
+def check_right() -> Verdict:
+    """May we open it, and does it answer?"""
+    cameras = find_cameras()
+    if not cameras:
+        return skip("Needs a camera.")
+    info = next((info for info in cameras if not info.reason), cameras[0])
+    if not info.reason:
+        found = identify(info)
+        return approve(
+            f"The camera {info.serial} answers: {found.chip}, firmware {found.firmware}, logic "
+            f"{found.logic} patch {found.logic_patch}."
+        )
+    running = find_driver()
+    if running is not None and str(running.get("source", "")).startswith("davis:"):
+        return approve("The running driver has the camera.")
+    if "no right" in info.reason:
+        return _explain_right(info)
+    if info.reason.startswith("in use"):
+        return warn(
+            f"The camera {info.serial} is {info.reason}.", "End that program, or record from it."
+        )
+    return fail(
+        f"The camera {info.serial} cannot be used: {info.reason}.",
+        "Its maker's tools can tell more. This program does not flash cameras.",
+    )
+
+
+def _explain_right(info: CameraInfo) -> Verdict:
+    sentence = f"The camera {info.serial} is there, but not readable: {info.reason}."
+    if SERVICE_RULE.exists():
+        return fail(
+            f"{sentence} It belongs to the service, which does not run.",
+            "Start it; if it ends again, it says why.",
+            "sudo systemctl start neurotouch",
+            "systemctl status neurotouch",
+        )
+    return fail(
+        sentence,
+        "Allow it for whoever sits at the machine, as 'neurotouch setup' does.",
+        install_rule("70-neurotouch-camera.rules"),
+        *_LOOK_AGAIN,
+    )
+
+
+def check_connection(system: Path = SYSFS) -> Verdict:
+    """USB 3, and never sent to sleep?"""
+    cameras = find_cameras()
+    if not cameras:
+        return skip("Needs a camera.")
+    slow = [info for info in cameras if info.speed_mbit_s < SUPER_SPEED_MBIT_S]
+    if slow:
+        return warn(
+            f"The camera {slow[0].serial} runs at {slow[0].speed_mbit_s} Mbit/s instead of "
+            f"{SUPER_SPEED_MBIT_S}: it works, but fast motion may lose events.",
+            "Use a USB 3 socket (blue, or marked SS) and a USB 3 cable, without a hub.",
+        )
+    sleepy = [info for info in cameras if _may_sleep(system / info.port_path)]
+    if sleepy:
+        switch = system / sleepy[0].port_path / "power/control"
+        return warn(
+            f"The system may send the camera {sleepy[0].serial} to sleep (USB autosuspend).",
+            "Switch that off for it; power savers such as TLP need an exception for 152a:841a.",
+            f"echo on | sudo tee {switch}",
+        )
+    speeds = ", ".join(f"{info.speed_mbit_s} Mbit/s" for info in cameras)
+    return approve(f"USB 3 ({speeds}), and it is never sent to sleep.")
+
+
+def _may_sleep(folder: Path) -> bool:
+    switch = folder / "power/control"
+    return switch.exists() and switch.read_text().strip() == "auto"
+
+
+def _describe(info: CameraInfo) -> str:
+    return f"{info.product} {info.serial or 'without a serial number'} at {info.port_path}"

@@ -1,0 +1,263 @@
+"""What does the camera see: events, frames, the gel with its markers, at rest?"""
+
+import os
+import time
+from collections.abc import Iterable
+from contextlib import ExitStack
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid import driver
+from neurotouch_hid.doctor.finding import Verdict, approve, fail, skip, warn
+from neurotouch_hid.errors import NotRunningError
+from neurotouch_hid.geometry import N_MARKERS, fit_rig
+from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, EventPacket, Frame
+from neurotouch_hid.recording.wire import receive_packets
+from neurotouch_hid.source import open_source
+from neurotouch_hid.source.davis import find_cameras
+from neurotouch_hid.tracker import RestConfig, RestDetector
+from neurotouch_hid.tracker.image import BlobFinder
+from neurotouch_hid.tracker.image.lattice import LatticeConfig, find_lattice
+
+LOOK_S: Final = 5.0
+FRAMES_HZ: Final = 25.0
+_MOST_OFF_HZ: Final = 5.0
+_MOST_EVENTS_HZ: Final = 500_000.0
+"""From a gel at rest. Our proposal: a tenth of what the line can follow."""
+
+_LEAST_MARKERS: Final = 160
+_LEAST_CONTRAST: Final = 40
+"""Grey levels between markers and gel; the detector's own limit for a dark picture is 50."""
+
+_MOST_OFF_CENTRE_PX: Final = 25.0
+"""Beyond it the outermost markers leave the picture: the dome's radius is 75 px of 130."""
+
+_MOST_DRIFT_MM: Final = 0.3
+
+_SAME_PX: Final = 4.0
+"""A dot so near to where a marker belongs is that marker; markers are 10 px apart."""
+
+_Colour = tuple[int, int, int]
+_GREEN: Final[_Colour] = (0, 200, 0)
+_YELLOW: Final[_Colour] = (0, 220, 220)
+_RED: Final[_Colour] = (0, 0, 255)
+
+
+@dataclass(frozen=True, slots=True)
+class _Seen:
+    """What came in some seconds.
+
+    Attributes:
+        source: from where.
+        seconds: of sensor time.
+        events: how many.
+        lost: how many were lost.
+        frames: all of them.
+    """
+
+    source: str
+    seconds: float
+    events: int
+    lost: int
+    frames: tuple[Frame, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Gel:
+    """What the frames show: the detector's last word, and the markers at rest, first and last."""
+
+    n_found: int
+    reason: str
+    chamfer_px2: float
+    first_px: NDArray[np.float32] | None
+    last_px: NDArray[np.float32] | None
+
+
+class GelView:
+    """Looks once, for five seconds, and answers three checks from it.
+
+    Args:
+        picture: where the picture with the markers is saved; in the cache without.
+        source: what to look at; without, what the running driver sees, or the first camera.
+    """
+
+    def __init__(self, picture: Path | None = None, source: str | None = None) -> None:
+        self._picture = picture or find_picture()
+        self._source = source
+
+    def check_stream(self) -> Verdict:  # noqa: PLR0911
+        """Do frames and events arrive as they should?"""
+        seen = self._seen
+        if seen is None:
+            return skip("Needs a camera that can be opened, or a running driver.")
+        if not seen.seconds:
+            return fail(f"Nothing comes from {seen.source}.", "Plug the camera out and in again.")
+        frames_hz, events_hz = len(seen.frames) / seen.seconds, seen.events / seen.seconds
+        sentence = f"{seen.source}: {frames_hz:.0f} frames/s, {events_hz:,.0f} events/s."
+        if not seen.frames:
+            return fail(f"{sentence} There is no picture.", "Is another program's setting left?")
+        if not seen.events:
+            return fail(f"{sentence} There are no events.", "Is the lens cap off, the lamp on?")
+        if abs(frames_hz - FRAMES_HZ) > _MOST_OFF_HZ:
+            return warn(sentence, f"About {FRAMES_HZ:.0f} frames/s are usual. Is it USB 3?")
+        if seen.lost:
+            return warn(f"{sentence} {seen.lost:,} events were lost.", "Close other programs.")
+        if events_hz > _MOST_EVENTS_HZ:
+            return warn(
+                sentence, "That is much for a gel at rest: a flickering lamp, or the biases."
+            )
+        return approve(sentence)
+
+    def check_markers(self) -> Verdict:
+        """Is the whole gel in the picture, and bright enough?"""
+        seen, gel = self._seen, self._gel
+        if seen is None or gel is None:
+            return skip("Needs frames.")
+        frame = seen.frames[-1]
+        saved = self._save(frame, gel)
+        low, high = (float(np.percentile(frame.pixels, share)) for share in (50.0, 99.5))
+        what = f"{gel.n_found} of {N_MARKERS} markers" if gel.n_found else "No gel can be found"
+        sentence = f"{what}, contrast {high - low:.0f}; {saved}"
+        if gel.first_px is None and gel.n_found < _LEAST_MARKERS:
+            return fail(
+                sentence,
+                f"{gel.reason[:1].upper()}{gel.reason[1:]}. Is the LED ring on, the lens cap off, "
+                "the gel in the middle, and no hand on it?",
+            )
+        if gel.n_found < _LEAST_MARKERS:
+            return warn(sentence, "Take the hand off the gel, and clean the lens.")
+        if high - low < _LEAST_CONTRAST:
+            return warn(sentence, "The picture is faint: is the LED ring at full brightness?")
+        if gel.last_px is not None:
+            centre = fit_rig(gel.last_px).centre_px
+            off = np.subtract(centre, ((SENSOR_WIDTH_PX - 1) / 2, (SENSOR_HEIGHT_PX - 1) / 2))
+            if np.hypot(*off) > _MOST_OFF_CENTRE_PX:
+                return warn(
+                    f"{sentence} The gel is {off[0]:+.0f} px, {off[1]:+.0f} px off the middle.",
+                    "Turn the camera until the gel is in the middle of the picture.",
+                )
+        return approve(sentence)
+
+    def check_rest(self) -> Verdict:
+        """Is the gel at rest, and does it stay there?"""
+        gel = self._gel
+        if gel is None:
+            return skip("Needs frames.")
+        if gel.first_px is None or gel.last_px is None:
+            return warn(
+                f"The gel was never at rest: {gel.reason}.",
+                "Take the hand off and look again. If your hand has to lie there: "
+                "'neutral: resting' in user.yaml makes how it lies the rest.",
+            )
+        moved_px = np.hypot(*(gel.last_px - gel.first_px).T)
+        drift_mm = float(np.median(moved_px)) / fit_rig(gel.last_px).px_per_mm
+        drift = f"drift {drift_mm:.2f} mm in {LOOK_S:.0f} s."
+        if gel.reason:
+            return warn(f"At the end {gel.reason}; {drift}", "Take the hand off the gel.")
+        sentence = (
+            f"Chamfer distance {gel.chamfer_px2:.2f} px² (at rest up to "
+            f"{RestConfig().max_chamfer_px2} px²), {drift}"
+        )
+        if drift_mm > _MOST_DRIFT_MM:
+            return warn(sentence, "Something moves: is the gel mounted firmly, and the camera?")
+        return approve(sentence)
+
+    @cached_property
+    def _seen(self) -> _Seen | None:
+        with ExitStack() as stack:
+            opened = self._open(stack)
+            return None if opened is None else _collect(*opened)
+
+    @cached_property
+    def _gel(self) -> _Gel | None:
+        if self._seen is None or not self._seen.frames:
+            return None
+        detector = RestDetector()
+        fields = [detector.update(frame) for frame in self._seen.frames]
+        rests = [field.position_px for field in fields if field is not None]
+        stats = detector.stats()
+        n_found = stats.n_found
+        if not rests:  # then that is the number of bright dots, of whatever they are
+            dots = BlobFinder().find(self._seen.frames[-1].pixels).centroid_px
+            lattice = find_lattice(dots, LatticeConfig())
+            n_found = 0 if lattice is None else lattice.n_found
+        first, last = (rests[0], rests[-1]) if rests else (None, None)
+        return _Gel(n_found, stats.reason, stats.chamfer_px2, first, last)
+
+    def _open(self, stack: ExitStack) -> tuple[str, Iterable[EventPacket]] | None:
+        """From where, and the packets; None if nobody sees anything."""
+        if self._source is not None:
+            return self._source, stack.enter_context(open_source(self._source, speed="max"))
+        try:
+            answer, line = driver.open_stream("record")
+        except NotRunningError:
+            free = next((info for info in find_cameras() if not info.reason), None)
+            if free is None:
+                return None
+            camera = stack.enter_context(open_source(f"davis:{free.serial}"))
+            return camera.name, camera
+        stack.callback(line.close)
+        line.settimeout(2 * LOOK_S)
+        return f"the running driver ({answer['source']})", receive_packets(line)
+
+    def _save(self, frame: Frame, gel: _Gel) -> str:
+        """Saves the picture, and says where.
+
+        Markers are boxed green, other bright dots yellow, markers that are missing red.
+        """
+        import cv2
+
+        picture = cv2.cvtColor(frame.pixels, cv2.COLOR_GRAY2BGR)
+        picture = cv2.resize(picture, None, fx=3, fy=3, interpolation=cv2.INTER_NEAREST)
+        dots = BlobFinder().find(frame.pixels).centroid_px
+        markers = np.zeros((0, 2)) if gel.last_px is None else gel.last_px.astype(np.float64)
+        apart = np.hypot(*(dots[:, None] - markers).transpose(2, 0, 1)) > _SAME_PX
+        for dot, lonely in zip(dots, apart.all(axis=1), strict=True):
+            _box(picture, dot, _YELLOW if lonely else _GREEN)
+        for marker in markers[apart.all(axis=0)]:
+            _box(picture, marker, _RED)
+        self._picture.parent.mkdir(parents=True, exist_ok=True)
+        done, encoded = cv2.imencode(".png", picture)
+        if not done:
+            return "the picture could not be made."
+        self._picture.write_bytes(encoded.tobytes())
+        return f"the picture with boxes is {self._picture}."
+
+
+def _collect(source: str, packets: Iterable[EventPacket]) -> _Seen:
+    """What comes in five seconds, by the camera's clock or ours, whichever ends first."""
+    deadline = time.monotonic() + 2 * LOOK_S
+    frames: list[Frame] = []
+    events = lost = 0
+    begin_us = end_us = None
+    for packet in packets:
+        begin_us = packet.t_begin_us if begin_us is None else begin_us
+        end_us = packet.t_end_us
+        events += len(packet.events)
+        lost += packet.gap
+        frames += packet.frames
+        if end_us - begin_us >= LOOK_S * 1e6 or time.monotonic() > deadline:
+            break
+    seconds = 0.0 if begin_us is None or end_us is None else (end_us - begin_us) / 1e6
+    return _Seen(source, seconds, events, lost, tuple(frames))
+
+
+def _box(picture: NDArray[np.uint8], at_px: NDArray[np.float64], colour: _Colour) -> None:
+    import cv2
+
+    x, y = at_px
+    first, last = ((round(3 * (x + d) + 1), round(3 * (y + d) + 1)) for d in (-3, 3))
+    cv2.rectangle(picture, first, last, colour, 1)
+
+
+def find_picture() -> Path:
+    """Where the picture of the gel is saved."""
+    cache = Path(os.environ.get("XDG_CACHE_HOME", ""))
+    if not cache.is_absolute():
+        cache = Path("~/.cache").expanduser()
+    return cache / "neurotouch" / "doctor-gel.png"

@@ -1,0 +1,105 @@
+"""Where somebody asks for a true HID pad: can it be made?"""
+
+import os
+import shlex
+import shutil
+import stat
+import subprocess
+from pathlib import Path
+from typing import Final
+
+from neurotouch_hid.doctor.finding import Verdict, approve, fail, skip
+from neurotouch_hid.doctor.rights import SERVICE_RULE, install_rule
+from neurotouch_hid.profile.load import load_settings
+from neurotouch_hid.runtime.service import ServiceSettings, find_service_file
+
+_NODE: Final = Path("/dev/uhid")
+_LOADED: Final = Path("/sys/class/misc/uhid")
+"""There once the module is loaded or was built in."""
+
+_SERVICE_FILE: Final = Path("/etc/neurotouch/service.yaml")
+_EXAMPLE: Final = "/usr/share/doc/neurotouch-hid/examples/hid.conf"
+_DROP_IN: Final = "/etc/systemd/system/neurotouch.service.d/hid.conf"
+_LOAD: Final = (
+    "echo uhid | sudo tee /etc/modules-load.d/neurotouch-hid.conf",
+    "sudo modprobe uhid",
+)
+_PATIENCE_S: Final = 5.0
+
+
+def check_hid(
+    files: tuple[Path, ...] = (),
+    *,
+    node: Path = _NODE,
+    loaded: Path = _LOADED,
+    package: Path = SERVICE_RULE,
+) -> Verdict:
+    """Is there what a HID pad needs: the module, the right, and for the service its own?
+
+    Args:
+        files: where the service's choices may lie; those of this machine and this person without.
+        node: the node that makes HID devices.
+        loaded: is there once its module is.
+        package: is there where the Debian package is installed.
+    """
+    asking = _find_asking(files or (_SERVICE_FILE, find_service_file()))
+    usable = os.access(node, os.R_OK | os.W_OK)
+    if asking is None:
+        if usable:
+            return approve("You may make a true HID pad, too: neurotouch run --device hid")
+        return skip("Nobody asks for a HID pad ('device: hid' in service.yaml).")
+    asks = f"{asking} asks for a HID pad"
+    if not node.exists() or not loaded.exists():
+        return fail(
+            f"{asks}, but the kernel module uhid is not loaded.",
+            "Load it, now and at every start. If it is not found, install your distribution's "
+            "package of extra kernel modules; in a container the host must hand /dev/uhid in.",
+            *_LOAD,
+        )
+    if package.exists():
+        return _check_service(asks)
+    if usable:
+        return approve(f"{asks}, and you may make one.")
+    mode = stat.S_IMODE(node.stat().st_mode)
+    return fail(
+        f"{asks}, but you have no right to write to {node} (its mode is {mode:04o}).",
+        "Allow it for whoever sits at the machine. Mind that every program of theirs can then make "
+        "HID devices of any kind.",
+        install_rule("70-neurotouch-hid.rules"),
+        "sudo udevadm control --reload",
+        "sudo udevadm trigger --action=change --name-match=/dev/uhid",
+    )
+
+
+def _find_asking(files: tuple[Path, ...]) -> Path | None:
+    """The first of the files that asks for a HID pad.
+
+    Raises:
+        ProfileError: one of them has mistakes.
+    """
+    for file in files:
+        if load_settings(file, ServiceSettings).device == "hid":
+            return file
+    return None
+
+
+def _check_service(asks: str) -> Verdict:
+    """May the service use the node? It does not get it unasked."""
+    if not shutil.which("systemctl"):
+        return skip("systemd does not run here.")
+    done = subprocess.run(
+        ["systemctl", "show", "neurotouch.service", "--property=DeviceAllow"],  # noqa: S607
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=_PATIENCE_S,
+    )
+    if "/dev/uhid" in done.stdout:
+        return approve(f"{asks}, and the service may make one.")
+    return fail(
+        f"{asks}, but the service has no right to /dev/uhid.",
+        "Allow it. Mind that whoever may write there can make keyboards and security keys, too.",
+        shlex.join(["sudo", "install", "-D", "-m", "644", _EXAMPLE, _DROP_IN]),
+        "sudo systemctl daemon-reload",
+        "sudo systemctl restart neurotouch",
+    )

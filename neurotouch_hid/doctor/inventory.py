@@ -1,0 +1,131 @@
+"""What is there: game controllers and running programs, told by Linux without opening anything."""
+
+import os
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from neurotouch_hid import driver
+from neurotouch_hid.errors import DriverError
+
+OURS: Final = "neurotouch/"
+"""Our devices claim to be plugged in at a place that begins so."""
+
+_INPUT: Final = Path("/sys/class/input")
+_NODES: Final = Path("/dev/input")
+_PROCESSES: Final = Path("/proc")
+_BTN_GAMEPAD: Final = 0x130
+_BTN_JOYSTICK: Final = 0x120
+_BTN_DIGI: Final = 0x140
+_WORD_BITS: Final = 64
+_INTERPRETERS: Final = ("python", "perl", "ruby", "node", "sh", "bash")
+"""What they run is their first argument."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pad:
+    """A game controller.
+
+    Attributes:
+        node: its event node.
+        name: what it calls itself.
+        ids: bus, vendor, product and version.
+        place: where it says it is plugged in.
+        virtual: a program has made it.
+        ours: this program has.
+        readable: we may read it.
+    """
+
+    node: str
+    name: str
+    ids: tuple[int, int, int, int]
+    place: str
+    virtual: bool
+    ours: bool
+    readable: bool
+
+    @property
+    def usb_id(self) -> str:
+        """Vendor and product, as usual."""
+        return f"{self.ids[1]:04x}:{self.ids[2]:04x}"
+
+
+@dataclass(frozen=True, slots=True)
+class Process:
+    """A running program: its number and its name."""
+
+    pid: int
+    name: str
+
+
+def find_pads(system: Path = _INPUT, nodes: Path = _NODES) -> tuple[Pad, ...]:
+    """All game controllers, in the order of their nodes."""
+    found = []
+    for entry in sorted(system.glob("event*"), key=lambda path: int(path.name[5:])):
+        with suppress(OSError, ValueError):  # unplugged while we look
+            pad = _read_pad(entry, nodes / entry.name)
+            if pad is not None:
+                found.append(pad)
+    return tuple(found)
+
+
+def _read_pad(entry: Path, node: Path) -> Pad | None:
+    device = entry / "device"
+    keys = 0
+    for word in (device / "capabilities" / "key").read_text().split():
+        keys = keys << _WORD_BITS | int(word, 16)
+    if not any(keys >> code & 1 for code in range(_BTN_JOYSTICK, _BTN_DIGI)):
+        return None
+    if not int((device / "capabilities" / "abs").read_text().split()[-1], 16) & 0b11:
+        return None  # no stick: a mouse or keyboard with odd buttons
+    ids = [int((device / "id" / name).read_text(), 16) for name in _IDS]
+    place = _clean(device / "phys")
+    return Pad(
+        node=str(node),
+        name=_clean(device / "name"),
+        ids=(ids[0], ids[1], ids[2], ids[3]),
+        place=place,
+        virtual="/devices/virtual/" in str(entry.resolve()),
+        ours=place.startswith(OURS),
+        readable=os.access(node, os.R_OK),
+    )
+
+
+_IDS: Final = ("bustype", "vendor", "product", "version")
+
+
+def _clean(file: Path) -> str:
+    """What a device says of itself; it goes to a terminal."""
+    text = file.read_text(errors="replace").strip()
+    return "".join(char for char in text if char.isprintable())
+
+
+def find_processes(names: set[str], processes: Path = _PROCESSES) -> tuple[Process, ...]:
+    """The running programs that are called one of these names, by command or by script."""
+    found = []
+    for folder in processes.glob("[0-9]*"):
+        with suppress(OSError):  # it has ended
+            for name in _list_names(folder):
+                if name in names:
+                    found.append(Process(int(folder.name), name))
+                    break
+    return tuple(sorted(found, key=lambda process: process.pid))
+
+
+def _list_names(folder: Path) -> Iterator[str]:
+    yield (folder / "comm").read_text(errors="replace").strip()
+    words = (folder / "cmdline").read_text(errors="replace").split("\0")
+    program = Path(words[0]).name
+    yield program
+    if program.startswith(_INTERPRETERS) and len(words) > 1:
+        yield Path(words[1]).name
+
+
+def find_driver() -> dict[str, Any] | None:
+    """What the running driver says of itself; None if none runs or it does not answer."""
+    try:
+        return driver.ask("status")
+    except DriverError:
+        return None

@@ -1,0 +1,115 @@
+"""Is the program whole, and is the machine fast enough for it?"""
+
+import importlib.metadata
+import os
+import re
+import struct
+import sys
+import time
+from pathlib import Path
+from typing import Final
+
+from neurotouch_hid.doctor.finding import Verdict, approve, fail, warn
+
+_DISTRIBUTION: Final = "neurotouch-hid"
+_LEAST_SPEED: Final = 2.0
+"""Times real time: below it a busy moment makes the pad late."""
+
+_PERIOD_S: Final = 0.01
+_TICKS: Final = 200
+_LATE_S: Final = 0.005
+"""Half a slice: later than this the pad is a slice behind."""
+
+_GOVERNOR: Final = Path("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")
+_RTKIT: Final = Path("/usr/share/dbus-1/system-services/org.freedesktop.RealtimeKit1.service")
+
+
+def check_python() -> Verdict:
+    """Python and all that comes with the program."""
+    version = ".".join(map(str, sys.version_info[:3]))
+    bits = struct.calcsize("P") * 8
+    if sys.version_info < (3, 11) or bits != 64:
+        return fail(f"Python {version}, {bits} bit.", "Use 64-bit Python 3.11 or newer.")
+    missing = _find_missing()
+    if missing:
+        return fail(
+            f"Python {version}, 64 bit; but not everything is installed: {', '.join(missing)}.",
+            "Install it again: pip install --force-reinstall neurotouch-hid",
+        )
+    return approve(f"Python {version}, 64 bit; everything it needs is installed.")
+
+
+def _find_missing() -> list[str]:
+    from neurotouch_hid.resources import find_resources
+
+    missing = [
+        f"the folder {find_resources(kind)}"
+        for kind in ("profiles", "udev", "modules-load.d")
+        if not any(find_resources(kind).glob("*"))
+    ]
+    try:
+        needed = importlib.metadata.requires(_DISTRIBUTION) or []
+    except importlib.metadata.PackageNotFoundError:
+        return missing  # run from a checkout that was not installed
+    for requirement in needed:
+        name = re.split(r"[^A-Za-z0-9._-]", requirement, maxsplit=1)[0]
+        if "extra ==" in requirement:
+            continue
+        try:
+            importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            missing.append(name)
+    return missing
+
+
+def check_line() -> Verdict:
+    """Plays a simulated push through the whole line, as fast as it goes."""
+    from neurotouch_hid.device import MemoryDevice
+    from neurotouch_hid.gesture import GestureConfig
+    from neurotouch_hid.profile import load_profile
+    from neurotouch_hid.runtime import Pipeline, run_line, warm_up
+    from neurotouch_hid.source import open_source
+
+    profile = load_profile("default")
+    warm_up(Pipeline.build(profile, GestureConfig()))
+    device = MemoryDevice()
+    with open_source("sim:push", speed="max") as source:
+        packets = list(source)
+    stats = run_line(packets, Pipeline.build(profile, GestureConfig()), device)
+    if not any(state.axes for state in device.states):
+        return fail("A simulated push did not move the pad.", "Report this as a bug.")
+    speed, cores = stats.sensor_s / stats.host_s, len(os.sched_getaffinity(0))
+    sentence = (
+        f"A simulated push moves the pad; this machine is {speed:.1f} times real time, with "
+        f"{cores} processor{'s' if cores > 1 else ''}."
+    )
+    if speed < _LEAST_SPEED:
+        return warn(
+            sentence, "Close other programs, use a faster machine, or --method paper, the lighter."
+        )
+    if cores < 2:
+        return warn(sentence, "With one processor the game takes time from the gel. Give it two.")
+    return approve(sentence)
+
+
+def check_timer() -> Verdict:
+    """How late the system wakes us for a slice."""
+    late_s = []
+    due = time.monotonic()
+    for _ in range(_TICKS):
+        due += _PERIOD_S
+        time.sleep(max(due - time.monotonic(), 0.0))
+        late_s.append(time.monotonic() - due)
+    p99_s = sorted(late_s)[int(0.99 * _TICKS)]
+    governor = _GOVERNOR.read_text().strip() if _GOVERNOR.exists() else "unknown"
+    kit = "there" if _RTKIT.exists() else "not there (and not needed)"
+    sentence = (
+        f"Of {_TICKS} slices of 10 ms, 99 % are on time to {p99_s * 1e3:.1f} ms; governor "
+        f"{governor}, real-time kit {kit}."
+    )
+    if p99_s > _LATE_S:
+        fix = "Close other programs"
+        if governor == "powersave":
+            fix += ", or choose the power profile 'performance' or 'balanced'"
+        return warn(sentence, f"{fix}.")
+    return approve(sentence)

@@ -1,0 +1,127 @@
+"""What belongs to the person: profiles, calibration, the keys that stop everything, sound."""
+
+import datetime
+import os
+import re
+import shutil
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Final
+
+from neurotouch_hid.device import ChordReader, explain_keyboards, find_keyboards
+from neurotouch_hid.doctor.finding import Verdict, approve, fail, skip, warn
+from neurotouch_hid.monitor.player import PLAYERS
+from neurotouch_hid.profile import list_profiles, load_profile, load_user
+from neurotouch_hid.profile.library import find_user_file, find_user_folder
+from neurotouch_hid.runtime import load_driver_settings
+
+_CALIBRATED: Final = re.compile(r"^# Calibrated (\d{4}-\d{2}-\d{2})\.", re.MULTILINE)
+_OLD_DAYS: Final = 180
+
+
+def check_profiles() -> Verdict:
+    """Do all profiles load, is the first favourite there, can versions be kept?"""
+    names = list_profiles()
+    for profile in names:
+        load_profile(profile)
+    user = load_user()
+    load_driver_settings()
+    for favourite in user.slots:
+        if favourite not in names:
+            return fail(
+                f"Your favourite '{favourite}' is no profile.",
+                "Choose others: neurotouch profile use NAME, or 'slots' in user.yaml.",
+            )
+    folder = find_user_folder()
+    nearest = next(each for each in (folder, *folder.parents) if each.exists())
+    if not os.access(nearest, os.W_OK):
+        return warn(
+            f"{len(names)} profiles are in order, but {nearest} cannot be written, so none can be "
+            "changed and no version kept.",
+            f"Give it back to yourself, with everything in it: chown -R $(id -un) {nearest}",
+        )
+    return approve(f"{len(names)} profiles are in order; '{user.slots[0]}' plays first.")
+
+
+def check_calibration(file: Path | None = None) -> Verdict:
+    """Has the person been measured, and how long ago?"""
+    file = file or find_user_file()
+    ranges = load_user().range
+    measured = [name for name in type(ranges).model_fields if getattr(ranges, name) is not None]
+    if not measured:
+        return skip(
+            "Not calibrated: a usual hand is assumed. Whenever you like: neurotouch calibrate"
+        )
+    found = _CALIBRATED.search(file.read_text(encoding="utf-8", errors="replace"))
+    sentence = f"{len(measured)} of 8 movements are calibrated"
+    if found is None:
+        return approve(f"{sentence}, by hand.")
+    age = (
+        datetime.datetime.now(tz=datetime.UTC).date() - datetime.date.fromisoformat(found[1])
+    ).days
+    sentence = f"{sentence}, {age} days ago."
+    if age > _OLD_DAYS:
+        return warn(sentence, "Hands change. Measure again when it suits: neurotouch calibrate")
+    return approve(sentence)
+
+
+def check_keyboard() -> Verdict:
+    """Can the keys that stop everything be heard?"""
+    keyboards = find_keyboards()
+    sentence, fix = explain_keyboards(keyboards)
+    sentence = f"{sentence[0].upper()}{sentence[1:]}."
+    if not keyboards:
+        return skip(sentence)
+    if fix:
+        return warn(sentence, fix)
+    return approve(f"{sentence} Try them: neurotouch doctor --keys")
+
+
+def try_chords(
+    say: Callable[[str], object], wait: Callable[[Callable[[], bool]], bool], **places: Path
+) -> Verdict:
+    """Has the person press each chord, without any hurry.
+
+    Args:
+        say: tells the person what to press.
+        wait: waits until the function it is given is true (then true) or the person skips.
+        places: where keyboards are found, for tests.
+    """
+    heard: set[str] = set()
+    chords = load_driver_settings().keys_of
+    reader = ChordReader(heard.add, chords, **places)
+    try:
+        missed = []
+        for name, keys in chords.items():
+            words = " + ".join(key.removeprefix("KEY_").capitalize() for key in keys)
+            say(f"Hold {words} together ({name}). No hurry; S and Enter skips.")
+            if not wait(partial(heard.__contains__, name)):
+                missed.append(name)
+            else:
+                say(f"Heard: {name}.")
+    finally:
+        reader.close()
+    if not missed:
+        return approve(f"Heard: {' and '.join(chords)}.")
+    if len(missed) == len(chords):
+        return skip("You skipped the keys.")
+    return warn(f"Not heard: {', '.join(missed)}.", "See the check 'keyboard'.")
+
+
+def check_sound() -> Verdict:
+    """Can what the person wants to hear be played?"""
+    sound = load_user().feedback.sound
+    if sound == "none":
+        return skip("Sound is off; 'feedback: {sound: tones}' in user.yaml switches it on.")
+    programs = [command[0] for command in PLAYERS[sound]]
+    found = next(filter(shutil.which, programs), None)
+    if found is None:
+        package = "speech-dispatcher" if sound == "speech" else "pipewire-bin"
+        return warn(
+            f"You want {sound}, but {' and '.join(programs)} {'are' if len(programs) > 1 else 'is'}"
+            " not installed.",
+            "Install it (Debian, Ubuntu).",
+            f"sudo apt install {package}",
+        )
+    return approve(f"{sound.capitalize()} are played through {found}.")

@@ -1,0 +1,160 @@
+"""May this person make a virtual gamepad?"""
+
+import os
+import shlex
+import stat
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+from neurotouch_hid.doctor.finding import Verdict, approve, fail, skip, warn
+from neurotouch_hid.doctor.inventory import find_driver
+from neurotouch_hid.resources import find_resources
+
+_NODE: Final = Path("/dev/uinput")
+_LOADED: Final = Path("/sys/class/misc/uinput")
+"""There once the module is loaded or was built in."""
+
+FOLDERS: Final = tuple(
+    Path(folder) / "udev/rules.d" for folder in ("/etc", "/run", "/usr/local/lib", "/usr/lib")
+)
+"""Where udev reads rules; a file in an earlier one hides the same name in a later."""
+
+_LATEST: Final = "73-seat-late.rules"
+"""Applies the tag uaccess, so a rule that gives it must sort before."""
+
+SERVICE_RULE: Final = Path("/usr/lib/udev/rules.d/70-neurotouch-service.rules")
+"""Part of the Debian package, whose service makes the pad."""
+
+_MODULES: Final = "/etc/modules-load.d/neurotouch.conf"
+_LOAD: Final = (
+    f"echo uinput | sudo tee {_MODULES}",
+    "sudo modprobe uinput",
+)
+_LOOK_AGAIN: Final = (
+    "sudo udevadm control --reload",
+    "sudo udevadm trigger --action=change --name-match=/dev/uinput",
+    "sudo udevadm settle --timeout=10",
+)
+
+
+def install_rule(name: str) -> str:
+    """The command that installs one of our rules."""
+    source = find_resources("udev") / name
+    return shlex.join(
+        ["sudo", "install", "-D", "-m", "644", str(source), f"/etc/udev/rules.d/{name}"]
+    )
+
+
+def check_module() -> Verdict:
+    """Is the kernel's module for virtual devices there and loaded?"""
+    if _LOADED.exists():
+        return approve("The kernel module uinput is loaded.")
+    if not _NODE.exists():
+        return fail(
+            "There is no /dev/uinput: the kernel module uinput is not loaded.",
+            "Load it, now and at every start; in a container the host must hand it in.",
+            *_LOAD,
+        )
+    return warn(
+        "/dev/uinput exists, but the kernel module uinput behind it is not loaded.",
+        "Opening it loads it on most systems; newer ones want it at every start.",
+        *_LOAD,
+    )
+
+
+def needs_no_right() -> str:
+    """Why this person needs no right to make a pad, in a sentence; empty if they do."""
+    if os.access(_NODE, os.R_OK | os.W_OK):
+        return "You may make virtual gamepads."
+    running = find_driver()
+    if running is not None and running.get("device") not in (None, "memory"):
+        return f"The running driver has a pad: {running['device']}."
+    if SERVICE_RULE.exists():
+        return "The service makes the pad once a camera is plugged in, so you need no right to."
+    return ""
+
+
+def check_right() -> Verdict:
+    """May we write to it?"""
+    if reason := needs_no_right():
+        return approve(reason)
+    if not _NODE.exists():
+        return skip("Needs /dev/uinput.")
+    mode = stat.S_IMODE(_NODE.stat().st_mode)
+    return fail(
+        f"You have no right to write to /dev/uinput (its mode is {mode:04o}).",
+        "Allow it for whoever sits at the machine, as 'neurotouch setup' does.",
+        install_rule("70-neurotouch-uinput.rules"),
+        *_LOOK_AGAIN,
+    )
+
+
+def check_rule(folders: tuple[Path, ...] = FOLDERS) -> Verdict:
+    """Does a rule give it to whoever sits at the machine, and in time?"""
+    found = list(_find_rules(folders))
+    if not found:
+        if reason := needs_no_right():
+            return skip(f"No rule is needed. {reason}")
+        return warn(
+            "No udev rule gives /dev/uinput to whoever sits at the machine.",
+            "Install ours, as 'neurotouch setup' does.",
+            install_rule("70-neurotouch-uinput.rules"),
+            *_LOOK_AGAIN,
+        )
+    in_time = [(path, line) for path, line in found if path.name < _LATEST]
+    if not in_time:
+        path = found[0][0]
+        return warn(
+            f"{path} comes too late: it must sort before {_LATEST}.",
+            "Give it a number below 73, or install ours beside it.",
+            install_rule("70-neurotouch-uinput.rules"),
+            *_LOOK_AGAIN,
+        )
+    lasting = [path for path, line in in_time if "static_node=uinput" in line]
+    if not lasting:
+        path = in_time[0][0]
+        return warn(
+            f"{path} says nothing of static_node=uinput, so it holds only once the module is "
+            "loaded.",
+            "Load the module at every start.",
+            *_LOAD,
+        )
+    return approve(f"{lasting[0]} gives /dev/uinput to whoever sits at the machine.")
+
+
+def _find_rules(folders: tuple[Path, ...]) -> Iterator[tuple[Path, str]]:
+    """The rules that tag uinput with uaccess, and their files; those that are hidden are not."""
+    files: dict[str, Path] = {}
+    for folder in reversed(folders):
+        files |= {path.name: path for path in folder.glob("*.rules")}
+    for _, path in sorted(files.items()):
+        try:
+            text = path.read_text(errors="replace").replace("\\\n", " ")
+        except OSError:
+            continue
+        for line in text.splitlines():
+            if line.lstrip().startswith("#"):
+                continue
+            if "uinput" in line and "uaccess" in line:
+                yield path, line
+
+
+def check_seat() -> Verdict:
+    """Does this person sit at the machine, in the sense of logind?"""
+    if os.geteuid() == 0:
+        return skip("You are root, who needs no seat.")
+    if os.environ.get("XDG_SEAT"):
+        return approve(f"You sit at {os.environ['XDG_SEAT']}.")
+    if reason := needs_no_right():
+        return skip(f"No seat is needed. {reason}")
+    where = "over ssh" if os.environ.get("SSH_CONNECTION") else "in a session without a seat"
+    return warn(
+        f"You are logged in {where}, and rules for whoever sits at the machine do not hold there.",
+        "Log in at the machine itself; or give your user the group 'input', which may also read "
+        "all keyboards, and log in again.",
+        'echo \'KERNEL=="uinput", SUBSYSTEM=="misc", GROUP="input", MODE="0660", '
+        'OPTIONS+="static_node=uinput"\' | sudo tee /etc/udev/rules.d/71-neurotouch-group.rules',
+        'sudo usermod -aG input "$(id -un)"',
+        *_LOOK_AGAIN,
+    )

@@ -1,0 +1,54 @@
+"""How does the system's service fare, where it is installed?"""
+
+import shutil
+import subprocess
+from typing import Final
+
+from neurotouch_hid.doctor.finding import Verdict, approve, fail, skip, warn
+
+_UNIT: Final = "neurotouch.service"
+_PATIENCE_S: Final = 5.0
+
+
+def check_service() -> Verdict:
+    """Is it installed, and does it run?"""
+    said = _ask_systemd() if shutil.which("systemctl") else {}
+    if said.get("LoadState", "not-found") == "not-found":
+        return skip("The service is not installed here; 'neurotouch run' does the same.")
+    if said["LoadState"] == "masked":
+        return warn(
+            "The service is masked: plugging in a camera starts nothing.",
+            "If that was not meant, take the mask off.",
+            f"sudo systemctl unmask {_UNIT}",
+        )
+    state = said.get("ActiveState", "unknown")
+    restarts = int(said.get("NRestarts", "0") or 0)
+    if state == "active":
+        words = f", after {restarts} restarts" if restarts else ""
+        return approve(f"The service runs (PID {said.get('MainPID', 'unknown')}{words}).")
+    if state == "activating" and not restarts:
+        return approve("The service is starting.")
+    if state == "inactive":
+        return approve("The service is installed, and starts when a camera is plugged in.")
+    return fail(
+        f"The service does not run: {state}, {said.get('Result', 'unknown')}, after {restarts} "
+        "restarts.",
+        "Its journal says why.",
+        f"journalctl --unit {_UNIT} --lines 30 --no-pager",
+    )
+
+
+def _ask_systemd() -> dict[str, str]:
+    """The unit's properties; none where systemd does not run."""
+    names = ("LoadState", "ActiveState", "Result", "MainPID", "NRestarts")
+    try:
+        done = subprocess.run(  # noqa: S603
+            ["systemctl", "show", _UNIT, f"--property={','.join(names)}"],  # noqa: S607
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=_PATIENCE_S,
+        )
+    except subprocess.TimeoutExpired:
+        return {}
+    return dict(line.split("=", 1) for line in done.stdout.splitlines() if "=" in line)

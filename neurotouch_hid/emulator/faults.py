@@ -1,0 +1,143 @@
+"""What can go wrong with a camera, on purpose and at a chosen moment."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+from neurotouch_hid.errors import SourceError
+
+
+class Stage(StrEnum):
+    """When a fault strikes: during what the host does."""
+
+    PLUGGED = "plugged"
+    """Standard requests: the host finds out what has been plugged in."""
+    OPEN = "open"
+    """Vendor requests that read: the driver asks for versions and sizes."""
+    CONFIGURE = "configure"
+    """Vendor requests that write, until the stream is stopped."""
+    STREAM = "stream"
+    """Bulk transfers with data."""
+    STOP = "stop"
+    """Vendor requests that write, from the first one on that switches off what runs."""
+
+
+class FaultKind(StrEnum):
+    """What goes wrong. The first group can happen to requests and transfers alike."""
+
+    UNPLUG = "unplug"
+    STALL = "stall"
+    TIMEOUT = "timeout"
+    """A request or a transfer that is never answered."""
+    PROTOCOL = "protocol"
+    """A transfer that ends with EPROTO, as on a bad cable."""
+    SHORT = "short"
+    """A request: only half the answer. A transfer: cut off between a row and its event."""
+
+    LOST = "lost"
+    """A transfer that does not even end when the host cancels it: Linux has lost it."""
+    BABBLE = "babble"
+    """More data than asked for: the transfer ends with EOVERFLOW and its data is lost."""
+    ODD = "odd"
+    """A transfer of an odd number of bytes; the other half of its last word comes in the next."""
+    STALE = "stale"
+    """Words of an earlier run, with their late times, come first."""
+    OVERFLOW = "overflow"
+    """Events are lost in the camera for 10 ms a time, and counted there."""
+    RANGE = "range"
+    """Row and event words with addresses outside of the chip."""
+    BACKWARD = "backward"
+    """A time word that goes back."""
+    UNKNOWN = "unknown"
+    """Words that no document knows."""
+    WRAP = "wrap"
+    """The clock jumps over 2**31 µs, as after 36 minutes; wrap words tell."""
+    RESET = "reset"
+    """The clock starts again at 0, in the middle of whatever is being sent."""
+    SILENCE = "silence"
+    """Nothing comes for 100 ms a time, not even wrap words."""
+    SUSPEND = "suspend"
+    """The camera loses its power for a moment: all registers are as after being plugged in."""
+
+
+_ONLY_STREAM = frozenset(FaultKind) - {
+    FaultKind.UNPLUG,
+    FaultKind.STALL,
+    FaultKind.TIMEOUT,
+    FaultKind.PROTOCOL,
+    FaultKind.SHORT,
+}
+_FORM = re.compile(r"(?P<kind>\w+)(@(?P<stage>\w+))?(\+(?P<after>\d+))?(x(?P<times>\d+))?")
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """One fault.
+
+    Attributes:
+        kind: what goes wrong.
+        stage: when.
+        after: so many requests or transfers of the stage are spared.
+        times: how many of them it befalls then.
+    """
+
+    kind: FaultKind
+    stage: Stage = Stage.STREAM
+    after: int = 0
+    times: int = 1
+
+    def __post_init__(self) -> None:
+        if self.kind in _ONLY_STREAM and self.stage is not Stage.STREAM:
+            raise SourceError(f"the fault {self.kind} happens to the stream, not at {self.stage}")
+
+    @classmethod
+    def parse(cls, text: str) -> "Fault":
+        """From ``KIND[@STAGE][+AFTER][xTIMES]``, such as ``stall@configure+3``.
+
+        Raises:
+            SourceError: it says something else.
+        """
+        found = _FORM.fullmatch(text)
+        kinds, stages = ", ".join(FaultKind), ", ".join(Stage)
+        hint = f"KIND[@STAGE][+AFTER][xTIMES]; kinds: {kinds}; stages: {stages}"
+        if not found:
+            raise SourceError(f"{text!r} is not a fault", hint=hint)
+        try:
+            kind, stage = FaultKind(found["kind"]), Stage(found["stage"] or Stage.STREAM)
+        except ValueError as error:
+            raise SourceError(f"{text!r} is not a fault", hint=hint) from error
+        return cls(kind, stage, int(found["after"] or 0), int(found["times"] or 1))
+
+
+class FaultError(Exception):
+    """The transfer at hand ends in a fault; the transport lets the host feel it."""
+
+    def __init__(self, kind: FaultKind) -> None:
+        super().__init__(kind)
+        self.kind = kind
+
+
+class Script:
+    """Counts what the host does and says when a fault strikes.
+
+    Args:
+        faults: in any order.
+    """
+
+    def __init__(self, faults: Sequence[Fault] = ()) -> None:
+        self._faults = tuple(faults)
+        self._seen = dict.fromkeys(Stage, 0)
+
+    def has(self, kind: FaultKind) -> bool:
+        """Such a fault is among them."""
+        return any(fault.kind is kind for fault in self._faults)
+
+    def strike(self, stage: Stage) -> FaultKind | None:
+        """Count one request or transfer; return what befalls it."""
+        n = self._seen[stage]
+        self._seen[stage] += 1
+        for fault in self._faults:
+            if fault.stage is stage and fault.after <= n < fault.after + fault.times:
+                return fault.kind
+        return None

@@ -1,0 +1,175 @@
+"""The camera's register file: what each module answers after power-up, and what may be written.
+
+Names and values are those of the published FPGA sources and of libcaer's ``devices/davis.h``.
+"""
+
+from enum import IntEnum
+
+from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+
+
+class Module(IntEnum):
+    """Groups of registers; the first half of an address."""
+
+    MUX = 0
+    DVS = 1
+    APS = 2
+    IMU = 3
+    EXTERNAL_INPUT = 4
+    BIAS = 5
+    SYSTEM = 6
+    USB = 9
+
+
+MUX_RUN = (Module.MUX, 0)
+TIMESTAMP_RUN = (Module.MUX, 1)
+TIMESTAMP_RESET = (Module.MUX, 2)
+CHIP_RUN = (Module.MUX, 3)
+DROP_DVS_ON_STALL = (Module.MUX, 5)
+MUX_DVS_DROPPED = (Module.MUX, 83)
+DVS_ORIENTATION = (Module.DVS, 2)
+DVS_RUN = (Module.DVS, 3)
+DVS_REGION = tuple((Module.DVS, parameter) for parameter in (41, 42, 43, 44))
+"""As APS_REGION."""
+DVS_DROPPED = (Module.DVS, 85)
+DVS_FILTERED_PIXELS = (Module.DVS, 87)
+APS_ORIENTATION = (Module.APS, 2)
+APS_RUN = (Module.APS, 4)
+GLOBAL_SHUTTER = (Module.APS, 7)
+APS_REGION = tuple((Module.APS, parameter) for parameter in (8, 9, 10, 11))
+"""First column, first row, last column, last row."""
+EXPOSURE = (Module.APS, 12)
+FRAME_INTERVAL = (Module.APS, 13)
+LOGIC_VERSION = (Module.SYSTEM, 0)
+CHIP_ID = (Module.SYSTEM, 1)
+ADC_CLOCK = (Module.SYSTEM, 4)
+USB_CLOCK = (Module.SYSTEM, 5)
+CLOCK_DEVIATION = (Module.SYSTEM, 6)
+LOGIC_PATCH = (Module.SYSTEM, 7)
+USB_RUN = (Module.USB, 0)
+EARLY_PACKET_DELAY = (Module.USB, 1)
+
+FULL_REGION = [0, 0, SENSOR_WIDTH_PX - 1, SENSOR_HEIGHT_PX - 1]
+N_PIXEL_FILTERS = 8
+NO_PIXEL = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX)
+"""Column and row of a pixel filter that is off."""
+DAVIS346B = 5
+
+_MHZ = {"logic": 120, "adc": 30, "usb": 80}
+_DEVIATION = 1008  # thousandths; the clocks that all drivers accept, a real unit's are not known
+
+
+def _chip_size(orientation: int) -> tuple[int, int]:
+    """Columns and rows as the chip counts them: turned by 90 degrees if bit 2 says so."""
+    image = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX)
+    return image[::-1] if orientation & 0b100 else image
+
+
+class Registers:
+    """32-bit values by module and parameter.
+
+    What does not exist reads 0 and takes no harm from being written; what is read-only stays.
+
+    Args:
+        orientation: of events and frames: bit 2 swaps the axes, bits 1 and 0 flip the column and
+            the row counter of frames (the FPGA has already flipped the events).
+        colour: the colour filter, 0 for none.
+        logic: version and patch of the FPGA's logic.
+        chip: the chip's identifier.
+    """
+
+    def __init__(
+        self,
+        *,
+        orientation: int = 4,
+        colour: int = 0,
+        logic: tuple[int, int] = (18, 1),
+        chip: int = DAVIS346B,
+    ) -> None:
+        columns, rows = _chip_size(orientation)
+        dvs, aps = Module.DVS, Module.APS
+        self._fixed: dict[tuple[int, int], int] = {
+            (Module.MUX, 80): 1,
+            (dvs, 0): columns,
+            (dvs, 1): rows,
+            DVS_ORIENTATION: orientation,
+            **{(dvs, parameter): 1 for parameter in (10, 30, 40, 50, 60, 80)},
+            (aps, 0): columns,
+            (aps, 1): rows,
+            APS_ORIENTATION: orientation,
+            (aps, 3): colour,
+            (aps, 6): 1,
+            (Module.IMU, 0): 1,
+            (Module.IMU, 1): 6,
+            (Module.EXTERNAL_INPUT, 10): 1,
+            LOGIC_VERSION: logic[0],
+            CHIP_ID: chip,
+            (Module.SYSTEM, 2): 1,
+            (Module.SYSTEM, 3): _MHZ["logic"],
+            ADC_CLOCK: _MHZ["adc"],
+            USB_CLOCK: _MHZ["usb"],
+            CLOCK_DEVIATION: _DEVIATION,
+            LOGIC_PATCH: logic[1],
+        }
+        # Counters of 64 bits, high word first; they are told by the camera, not by the host.
+        for module, first in (
+            (Module.MUX, 81),
+            (Module.MUX, 83),
+            *((dvs, p) for p in range(81, 93, 2)),
+        ):
+            self._fixed[module, first] = self._fixed[module, first + 1] = 0
+        self._values: dict[tuple[int, int], int] = {}
+        self.power_up()
+
+    def power_up(self) -> None:
+        """Forget everything that was written."""
+        self._values = {
+            **dict(zip(DVS_REGION, FULL_REGION, strict=True)),
+            **dict(zip(APS_REGION, FULL_REGION, strict=True)),
+            **{(Module.DVS, 12 + 2 * k): NO_PIXEL[0] for k in range(N_PIXEL_FILTERS)},
+            **{(Module.DVS, 11 + 2 * k): NO_PIXEL[1] for k in range(N_PIXEL_FILTERS)},
+            (Module.APS, 5): 1,
+            GLOBAL_SHUTTER: 1,
+            EXPOSURE: self.adc_cycles(4000),
+            FRAME_INTERVAL: self.adc_cycles(50_000),
+            USB_RUN: 1,
+            EARLY_PACKET_DELAY: round(1000 * self._mhz(USB_CLOCK)),
+        }
+
+    def __getitem__(self, address: tuple[int, int]) -> int:
+        if address in self._fixed:
+            return self._fixed[address]
+        return self._values.get(address, 0)
+
+    def __setitem__(self, address: tuple[int, int], value: int) -> None:
+        if address not in self._fixed:
+            self._values[address] = value & 0xFFFFFFFF
+
+    def count(self, address: tuple[int, int], n: int) -> None:
+        """Add to a counter, given by the address of its high word."""
+        module, parameter = address
+        low = (module, parameter + 1)
+        total = (self._fixed[address] << 32 | self._fixed[low]) + n
+        self._fixed[address], self._fixed[low] = total >> 32, total & 0xFFFFFFFF
+
+    def adc_cycles(self, time_us: int) -> int:
+        """A time in cycles of the ADC's clock, the unit of exposure and frame interval."""
+        return round(time_us * self._mhz(ADC_CLOCK))
+
+    @property
+    def early_packet_delay_us(self) -> float:
+        """How long data may wait for a full packet."""
+        return self[EARLY_PACKET_DELAY] / self._mhz(USB_CLOCK)
+
+    @property
+    def frame_interval_us(self) -> float:
+        """The least time from one frame's start to the next."""
+        return self[FRAME_INTERVAL] / self._mhz(ADC_CLOCK)
+
+    @property
+    def streams(self) -> bool:
+        """Data is let through to USB."""
+        return bool(self[MUX_RUN] and self[USB_RUN] and self[CHIP_RUN])
+
+    def _mhz(self, clock: tuple[int, int]) -> float:
+        return self._fixed[clock] * self._fixed[CLOCK_DEVIATION] / 1000

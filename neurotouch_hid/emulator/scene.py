@@ -1,0 +1,86 @@
+"""What the emulated camera looks at: packets of somebody else, pulled a little ahead of time."""
+
+from collections import deque
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
+
+LOOK_AHEAD_US = 100_000
+"""A frame is read from before its exposure on, but a packet holds it when the exposure is over."""
+
+_BLOCK = np.dtype(("V", EVENT_DTYPE.itemsize))
+
+
+class Scene:
+    """Packets in order, known ``LOOK_AHEAD_US`` before they are due.
+
+    Args:
+        packets: the source's packets, pulled only as far as needed; None means "not yet", and the
+            scene stands still.
+
+    Attributes:
+        frames: known frames that nobody has taken, oldest first.
+    """
+
+    def __init__(self, packets: Iterable[EventPacket | None]) -> None:
+        self._coming = iter(packets)
+        self._known_us = 0
+        self._pending: deque[NDArray[np.void]] = deque()
+        self._exhausted = False
+        self.frames: deque[Frame] = deque()
+
+    @property
+    def ended(self) -> bool:
+        """Nothing more will happen."""
+        return self._exhausted and not self._pending and not self.frames
+
+    def begin(self) -> int | None:
+        """The first moment, or None as long as it is not known."""
+        packet = self._pull()
+        return packet.t_begin_us if packet else None
+
+    def take(self, until_us: int) -> NDArray[np.void]:
+        """The events before a moment that have not been taken: (n,) EVENT_DTYPE."""
+        parts = []
+        while self._pending:
+            events = self._pending[0]
+            stop = int(np.searchsorted(events["t"], until_us))
+            if stop:
+                parts.append(events[:stop])
+            if stop < len(events):
+                self._pending[0] = events[stop:]
+                break
+            self._pending.popleft()
+        if len(parts) == 1:
+            return parts[0]
+        if not parts:
+            return np.empty(0, EVENT_DTYPE)
+        # as blocks: numpy copies records field by field
+        return np.concatenate([part.view(_BLOCK) for part in parts]).view(EVENT_DTYPE)
+
+    def look_ahead(self, until_us: int) -> int:
+        """Pull what happens soon after a moment; return how far the scene can go, at most there."""
+        while self._known_us < until_us + LOOK_AHEAD_US and self._pull():
+            pass
+        if self._exhausted:
+            return until_us
+        return min(until_us, self._known_us - LOOK_AHEAD_US)
+
+    def _pull(self) -> EventPacket | None:
+        if self._exhausted:
+            return None
+        try:
+            packet = next(self._coming)
+        except StopIteration:
+            self._exhausted = True
+            return None
+        if packet is None:
+            return None
+        self._known_us = packet.t_end_us
+        if len(packet.events):
+            self._pending.append(packet.events)
+        self.frames.extend(packet.frames)
+        return packet

@@ -1,0 +1,174 @@
+"""How the line keeps pace: latency, late slices and cost, in the time of the sensor."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from neurotouch_hid.device import check_device, open_device
+from neurotouch_hid.errors import DeviceError
+from neurotouch_hid.evaluation.load import DenseSource, load_scene
+from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.messages import Step
+from neurotouch_hid.profile import load_profile
+from neurotouch_hid.runtime import Pipeline, hurry, run_line
+from neurotouch_hid.source.pacing import PacedSource
+
+LOST_US: Final = 100_000
+"""A slice that waits longer for the line is one that a camera's queue would have dropped."""
+WARM_S: Final = 1.0
+"""Until the caches are filled, the gel is found and a gel at rest counts as idle; not counted."""
+
+LONG_S: Final = 600.0
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """What is played.
+
+    Attributes:
+        name: of the figures.
+        scene: of the simulator, played in turn.
+        rate_hz: of the slices.
+        events_per_s: how many; as simulated without.
+        seconds: for how long.
+        sustained: longer than that in a long run.
+    """
+
+    name: str
+    scene: str
+    rate_hz: float
+    events_per_s: float | None
+    seconds: float
+    sustained: bool = False
+
+
+LOADS: Final = (
+    Load("at_1_khz", "tour", 1000.0, 1e6, 20.0, sustained=True),
+    Load("at_250_hz", "tour", 250.0, 1e6, 20.0, sustained=True),
+    Load("at_12_million", "tour", 250.0, 12e6, 10.0),
+    Load("idle", "rest", 250.0, None, 10.0),
+)
+
+
+def run_live_benchmark(
+    config: GestureConfig, progress: Callable[[str], None], *, long: bool
+) -> dict[str, Any]:
+    """The line at the rates and loads that matter, each in its own time.
+
+    Args:
+        config: how gestures are recognised.
+        progress: called with what is being done.
+        long: the sustained rates for ten minutes instead of twenty seconds.
+
+    Returns:
+        By name of the load what ``measure_live`` gives, and ``device``, its kind.
+    """
+    kind = choose_device()
+    result: dict[str, Any] = {"device": kind}
+    for load in LOADS:
+        seconds = LONG_S if long and load.sustained else load.seconds
+        progress(f"Playing {load.name}, {seconds:.0f} s")
+        slice_us = round(1e6 / load.rate_hz)
+        dense = DenseSource(load_scene(load.scene, slice_us), seconds, load.events_per_s)
+        result[load.name] = measure_live(dense, config, kind)
+    return result
+
+
+def choose_device() -> str:
+    """``uinput`` where this machine allows it, else ``memory``, which writes to nobody."""
+    try:
+        check_device("uinput")
+    except DeviceError:
+        return "memory"
+    return "uinput"
+
+
+def measure_live(source: DenseSource, config: GestureConfig, kind: str) -> dict[str, Any]:
+    """Plays a source in its own time through the line as ``run`` has it, to a real pad.
+
+    Args:
+        source: what to play.
+        config: how gestures are recognised.
+        kind: of device, see ``choose_device``.
+
+    Returns:
+        ``core``, the processor time of this process over the sensor's, and what
+        ``summarise_delays`` gives; of all that came after the first ``WARM_S``.
+    """
+    paced = PacedSource(source)
+    probe = Probe(paced)
+    line = Pipeline.build(load_profile("default"), config, live=True)
+    with open_device(kind) as device, hurry():
+        run_line(paced, line, device, [probe])
+        core = probe.measure_core()
+    return {**summarise_delays(probe.delays_ns, source.slice_us), "core": core}
+
+
+class Probe:
+    """A tap, which is called right after the pad was written: how late that was.
+
+    Args:
+        paced: what is played.
+        clock_ns: the host's.
+        cpu_s: processor time of this process.
+    """
+
+    def __init__(
+        self,
+        paced: PacedSource,
+        clock_ns: Callable[[], int] = time.monotonic_ns,
+        cpu_s: Callable[[], float] = time.process_time,
+    ) -> None:
+        self.delays_ns: list[tuple[int, int]] = []
+        self._paced, self._clock_ns, self._cpu_s = paced, clock_ns, cpu_s
+        self._begin_us: int | None = None
+        self._warm: tuple[int, float] | None = None
+        self._now_us = 0
+
+    def __call__(self, step: Step) -> None:
+        """Notes the time since the slice's end and since its last event, once it is warm."""
+        late_ns = self._clock_ns() - self._paced.due_ns
+        packet = step.packet
+        last_us = int(packet.events["t"][-1]) if len(packet.events) else packet.t_end_us
+        self._now_us = packet.t_end_us
+        if self._begin_us is None:
+            self._begin_us = packet.t_begin_us
+        if self._now_us - self._begin_us < WARM_S * 1e6:
+            return
+        if self._warm is None:
+            self._warm = self._now_us, self._cpu_s()
+        self.delays_ns.append((late_ns, late_ns + (packet.t_end_us - last_us) * 1_000))
+
+    def measure_core(self) -> float:
+        """Processor time over sensor time since it is warm."""
+        if self._warm is None or self._warm[0] == self._now_us:
+            return 0.0
+        warm_us, warm_s = self._warm
+        return (self._cpu_s() - warm_s) / (self._now_us - warm_us) * 1e6
+
+
+def summarise_delays(delays_ns: Sequence[tuple[int, int]], slice_us: int) -> dict[str, Any]:
+    """What the delays of a run tell.
+
+    Args:
+        delays_ns: of each slice, from its end and from its last event to the write.
+        slice_us: length of a slice.
+
+    Returns:
+        ``latency_ms`` (p50, p99, p99.9 since the last event), ``slices``, ``late`` (ready only
+        after the next one was due), ``lost`` (a camera's queue would have dropped them) and
+        ``backlog_ms``: by how much the last tenth was later than the first, in the median.
+    """
+    late, waited = np.array(delays_ns).T / 1e6
+    tenth = -(-len(late) // 10)
+    p50, p99, p999 = (float(value) for value in np.percentile(waited, [50, 99, 99.9]))
+    return {
+        "latency_ms": {"p50": p50, "p99": p99, "p99.9": p999},
+        "slices": len(late),
+        "late": int((late > slice_us / 1e3).sum()),
+        "lost": int((late > LOST_US / 1e3).sum()),
+        "backlog_ms": float(np.median(late[-tenth:]) - np.median(late[:tenth])),
+    }

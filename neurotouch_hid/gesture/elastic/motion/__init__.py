@@ -1,0 +1,1 @@
+"""What the fingers do together, and where they are seen to be."""

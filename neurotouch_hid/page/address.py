@@ -1,0 +1,71 @@
+"""Where the page of this person is served just now, for the other commands."""
+
+import json
+import os
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from neurotouch_hid.driver import find_runtime_folder
+
+FILE: Final = "page.json"
+
+
+@dataclass(frozen=True, slots=True)
+class Address:
+    """A server that runs, or ran.
+
+    Attributes:
+        url: its root, ``http://127.0.0.1:7878/``.
+        token: its secret.
+        pid: its process.
+    """
+
+    url: str
+    token: str
+    pid: int
+
+    def link(self, page: str = "") -> str:
+        """What opens a page: the secret stands in the fragment, which browsers send to nobody."""
+        return f"{self.url}{page}#k={self.token}"
+
+
+def find_address_file() -> Path:
+    """The file with the address; only its owner can read it."""
+    return find_runtime_folder() / FILE
+
+
+def write_address(address: Address) -> Path:
+    """Leaves the address for other commands of this person.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    path = find_address_file()
+    path.parent.mkdir(mode=0o700, exist_ok=True)
+    part = path.with_suffix(f".{os.getpid()}")
+    part.unlink(missing_ok=True)
+    descriptor = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
+    with os.fdopen(descriptor, "w") as file:
+        json.dump({"url": address.url, "token": address.token, "pid": address.pid}, file)
+    part.replace(path)
+    return path
+
+
+def read_address() -> Address | None:
+    """The server that runs for this person, or None."""
+    with suppress(OSError, ValueError, KeyError, TypeError):
+        path = find_address_file()
+        if path.lstat().st_uid != os.geteuid():
+            return None
+        said = json.loads(path.read_text())
+        os.kill(said["pid"], 0)  # raises if it has ended
+        return Address(said["url"], said["token"], said["pid"])
+    return None
+
+
+def forget_address(address: Address) -> None:
+    """Takes the file away if it is still this server's."""
+    if read_address() == address:
+        find_address_file().unlink(missing_ok=True)

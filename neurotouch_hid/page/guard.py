@@ -1,0 +1,126 @@
+"""Who may talk to the page's server, and how much."""
+
+import ipaddress
+import re
+import secrets
+import time
+from typing import Final
+
+from neurotouch_hid.errors import PageError
+
+MOST_CLIENTS: Final = 4
+MOST_CONNECTIONS: Final = 12
+"""Clients, those who have not shown their token yet, and those who fetch a file."""
+
+MOST_BYTES: Final = 8 * 1024
+"""The longest message a browser sends."""
+
+MESSAGES_PER_S: Final = 250.0
+"""A mouse reports 125 times a second, a very quick one 1000, which the page thins out."""
+
+TOKEN_S: Final = 5.0
+"""In which a client must show its token."""
+
+SILENCE_S: Final = 20.0
+"""A browser answers by itself; one whose machine has gone is forgotten after twice this time."""
+
+LEAST_TOKEN: Final = 22
+"""Characters of 64 kinds: 132 bits."""
+
+HEADERS: Final = {
+    "Content-Security-Policy": (
+        "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
+        "img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+    ),
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cache-Control": "no-store",
+}
+"""With every answer. No CORS header, ever: another site has no business here."""
+
+LOCAL: Final = ("localhost", "127.0.0.1", "[::1]")
+
+
+def make_token() -> str:
+    """A new secret."""
+    return secrets.token_urlsafe(24)
+
+
+class Guard:
+    """Knows what this server is called, and the secret of this run.
+
+    Host and Origin are each compared with a list: a site that rebinds its name to this machine
+    sends its own name in both, so comparing them with each other proves nothing.
+
+    Args:
+        token: the secret, shown as the first message by whoever wants to see anything.
+        address: an address beside this machine's own that is listened at; None: only here.
+
+    Raises:
+        PageError: the address is none of one interface, or there is no token fit for it.
+    """
+
+    def __init__(self, token: str, address: str | None = None) -> None:
+        if not re.fullmatch(rf"[A-Za-z0-9_-]{{{LEAST_TOKEN},}}", token):
+            raise PageError(
+                f"The page needs a token of at least {LEAST_TOKEN} letters, digits, _ or -.",
+                hint="Make one: head -c 24 /dev/urandom | base64 | tr +/ -_",
+            )
+        self._token = token.encode()
+        self._names = {*LOCAL, *([] if address is None else [_write_host(address)])}
+        self._ports: set[int] = set()
+
+    def open_port(self, port: int) -> None:
+        """From now on it is spoken to at this port."""
+        self._ports.add(port)
+
+    @property
+    def hosts(self) -> frozenset[str]:
+        """What a Host header may say."""
+        return frozenset(f"{name}:{port}" for name in self._names for port in self._ports)
+
+    @property
+    def origins(self) -> frozenset[str]:
+        """What an Origin header must say."""
+        return frozenset(f"http://{host}" for host in self.hosts)
+
+    def knows(self, token: object) -> bool:
+        """True if it is the secret; takes as long if it is not."""
+        return isinstance(token, str) and secrets.compare_digest(token.encode(), self._token)
+
+
+def _write_host(address: str) -> str:
+    try:
+        parsed = ipaddress.ip_address(address)
+    except ValueError:
+        raise PageError(
+            f"'{address}' is no address.",
+            hint="Give the address of one interface of this machine, see: ip address",
+        ) from None
+    if parsed.is_unspecified or parsed.is_multicast:
+        raise PageError(
+            f"{address} would let everybody in who can reach this machine in any way.",
+            hint="Give the address of one interface of this machine, see: ip address",
+        )
+    return f"[{parsed}]" if parsed.version == 6 else str(parsed)
+
+
+class Rate:
+    """Counts the messages of a client; a bucket that fills as time goes on."""
+
+    def __init__(self, per_s: float = MESSAGES_PER_S) -> None:
+        self._per_s = per_s
+        self._left = per_s
+        self._at = time.monotonic()
+
+    def allows(self) -> bool:
+        """True unless it is too many."""
+        now = time.monotonic()
+        self._left = min(self._left + (now - self._at) * self._per_s, self._per_s)
+        self._at = now
+        if self._left < 1.0:
+            return False
+        self._left -= 1.0
+        return True

@@ -1,0 +1,267 @@
+"""Between the driver and the browsers: the newest state to each as fast as it can take it."""
+
+import asyncio
+import json
+import time
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, Final
+
+from websockets.asyncio.server import ServerConnection
+from websockets.exceptions import ConnectionClosed
+
+from neurotouch_hid.driver import ask, find_runtime_folder
+from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.page.about import describe_profile
+from neurotouch_hid.page.changes import Changes
+from neurotouch_hid.page.guard import Rate
+from neurotouch_hid.page.listener import Listener, read_head
+from neurotouch_hid.peers import HAND, connect_to
+from neurotouch_hid.profile.library import find_user_file
+
+LOOK_S: Final = 0.5
+"""How often a driver is looked for, and its profile's file for changes."""
+
+MOST_HZ: Final = 60
+MOST_TRIALS: Final = 500
+
+
+class Client:
+    """A browser. What it has no time for is dropped: only the newest state waits."""
+
+    def __init__(self, socket: ServerConnection) -> None:
+        self.socket = socket
+        self.hz = 0
+        self.rate = Rate()
+        self._state: bytes | None = None
+        self._words: list[str] = []
+        self._due_s = 0.0
+        self._bell = asyncio.Event()
+
+    def show(self, state: bytes) -> None:
+        """Leaves the newest state, if it is time for one."""
+        now = time.monotonic()
+        if self.hz and now >= self._due_s:
+            # A little early is in time, or 30 of 60 would become 20.
+            self._due_s = max(self._due_s + 1.0 / self.hz, now - 0.5 / self.hz)
+            self._state = state
+            self._bell.set()
+
+    def tell(self, **message: Any) -> None:
+        """Leaves a message; none of these is dropped, and there are few."""
+        self._words.append(json.dumps(message, separators=(",", ":")))
+        self._bell.set()
+
+    async def send(self) -> None:
+        """Sends what is left, until the browser goes."""
+        while True:
+            await self._bell.wait()
+            self._bell.clear()
+            words, self._words = self._words, []
+            for word in words:
+                await self.socket.send(word)
+            state, self._state = self._state, None
+            if state is not None:
+                await self.socket.send(state)
+
+
+class Hub:
+    """All browsers of a server, and the one driver they look at.
+
+    Args:
+        edit: whether profiles may be changed and the driver paused.
+        stamp: the present moment, for the names of versions.
+    """
+
+    def __init__(self, *, edit: bool, stamp: Any) -> None:
+        self._edit = edit
+        self._changes = Changes(stamp)
+        self._listener = Listener()
+        self._clients: set[Client] = set()
+        self._file = ""
+        self._stamps: tuple[Any, ...] = ()
+        self._about: dict[str, Any] | None = None
+        self._hand: Any = None
+        self._newest: bytes | None = None
+
+    @property
+    def n_clients(self) -> int:
+        """How many browsers look on."""
+        return len(self._clients)
+
+    async def run(self) -> None:
+        """Looks for a driver, and again when that has ended; never returns."""
+        loop = asyncio.get_running_loop()
+        while True:
+            if self._listener.peer is None:
+                peer = self._listener.connect() if self._clients else None
+                if peer is not None:
+                    loop.add_reader(peer.fileno(), self._receive, peer.fileno())
+            elif not self._clients:
+                loop.remove_reader(self._listener.peer.fileno())
+                self._listener.close()
+                self._newest = None
+            self._look_at_profile()
+            await asyncio.sleep(LOOK_S)
+
+    async def serve(self, client: Client, hz: int) -> None:
+        """Serves a browser that has shown the token, until it goes."""
+        self._clients.add(client)
+        sender = asyncio.create_task(client.send())
+        try:
+            client.hz = min(max(hz, 0), MOST_HZ)
+            self._set_rate()
+            client.tell(hello=True, driver=self._newest is not None)
+            if self._about is not None:
+                client.tell(about=self._about)
+            async for message in client.socket:
+                if not client.rate.allows():
+                    await client.socket.close(1008, "too many messages")
+                    return
+                await self._hear(client, message)
+        except ConnectionClosed:
+            pass
+        finally:
+            self._clients.discard(client)
+            self._set_rate()
+            sender.cancel()
+            with suppress(asyncio.CancelledError, ConnectionClosed):
+                await sender
+
+    def close(self) -> None:
+        """Parts from the driver."""
+        self._listener.close()
+        if self._hand is not None:
+            self._hand.close()
+
+    def _set_rate(self) -> None:
+        self._listener.want(max((client.hz for client in self._clients), default=0))
+
+    def _receive(self, descriptor: int) -> None:
+        state = self._listener.take()
+        if self._listener.peer is None:  # the driver has ended
+            asyncio.get_running_loop().remove_reader(descriptor)
+            self._newest = None
+            for client in self._clients:
+                client.tell(driver=False)
+        if state is None:
+            return
+        for client in self._clients:
+            client.show(state)
+        is_first, self._newest = self._newest is None, state
+        if is_first:
+            self._look_at_profile()
+
+    def _look_at_profile(self) -> None:
+        """Tells the browsers of the profile that holds, if it or its file has changed."""
+        runs = self._newest is not None
+        self._file = "" if self._newest is None else str(read_head(self._newest)["slow"]["file"])
+        path = Path(self._file)
+        stamps = (self._file, runs, _read_stamp(path), _read_stamp(find_user_file()))
+        if stamps == self._stamps:
+            return
+        self._stamps = stamps
+        self._about = None
+        if self._file:
+            try:
+                self._about = describe_profile(path, edit=self._edit)
+            except NeuroTouchError as error:
+                self._about = {"fault": error.message}
+        for client in self._clients:
+            client.tell(about=self._about, driver=runs)
+
+    async def _hear(self, client: Client, message: str | bytes) -> None:
+        """Does what a browser asks for; what it may not ask for, it is told."""
+        try:
+            wish = json.loads(message)
+        except (ValueError, RecursionError):
+            wish = None
+        if not isinstance(wish, dict):
+            client.tell(refused="That is no message.")
+            return
+        try:
+            match wish.get("do"):
+                case "rate" if isinstance(wish.get("hz"), int):
+                    client.hz = min(max(wish["hz"], 0), MOST_HZ)
+                    self._set_rate()
+                case "hand":
+                    self._steer(message if isinstance(message, bytes) else message.encode())
+                case "throughput":
+                    client.tell(throughput=await asyncio.to_thread(_measure, wish.get("trials")))
+                case "set" | "undo" | "pause" | "resume" if not self._edit:
+                    client.tell(
+                        refused="This page only looks on. To change things: neurotouch view --edit"
+                    )
+                case "set":
+                    key, mark = str(wish.get("key")), str(wish.get("mark"))
+                    said = self._changes.set(Path(self._file), key, mark, wish.get("value"))
+                    client.tell(saved=said)
+                    self._look_at_profile()
+                case "undo":
+                    client.tell(saved=self._changes.undo(Path(self._file)))
+                    self._look_at_profile()
+                case "pause" | "resume" as order:
+                    answer = await asyncio.to_thread(ask, order)
+                    client.tell(saved=str(answer.get("text")))
+                case _:
+                    client.tell(refused="There is no such wish.")
+        except NeuroTouchError as error:
+            client.tell(refused=error.message)
+            if self._about is not None:
+                client.tell(about=self._about)  # a mark that was dragged goes back
+
+    def _steer(self, message: bytes) -> None:
+        """Hands the mouse's gel on to the simulator, if that is what runs; nothing else hears it.
+
+        What has no room is dropped: the next one is newer.
+        """
+        for _ in range(2):
+            try:
+                if self._hand is None:
+                    self._hand = connect_to(find_runtime_folder() / HAND)
+                self._hand.send(message)
+                return
+            except BlockingIOError:
+                return
+            except OSError:
+                if self._hand is None:
+                    return
+                self._hand.close()
+                self._hand = None
+
+
+def _read_stamp(path: Path) -> tuple[int, ...]:
+    with suppress(OSError, ValueError):
+        found = path.stat()
+        return found.st_ino, found.st_mtime_ns, found.st_size
+    return ()
+
+
+def _measure(trials: Any) -> dict[str, Any]:
+    """The figures of ISO 9241-411 for the trials of a game.
+
+    Raises:
+        NeuroTouchError: they are none.
+    """
+    # Imports numpy, which the page needs for nothing else.
+    from neurotouch_hid.evaluation.throughput import (  # noqa: PLC0415
+        Trial,
+        measure_pointing,
+    )
+
+    if not isinstance(trials, list) or len(trials) > MOST_TRIALS:
+        raise NeuroTouchError("There is nothing to measure.")
+    try:
+        read = [
+            Trial(
+                float(trial["width"]),
+                (float(trial["start"][0]), float(trial["start"][1])),
+                (float(trial["target"][0]), float(trial["target"][1])),
+                (float(trial["selected"][0]), float(trial["selected"][1])),
+                float(trial["movement_s"]),
+            )
+            for trial in trials
+        ]
+        return measure_pointing(read)
+    except (KeyError, TypeError, ValueError, IndexError, ZeroDivisionError, OverflowError):
+        raise NeuroTouchError("These are no trials.") from None

@@ -1,0 +1,114 @@
+"""The live view as lines of text: for terminals, screen readers and pipes."""
+
+import re
+from collections.abc import Iterator
+from typing import Any, Final
+
+SAY_S: Final = 0.5
+"""Shortest time between two sentences about the same thing, so that a reader can follow."""
+
+HEALTH_S: Final = 20.0
+
+_BAR: Final = 30
+_MOST_MM: Final = 15.0
+_STAGES: Final = {
+    "tracker": "tracker",
+    "gesture": "gesture",
+    "profile": "profile and filter",
+    "device": "to the kernel",
+}
+
+
+class LineWriter:
+    """Turns states into lines; each says what has changed, and begins with what it is about."""
+
+    def __init__(self) -> None:
+        self._shape = self._said = ""
+        self._place: tuple[str, ...] = ()
+        self._said_s = self._health_s = float("-inf")
+        self._told: tuple[int, str] | None = None
+
+    def write(self, head: dict[str, Any], now_s: float) -> Iterator[str]:
+        """What is new in a state.
+
+        Args:
+            head: of the state, see ``Observer.encode``.
+            now_s: the present moment on any clock that goes on.
+        """
+        slow = head["slow"]
+        place = (head["profile"], head["layer"], head["state"], str(slow.get("source")))
+        if place != self._place:
+            self._place = place
+            profile, layer, state, source = place
+            simulated = "SIMULATED " if source.startswith("sim:") else ""
+            yield f"driver: {state}, profile {profile}, layer {layer}, source {simulated}{source}"
+        yield from self._write_actions(head["actions"])
+        shape = re.sub(r"[\d.]+", "", head["say"])
+        if shape != self._shape and now_s - self._said_s >= SAY_S:
+            self._shape, self._said_s = shape, now_s
+            yield f"hand: {head['say']}"
+        if now_s - self._health_s >= HEALTH_S and slow.get("slices_hz"):
+            self._health_s = now_s
+            yield describe_health(slow)
+            yield describe_times(slow)
+
+    def _write_actions(self, actions: list[list[Any]]) -> Iterator[str]:
+        new = [each for each in actions if self._told is None or each[0] > self._told[0]]
+        if self._told is None:
+            new = new[-3:]
+        for t_us, verdict, what, why in new:
+            self._told = t_us, what
+            yield describe_action(verdict, what, why)
+        if self._told is None:
+            self._told = (actions[-1][0], actions[-1][2]) if actions else (-1, "")
+
+
+def describe_action(verdict: str, what: str, why: str) -> str:
+    """For example ``ignored: pinch -> button a, because repeat 140 ms < 200 ms``."""
+    return f"{verdict}: {what}{f', because {why}' if why else ''}"
+
+
+def describe_health(slow: dict[str, Any]) -> str:
+    """For example ``health: 177 of 177 markers tracked, 25.0 frames a second, …``."""
+    rest = slow["rezero_s"]
+    return (
+        f"health: {slow['tracked']} of 177 markers tracked, {slow['frames_hz']:g} frames, "
+        f"{slow['slices_hz']} slices and {slow['events_hz']:,} events a second, "
+        f"{slow['lost']:,} events lost, backlog {slow['backlog_ms']:g} ms, "
+        + ("rest not seen yet" if rest is None else f"rest seen {rest:g} s ago")
+    )
+
+
+def describe_times(slow: dict[str, Any]) -> str:
+    """For example ``latency: camera window 10 ms, tracker 0.31 (95 %: 0.50) ms, …``."""
+    parts = [f"camera window {slow['window_ms']:g} ms"]
+    parts += [
+        f"{name} {slow['stages'][stage][0]:.2f} (95 %: {slow['stages'][stage][1]:.2f}) ms"
+        for stage, name in _STAGES.items()
+        if stage in slow["stages"]
+    ]
+    if slow.get("hand_ms"):
+        parts.append(f"mouse to pad {slow['hand_ms'][0]:g} (95 %: {slow['hand_ms'][1]:g}) ms")
+    return "latency: " + ", ".join(parts)
+
+
+def draw_picture(head: dict[str, Any]) -> list[str]:
+    """The same as a picture of text that is drawn over and over."""
+    gesture, slow = head["gesture"], head["slow"]
+    filled = round(_BAR * min(gesture["felt_mm"] / _MOST_MM, 1.0))
+    bar = "█" * filled + "░" * (_BAR - filled)
+    lines = [
+        f"NeuroTouch  {slow.get('source', '')}  profile {head['profile']}, layer {head['layer']}, "
+        f"{head['state']}",
+        "",
+        head["say"],
+        f"{gesture['movement'].replace('_', ' '):<12} {bar} {gesture['felt_mm']:5.1f} mm",
+        "",
+    ]
+    if "tracked" in slow:
+        lines += [describe_health(slow), describe_times(slow), ""]
+    lines += [
+        f"{(t_us - head['t_us']) / 1e6:8.1f} s  {describe_action(verdict, what, why)}"
+        for t_us, verdict, what, why in reversed(head["actions"][-8:])
+    ]
+    return lines

@@ -1,0 +1,212 @@
+"""Serves the page on this machine: its files over HTTP, the line's state over a WebSocket."""
+
+import asyncio
+import http
+import json
+import socket
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Final
+
+from websockets.asyncio.server import ServerConnection, serve
+from websockets.datastructures import Headers
+from websockets.exceptions import ConnectionClosed
+from websockets.http11 import Request, Response
+from websockets.typing import Origin
+
+from neurotouch_hid.errors import PageError
+from neurotouch_hid.page.guard import (
+    HEADERS,
+    MOST_BYTES,
+    MOST_CLIENTS,
+    MOST_CONNECTIONS,
+    SILENCE_S,
+    TOKEN_S,
+    Guard,
+)
+from neurotouch_hid.page.hub import Client, Hub
+
+PORT: Final = 7878
+STREAM: Final = "/stream"
+STATIC: Final = Path(__file__).with_name("static")
+PAGES: Final = {"/": "view.html", "/gel": "gel.html", "/game": "game.html"}
+KINDS: Final = {
+    ".html": "text/html; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".svg": "image/svg+xml",
+}
+SEND_BYTES: Final = 16 * 1024
+"""Of a browser's buffer before its newest state waits instead."""
+
+
+def open_sockets(address: str | None, port: int | None) -> list[socket.socket]:
+    """Listening sockets for this machine alone and, if there is one, for the address.
+
+    Args:
+        address: the address of an interface, or None.
+        port: the port; None: the usual one, or any if that is taken.
+
+    Raises:
+        PageError: nobody can be served there.
+    """
+    sockets: list[socket.socket] = []
+    try:
+        try:
+            sockets.append(_listen("127.0.0.1", PORT if port is None else port))
+        except OSError:
+            if port is not None:
+                raise
+            sockets.append(_listen("127.0.0.1", 0))
+        port = sockets[0].getsockname()[1]
+        with suppress(OSError):  # a machine without IPv6, or somebody else has it there
+            sockets.append(_listen("::1", port))
+        if address is not None:
+            sockets.append(_listen(address, port))
+    except OSError as error:
+        for each in sockets:
+            each.close()
+        raise PageError(
+            f"The page cannot be served at port {port}: {error.strerror}.",
+            hint="Another port: --port 7900",
+        ) from error
+    return sockets
+
+
+class Server:
+    """The page's server.
+
+    Args:
+        guard: who may talk to it.
+        sockets: where it listens.
+        edit: whether profiles may be changed.
+        stamp: the present moment, for the names of versions.
+        silence_s: after which a client is asked whether it still is there, and as long again to
+            answer.
+    """
+
+    def __init__(
+        self,
+        guard: Guard,
+        sockets: list[socket.socket],
+        *,
+        edit: bool = False,
+        stamp: Callable[[], str],
+        silence_s: float = SILENCE_S,
+    ) -> None:
+        self._guard, self._sockets, self._silence_s = guard, sockets, silence_s
+        for each in sockets:
+            guard.open_port(each.getsockname()[1])
+        self._hub = Hub(edit=edit, stamp=stamp)
+        self._files = _read_files()
+        self._n_connections = 0
+
+    @property
+    def url(self) -> str:
+        """The root of its pages on this machine."""
+        host, port = self._sockets[0].getsockname()[:2]
+        return f"http://{host}:{port}/"
+
+    async def run(self, stop: asyncio.Event) -> None:
+        """Serves until ``stop`` is set."""
+        looking = asyncio.create_task(self._hub.run())
+        servers = [
+            await serve(
+                self._talk,
+                sock=each,
+                origins=[Origin(origin) for origin in self._guard.origins],
+                process_request=self._answer,
+                compression=None,  # the states hardly shrink, and it would cost time
+                max_size=MOST_BYTES,
+                max_queue=8,
+                write_limit=SEND_BYTES,
+                open_timeout=TOKEN_S,
+                close_timeout=1.0,
+                ping_interval=self._silence_s,
+                ping_timeout=self._silence_s,
+                server_header=None,
+            )
+            for each in self._sockets
+        ]
+        try:
+            await stop.wait()
+        finally:
+            looking.cancel()
+            for server in servers:
+                server.close()
+            for server in servers:
+                await server.wait_closed()
+            self._hub.close()
+
+    def _answer(self, _connection: ServerConnection, request: Request) -> Response | None:
+        """A file, a refusal, or None for the stream, whose Origin is then compared."""
+        hosts = request.headers.get_all("Host")
+        if len(hosts) != 1 or hosts[0] not in self._guard.hosts:
+            return _reply(http.HTTPStatus.MISDIRECTED_REQUEST, b"This is not your server.\n")
+        if request.path == STREAM:
+            if "Origin" not in request.headers:  # browsers always send it
+                return _reply(http.HTTPStatus.FORBIDDEN, b"Who asks?\n")
+            if self._n_connections >= MOST_CONNECTIONS:
+                return _reply(http.HTTPStatus.SERVICE_UNAVAILABLE, b"Too many look on already.\n")
+            return None
+        if request.path not in self._files:
+            return _reply(http.HTTPStatus.NOT_FOUND, b"There is no such page.\n")
+        kind, content = self._files[request.path]
+        return _reply(http.HTTPStatus.OK, content, kind)
+
+    async def _talk(self, connection: ServerConnection) -> None:
+        """Lets in who shows the token."""
+        self._n_connections += 1
+        try:
+            shown = await asyncio.wait_for(connection.recv(), TOKEN_S)
+            said = json.loads(shown)
+            if not isinstance(said, dict) or not self._guard.knows(said.get("token")):
+                await connection.close(1008, "the token is wrong")
+                return
+            if self._hub.n_clients >= MOST_CLIENTS:
+                await connection.close(1013, "four pages look on already")
+                return
+            hz = said.get("hz")
+            await self._hub.serve(Client(connection), hz if isinstance(hz, int) else 30)
+        except (TimeoutError, ValueError, RecursionError):
+            await connection.close(1008, "the token is missing")
+        except ConnectionClosed:
+            pass
+        finally:
+            self._n_connections -= 1
+
+
+def _listen(address: str, port: int) -> socket.socket:
+    family = socket.AF_INET6 if ":" in address else socket.AF_INET
+    listener = socket.socket(family, socket.SOCK_STREAM)
+    try:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        if family == socket.AF_INET6:
+            listener.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
+        listener.bind((address, port))
+        listener.listen()  # from here on nobody else gets the port
+    except OSError:
+        listener.close()
+        raise
+    return listener
+
+
+def _read_files() -> dict[str, tuple[str, bytes]]:
+    """Every file there is to serve, by its path in the address; nothing else can be asked for."""
+    files = {
+        f"/{path.name}": (KINDS[path.suffix], path.read_bytes())
+        for path in STATIC.iterdir()
+        if path.suffix in KINDS
+    }
+    return files | {page: files[f"/{name}"] for page, name in PAGES.items()}
+
+
+def _reply(
+    status: http.HTTPStatus, content: bytes, kind: str = "text/plain; charset=utf-8"
+) -> Response:
+    headers = Headers(HEADERS)
+    headers["Content-Type"] = kind
+    headers["Content-Length"] = str(len(content))
+    headers["Connection"] = "close"
+    return Response(status.value, status.phrase, headers, content)

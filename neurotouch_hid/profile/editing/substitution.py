@@ -1,0 +1,244 @@
+"""What a movement does, given to another one: for people who cannot make it, or only just."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+from neurotouch_hid.profile.conditions import Condition
+from neurotouch_hid.profile.description import describe_binding, describe_condition
+from neurotouch_hid.profile.editing.changes import append_item, replace_value
+from neurotouch_hid.profile.editing.layer import append_layer
+from neurotouch_hid.profile.editing.layout import read_layout
+from neurotouch_hid.profile.faults import Keys
+from neurotouch_hid.profile.movements import MOVEMENTS
+from neurotouch_hid.profile.schema import FIRST_LAYER, Binding
+
+When = dict[str, Any]
+"""A condition as a profile writes it: ``{"gesture": "pinch", "press": "long"}``."""
+
+_PRESSES: Final = ("long", "double", "hold", "tap")
+
+
+@dataclass(frozen=True, slots=True)
+class Substitution:
+    """What has become of a profile.
+
+    Attributes:
+        text: the profile now.
+        moved: what other movements do now, ``pinch long -> button b``.
+        left: what nothing does any more, in the same words.
+    """
+
+    text: str
+    moved: tuple[str, ...] = ()
+    left: tuple[str, ...] = ()
+
+
+def hand_over(text: str, weak: str, wishes: Sequence[When]) -> Substitution:
+    """The profile with everything a movement does given to other conditions.
+
+    What is pressed is pressed by one of the wishes instead. A trigger or an axis that followed the
+    movement is pressed to its end, and stays so until the wish comes again. A stick, the pointer or
+    the wheel cannot be pressed: a wish leads to a layer in which the movement the other way does
+    what this one did, as finely as before, and back again.
+
+    Args:
+        text: the profile.
+        weak: the movement.
+        wishes: what may stand in for it, the best first; each is used once in a layer.
+    """
+    _, document = read_layout(text, "the profile")
+    moved: list[str] = []
+    left: list[str] = []
+    first: list[Any] = []
+    for keys, name, layer in _list_layers(document):
+        bindings = layer["bindings"]
+        first = first or bindings
+        taken = [*bindings, *(first if layer.get("below") != "empty" else ())]
+        turned: dict[int, Any] = {}
+        now = dict(enumerate(bindings))
+        for i, binding in enumerate(bindings):
+            if _is_turned(binding, weak):
+                turned[i] = _turn(binding, weak)
+            elif _is_made_by(binding["when"], weak):
+                when = _choose(wishes, taken)
+                if when is None:
+                    left.append(_describe(binding))
+                    continue
+                pressed = {"when": when, "do": _press(binding["do"])}
+                taken.append(pressed)
+                now[i] = pressed
+                if pressed["do"] != binding["do"]:
+                    text = replace_value(text, (*keys, i, "do"), pressed["do"])
+                text = replace_value(text, (*keys, i, "when"), when)
+                moved.append(_describe(pressed))
+        if not turned:
+            continue
+        strong = MOVEMENTS[weak].partner
+        for i, binding in enumerate(bindings):
+            if _is_made_by(binding["when"], strong) and _is_turned(binding, strong):
+                turned[i] = _turn(binding, strong)
+        when = _choose(wishes, taken, [binding["when"] for binding in turned.values()])
+        if when is None:
+            left += [_describe(bindings[i]) for i in turned]
+            continue
+        text = _add_turned_layer(text, keys, name, layer, [*(now | turned).values()], when)
+        words = describe_condition(_read(when))
+        moved += [f"{words} turns round {_describe(bindings[i])}" for i in turned]
+    return Substitution(text, tuple(moved), tuple(left))
+
+
+def avoid(text: str, unused: Sequence[str]) -> Substitution:
+    """The profile without the movements a person does not make, as far as others are free."""
+    moved: list[str] = []
+    left: list[str] = []
+    for weak in unused:
+        done = hand_over(text, weak, list_wishes(weak, unused))
+        text = done.text
+        moved += done.moved
+        left += done.left
+    return Substitution(text, tuple(moved), tuple(left))
+
+
+def list_wishes(weak: str, unused: Sequence[str] = ()) -> list[When]:
+    """What may stand in for a movement: its partner in every way, then the others."""
+    partner = MOVEMENTS[weak].partner
+    others = [name for name in MOVEMENTS if name not in (weak, partner)]
+    ways: list[tuple[str, str]] = [(partner, press) for press in _PRESSES]
+    ways += [(name, press) for press in _PRESSES for name in others]
+    return [make_when(name, press) for name, press in ways if name not in unused]
+
+
+def make_when(movement: str, press: str) -> When:
+    """The condition of a movement: ``push_left`` and ``tap`` is a short push to the left."""
+    gesture, _, way = movement.partition("_")
+    if gesture == "push":
+        return {"gesture": "push", "direction": way, "press": press}
+    return {"gesture": movement, "press": press}
+
+
+def _list_layers(document: Any) -> Iterator[tuple[Keys, str, Any]]:
+    """The way to each layer's bindings, its name, and the layer."""
+    if "bindings" in document:
+        yield ("bindings",), FIRST_LAYER, {"bindings": document["bindings"]}
+    for i, layer in enumerate(document.get("layers", [])):
+        yield ("layers", i, "bindings"), layer["name"], layer
+
+
+def _is_made_by(when: Any, movement: str) -> bool:
+    """True of a condition that only this movement meets, or that cannot be met without it."""
+    if isinstance(when, str):
+        return when == movement
+    if "sequence" in when:
+        return movement in when["sequence"]
+    gesture, direction = when.get("gesture"), when.get("direction")
+    return movement == (f"{gesture}_{direction}" if gesture == "push" else gesture)
+
+
+def _is_turned(binding: Any, movement: str) -> bool:
+    """True if the movement is one way of what follows both, or moves what cannot be pressed."""
+    model = Binding.model_validate(binding)
+    do = binding["do"]
+    if not model.is_followed or do.get("follow", "push").startswith("position"):
+        return False
+    planar = _is_planar(do)
+    if _is_made_by(binding["when"], movement):
+        return planar or do.get("mouse") == "wheel"
+    condition = model.condition
+    if condition.gesture == "push" and condition.direction is None:
+        sideways = movement in ("push_left", "push_right")
+        along = movement in ("push_up", "push_down")
+        part = do.get("follow")
+        return (sideways and (planar or part == "push_x")) or (
+            along and (planar or part == "push_y")
+        )
+    return condition.gesture in ("twist", "scale") and movement in [
+        k.label for k in condition.kinds
+    ]
+
+
+def _turn(binding: Any, weak: str) -> Any:
+    """The binding with the two ways exchanged."""
+    when, do = binding["when"], dict(binding["do"])
+    if _is_made_by(when, weak):
+        gesture, _, way = MOVEMENTS[weak].partner.partition("_")
+        if gesture == "push":
+            when = {**when, "direction": way}
+        else:
+            strong = MOVEMENTS[weak].partner
+            when = strong if isinstance(when, str) else {**when, "gesture": strong}
+        if do.get("mouse") == "wheel":
+            return {"when": when, "do": do}
+    key = "invert"
+    if _is_planar(do):
+        key = "invert_x" if weak in ("push_left", "push_right") else "invert_y"
+    if do.pop(key, False):
+        return {"when": when, "do": do}
+    return {"when": when, "do": {**do, key: True}}
+
+
+def _press(do: Any) -> Any:
+    """The same to be pressed: what followed goes to its end, and the next time back."""
+    if ("axis" in do or "trigger" in do) and "value" not in do:
+        kept = {key: do[key] for key in ("axis", "trigger", "sign") if key in do}
+        return {**kept, "value": 1.0, "mode": "toggle"}
+    return do
+
+
+def _choose(
+    wishes: Sequence[When], taken: Sequence[Any], turning: Sequence[Any] = ()
+) -> When | None:
+    """The first wish that nothing else answers to; None if there is none.
+
+    What steers is held all the time anyway, so only a quick press of it is a wish.
+    """
+    steering = [*turning, *(b["when"] for b in taken if _is_planar(b["do"]))]
+    steered = {kind for when in steering for kind in _read(when).kinds}
+    for wish in wishes:
+        if wish["press"] in ("hold", "long") and not steered.isdisjoint(_read(wish).kinds):
+            continue
+        if not any(_is_heard(wish, binding) for binding in taken):
+            return wish
+    return None
+
+
+def _is_planar(do: Any) -> bool:
+    return "stick" in do or do.get("mouse") == "motion"
+
+
+def _is_heard(wish: When, binding: Any) -> bool:
+    """True if a binding would answer to the wish too."""
+    model = Binding.model_validate(binding)
+    if model.is_followed or "sequence" in binding["when"]:
+        return False
+    condition = model.condition
+    wished = _read(wish)
+    return (
+        condition.press in (None, wished.press)
+        and condition.on_mm in (None, wished.on_mm)
+        and bool(set(condition.kinds) & set(wished.kinds))
+        and (
+            None in (condition.direction, wished.direction)
+            or condition.direction == wished.direction
+        )
+    )
+
+
+def _add_turned_layer(
+    text: str, keys: Keys, name: str, layer: Any, bindings: list[Any], when: When
+) -> str:
+    """The text with a layer in which some bindings are turned round, and the way there and back."""
+    new = f"{name[:57]}-turned"
+    text = append_item(text, keys, {"when": when, "do": {"layer": new}})
+    bindings = [*bindings, {"when": when, "do": {"layer": name}}]
+    is_first = keys in (("bindings",), ("layers", 0, "bindings"))
+    below = "empty" if is_first else layer.get("below", "inherit")
+    return append_layer(text, {"name": new, "below": below, "bindings": bindings})
+
+
+def _read(when: Any) -> Condition:
+    return Binding.model_validate({"when": when, "do": {"command": "rezero"}}).condition
+
+
+def _describe(binding: Any) -> str:
+    return describe_binding(Binding.model_validate(binding))

@@ -1,0 +1,112 @@
+"""Hands what the running line sees to others on this machine who ask for it, as to a recorder."""
+
+import socket
+import threading
+from collections import deque
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Final
+
+from neurotouch_hid.errors import DriverError
+from neurotouch_hid.messages import EventPacket, Step
+from neurotouch_hid.recording.wire import send_packet
+
+MAX_LISTENERS: Final = 4
+QUEUE_BYTES: Final = 16 << 20
+"""What may wait for one listener: 0.2 s at 5 million events/s. Beyond it the oldest is lost."""
+
+PATIENCE_S: Final = 10.0
+"""A listener that takes nothing for so long is given up."""
+
+
+class Broadcast:
+    """A tap. The line only puts packets into queues; each listener has a thread of its own.
+
+    A listener that is slow loses packets, oldest first; the next one it gets says in its ``gap``
+    how many events they held.
+    """
+
+    def __init__(self) -> None:
+        self._listeners: tuple[_Listener, ...] = ()
+        self._lock = threading.Lock()
+
+    def __call__(self, step: Step) -> None:
+        """Offers the packet of ``step`` to whoever listens; never waits."""
+        for listener in self._listeners:
+            listener.offer(step.packet)
+
+    def serve(self, line: socket.socket) -> None:
+        """Sends packets until the other end leaves or this is closed; in a thread of its own."""
+        line.settimeout(PATIENCE_S)
+        with self._listen() as listener:
+            try:
+                while (packet := listener.take()) is not None:
+                    send_packet(line, packet)
+            except OSError:
+                return  # it has heard enough
+
+    def require_place(self) -> None:
+        """Checks that one more may listen.
+
+        Raises:
+            DriverError: enough do.
+        """
+        if len(self._listeners) >= MAX_LISTENERS:
+            raise DriverError(f"{MAX_LISTENERS} programs record or look on already.")
+
+    def close(self) -> None:
+        """Lets all listeners have what still waits for them, then the end."""
+        for listener in self._listeners:
+            listener.end()
+
+    @contextmanager
+    def _listen(self) -> Iterator["_Listener"]:
+        listener = _Listener()
+        with self._lock:
+            self._listeners = (*self._listeners, listener)
+        try:
+            yield listener
+        finally:
+            with self._lock:
+                self._listeners = tuple(each for each in self._listeners if each is not listener)
+
+
+class _Listener:
+    """The queue of one listener."""
+
+    def __init__(self) -> None:
+        self._queue: deque[EventPacket] = deque()
+        self._waiting = self._lost = 0
+        self._changed = threading.Condition()
+        self._ended = False
+
+    def offer(self, packet: EventPacket) -> None:
+        with self._changed:
+            self._queue.append(packet)
+            self._waiting += _size_of(packet)
+            while self._waiting > QUEUE_BYTES and len(self._queue) > 1:
+                oldest = self._queue.popleft()
+                self._waiting -= _size_of(oldest)
+                self._lost += len(oldest.events) + oldest.gap
+            self._changed.notify()
+
+    def end(self) -> None:
+        with self._changed:
+            self._ended = True
+            self._changed.notify()
+
+    def take(self) -> EventPacket | None:
+        with self._changed:
+            while not self._queue:
+                if self._ended:
+                    return None
+                self._changed.wait()
+            packet = self._queue.popleft()
+            self._waiting -= _size_of(packet)
+            lost, self._lost = self._lost, 0
+        return replace(packet, gap=packet.gap + lost) if lost else packet
+
+
+def _size_of(packet: EventPacket) -> int:
+    return 64 + packet.events.nbytes + sum(frame.pixels.nbytes for frame in packet.frames)

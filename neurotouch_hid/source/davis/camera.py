@@ -1,0 +1,273 @@
+"""One open camera: what it is, how it is set up, started and stopped."""
+
+import logging
+import struct
+import time
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Final
+
+from neurotouch_hid.errors import CameraError
+from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+from neurotouch_hid.source.davis import registers as r
+from neurotouch_hid.source.davis.config import DavisConfig
+from neurotouch_hid.source.davis.decoder import Layout
+from neurotouch_hid.source.davis.finding import SUPER_SPEED_MBIT_S, CameraInfo
+from neurotouch_hid.source.davis.registers import Register
+from neurotouch_hid.source.davis.transport import Receive, Transport
+from neurotouch_hid.source.davis.usb import Usb
+
+SILENCE_S: Final = 0.1
+"""After switching off: what is under way inside comes out (neuromorphic-drivers, dv-processing)."""
+SETTLE_S: Final = 0.2
+"""Until the bias generator is stable (libcaer, neuromorphic-drivers)."""
+READY_S: Final = 0.05
+"""From the stream's start to the first events (libcaer)."""
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class CameraVersions:
+    """What a camera says about itself.
+
+    Attributes:
+        firmware: version of the firmware in the USB chip.
+        logic: version of the FPGA's logic.
+        logic_patch: its patch.
+        chip_id: number of the sensor.
+        chip: its name.
+        color: 0 for a monochrome sensor.
+    """
+
+    firmware: int
+    logic: int
+    logic_patch: int
+    chip_id: int
+    chip: str
+    color: int
+
+
+def identify(info: CameraInfo) -> CameraVersions:
+    """What a camera says about itself; it is opened for a moment and nothing is changed in it.
+
+    Raises:
+        CameraBusyError: another program has it.
+        CameraError: it cannot be opened or does not answer.
+    """
+    transport = Usb().open(info)
+    try:
+        return Camera(info, transport).identify()
+    finally:
+        transport.close()
+
+
+class Camera:
+    """A DAVIS-346 behind a transport.
+
+    Args:
+        info: which one.
+        transport: its USB.
+        sleep_s: how to wait.
+
+    Attributes:
+        info: which one.
+        transport: its USB.
+        layout: how its addresses lie in the picture, known once it has been checked.
+    """
+
+    def __init__(
+        self,
+        info: CameraInfo,
+        transport: Transport,
+        sleep_s: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self.info = info
+        self._sleep_s = sleep_s
+        self.transport = transport
+        self.layout = Layout()
+        self._dropped: dict[Register, int] = {}
+
+    def identify(self) -> CameraVersions:
+        """What it says about itself.
+
+        Raises:
+            CameraError: it does not answer.
+        """
+        logic, patch, chip_id = map(self.read, (r.SYSINFO_LOGIC, r.SYSINFO_PATCH, r.SYSINFO_CHIP))
+        chip = r.CHIPS.get(chip_id, f"an unknown chip, number {chip_id}")
+        color = self.read(r.APS_COLOR)
+        return CameraVersions(self.info.firmware, logic, patch, chip_id, chip, color)
+
+    def check(self) -> None:
+        """Refuses what this driver was not made for.
+
+        Raises:
+            CameraError: says what was found and what is wanted.
+        """
+        found = self.identify()
+        if found.firmware != r.FIRMWARE:
+            raise self._refuse("firmware", f"version {found.firmware}", f"version {r.FIRMWARE}")
+        if found.logic != r.LOGIC:
+            raise self._refuse("logic", f"version {found.logic}", f"version {r.LOGIC}")
+        if found.logic_patch < r.LOGIC_PATCH:
+            raise self._refuse("logic", f"patch {found.logic_patch}", f"patch {r.LOGIC_PATCH}")
+        if found.chip_id != r.CHIP:
+            raise self._refuse("chip", found.chip, r.CHIPS[r.CHIP])
+        self.layout = self._read_layout()
+        if self.info.speed_mbit_s < SUPER_SPEED_MBIT_S:
+            log.warning(
+                "The camera %s runs at the speed of USB 2: it works, but fast motion may lose "
+                "events. Use a blue USB 3 socket and a USB 3 cable.",
+                self.info.serial,
+            )
+
+    def silence(self) -> None:
+        """Switches everything off: whoever had the camera before may have left it running."""
+        self._switch_off()
+        self._sleep_s(SILENCE_S)
+        with suppress(CameraError):  # a camera may refuse it (dv-processing)
+            self.transport.request(r.REQUEST_FLUSH, 0, 0, b"")
+
+    def configure(self, config: DavisConfig) -> None:
+        """Writes all settings, in the order of the public drivers."""
+        for register, value in self._list_settings(config):
+            self.write(register, value)
+
+    def start(self, config: DavisConfig, receive: Receive) -> None:
+        """Starts the stream, with its clock at 0 from the timestamp reset in it on.
+
+        Args:
+            config: as it was configured with.
+            receive: takes the stream.
+        """
+        self.transport.queue(receive)  # all transfers wait before there is anything to carry
+        self.write(r.MUX_RUN_CHIP, 1)
+        self._sleep_s(SETTLE_S)
+        for register in (r.USB_RUN, r.MUX_TIMESTAMP_RUN, r.MUX_RUN):
+            self.write(register, 1)
+        self._sleep_s(READY_S)
+        flags = {r.DVS_HAS_STATISTICS: r.DVS_DROPPED, r.MUX_HAS_STATISTICS: r.MUX_DROPPED_DVS}
+        self._dropped = {n: self.read(n) for flag, n in flags.items() if self.read(flag)}
+        self.write(r.DVS_RUN, 1)
+        self.write(r.APS_RUN, int(config.frames))
+        self._write_together((r.MUX_TIMESTAMP_RESET, 1), (r.MUX_TIMESTAMP_RESET, 0))
+
+    def stop(self) -> None:
+        """Switches everything off, if the camera is still there."""
+        with suppress(CameraError):
+            self._switch_off()
+
+    def count_dropped(self) -> int:
+        """Events that the camera has dropped since it was last asked, for want of room.
+
+        Two counters tell of it, one before and one behind its multiplexer; the larger one holds.
+        """
+        now = {register: self.read(register) for register in self._dropped}
+        before, self._dropped = self._dropped, now
+        counts = ((n - before[register]) % (1 << 32) for register, n in now.items())
+        return max(counts, default=0)
+
+    def read(self, register: Register) -> int:
+        """The value of a register.
+
+        Raises:
+            CameraError: no answer, or a short one.
+        """
+        answer = self.transport.request(r.REQUEST_REGISTER, *register, 4)
+        if len(answer) != 4:
+            raise CameraError(
+                f"The camera's answer has {len(answer)} bytes instead of 4 (register "
+                f"{register.module}:{register.parameter})."
+            )
+        return int.from_bytes(answer, "big")
+
+    def write(self, register: Register, value: int) -> None:
+        """Sets a register.
+
+        Raises:
+            CameraError: the camera refuses, or is gone.
+        """
+        self.transport.request(r.REQUEST_REGISTER, *register, value.to_bytes(4, "big"))
+
+    def _read_layout(self) -> Layout:
+        columns, rows = self.read(r.DVS_COLUMNS), self.read(r.DVS_ROWS)
+        events, frames = self.read(r.DVS_ORIENTATION), self.read(r.APS_ORIENTATION)
+        swap = bool(events & r.ORIENTATION_SWAP)
+        size = (rows, columns) if swap else (columns, rows)
+        if size != (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX):
+            wanted = f"{SENSOR_WIDTH_PX}×{SENSOR_HEIGHT_PX}"
+            raise self._refuse("sensor", f"{size[0]}×{size[1]} pixels", f"{wanted} pixels")
+        return Layout(
+            columns,
+            rows,
+            swap_events=swap,
+            swap_frames=bool(frames & r.ORIENTATION_SWAP),
+            flip_columns=bool(frames & r.ORIENTATION_FLIP_COLUMNS),
+            flip_rows=bool(frames & r.ORIENTATION_FLIP_ROWS),
+        )
+
+    def _write_together(self, *values: tuple[Register, int]) -> None:
+        """Sets registers in order, with no time between them."""
+        data = b"".join(struct.pack(">BBI", *register, value) for register, value in values)
+        self.transport.request(r.REQUEST_REGISTERS, len(values), 0, data)
+
+    def _switch_off(self) -> None:
+        for register in (r.DVS_RUN, r.APS_RUN, *r.IMU_RUNS, r.EXTINPUT_RUN):
+            self.write(register, 0)
+        if self.read(r.EXTINPUT_HAS_GENERATOR):
+            self.write(r.EXTINPUT_RUN_GENERATOR, 0)
+        for register in (r.MUX_RUN, r.MUX_TIMESTAMP_RUN, r.USB_RUN, r.MUX_RUN_CHIP):
+            self.write(register, 0)
+
+    def _list_settings(self, c: DavisConfig) -> Iterable[tuple[Register, int]]:
+        yield from r.FIXED_CHIP.items()
+        for name, value in (r.FIXED_CURRENTS | c.biases._asdict()).items():
+            current = r.CURRENTS[name]
+            yield Register(5, current.address), current.word(value)
+        yield from ((r.MUX_DROP_EXTINPUT, 1), (r.MUX_DROP_DVS, 1))
+        yield from ((r.DVS_WAIT, 0), (r.DVS_EXTERNAL_AER, 0))
+        yield from self._list_filters(c)
+        shutter = self.read(r.APS_HAS_GLOBAL_SHUTTER)
+        yield r.APS_WAIT, 1
+        yield from ((r.CHIP_GLOBAL_SHUTTER, shutter), (r.APS_GLOBAL_SHUTTER, shutter))
+        roi = c.frames_roi
+        yield from zip(r.APS_ROI, (roi.x_begin, roi.y_begin, roi.x_end, roi.y_end), strict=True)
+        adc_mhz, usb_mhz = self._read_clock(r.SYSINFO_ADC_MHZ), self._read_clock(r.SYSINFO_USB_MHZ)
+        yield r.APS_EXPOSURE, round(c.exposure_us * adc_mhz)
+        yield r.APS_FRAME_INTERVAL, round(c.frame_interval_us * adc_mhz)
+        yield r.USB_EARLY_PACKET_DELAY, round(c.early_packet_delay_us * usb_mhz)
+
+    def _list_filters(self, c: DavisConfig) -> Iterable[tuple[Register, int]]:
+        """Filters that this camera's logic has."""
+        if self.read(r.DVS_HAS_PIXEL_FILTER):
+            nowhere = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX)
+            pixels = c.hot_pixels + (nowhere,) * (r.N_FILTERED_PIXELS - len(c.hot_pixels))
+            for k, (x, y) in enumerate(pixels):
+                row, column = r.pixel_filter(k)
+                yield from ((row, y), (column, x))
+        if self.read(r.DVS_HAS_ACTIVITY_FILTER):
+            for run, time_, time_us in (
+                (r.DVS_ACTIVITY_FILTER, r.DVS_ACTIVITY_TIME, c.activity_filter_us),
+                (r.DVS_REFRACTORY_FILTER, r.DVS_REFRACTORY_TIME, c.refractory_us),
+            ):
+                yield from ((time_, -(-time_us // r.FILTER_UNIT_US)), (run, int(time_us > 0)))
+        if self.read(r.DVS_HAS_ROI_FILTER):
+            roi = c.events_roi
+            yield from zip(r.DVS_ROI, (roi.x_begin, roi.y_begin, roi.x_end, roi.y_end), strict=True)
+        if self.read(r.DVS_HAS_SKIP_FILTER):
+            yield r.DVS_SKIP_FILTER, 0
+        if self.read(r.DVS_HAS_POLARITY_FILTER):
+            yield from ((r.DVS_POLARITY_FLATTEN, 0), (r.DVS_POLARITY_SUPPRESS, 0))
+
+    def _read_clock(self, register: Register) -> float:
+        """What a clock really is, in MHz."""
+        return self.read(register) * self.read(r.SYSINFO_DEVIATION) / 1000
+
+    def _refuse(self, part: str, found: str, wanted: str) -> CameraError:
+        return CameraError(
+            f"The camera {self.info.serial} has {part} {found}; this driver needs {wanted}.",
+            hint="It is made for the DAVIS346 with firmware 6 and logic 18. This program does not "
+            "flash cameras; the vendor's tools do.",
+        )

@@ -1,0 +1,253 @@
+"""The camera as a source: plugged in, unplugged and plugged in again."""
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from types import TracebackType
+from typing import Final, Protocol, Self
+
+from neurotouch_hid.errors import CameraError
+from neurotouch_hid.geometry import Rig
+from neurotouch_hid.messages import EventPacket
+from neurotouch_hid.source.davis.camera import Camera
+from neurotouch_hid.source.davis.config import DavisConfig
+from neurotouch_hid.source.davis.decoder import Decoder, DecoderStats
+from neurotouch_hid.source.davis.finding import CameraAbsentError, CameraInfo
+from neurotouch_hid.source.davis.outbox import Outbox
+from neurotouch_hid.source.davis.stream import Stream
+from neurotouch_hid.source.davis.transport import CameraGoneError, Transport
+from neurotouch_hid.source.davis.usb import Usb, Watch
+from neurotouch_hid.source.lull import Lull
+
+MAX_DELAY_US: Final = 100_000
+TURN_S: Final = 0.05
+"""A loop over ``turns`` never stands still for longer."""
+RETRY_S: Final = 0.5
+"""How often a camera that is away is looked for, if nothing else tells that it is back."""
+
+_ANY_WORD: Final = b"\x01\x00"
+
+log = logging.getLogger(__name__)
+
+
+class Cameras(Protocol):
+    """Where cameras come from: ``Usb``, or a scripted one in tests."""
+
+    def choose(self, serial: str) -> CameraInfo:
+        """The camera of a serial number, or the first one."""
+        ...
+
+    def open(self, info: CameraInfo) -> Transport:
+        """The camera, claimed for us."""
+        ...
+
+    def watch(self) -> Watch:
+        """Something to wait for cameras with."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class DavisStats:
+    """What happened so far.
+
+    Attributes:
+        serial: of the camera, empty before one was seen.
+        connected: whether it streams now.
+        n_connects: times it was opened.
+        n_faults: transfers that failed.
+        n_dropped: events that the camera itself dropped.
+        trouble: why it does not stream, or an empty string.
+        decoder: what was malformed since it was last opened.
+    """
+
+    serial: str = ""
+    connected: bool = False
+    n_connects: int = 0
+    n_faults: int = 0
+    n_dropped: int = 0
+    trouble: str = ""
+    decoder: DecoderStats = field(default_factory=DecoderStats)
+
+
+class DavisSource:
+    """Slices of a camera's time, as they happen; it may be iterated once.
+
+    A thread of its own holds the camera. If that is unplugged, nothing comes until it is back;
+    then the slices go on, later by the time it was away, the first with a ``gap``.
+
+    Args:
+        serial: of the camera, with or without leading zeros. Without, it is the first one, and any
+            other that is there when that one has gone.
+        config: how it is set up.
+        slice_us: length of a slice.
+        wait: a camera need not be there yet.
+        max_delay_us: slices that wait longer for the line are dropped; old news moves no stick.
+        cameras: where they come from.
+        sleep_s: how to wait for a camera that is being set up.
+
+    Attributes:
+        name: ``davis:`` and the serial.
+        rig: None, it is found from the resting frame.
+
+    Raises:
+        CameraBusyError: another program has the camera.
+        CameraError: it cannot be used; not with ``wait``.
+    """
+
+    def __init__(
+        self,
+        serial: str = "",
+        config: DavisConfig | None = None,
+        *,
+        slice_us: int = 10_000,
+        wait: bool = False,
+        max_delay_us: int = MAX_DELAY_US,
+        cameras: Cameras | None = None,
+        sleep_s: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self.rig: Rig | None = None
+        self._config = config or DavisConfig()
+        self._cameras = cameras or Usb()
+        self._sleep_s = sleep_s
+        self._chosen = self._serial = serial
+        self._slice_us = slice_us
+        self._lull = Lull()
+        self._outbox = Outbox(max(1, max_delay_us // slice_us))
+        self._closing = threading.Event()
+        self._thread: threading.Thread | None = None
+        self._stream: Stream | None = None
+        self._trouble = ""
+        self._away = False
+        self._vanished = False
+        self._n_connects = 0
+        self._camera = None if wait else self._connect()
+        Decoder().decode(_ANY_WORD)  # compiles or loads; a refusal comes before it
+        self.name = f"davis:{self._serial}"
+
+    def __iter__(self) -> Iterator[EventPacket]:
+        return (packet for packet in self.turns() if packet is not None)
+
+    def turns(self) -> Iterator[EventPacket | None]:
+        """The packets as they come, and None whenever there was none for TURN_S.
+
+        Raises:
+            CameraError: the driver itself has failed; a camera that fails is waited for.
+        """
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._work, name="camera", daemon=True)
+            self._thread.start()
+        while not self._outbox.has_ended:
+            yield self._outbox.take(TURN_S)
+        if not self._closing.is_set():
+            raise CameraError("The camera's thread has ended; this is a bug of the driver.")
+
+    def doze(self, *, is_idle: bool) -> None:
+        """From now on slices that hold nothing but noise may come as one, or no longer."""
+        self._lull.is_idle = is_idle
+
+    @property
+    def is_blind(self) -> bool:
+        """Linux showed a camera at the last attempt, and opening it found nothing there."""
+        return self._vanished
+
+    def stats(self) -> DavisStats:
+        """What happened so far."""
+        stream = self._stream
+        return DavisStats(
+            self._serial,
+            not self._trouble and stream is not None,
+            self._n_connects,
+            stream.n_faults if stream else 0,
+            stream.n_dropped if stream else 0,
+            self._trouble,
+            stream.stats() if stream else DecoderStats(),
+        )
+
+    def close(self) -> None:
+        """Stops the camera and gives it back; ends an iteration that waits. From any thread."""
+        self._closing.set()
+        self._outbox.end()
+        if self._thread is not None:
+            self._thread.join()
+        elif self._camera is not None:
+            self._camera.transport.close()
+            self._camera = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _work(self) -> None:
+        """The thread: plays the camera, and waits for it when it is away."""
+        watch = self._cameras.watch()
+        try:
+            while not self._closing.is_set():
+                try:
+                    self._play(self._camera or self._connect())
+                except CameraError as error:
+                    self._note(error)
+                    watch.wait(RETRY_S)
+        finally:
+            watch.close()
+            self._outbox.end()
+
+    def _connect(self) -> Camera:
+        """The camera, ready to be started."""
+        info = self._choose()
+        camera = Camera(info, self._cameras.open(info), self._sleep_s)
+        try:
+            camera.check()
+            camera.silence()
+            camera.configure(self._config)
+        except CameraError:
+            camera.transport.close()
+            raise
+        self._serial = info.serial or self._serial
+        return camera
+
+    def _choose(self) -> CameraInfo:
+        """The chosen camera; without a choice the one that played last, or else the first."""
+        try:
+            return self._cameras.choose(self._serial)
+        except CameraAbsentError:
+            if self._chosen:
+                raise
+            return self._cameras.choose("")
+
+    def _play(self, camera: Camera) -> None:
+        """Plays a camera until it fails or the source is closed."""
+        self._camera = None
+        try:
+            self._stream = Stream(
+                camera, self._config, self._slice_us, self._hand_over, self._stream
+            )
+            if self._trouble:
+                log.warning("The camera %s plays.", self._serial)
+            self._trouble, self._away = "", False
+            self._vanished = False
+            self._n_connects += 1
+            self._stream.run(self._closing)
+        finally:
+            camera.stop()
+            camera.transport.close()
+
+    def _hand_over(self, packet: EventPacket) -> None:
+        for whole in self._lull.take(packet):
+            self._outbox.put(whole)
+
+    def _note(self, error: CameraError) -> None:
+        """Says why the camera does not stream: each reason once, and that it is away only once."""
+        known, self._trouble = self._trouble, error.message
+        was_away, self._away = self._away, isinstance(error, CameraGoneError | CameraAbsentError)
+        self._vanished = isinstance(error, CameraGoneError)
+        if error.message != known and not (was_away and self._away):
+            log.warning("%s Play goes on when it works again.", error.message)

@@ -1,0 +1,59 @@
+"""What the driver asks of USB: requests, a stream, and an end."""
+
+from collections.abc import Callable
+from typing import Protocol
+
+from neurotouch_hid.errors import CameraError
+
+TIMEOUT_MS = 1_000
+"""How long the camera may take to answer a request."""
+
+Receive = Callable[[bytes], object]
+"""Takes the bytes of one transfer, in the transport's thread; empty bytes: here some are lost."""
+
+
+class CameraGoneError(CameraError):
+    """The camera has been unplugged, or switched off by Linux."""
+
+
+class StreamHaltedError(CameraError):
+    """The stream's endpoint has stalled; ``queue`` sets it going again."""
+
+
+class Transport(Protocol):
+    """An open camera with its interface claimed. One thread at a time may use it."""
+
+    def request(self, code: int, value: int, index: int, data: bytes | int) -> bytes:
+        """One vendor request to the device: ``data`` to write, or how many bytes to read.
+
+        Raises:
+            CameraGoneError: the camera is gone.
+            CameraError: it refused, or took too long.
+        """
+        ...
+
+    def queue(self, receive: Receive) -> None:
+        """Clears the stream's endpoint and asks for data, ahead of all that comes.
+
+        Raises:
+            CameraError: this cannot be done.
+        """
+        ...
+
+    def pump(self, timeout_s: float, rest_until_s: float) -> None:
+        """Hands over what has come; waits for it about so long if there is nothing.
+
+        Args:
+            timeout_s: how long to wait.
+            rest_until_s: nobody needs it earlier, ``time.monotonic``; where nothing is lost
+                meanwhile this may sleep.
+
+        Raises:
+            CameraGoneError: the camera is gone.
+            StreamHaltedError: the endpoint has stalled.
+        """
+        ...
+
+    def close(self) -> None:
+        """Ends everything that is under way and gives the camera back. Twice is harmless."""
+        ...

@@ -1,0 +1,87 @@
+"""Slices in which nothing happens come together, so that an idle line is seldom woken."""
+
+from typing import Final
+
+import numpy as np
+
+from neurotouch_hid.messages import EVENT_DTYPE, EventPacket
+
+LONGEST_US: Final = 48_000
+"""Twelve slices of a camera; the tracker remembers twice that and an exposure, so what frames tell
+is of use. What stands out of the noise ends a lull at once; a push so slow that it does not (a
+twentieth of the usual events) is answered later by half of this on average."""
+CALM_US: Final = 100_000
+"""How long nothing must have happened before slices wait for each other."""
+
+_LEARN: Final = 1 / 64  # share of a slice in what is known of the noise: a quarter of a second
+_STANDS_OUT: Final = 5.0  # mean deviations, four standard ones: by chance once in two minutes
+_FEW: Final = 8.0  # events; a quiet sensor's deviation may be 0
+
+_BLOCK: Final = np.dtype(("V", EVENT_DTYPE.itemsize))  # numpy copies records field by field
+
+
+class Lull:
+    """Holds slices back while the line is idle and they hold nothing but noise.
+
+    Attributes:
+        is_idle: the line has nothing to do; set from any thread.
+    """
+
+    def __init__(self) -> None:
+        self.is_idle = False
+        self._waiting: list[EventPacket] = []
+        self._calm_us = 0
+        self._mean = self._deviation = 0.0
+        self._n_heard = 0
+
+    def take(self, packet: EventPacket) -> tuple[EventPacket, ...]:
+        """What is ready now: nothing, or all that has waited with this slice as one.
+
+        Args:
+            packet: the next slice, all of one length.
+        """
+        if not self.is_idle:
+            self._calm_us = 0
+            return self._release(packet)
+        length_us = packet.t_end_us - packet.t_begin_us
+        is_calm = self._listen(len(packet.events)) and not packet.gap
+        self._calm_us = self._calm_us + length_us if is_calm else 0
+        begin_us = self._waiting[0].t_begin_us if self._waiting else packet.t_begin_us
+        if self._calm_us <= CALM_US or packet.t_end_us + length_us - begin_us > LONGEST_US:
+            return self._release(packet)
+        self._waiting.append(packet)
+        return ()
+
+    def flush(self) -> tuple[EventPacket, ...]:
+        """What waits, if anything does."""
+        waiting, self._waiting = self._waiting, []
+        return (_join(waiting),) if waiting else ()
+
+    def _release(self, packet: EventPacket) -> tuple[EventPacket, ...]:
+        if not self._waiting:
+            return (packet,)
+        if packet.gap or packet.t_begin_us != self._waiting[-1].t_end_us:
+            return (*self.flush(), packet)
+        self._waiting.append(packet)
+        return self.flush()
+
+    def _listen(self, n_events: int) -> bool:
+        """True if so many events are noise; learns how much of that there is while idle."""
+        if not self._n_heard:
+            self._mean = n_events
+        self._n_heard += 1
+        share = max(_LEARN, 1.0 / self._n_heard)  # fast at first
+        off = n_events - self._mean
+        most = _STANDS_OUT * self._deviation + _FEW
+        learnt = min(off, most)  # a burst teaches little, a new lamp is got used to
+        self._mean += share * learnt
+        self._deviation += share * (abs(learnt) - self._deviation)
+        return off <= most
+
+
+def _join(packets: list[EventPacket]) -> EventPacket:
+    if len(packets) == 1:
+        return packets[0]
+    events = np.concatenate([packet.events.view(_BLOCK) for packet in packets]).view(EVENT_DTYPE)
+    frames = tuple(frame for packet in packets for frame in packet.frames)
+    return EventPacket(packets[0].t_begin_us, packets[-1].t_end_us, events, frames, packets[0].gap)

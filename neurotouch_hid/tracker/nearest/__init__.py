@@ -1,0 +1,1 @@
+"""Which marker an event belongs to."""

@@ -1,0 +1,105 @@
+"""Several gels: a driver, a pad and a profile for each player; orders reach all of them."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+
+from neurotouch_hid.driver import find_runtime_folder
+
+LIMIT_S = 180.0
+PROGRAM = [sys.executable, "-m", "neurotouch_hid"]
+
+
+class Players:
+    """Two drivers that run beside each other, with other profiles."""
+
+    def __init__(self, folder: Path, closing: ExitStack) -> None:
+        self.environment = {
+            **os.environ,
+            "RUNTIME_DIRECTORY": str(folder / "run"),
+            "XDG_CONFIG_HOME": str(folder / "config"),
+        }
+        for player, profile in ((1, "spacecraft"), (2, "racing")):
+            options = ["--source", "sim:rest", "--device", "memory", "--show", "nothing"]
+            log = closing.enter_context((folder / f"{player}.txt").open("w+"))
+            process = subprocess.Popen(
+                [*PROGRAM, "run", *options, "--player", str(player), "--profile", profile],
+                stderr=log,
+                env=self.environment,
+            )
+            closing.callback(process.wait)
+            closing.callback(process.terminate)
+            deadline = time.monotonic() + LIMIT_S
+            while "Gamepad ready" not in Path(log.name).read_text():
+                assert time.monotonic() < deadline
+                assert process.poll() is None, Path(log.name).read_text()
+                time.sleep(0.05)
+
+    def call(self, *arguments: str, player: str | None = None) -> subprocess.CompletedProcess:
+        named = {} if player is None else {"NEUROTOUCH_PLAYER": player}
+        return subprocess.run(
+            [*PROGRAM, *arguments],
+            capture_output=True,
+            text=True,
+            check=False,
+            env={**self.environment, **named},
+            timeout=LIMIT_S,
+        )
+
+    def states(self) -> list[str]:
+        said = (self.call("status", "--json", player=player) for player in "12")
+        return [json.loads(each.stdout)["state"] for each in said]
+
+
+@pytest.fixture(scope="module")
+def players(tmp_path_factory):
+    with ExitStack() as closing:
+        yield Players(tmp_path_factory.mktemp("players"), closing)
+
+
+def test_each_has_a_profile_of_their_own(players):
+    said = [json.loads(players.call("status", "--json", player=who).stdout) for who in "12"]
+    assert [each["profile"] for each in said] == ["spacecraft", "racing"]
+    assert said[0]["pid"] != said[1]["pid"]
+
+
+def test_an_order_reaches_everybody(players):
+    done = players.call("panic")
+    assert done.returncode == 0
+    assert [line[:9] for line in done.stdout.splitlines()] == ["Player 1:", "Player 2:"]
+    assert players.states() == ["panic", "panic"]
+    players.call("resume")
+    assert players.states() == ["running", "running"]
+
+
+def test_an_order_to_one_does_not_reach_the_other(players):
+    done = players.call("pause", player="2")
+    assert done.stdout.startswith("Paused")
+    assert players.states() == ["running", "paused"]
+    players.call("resume", player="2")
+    assert players.states() == ["running", "running"]
+
+
+def test_there_is_no_fifth_player(players):
+    done = players.call("status", player="5")
+    assert done.returncode == 8
+    assert "NEUROTOUCH_PLAYER must be one of 1, 2, 3, 4" in done.stderr
+
+
+def test_nobody_takes_the_place_of_a_player_who_plays(players):
+    done = players.call("run", "--source", "sim:rest", "--device", "memory", "--player", "2")
+    assert done.returncode == 75
+
+
+@pytest.mark.parametrize("given", ["/run/neurotouch", "/run/neurotouch-2"])
+def test_another_players_service_lies_where_orders_look_for_it(monkeypatch, given):
+    """Its unit calls its folder so already."""
+    monkeypatch.setenv("RUNTIME_DIRECTORY", given)
+    monkeypatch.setenv("NEUROTOUCH_PLAYER", "2")
+    assert find_runtime_folder() == Path("/run/neurotouch-2")

@@ -1,0 +1,351 @@
+"""``neurotouch record`` as a user meets it, in a process of its own."""
+
+import json
+import os
+import pty
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+
+import pytest
+
+from neurotouch_hid.recording import Recording, RecordingWriter
+from tests.recording.streams import make_packets
+from tests.recording.test_writer import count, count_with_the_maker
+
+LIMIT_S = 600.0
+"""A program that gets a tenth of a processor needs 100 s to start and play."""
+PROGRAM = [sys.executable, "-m", "neurotouch_hid"]
+
+
+def person(folder):
+    """The environment of somebody with folders of their own."""
+    return {
+        **os.environ,
+        "RUNTIME_DIRECTORY": str(folder / "run"),
+        "XDG_CONFIG_HOME": str(folder / "config"),
+    }
+
+
+@pytest.fixture
+def environment(tmp_path):
+    return person(tmp_path)
+
+
+@pytest.fixture
+def record(environment):
+    def call(*arguments, **settings):
+        return subprocess.run(
+            [*PROGRAM, "record", *map(str, arguments)],
+            capture_output=True,
+            text=True,
+            timeout=LIMIT_S,
+            check=False,
+            env=environment,
+            **settings,
+        )
+
+    return call
+
+
+@pytest.fixture
+def quick(tmp_path):
+    """A source that opens at once, and gives 20 000 events and 5 frames in 0.2 s."""
+    path = tmp_path / "source.aedat4"
+    with RecordingWriter(path) as writer:
+        for packet in make_packets():
+            writer.write(packet)
+    return "--source", f"file:{path}"
+
+
+@pytest.fixture
+def endless(tmp_path, environment):
+    """A recording that goes on until somebody ends it, at the speed of a camera."""
+    path = tmp_path / "endless.aedat4"
+    process = subprocess.Popen(
+        [*PROGRAM, "record", str(path), "--source", "sim:tour"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
+    )
+    wait_for_size(path, 300_000, process)
+    yield path, process
+    process.kill()
+    process.communicate()
+
+
+def test_it_says_what_is_in_the_file(tmp_path, record, quick):
+    done = record(tmp_path / "a.aedat4", *quick)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith(f"OK {tmp_path / 'a.aedat4'} holds 0.2 s of file:")
+    assert "20,000 events, 5 frames" in done.stdout
+    assert count(tmp_path / "a.aedat4") == (20_000, 5)
+
+
+def test_the_simulator_for_so_many_seconds(tmp_path, record):
+    done = record(tmp_path / "a.aedat4", "--source", "sim:push", "--seconds", "1", "--json")
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout)
+    assert said["status"] == "OK"
+    assert said["seconds"] == pytest.approx(1.0)
+    assert said["lost_before"] == said["lost_here"] == 0
+    assert count(tmp_path / "a.aedat4") == (said["events"], said["frames"])
+    assert said["frames"] == 25
+    assert said["size_bytes"] == (tmp_path / "a.aedat4").stat().st_size
+
+
+def test_what_is_there_is_not_replaced_unless_asked_to(tmp_path, record, quick):
+    path = tmp_path / "a.aedat4"
+    path.write_bytes(b"precious")
+    done = record(path, *quick)
+    assert done.returncode == 4
+    assert "--force" in done.stderr
+    # A source that cannot be opened costs no older file either.
+    assert record(path, "--source", "sim:tuor", "--force").returncode == 3
+    assert path.read_bytes() == b"precious"
+    assert record(path, *quick, "--force").returncode == 0
+    assert count(path) == (20_000, 5)
+
+
+@pytest.mark.parametrize("name", ["a.mp4", "-", "a"])
+def test_another_kind_of_file_is_refused(tmp_path, record, quick, name):
+    done = record(name, *quick, cwd=tmp_path)
+    assert done.returncode == 4
+    assert "ends in .aedat4" in done.stderr
+    assert not (tmp_path / name).exists()
+
+
+def test_a_recording_is_not_recorded_to_itself(tmp_path, record, quick):
+    path = tmp_path / "source.aedat4"
+    for source in (f"file:{path}", str(path)):
+        done = record(path, "--source", source, "--force")
+        assert done.returncode == 4
+        assert "to itself" in done.stderr
+    assert count(path) == (20_000, 5)
+
+
+def test_neither_driver_nor_camera(tmp_path, record):
+    done = record(tmp_path / "a.aedat4")
+    assert done.returncode == 3
+    assert "No DAVIS camera" in done.stderr
+    assert not (tmp_path / "a.aedat4").exists()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("n_times", [1, 2])
+def test_a_signal_is_the_normal_end(endless, number, n_times):
+    path, process = endless
+    for _ in range(n_times):
+        process.send_signal(number)
+    said, errors = process.communicate(timeout=LIMIT_S)
+    # A second one may come when all is written and said, and then ends what is left: by design.
+    assert process.returncode in ((0,) if n_times == 1 else (0, -number))
+    assert said.startswith("OK ")
+    assert "Traceback" not in errors
+    assert count(path) == count_with_the_maker(path)
+    assert count(path)[0] > 0
+
+
+def test_killed_it_leaves_what_was_written(endless):
+    path, process = endless
+    process.kill()
+    process.communicate(timeout=LIMIT_S)
+    size = path.stat().st_size
+    events, frames = 0, 0
+    for batch, pictures in Recording(path):
+        events, frames = events + len(batch), frames + len(pictures)
+    assert size >= 300_000
+    assert events > 1_000
+    assert frames > 1
+
+
+def test_a_full_disk_leaves_a_readable_file_and_says_why(tmp_path, record):
+    """The kernel refuses to write on, in the middle of a packet."""
+    path = tmp_path / "a.aedat4"
+    arguments = (path, "--source", "sim:tour", "--seconds", "30")
+    limit = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (700_001, 700_001))}
+    done = record(*arguments, **limit)
+    assert done.returncode == 4
+    assert done.stdout.startswith("WARNING ")
+    assert "cannot be written: File too large" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert path.stat().st_size <= 700_001
+    assert count(path) == count_with_the_maker(path)
+
+
+def test_a_full_disk_in_json(tmp_path, record, quick):
+    path = tmp_path / "a.aedat4"
+    limit = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100_001, 100_001))}
+    arguments = (path, *quick)
+    done = record(*arguments, "--json", **limit)
+    assert done.returncode == 4
+    said = json.loads(done.stdout)
+    assert said["status"] == "FAILED"
+    assert "File too large" in said["error"]
+    assert said["fix"]
+    assert said["events"] <= count(path)[0]
+
+
+def test_a_small_disk(tmp_path, record):
+    """A file system of 70 MB: 64 of them are left to others."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    inside = f"mount -t tmpfs -o size=70m none {folder} && df --output=avail -B1 {folder}"
+    alone = ["unshare", "--map-root-user", "--mount", "sh", "-c"]
+    if (
+        not shutil.which("unshare")
+        or subprocess.run([*alone, inside], check=False, capture_output=True).returncode
+    ):
+        pytest.skip("no file system can be mounted here")
+    arguments = f"record {folder}/a.aedat4 --source sim:tour --seconds 60"
+    script = (
+        f"mount -t tmpfs -o size=70m none {folder} || exit 99\n"
+        f"{sys.executable} -m neurotouch_hid {arguments}\n"
+        f"code=$?; cp {folder}/a.aedat4 {tmp_path}/kept.aedat4; exit $code"
+    )
+    done = subprocess.run(
+        [*alone, script], capture_output=True, text=True, timeout=LIMIT_S, check=False
+    )
+    assert done.returncode == 4, done.stderr
+    assert "the disk is full" in done.stderr
+    kept = tmp_path / "kept.aedat4"
+    assert 4_000_000 < kept.stat().st_size < 7_000_000
+    assert count(kept) == count_with_the_maker(kept)
+
+
+@contextmanager
+def driving(folder):
+    """A driver that plays, and the environment in which it is found."""
+    log = folder / "driver.txt"
+    with log.open("w") as errors:
+        process = subprocess.Popen(
+            [*PROGRAM, "run", "--source", "sim:tour", "--device", "memory", "--show", "nothing"],
+            stderr=errors,
+            env=person(folder),
+        )
+    deadline = time.monotonic() + LIMIT_S
+    while "Gamepad ready" not in log.read_text():
+        assert process.poll() is None, log.read_text()
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    try:
+        yield process, person(folder)
+    finally:
+        process.terminate()
+        process.wait(LIMIT_S)
+
+
+@pytest.fixture(scope="module")
+def driver(tmp_path_factory):
+    with driving(tmp_path_factory.mktemp("driver")) as driver:
+        yield driver
+
+
+def ask(environment):
+    done = subprocess.run(
+        [*PROGRAM, "status", "--json"],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=environment,
+        timeout=LIMIT_S,
+    )
+    return json.loads(done.stdout)
+
+
+def test_while_playing_it_records_what_the_driver_sees(tmp_path, driver):
+    process, environment = driver
+    before = ask(environment)
+    done = subprocess.run(
+        [*PROGRAM, "record", str(tmp_path / "a.aedat4"), "--seconds", "2", "--json"],
+        capture_output=True,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+        env=environment,
+    )
+    assert done.returncode == 0, done.stderr
+    after = ask(environment)
+    said = json.loads(done.stdout)
+    assert said["source"] == "what the running driver sees (sim:tour)"
+    assert said["seconds"] == pytest.approx(2.0)
+    assert count(tmp_path / "a.aedat4") == (said["events"], said["frames"])
+    assert said["frames"] >= 49
+    assert after["pid"] == before["pid"]
+    assert after["state"] == "running"
+    assert after["slices"] - before["slices"] >= 200
+    assert process.poll() is None
+
+
+def test_a_source_that_falls_silent_does_not_outlast_its_seconds(tmp_path, driver):
+    playing, environment = driver
+    path = tmp_path / "a.aedat4"
+    process = subprocess.Popen(
+        [*PROGRAM, "record", str(path), "--seconds", "4", "--json"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
+    )
+    wait_for_size(path, 50_000, process)
+    playing.send_signal(signal.SIGSTOP)
+    try:
+        said, errors = process.communicate(timeout=LIMIT_S)
+    finally:
+        playing.send_signal(signal.SIGCONT)
+    assert process.returncode == 0, errors
+    assert json.loads(said)["seconds"] < 4.0
+    assert count(path)[0] == json.loads(said)["events"] > 0
+
+
+def test_on_a_terminal_progress_stays_in_one_line(tmp_path, environment):
+    terminal, inside = pty.openpty()
+    process = subprocess.Popen(
+        [*PROGRAM, "record", str(tmp_path / "a.aedat4"), "--source", "sim:tour"],
+        stdout=inside,
+        stderr=inside,
+        env=environment,
+    )
+    os.close(inside)
+    shown = b""
+    while shown.count(b"GB free") < 2:
+        shown += os.read(terminal, 4096)
+    process.send_signal(signal.SIGINT)
+    assert process.wait(LIMIT_S) == 0
+    os.close(terminal)
+    assert re.search(
+        rb"\r\x1b\[K\d+ s, [\d,]+ events/s, \d+ frames/s, 0 events lost, \d+ MB, [\d.,]+ GB free",
+        shown,
+    )
+    assert shown.count(b"\n") == 1
+
+
+def wait_for_size(path, size, process):
+    deadline = time.monotonic() + LIMIT_S
+    while not path.exists() or path.stat().st_size < size:
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+
+
+def test_it_ends_with_the_driver(tmp_path):
+    path = tmp_path / "a.aedat4"
+    with driving(tmp_path) as (_, environment):
+        process = subprocess.Popen(
+            [*PROGRAM, "record", str(path)],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=environment,
+        )
+        wait_for_size(path, 100_000, process)
+    said, _ = process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 0
+    assert said.startswith("OK ")
+    assert count(path) == count_with_the_maker(path)

@@ -1,0 +1,80 @@
+"""``neurotouch service`` up to the pad; tests/system tries the rest in a whole Debian."""
+
+import os
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+# As systemd does it: the program itself finds its number in LISTEN_PID.
+HAND_OVER = """\
+import os, sys
+for descriptor in (3, 4, 5):
+    os.dup2(os.open("/dev/null", os.O_RDWR), descriptor)
+    os.set_inheritable(descriptor, True)
+os.environ |= {
+    "LISTEN_PID": str(os.getpid()), "LISTEN_FDS": "3", "LISTEN_FDNAMES": "uinput:uinput:uinput"
+}
+os.execv(sys.executable, [sys.executable, "-m", "neurotouch_hid", "service", *sys.argv[1:]])
+"""
+
+
+@pytest.fixture
+def folders(tmp_path) -> dict[str, str]:
+    """What the unit sets."""
+    (tmp_path / "etc/neurotouch").mkdir(parents=True)
+    return {
+        **os.environ,
+        "XDG_CONFIG_HOME": str(tmp_path / "etc"),
+        "RUNTIME_DIRECTORY": str(tmp_path / "run"),
+    }
+
+
+def run(folders, *command: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, *command],
+        env=folders,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+
+
+def test_it_takes_the_descriptors_that_systemd_hands_over(folders, tmp_path):
+    """/dev/null is no /dev/uinput, and only the kernel can say so."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as systemd:
+        systemd.bind(str(tmp_path / "notify"))
+        systemd.setblocking(False)
+        folders["NOTIFY_SOCKET"] = str(tmp_path / "notify")
+        said = run(folders, "-c", HAND_OVER, "--source", "sim:push")
+        told = systemd.recv(1000)
+        with pytest.raises(BlockingIOError):
+            systemd.recv(1000)  # never that it is ready
+    assert said.returncode == 7
+    assert "The kernel refuses to create" in said.stderr
+    assert told.startswith(b"STATUS=")
+
+
+def test_a_mistake_in_its_settings_ends_it_with_the_place(folders):
+    file = Path(folders["XDG_CONFIG_HOME"]) / "neurotouch/service.yaml"
+    file.write_text("version: 1\ndevise: uinput\n")
+    said = run(folders, "-m", "neurotouch_hid", "service")
+    assert said.returncode == 6
+    assert "service.yaml:2:1" in said.stderr
+    assert "'device'" in said.stderr
+
+
+def test_a_profile_that_is_not_there_ends_it(folders):
+    file = Path(folders["XDG_CONFIG_HOME"]) / "neurotouch/service.yaml"
+    file.write_text("version: 1\nprofile: racin\n")
+    said = run(folders, "-m", "neurotouch_hid", "service")
+    assert said.returncode == 6
+    assert "racing" in said.stderr
+
+
+def test_compiling_needs_neither_camera_nor_pad(folders):
+    said = run(folders, "-m", "neurotouch_hid", "service", "--compile")
+    assert said.returncode == 0, said.stderr

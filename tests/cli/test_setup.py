@@ -1,0 +1,82 @@
+"""``neurotouch setup`` says what it will do before it does it; tests/system has it do it."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+
+def run(*options: str, answer: str = "", path: str | None = None) -> subprocess.CompletedProcess:
+    return subprocess.run(
+        [sys.executable, "-m", "neurotouch_hid", "setup", *options],
+        input=answer,
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ if path is None else {**os.environ, "PATH": path},
+    )
+
+
+@pytest.fixture
+def programs(tmp_path) -> Path:
+    """A folder of programs that note how they are called, in place of the system's."""
+    noted = tmp_path / "noted"
+    for name in ("udevadm", "sudo", "sh"):
+        program = tmp_path / "bin" / name
+        program.parent.mkdir(exist_ok=True)
+        program.write_text(f'#!/bin/sh\nfor w in {name} "$@"; do echo "$w"; done >> {noted}\n')
+        program.chmod(0o755)
+    return program.parent
+
+
+def test_a_dry_run_says_each_file_and_each_command():
+    said = run("--dry-run")
+    assert said.returncode == 0
+    for file in ("70-neurotouch-uinput.rules", "70-neurotouch-camera.rules", "neurotouch.conf"):
+        assert file in said.stdout
+    assert "modprobe uinput" in said.stdout
+    assert "udevadm control --reload" in said.stdout
+
+
+def test_what_it_runs_is_what_it_said(programs):
+    said = run("--yes", path=str(programs))
+    assert said.returncode == 0, said.stderr
+    shown = [line.strip() for line in said.stdout.splitlines() if line.startswith("  ")]
+    commands = [line for line in shown if line.startswith(("install", "modprobe", "udevadm"))]
+    assert len(commands) == 8
+    noted = (programs.parent / "noted").read_text().splitlines()
+    assert noted[-len(commands) :] == commands
+    assert noted[: -len(commands)] in (["sh", "-euc"], ["sudo", "sh", "-euc"])
+
+
+def test_it_can_all_be_taken_back(programs):
+    installed = run("--dry-run").stdout
+    removed = run("--uninstall", "--dry-run").stdout
+    for line in installed.splitlines():
+        if line.strip().startswith("/etc/"):
+            assert line.strip() in removed
+            assert line.strip() in next(x for x in removed.splitlines() if "rm -f" in x)
+
+
+@pytest.mark.parametrize("answer", ["n\n", ""])
+def test_without_a_yes_nothing_is_done(programs, answer):
+    said = run(answer=answer, path=str(programs))
+    assert said.returncode != 0
+    assert not (programs.parent / "noted").exists()
+
+
+def test_where_there_is_no_udev_it_says_so(tmp_path):
+    said = run("--yes", path=str(tmp_path))
+    assert said.returncode == 1
+    assert "no udev" in said.stderr
+
+
+def test_a_command_that_fails_is_not_hidden(programs):
+    for name in ("sh", "sudo"):
+        (programs / name).write_text("#!/bin/sh\nexit 3\n")
+    said = run("--yes", path=str(programs))
+    assert said.returncode == 1
+    assert "exit code 3" in said.stderr
+    assert "Done" not in said.stdout

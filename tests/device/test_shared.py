@@ -1,0 +1,29 @@
+"""The gel's side of a shared pad; the helper's is tested in a real kernel."""
+
+from neurotouch_hid.device import Companion, MemoryDevice, SharedDevice
+from neurotouch_hid.messages import Axis, Button, GamepadState
+
+PRESS = GamepadState(10_000, frozenset({Button.A}), {Axis.LEFT_X: 0.5}, pointer=(100.0, 0.0))
+
+
+def test_without_a_helper_the_gel_plays_alone():
+    memory = MemoryDevice()
+    with SharedDevice(memory, yield_to_mouse_s=0.0) as pad:
+        assert pad.name == "memory"
+        assert pad.helper_buttons == frozenset()
+        pad.prepare([Companion.MOUSE])
+        pad.write(PRESS)
+        pad.neutral()
+    assert [state.buttons for state in memory.states] == [{Button.A}, frozenset()]
+    assert memory.states[0] == PRESS
+    assert memory.companions == {Companion.MOUSE}
+    assert pad.describe_mouse() == "nothing moves the pointer"
+
+
+def test_closing_closes_what_it_is_shown_on():
+    memory = MemoryDevice()
+    pad = SharedDevice(memory)
+    pad.write(PRESS)
+    pad.close()
+    pad.close()
+    assert memory.states[-1].is_neutral

@@ -1,0 +1,60 @@
+"""A check that hangs, breaks or cannot be loaded is one finding, and the others are made."""
+
+import threading
+
+import pytest
+
+from neurotouch_hid.doctor import Check, Status, examine, list_checks
+from neurotouch_hid.doctor.finding import approve, skip
+from neurotouch_hid.errors import DeviceError
+
+
+def raise_(error):
+    raise error
+
+
+@pytest.mark.parametrize(
+    ("look", "status", "words"),
+    [
+        (lambda: approve("Good."), Status.OK, "Good."),
+        (lambda: skip("Not here."), Status.SKIPPED, "Not here."),
+        (lambda: raise_(DeviceError("No pad.", hint="Make one.")), Status.FAILED, "No pad."),
+        (lambda: raise_(OSError(5, "Input/output error", "/dev/x")), Status.FAILED, "/dev/x"),
+        (lambda: raise_(ImportError("No module named 'evdev'")), Status.FAILED, "evdev"),
+    ],
+)
+def test_what_a_check_may_do(look, status, words):
+    (finding,) = examine([Check("it", look)])
+    assert (finding.check, finding.status) == ("it", status)
+    assert words in finding.sentence
+    assert bool(finding.fix) == (status is Status.FAILED)
+
+
+def test_a_check_that_hangs_is_left_alone():
+    go_on = threading.Event()
+
+    def hang():
+        go_on.wait()
+        return approve("At last.")
+
+    findings = list(examine([Check("stuck", hang, 0.05), Check("next", lambda: approve("Good."))]))
+    go_on.set()
+    assert [finding.status for finding in findings] == [Status.FAILED, Status.OK]
+    assert "no answer" in findings[0].sentence
+
+
+def test_findings_come_one_by_one():
+    looked = []
+
+    def look(name):
+        looked.append(name)
+        return approve("")
+
+    findings = examine([Check(n, lambda n=n: look(n)) for n in "abc"])
+    assert next(findings).check == "a"
+    assert looked == ["a"]
+
+
+def test_every_row_has_a_name_of_its_own():
+    names = [check.name for check in list_checks()]
+    assert len(set(names)) == len(names) == 27

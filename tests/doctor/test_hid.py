@@ -1,0 +1,82 @@
+"""A HID pad that a file of choices asks for, on machines that can and cannot make it."""
+
+import os
+
+import pytest
+
+from neurotouch_hid.doctor.finding import Status
+from neurotouch_hid.doctor.hid import check_hid
+from neurotouch_hid.errors import ProfileError
+
+ASKS = "version: 1\ndevice: hid\n"
+
+
+@pytest.fixture
+def look(tmp_path, monkeypatch):
+    """The check on a machine made of files; what is not made is missing."""
+
+    def look(choices=ASKS, *made, allows=""):
+        (tmp_path / "service.yaml").write_text(choices)
+        for name in made:
+            (tmp_path / name).touch()
+        program = tmp_path / "systemctl"
+        program.write_text(f"#!/bin/sh\necho 'DeviceAllow=char-usb_device rw{allows}'\n")
+        program.chmod(0o755)
+        monkeypatch.setenv("PATH", str(tmp_path))
+        parts = {name: tmp_path / name for name in ("node", "loaded", "package")}
+        return check_hid((tmp_path / "absent.yaml", tmp_path / "service.yaml"), **parts)
+
+    return look
+
+
+def test_nobody_asks(look):
+    verdict = look("version: 1\n")
+    assert verdict.status is Status.SKIPPED
+    assert "Nobody asks for a HID pad" in verdict.sentence
+
+
+def test_nobody_asks_but_it_would_work(look):
+    verdict = look("device: uinput\n", "node", "loaded")
+    assert verdict.status is Status.OK
+    assert "--device hid" in verdict.sentence
+
+
+@pytest.mark.parametrize("made", [[], ["node"]])
+def test_without_the_module(look, made):
+    verdict = look(ASKS, *made)
+    assert verdict.status is Status.FAILED
+    assert "service.yaml asks for a HID pad, but the kernel module uhid" in verdict.sentence
+    assert "sudo modprobe uhid" in verdict.commands
+
+
+def test_all_is_there(look):
+    verdict = look(ASKS, "node", "loaded")
+    assert verdict.status is Status.OK
+    assert "you may make one" in verdict.sentence
+
+
+def test_without_right(look, tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "access", lambda *_: False)  # root may everything
+    (tmp_path / "node").touch(0o600)
+    verdict = look(ASKS, "loaded")
+    assert verdict.status is Status.FAILED
+    assert "its mode is 0600" in verdict.sentence
+    assert any("70-neurotouch-hid.rules" in command for command in verdict.commands)
+
+
+def test_the_service_needs_a_right_of_its_own(look):
+    verdict = look(ASKS, "node", "loaded", "package")
+    assert verdict.status is Status.FAILED
+    assert "the service has no right to /dev/uhid" in verdict.sentence
+    assert any("examples/hid.conf" in command for command in verdict.commands)
+
+
+def test_the_service_has_it(look):
+    verdict = look(ASKS, "node", "loaded", "package", allows=" /dev/uhid rw")
+    assert verdict.status is Status.OK
+    assert "the service may make one" in verdict.sentence
+
+
+def test_mistakes_in_the_file_are_shown(look):
+    with pytest.raises(ProfileError, match="device"):
+        look("device: hidden\n")

@@ -1,0 +1,108 @@
+"""What belongs to the person."""
+
+import datetime
+
+import pytest
+
+from neurotouch_hid.doctor import person
+from neurotouch_hid.doctor.examination import Check, examine
+from neurotouch_hid.doctor.finding import Status
+from tests.device.test_chord import Machine
+
+
+@pytest.fixture
+def config(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+    folder = tmp_path / "config/neurotouch"
+    folder.mkdir(parents=True)
+    return folder
+
+
+def calibrated(days):
+    date = datetime.datetime.now(tz=datetime.UTC).date() - datetime.timedelta(days)
+    return f"# Calibrated {date}.\nversion: 1\nrange:\n  zoom: {{rest: 1.0, full: 3.0}}\n"
+
+
+def test_the_shipped_profiles_are_in_order(config):
+    verdict = person.check_profiles()
+    assert verdict.status is Status.OK
+    assert "'default' plays first" in verdict.sentence
+
+
+def test_a_profile_with_a_fault_is_told_with_its_place(config):
+    (config / "profiles").mkdir()
+    (config / "profiles/mine.yaml").write_text("version: 1\nname: mine\nbindngs: []\n")
+    (finding,) = examine([Check("profiles", person.check_profiles)])
+    assert finding.status is Status.FAILED
+    assert "mine.yaml:3:1" in finding.sentence
+
+
+def test_a_favourite_that_is_gone(config):
+    (config / "user.yaml").write_text("version: 1\nslots: [default, gone]\n")
+    verdict = person.check_profiles()
+    assert verdict.status is Status.FAILED
+    assert "'gone'" in verdict.sentence
+
+
+@pytest.mark.parametrize(
+    ("text", "status", "words"),
+    [
+        ("version: 1\n", Status.SKIPPED, "neurotouch calibrate"),
+        (calibrated(3), Status.OK, "1 of 8 movements are calibrated, 3 days ago."),
+        (calibrated(400), Status.WARNING, "400 days ago"),
+        (calibrated(3).split("\n", 1)[1], Status.OK, "by hand"),
+    ],
+)
+def test_calibration(config, text, status, words):
+    (config / "user.yaml").write_text(text)
+    verdict = person.check_calibration()
+    assert verdict.status is status
+    assert words in verdict.sentence
+
+
+def test_sound_that_nobody_wants(config):
+    assert person.check_sound().status is Status.SKIPPED
+
+
+def test_sound_that_can_be_played_and_cannot(config, tmp_path, monkeypatch):
+    (config / "user.yaml").write_text("version: 1\nfeedback: {sound: speech}\n")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    verdict = person.check_sound()
+    assert verdict.status is Status.WARNING
+    assert verdict.commands == ("sudo apt install speech-dispatcher",)
+    (tmp_path / "spd-say").write_text("#!/bin/sh\n")
+    (tmp_path / "spd-say").chmod(0o755)
+    assert person.check_sound().status is Status.OK
+
+
+@pytest.fixture
+def machine(tmp_path):
+    return Machine(tmp_path)
+
+
+def test_the_keys_are_heard_in_any_time(config, machine):
+    keyboard = machine.plug(0)
+    said = []
+
+    def wait(happened):
+        """The person presses what was said last."""
+        keyboard.press(
+            *(f"KEY_{name.upper()}" for name in said[-1].split(" together")[0][5:].split(" + "))
+        )
+        while not happened():
+            pass
+        return True
+
+    verdict = person.try_chords(said.append, wait, nodes=machine.nodes, system=machine.system)
+    assert verdict.status is Status.OK
+    assert "Hold Backspace + Esc + Enter together (panic). No hurry; S and Enter skips." in said
+
+
+def test_one_may_skip(config, machine):
+    machine.plug(0)
+    places = {"nodes": machine.nodes, "system": machine.system}
+    verdict = person.try_chords(lambda text: None, lambda happened: False, **places)
+    assert verdict.status is Status.SKIPPED
+    answers = iter([True, False])
+    verdict = person.try_chords(lambda text: None, lambda happened: next(answers), **places)
+    assert verdict.status is Status.WARNING

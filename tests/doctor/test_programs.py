@@ -1,0 +1,131 @@
+"""Other programs, found by running or installing something that is called like them."""
+
+import shutil
+import subprocess
+import time
+from contextlib import contextmanager
+
+import pytest
+
+from neurotouch_hid.doctor import programs
+from neurotouch_hid.doctor.finding import Status
+
+
+@contextmanager
+def running(tmp_path, name, *, script=False):
+    """A real process of this name; as a script, its name is that of the file."""
+    program = tmp_path / name
+    if script:
+        program.write_text("import time\ntime.sleep(60)\n")
+        command = [shutil.which("python3"), str(program)]
+    else:
+        shutil.copy(shutil.which("sleep"), program)
+        command = [str(program), "60"]
+    process = subprocess.Popen(command)
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
+
+
+def look_until(check, status):
+    """What the check says once it says so; a process needs a moment to take its name."""
+    deadline = time.monotonic() + 60
+    while (verdict := check()).status is not status:
+        assert time.monotonic() < deadline, verdict
+        time.sleep(0.02)
+    return verdict
+
+
+def test_steam(tmp_path):
+    with running(tmp_path, "steam"):
+        assert "twice" in look_until(programs.check_steam, Status.WARNING).sentence
+    look_until(programs.check_steam, Status.OK)
+
+
+@pytest.mark.parametrize(
+    ("name", "script", "shown"),
+    [("keyd", False, "keyd"), ("input-remapper-service", True, "input-remapper")],
+)
+def test_a_remapper_is_named(tmp_path, name, script, shown):
+    with running(tmp_path, name, script=script) as process:
+        verdict = look_until(programs.check_remappers, Status.WARNING)
+        assert f"{shown} (PID {process.pid})" in verdict.sentence
+
+
+def test_a_file_that_is_called_so_is_no_remapper(tmp_path):
+    """An editor with keyd's source open."""
+    (tmp_path / "keyd").touch()
+    shutil.copy(shutil.which("tail"), tmp_path / "editor")
+    process = subprocess.Popen([tmp_path / "editor", "keyd", "-f"], cwd=tmp_path)
+    try:
+        time.sleep(0.2)
+        assert process.poll() is None
+        assert programs.check_remappers().status is Status.OK
+    finally:
+        process.kill()
+        process.wait()
+
+
+@pytest.fixture
+def flatpaks(tmp_path):
+    def install(app, devices):
+        folder = tmp_path / "flatpak/app" / app / "current/active"
+        folder.mkdir(parents=True)
+        (folder / "metadata").write_text(f"[Application]\nname={app}\n\n[Context]\n{devices}\n")
+
+    return install
+
+
+def look(tmp_path):
+    return programs.check_sandboxes((tmp_path / "flatpak",), tmp_path / "snap", tmp_path / "home")
+
+
+@pytest.mark.parametrize("devices", ["devices=all;", "devices=dri;input;"])
+def test_a_sandbox_with_devices_is_open(tmp_path, flatpaks, devices):
+    flatpaks("com.valvesoftware.Steam", devices)
+    assert look(tmp_path).status is Status.OK
+
+
+@pytest.mark.parametrize("devices", ["devices=dri;", "sockets=x11;", "garbage"])
+def test_a_sandbox_without_is_named_with_its_command(tmp_path, flatpaks, devices):
+    flatpaks("org.mozilla.firefox", devices)
+    verdict = look(tmp_path)
+    assert verdict.status is Status.WARNING
+    assert "Firefox" in verdict.sentence
+    assert verdict.commands == ("flatpak override --user --device=all org.mozilla.firefox",)
+
+
+def test_what_the_person_has_given_counts(tmp_path, flatpaks):
+    flatpaks("org.mozilla.firefox", "devices=dri;")
+    overrides = tmp_path / "home/.local/share/flatpak/overrides"
+    overrides.mkdir(parents=True)
+    (overrides / "org.mozilla.firefox").write_text("[Context]\ndevices=all;\n")
+    assert look(tmp_path).status is Status.OK
+
+
+def test_a_snap(tmp_path):
+    (tmp_path / "snap/firefox").mkdir(parents=True)
+    assert look(tmp_path).commands == ("sudo snap connect firefox:joystick",)
+
+
+def test_gnome_that_filters_keys(tmp_path, monkeypatch):
+    (tmp_path / "gsettings").write_text(
+        '#!/bin/sh\n[ "$3" = slowkeys-enable ] && echo true || echo false\n'
+    )
+    (tmp_path / "gsettings").chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    monkeypatch.setenv("XDG_CURRENT_DESKTOP", "ubuntu:GNOME")
+    verdict = programs.check_desktop()
+    assert verdict.status is Status.WARNING
+    assert "slow keys switched on" in verdict.sentence
+
+
+def test_kde_that_filters_keys(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("XDG_CURRENT_DESKTOP", "KDE")
+    assert programs.check_desktop().status is Status.OK
+    (tmp_path / ".config").mkdir()
+    (tmp_path / ".config/kaccessrc").write_text("[Keyboard]\nBounceKeys=true\nSlowKeys=false\n")
+    assert "bounce keys switched on" in programs.check_desktop().sentence

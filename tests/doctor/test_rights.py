@@ -1,0 +1,58 @@
+"""Rules for /dev/uinput, in folders like those of udev."""
+
+import pytest
+
+from neurotouch_hid.doctor import rights
+from neurotouch_hid.doctor.finding import Status
+from neurotouch_hid.resources import find_resources
+
+OURS = (find_resources("udev") / "70-neurotouch-uinput.rules").read_text()
+NO_STATIC = 'KERNEL=="uinput", SUBSYSTEM=="misc", TAG+="uaccess"\n'
+
+
+@pytest.fixture
+def folders(tmp_path):
+    made = tuple(tmp_path / name for name in ("etc", "run", "lib"))
+    for folder in made:
+        folder.mkdir()
+    return made
+
+
+def test_ours_is_in_order(folders):
+    (folders[2] / "70-neurotouch-uinput.rules").write_text(OURS)
+    verdict = rights.check_rule(folders)
+    assert verdict.status is Status.OK
+    assert "70-neurotouch-uinput.rules" in verdict.sentence
+
+
+def test_a_rule_over_two_lines_is_read_as_one(folders):
+    (folders[0] / "60-x.rules").write_text(
+        'KERNEL=="uinput", TAG+="uaccess", \\\n OPTIONS+="static_node=uinput"\n'
+    )
+    assert rights.check_rule(folders).status is Status.OK
+
+
+def test_one_that_comes_after_the_seats_is_too_late(folders):
+    (folders[0] / "99-steam.rules").write_text(OURS)
+    verdict = rights.check_rule(folders)
+    assert verdict.status is Status.WARNING
+    assert "99-steam.rules comes too late" in verdict.sentence
+    assert verdict.commands
+
+
+def test_one_without_a_static_node_holds_only_with_the_module(folders):
+    (folders[0] / "60-x.rules").write_text(NO_STATIC)
+    verdict = rights.check_rule(folders)
+    assert verdict.status is Status.WARNING
+    assert "static_node" in verdict.sentence
+    assert any("modules-load.d" in line for line in verdict.commands)
+
+
+@pytest.mark.parametrize("text", ["", "# " + OURS.replace("\n", "\n# "), 'KERNEL=="uhid"\n'])
+def test_a_rule_that_is_hidden_or_says_nothing_is_none(folders, text):
+    """A file in /etc hides the one of the same name in /usr/lib: that is how people switch off."""
+    (folders[2] / "70-neurotouch-uinput.rules").write_text(OURS)
+    (folders[0] / "70-neurotouch-uinput.rules").write_text(text)
+    verdict = rights.check_rule(folders)
+    assert verdict.status in (Status.WARNING, Status.SKIPPED)
+    assert verdict.sentence.startswith("No udev rule ")

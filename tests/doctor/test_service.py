@@ -1,0 +1,48 @@
+"""The service, as systemd tells of it: a script in its place says what systemd 252 says."""
+
+import pytest
+
+from neurotouch_hid.doctor.finding import Status
+from neurotouch_hid.doctor.service import check_service
+
+SAID = {
+    "absent": ("not-found", "inactive", "success", 0, 0),
+    "starts": ("loaded", "activating", "success", 811, 0),
+    "runs": ("loaded", "active", "success", 812, 2),
+    "waits": ("loaded", "inactive", "success", 0, 0),
+    "masked": ("masked", "inactive", "success", 0, 0),
+    "failed": ("loaded", "failed", "exit-code", 0, 7),
+    "restarting": ("loaded", "activating", "watchdog", 0, 9),
+}
+NAMES = ("LoadState", "ActiveState", "Result", "MainPID", "NRestarts")
+
+
+@pytest.mark.parametrize(
+    ("state", "status", "words"),
+    [
+        ("absent", Status.SKIPPED, "not installed"),
+        ("starts", Status.OK, "is starting"),
+        ("runs", Status.OK, "PID 812, after 2 restarts"),
+        ("waits", Status.OK, "starts when a camera"),
+        ("masked", Status.WARNING, "masked"),
+        ("failed", Status.FAILED, "failed, exit-code, after 7"),
+        ("restarting", Status.FAILED, "activating, watchdog, after 9"),
+    ],
+)
+def test_what_systemd_says(tmp_path, monkeypatch, state, status, words):
+    program = tmp_path / "systemctl"
+    said = "\n".join(f"{name}={value}" for name, value in zip(NAMES, SAID[state], strict=True))
+    program.write_text(f"#!/bin/sh\n/bin/cat <<END\n{said}\nEND\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    verdict = check_service()
+    assert verdict.status is status
+    assert words in verdict.sentence
+
+
+def test_without_systemd(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert check_service().status is Status.SKIPPED
+    (tmp_path / "systemctl").write_text("#!/bin/sh\nexit 1\n")  # there, but not PID 1
+    (tmp_path / "systemctl").chmod(0o755)
+    assert check_service().status is Status.SKIPPED

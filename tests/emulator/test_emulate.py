@@ -1,0 +1,39 @@
+"""``neurotouch emulate`` as a user meets it."""
+
+import subprocess
+import sys
+
+import pytest
+
+from neurotouch_hid.emulator import FaultKind
+from neurotouch_hid.emulator.usbip import VHCI
+
+
+def emulate(*arguments):
+    command = [sys.executable, "-m", "neurotouch_hid", "emulate", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=180, check=False)
+
+
+def test_it_explains_itself():
+    done = emulate("--help")
+    assert done.returncode == 0
+    assert "Examples:" in done.stdout
+
+
+def test_it_lists_what_can_go_wrong():
+    done = emulate("--list-faults")
+    assert done.returncode == 0
+    assert all(kind in done.stdout for kind in FaultKind)
+
+
+@pytest.mark.skipif(VHCI.exists(), reason="this kernel has virtual USB ports")
+def test_without_virtual_ports_it_says_how_to_get_them():
+    done = emulate()
+    assert done.returncode == 3
+    assert "modprobe vhci-hcd" in done.stderr
+
+
+def test_a_fault_it_does_not_know_is_refused():
+    done = emulate("--fault", "smoke")
+    assert done.returncode == 3
+    assert "'smoke' is not a fault" in done.stderr

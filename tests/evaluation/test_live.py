@@ -1,0 +1,58 @@
+"""Delays of the line in the sensor's time: what is noted, what it tells."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from neurotouch_hid.evaluation.live import LOST_US, Probe, measure_live, summarise_delays
+from neurotouch_hid.evaluation.load import DenseSource, load_scene
+from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, GamepadState, Step
+
+SLICE_US = 4_000
+
+
+def make_packet(k, n=5):
+    events = np.zeros(n, EVENT_DTYPE)
+    events["t"] = k * SLICE_US + np.arange(n) * 10
+    events["x"], events["y"], events["p"] = 10 * k + np.arange(n), 7, True
+    return EventPacket(k * SLICE_US, (k + 1) * SLICE_US, events)
+
+
+PACKETS = [make_packet(k) for k in range(3)]
+
+
+def test_the_probe_counts_from_the_last_event_and_from_the_slices_end():
+    class Paced:
+        due_ns = 1_000_000
+
+    spent_s = iter([5.0, 6.0])
+    probe = Probe(Paced(), lambda: 1_300_000, lambda: next(spent_s))
+    probe(Step(PACKETS[0], None, None, None, GamepadState(0)))  # not warm yet
+    late = replace(PACKETS[1], t_begin_us=2_000_000, t_end_us=2_004_000)
+    late.events["t"] += 2_000_000 - SLICE_US
+    probe(Step(late, None, None, None, GamepadState(0)))
+    empty = EventPacket(4_000_000, 4_004_000, np.empty(0, EVENT_DTYPE))
+    probe(Step(empty, None, None, None, GamepadState(0)))
+    assert probe.delays_ns == [(300_000, 300_000 + (SLICE_US - 40) * 1_000), (300_000, 300_000)]
+    assert probe.measure_core() == 0.5
+
+
+def test_late_lost_and_a_backlog_that_grows():
+    told = summarise_delays([(200_000, 300_000)] * 100, SLICE_US)
+    assert told["latency_ms"] == pytest.approx({"p50": 0.3, "p99": 0.3, "p99.9": 0.3})
+    assert (told["slices"], told["late"], told["lost"], told["backlog_ms"]) == (100, 0, 0, 0)
+    growing = [(k * 2_000_000, k * 2_000_000) for k in range(100)]
+    told = summarise_delays(growing, SLICE_US)
+    assert told["late"] == 97  # later than 4 ms
+    assert told["lost"] == 100 - LOST_US // 2_000 - 1
+    assert told["backlog_ms"] == pytest.approx(180.0)
+
+
+def test_the_whole_line_is_measured_slice_by_slice():
+    scene = load_scene("push", SLICE_US, 200_000)
+    told = measure_live(DenseSource(scene, 1.4, 50_000), GestureConfig(), "memory")
+    assert 1 <= told["slices"] <= 101
+    assert told["latency_ms"]["p50"] > 0.0
+    assert told["core"] > 0.0

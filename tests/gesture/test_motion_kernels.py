@@ -1,0 +1,61 @@
+"""What fingers do together, and where they are seen to be, against plain twins."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from neurotouch_hid.gesture.elastic.motion.kernels import (
+    choose_shown,
+    locate,
+    measure_motion,
+    measure_size,
+)
+from tests.reference import gesture_elastic as reference
+
+SEED = st.integers(0, 2**32 - 1)
+
+
+def draw(seed, k):
+    rng = np.random.default_rng(seed)
+    motions = np.column_stack([rng.normal(0, 3, (k, 2)), rng.uniform(-0.9, 0.9, k)])
+    return rng.uniform(-20, 20, (k, 2)), rng.uniform(4.5, 9, k), motions
+
+
+@given(SEED, st.integers(1, 3))
+def test_the_motion_equals_its_twin(seed, k):
+    centres, radii, motions = draw(seed, k)
+    parts = np.full(6, np.nan)
+    told = measure_motion(centres, radii, motions, parts)
+    expected, expected_parts = reference.measure_motion(centres, radii, motions)
+    np.testing.assert_allclose(told, expected, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(parts, expected_parts, rtol=1e-9, atol=1e-9)
+
+
+@given(SEED, st.floats(-2, 2))
+def test_a_contact_lies_where_its_twin_lies(seed, press):
+    (centre,), (radius,), (motion,) = draw(seed, 1)
+    expected = reference.locate(centre, radius, motion, press)
+    np.testing.assert_allclose(locate(centre, radius, motion, press), expected, atol=0.05)
+
+
+def test_the_size_is_the_rms_over_the_patch():
+    assert measure_size(np.array([3.0, 4.0, 0.0]), 6.0) == 5.0
+    assert measure_size(np.array([0.0, 0.0, 0.5]), 6.0) == pytest.approx(3.0 / np.sqrt(2.0))
+
+
+def test_a_finger_is_shown_from_one_size_on_and_hidden_below_another():
+    shown, radii = np.zeros(2, np.int64), np.full(2, 6.0)
+    seen = []
+    for size_mm in (0.28, 0.31, 0.28, 0.24, 0.28):
+        only = choose_shown(radii, np.array([[size_mm, 0.0, 0.0], [5.0, 0.0, 0.0]]), shown)
+        assert (only, shown[1]) == (-1, 1)
+        seen.append(int(shown[0]))
+    assert seen == [0, 1, 1, 0, 0]
+
+
+def test_the_largest_is_shown_if_none_is_large():
+    shown = np.zeros(3, np.int64)
+    motions = np.array([[0.1, 0.0, 0.0], [0.2, 0.0, 0.0], [0.0, 0.1, 0.0]])
+    assert choose_shown(np.full(3, 6.0), motions, shown) == 1
+    assert not shown.any()

@@ -1,0 +1,117 @@
+"""The service's unit, as systemd reads it."""
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+UNIT = ROOT / "packaging/systemd/neurotouch.service"
+DROP_INS = sorted((ROOT / "packaging/systemd").glob("*/*.conf"))
+THRESHOLD = 10
+"""Of 100 points of exposure."""
+
+needs_systemd = pytest.mark.skipif(
+    not shutil.which("systemd-analyze"), reason="systemd-analyze is not installed"
+)
+
+
+def analyze(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        ["systemd-analyze", *arguments], capture_output=True, text=True, check=False
+    )
+
+
+def find_version() -> int:
+    return int(analyze("--version").stdout.split()[1])
+
+
+@needs_systemd
+@pytest.mark.parametrize("drop_in", [None, *DROP_INS], ids=lambda path: path.name if path else "-")
+def test_systemd_finds_nothing_wrong(tmp_path, drop_in):
+    if drop_in is not None and "OpenFile" in drop_in.read_text() and find_version() < 253:
+        pytest.skip("OpenFile= is known from systemd 253 on")
+    unit = tmp_path / UNIT.name
+    # The program and the user are not on this machine.
+    unit.write_text(re.sub(r"/usr/bin/neurotouch.*", "/bin/true", UNIT.read_text()))
+    if drop_in is not None:
+        folder = tmp_path / f"{UNIT.name}.d"
+        folder.mkdir()
+        shutil.copy(drop_in, folder)
+    done = analyze("verify", "--man=no", str(unit))
+    # systemd looks into every other unit of the machine as well.
+    said = [line for line in done.stderr.splitlines() if str(tmp_path) in line]
+    assert not said
+
+
+def make_template() -> str:
+    """The unit of another player, as the package's build makes it."""
+    script = UNIT.parent / "players.sed"
+    done = subprocess.run(
+        ["sed", "-f", str(script), str(UNIT)], capture_output=True, text=True, check=True
+    )
+    return done.stdout
+
+
+@needs_systemd
+def test_systemd_finds_nothing_wrong_with_another_players(tmp_path):
+    unit = tmp_path / "neurotouch@.service"
+    unit.write_text(re.sub(r"/usr/bin/neurotouch.*", "/bin/true", make_template()))
+    done = analyze("verify", "--man=no", str(tmp_path / "neurotouch@2.service"))
+    assert not [line for line in done.stderr.splitlines() if str(tmp_path) in line]
+
+
+def test_another_player_has_folders_of_their_own_and_the_same_limits():
+    ours, theirs = UNIT.read_text().splitlines(), make_template().splitlines()
+    changed = [line for line in theirs if line not in ours]
+    assert "RuntimeDirectory=neurotouch-%i" in changed
+    assert any(line.endswith("NEUROTOUCH_PLAYER=%i") for line in changed)
+    assert "WantedBy=multi-user.target" in changed
+    assert len(changed) == 6
+
+
+@needs_systemd
+def test_the_exposure_is_small(tmp_path):
+    unit = shutil.copy(UNIT, tmp_path)  # away from the drop-ins, of which one is for others
+    done = analyze("security", "--offline=true", f"--threshold={THRESHOLD}", str(unit))
+    assert done.returncode == 0, done.stdout[-300:]
+
+
+def test_what_would_make_it_deaf_or_blind_is_not_there():
+    text = UNIT.read_text()
+    for wrong in ("PrivateNetwork=yes", "PrivateDevices=yes", "MemoryDenyWriteExecute=yes"):
+        assert wrong not in text
+    assert re.search(r"^RestrictAddressFamilies=.*AF_NETLINK", text, re.MULTILINE)
+
+
+def test_those_who_come_to_the_socket_can_be_told_apart():
+    assert "PrivateUsers=yes" not in UNIT.read_text()
+
+
+def test_it_is_never_stranded():
+    text = UNIT.read_text()
+    assert "StartLimitIntervalSec=0" in text
+    assert "Restart=always" in text
+
+
+def test_nobody_gets_uinput_by_a_group():
+    text = UNIT.read_text() + "".join(path.read_text() for path in DROP_INS)
+    assert "SupplementaryGroups" not in text
+    assert "Group=" not in text
+
+
+def test_a_right_that_is_lent_is_taken_back():
+    for path in DROP_INS:
+        text = path.read_text()
+        for lent in re.findall(r"setfacl -m (u:\w+):rw (\S+)", text):
+            back = f"setfacl -x {' '.join(lent)}"
+            assert f"ExecStartPost=+-{back}" in text, path.name
+            assert f"ExecStopPost=+-{back}" in text, path.name
+
+
+def test_descriptors_are_handed_over_by_the_name_that_is_asked_for():
+    text = (UNIT.parent / "neurotouch.service.d/uinput-handed-over.conf").read_text()
+    handed = re.findall(r"^OpenFile=(.*)$", text, re.MULTILINE)
+    assert handed == ["/dev/uinput:uinput"] * 3  # pad, keyboard, mouse

@@ -1,0 +1,104 @@
+"""Wheel and sdist: everything inside, and found by an installation far from any checkout."""
+
+import os
+import subprocess
+import sys
+import sysconfig
+import tarfile
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from neurotouch_hid.resources import find_resources
+
+ROOT = Path(__file__).parents[2]
+INSIDE = {
+    "profiles": ["default.yaml", "spacecraft.yaml", "schema/profile-1.json", "schema/user-1.json"],
+    "udev": [path.name for path in (ROOT / "udev").glob("*.rules")],
+    "modules-load.d": ["neurotouch.conf"],
+}
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory) -> Path:
+    """A folder with wheel and sdist, built as ``make dist`` does, the wheel from the sdist."""
+    folder = tmp_path_factory.mktemp("dist")
+    command = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(folder)]
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def python(built, tmp_path_factory) -> Path:
+    """A fresh environment with the wheel; what it depends on is lent by this one."""
+    folder = tmp_path_factory.mktemp("fresh")
+    venv.create(folder, with_pip=False, symlinks=True)
+    wheel = next(built.glob("*.whl"))
+    site = next(folder.glob("lib/python*/site-packages"))
+    target = ["--target", str(site), "--no-deps", "--no-index", "--quiet", str(wheel)]
+    subprocess.run([sys.executable, "-m", "pip", "install", *target], check=True)
+    return folder / "bin/python"
+
+
+def run(python: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """A command of the fresh environment, far from any checkout."""
+    return subprocess.run(
+        [str(python), *arguments],
+        cwd=python.parent,
+        env={**os.environ, "PYTHONPATH": sysconfig.get_path("purelib")},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_the_wheel_holds_what_comes_along(built):
+    with zipfile.ZipFile(next(built.glob("*.whl"))) as wheel:
+        names = set(wheel.namelist())
+    for kind, files in INSIDE.items():
+        for file in files:
+            assert f"neurotouch_hid/data/{kind}/{file}" in names
+    assert not [name for name in names if name.startswith("tests/")]
+
+
+def test_the_sdist_holds_what_the_package_is_made_of(built):
+    with tarfile.open(next(built.glob("*.tar.gz"))) as sdist:
+        names = {name.partition("/")[2] for name in sdist.getnames()}
+    wanted = (
+        "packaging/debian/control",
+        "packaging/requirements.lock",
+        "udev",
+        "Makefile",
+        "tests",
+    )
+    for file in wanted:
+        assert any(name == file or name.startswith(f"{file}/") for name in names), file
+    assert not [name for name in names if name.startswith((".cache", ".venv", "dist"))]
+
+
+@pytest.mark.parametrize("kind", INSIDE)
+def test_the_installed_package_finds_its_own(python, kind):
+    code = f"from neurotouch_hid.resources import find_resources as f; print(f({kind!r}))"
+    said = run(python, "-c", code)
+    assert said.returncode == 0, said.stderr
+    found = Path(said.stdout.strip())
+    assert python.parents[1] in found.parents
+    for file in INSIDE[kind]:
+        assert (found / file).is_file()
+
+
+@pytest.mark.parametrize("kind", INSIDE)
+def test_a_checkout_finds_the_same(kind):
+    for file in INSIDE[kind]:
+        assert (find_resources(kind) / file).is_file()
+
+
+def test_installed_commands_use_them(python):
+    listed = run(python, "-m", "neurotouch_hid", "profile", "list")
+    assert listed.returncode == 0, listed.stderr
+    assert "spacecraft" in listed.stdout
+    setup = run(python, "-m", "neurotouch_hid", "setup", "--dry-run")
+    assert setup.returncode == 0, setup.stderr
+    assert f"{python.parents[1]}/lib" in setup.stdout

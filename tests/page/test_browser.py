@@ -1,0 +1,402 @@
+"""The page in a real browser, with a real line behind it."""
+
+import math
+import os
+import re
+import shutil
+import signal
+import time
+from contextlib import suppress
+
+import pytest
+
+from tests.page.conftest import PROFILE
+from tests.page.processes import LIMIT_S, Driver, Process, View
+
+WIDTHS = {"desk": (1280, 1000), "phone": (360, 740)}
+
+
+def wait_for_say(page, words: str) -> str:
+    page.wait_for_function(
+        "words => document.getElementById('say').textContent.startsWith(words)", arg=words
+    )
+    return page.inner_text("#say")
+
+
+def wait_on(page, happened) -> None:
+    """Waits for what happens outside the page, and lets the page's events in meanwhile."""
+    deadline = time.monotonic() + LIMIT_S
+    while not happened():
+        assert time.monotonic() < deadline
+        page.wait_for_timeout(50)
+
+
+def wait_for_text(page, path, text: str) -> None:
+    with suppress(AssertionError):
+        wait_on(page, lambda: path.read_text() == text)
+    assert path.read_text() == text
+
+
+def wait_while_it_runs(page, condition: str) -> None:
+    """Waits for a condition in a page whose clock goes only when it is told to."""
+
+    def happened() -> bool:
+        page.clock.run_for(100)
+        return bool(page.evaluate(condition))
+
+    wait_on(page, happened)
+
+
+def test_the_sentence_and_the_bars_follow_the_hand(open_page, view):
+    page = open_page(view.link)
+    assert page.evaluate("location.hash") == ""  # the token has left the address bar
+    said = wait_for_say(page, "Push right")
+    assert re.fullmatch(r"Push right [\d.]+ mm, \d fingers?( → .*)?", said)
+    page.wait_for_function(
+        "() => /left stick right \\d+ %/.test(document.getElementById('say').textContent)"
+    )
+    bar = "[data-movement=push_right] .value"
+    page.wait_for_function("bar => Number(document.querySelector(bar).textContent) > 2", arg=bar)
+    wait_for_say(page, "Zoom")
+    page.wait_for_function(
+        "() => Number(document.querySelector('[data-movement=zoom] .value').textContent) > 1.5"
+    )
+    assert float(page.inner_text(bar)) == 0.0
+    live = page.locator("#live")
+    assert live.get_attribute("aria-live") == "polite"
+    page.wait_for_function("() => document.getElementById('live').textContent.length > 6")
+
+
+def test_every_part_is_there_in_its_order(open_page, view):
+    page = open_page(view.link)
+    wait_for_say(page, "Push")
+    titles = [each.inner_text() for each in page.locator("main h2").all()]
+    assert titles == [
+        *("Gestures", "Gel", "Response", "Virtual pad", "Latency", "Health", "Last actions"),
+    ]
+    page.wait_for_function("() => document.getElementById('stages').rows.length >= 6")
+    table = page.inner_text("#stages")
+    for stage in ("camera window", "tracker", "gesture", "profile", "kernel", "tremor filter"):
+        assert stage in table
+    health = page.inner_text("#health")
+    assert re.search(r"markers tracked\s+17\d of 177", health)
+    assert "sim:tour" in health
+    assert "SIMULATED" in page.inner_text("#badges")
+
+
+def test_an_ignored_gesture_says_which_rule_did_it(open_page, view):
+    page = open_page(view.link)
+    page.wait_for_selector("#actions .ignored")
+    said = page.inner_text("#actions .ignored >> nth=0")
+    assert "pinch" in said
+    assert re.search(r"because lasted \d+ ms < 5000 ms", said)
+
+
+def test_dragging_a_threshold_changes_one_line_of_the_file(open_page, view, folder):
+    path = folder / "config/neurotouch/profiles/mine.yaml"
+    path.write_text(PROFILE)
+    page = open_page(view.link)
+    page.wait_for_selector("[data-movement=pinch] .mark-on_mm.draggable")
+    mark = page.locator("[data-movement=pinch] .mark-on_mm")
+    lane = page.locator("[data-movement=pinch] .marks").bounding_box()
+    box = mark.bounding_box()
+    page.mouse.move(box["x"], box["y"] + box["height"] / 2)
+    page.mouse.down()
+    page.mouse.move(lane["x"] + lane["width"] * 6.0 / 15, box["y"], steps=5)
+    assert path.read_text() == PROFILE  # nothing is saved while it is held
+    page.mouse.up()
+    page.wait_for_function("() => document.getElementById('saved').textContent.includes('1 line')")
+    before, after = PROFILE.splitlines(), path.read_text().splitlines()
+    changed = [(a, b) for a, b in zip(before, after, strict=True) if a != b]
+    assert len(changed) == 1
+    assert changed[0][1] == changed[0][0].replace("on_mm: 4.0", "on_mm: 6.0")
+    page.wait_for_function(
+        "() => document.querySelector('[data-movement=pinch] .mark-on_mm')"
+        ".getAttribute('aria-valuenow') === '6'"
+    )
+    page.click("#undo")
+    page.wait_for_function("() => document.getElementById('saved').textContent.includes('again')")
+    assert path.read_text() == PROFILE
+
+
+def test_a_range_moves_by_keyboard_and_a_curve_by_hand(open_page, view, folder):
+    path = folder / "config/neurotouch/profiles/mine.yaml"
+    path.write_text(PROFILE)
+    page = open_page(view.link)
+    page.wait_for_selector("[data-movement=push_left] .mark-full.draggable")
+    page.locator("[data-movement=push_left] .mark-full").focus()
+    for _ in range(5):
+        page.keyboard.press("ArrowLeft")
+    # Keys that come slowly are saved in between; in the end each of them has counted.
+    wait_for_text(page, path, PROFILE.replace("[1.0, 8.0]", "[1.0, 7.5]"))
+    page.wait_for_function(
+        "() => document.querySelector('[data-movement=push_left] .mark-full').title.includes('7.5')"
+    )
+    page.select_option("#curve-choice", label="push → stick left")
+    handle = page.locator("#curve-handles .mark-expo")
+    handle.scroll_into_view_if_needed()
+    box, plot = handle.bounding_box(), page.locator("#curve-handles").bounding_box()
+    page.mouse.move(box["x"], box["y"])
+    page.mouse.down()
+    page.mouse.move(box["x"], plot["y"] + 0.65 * plot["height"], steps=4)
+    page.mouse.up()
+    page.wait_for_function("() => document.getElementById('saved').textContent.includes('expo')")
+    assert path.read_text() == PROFILE.replace("[1.0, 8.0]", "[1.0, 7.5]").replace(
+        "expo: 0.3", "expo: 0.4"
+    )
+    path.write_text(PROFILE)
+
+
+def test_no_key_is_lost_when_the_profile_changes_meanwhile(open_page, view, folder):
+    path = folder / "config/neurotouch/profiles/mine.yaml"
+    path.write_text(PROFILE)
+    page = open_page(view.link, clock=True)  # keys are saved only when the clock goes on
+    heard: list[str] = []
+    page.on(
+        "websocket", lambda line: line.on("framereceived", lambda said: heard.append(str(said)))
+    )
+    page.reload()
+    wait_while_it_runs(page, "() => document.querySelector('.mark-full.draggable')")
+    mark = page.locator("[data-movement=push_left] .mark-full")
+    mark.focus()
+    for _ in range(3):
+        page.keyboard.press("ArrowLeft")
+    heard.clear()
+    elsewhere = PROFILE.replace("on_mm: 4.0", "on_mm: 5.0")
+    path.write_text(elsewhere)
+    wait_on(page, lambda: any('"about"' in said for said in heard))
+    for _ in range(2):
+        page.keyboard.press("ArrowLeft")
+    assert path.read_text() == elsewhere
+    page.clock.run_for(1_000)
+    wait_for_text(page, path, elsewhere.replace("[1.0, 8.0]", "[1.0, 7.5]"))
+    page.wait_for_function(
+        "() => document.querySelector('[data-movement=pinch] .mark-on_mm')"
+        ".getAttribute('aria-valuenow') === '5'"
+        " && document.activeElement.closest('[data-movement=push_left]')"
+    )
+    assert mark.get_attribute("aria-valuenow") == "7.5"
+    # And back to where it began: nothing to save, but what came meanwhile is shown.
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("ArrowLeft")
+    heard.clear()
+    path.write_text(path.read_text().replace("on_mm: 5.0", "on_mm: 6.0"))
+    wait_on(page, lambda: any('"about"' in said for said in heard))
+    page.clock.run_for(1_000)
+    page.wait_for_function(
+        "() => document.querySelector('[data-movement=pinch] .mark-on_mm')"
+        ".getAttribute('aria-valuenow') === '6'"
+    )
+    path.write_text(PROFILE)
+
+
+def test_plus_and_minus_and_pause_do_without_dragging(open_page, view, driver, folder):
+    path = folder / "config/neurotouch/profiles/mine.yaml"
+    path.write_text(PROFILE)
+    page = open_page(view.link)
+    page.wait_for_selector("#mark-choice option >> nth=3", state="attached")
+    page.select_option("#mark-choice", label="pinch from 4 mm → button a: acts from")
+    page.click("#mark-more")
+    page.wait_for_function(
+        "() => document.getElementById('saved').textContent.includes('pinch on')"
+    )
+    assert path.read_text() == PROFILE.replace("on_mm: 4.0", "on_mm: 4.1")
+    page.click("#pause")
+    page.wait_for_function("() => document.getElementById('badges').textContent.includes('PAUSED')")
+    assert driver.status()["state"] == "paused"
+    page.click("#resume")
+    page.wait_for_function(
+        "() => !document.getElementById('badges').textContent.includes('PAUSED')"
+    )
+    path.write_text(PROFILE)
+
+
+def test_without_edit_nothing_can_be_changed(open_page, driver):
+    looking = View(driver.folder)
+    try:
+        page = open_page(looking.link)
+        wait_for_say(page, "Push")
+        assert page.locator(".draggable").count() == 0
+        assert page.locator("#editor").is_hidden()
+        page.close()
+    finally:
+        looking.end()
+
+
+@pytest.mark.parametrize(("width", "scheme"), [("desk", "light"), ("phone", "dark")])
+@pytest.mark.parametrize("name", ["", "gel", "game"])
+def test_no_rule_of_accessibility_is_broken(open_page, view, name, width, scheme):
+    from axe_playwright_python.sync_playwright import Axe
+
+    w, h = WIDTHS[width]
+    page = open_page(view.page(name), viewport={"width": w, "height": h}, color_scheme=scheme)
+    page.wait_for_function(
+        "() => document.querySelector('#badges').textContent.includes('mine')"
+        " || document.querySelector('#badges').textContent.includes('SIM')"
+    )
+    found = Axe().run(page)
+    assert found.violations_count == 0, found.generate_report()
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+
+@pytest.mark.parametrize(
+    ("name", "wish"),
+    [
+        ("", {"forced_colors": "active"}),
+        ("gel", {"contrast": "more"}),
+        ("game", {"reduced_motion": "reduce"}),
+    ],
+)
+def test_other_ways_of_seeing_are_served_too(open_page, view, name, wish):
+    from axe_playwright_python.sync_playwright import Axe
+
+    page = open_page(view.page(name), **wish)
+    page.wait_for_selector("nav")
+    found = Axe().run(page)
+    assert found.violations_count == 0, found.generate_report()
+
+
+def test_the_keyboard_alone_reaches_everything(open_page, view):
+    page = open_page(view.link)
+    page.wait_for_selector(".mark.draggable")
+    reached = set()
+    for _ in range(80):
+        page.keyboard.press("Tab")
+        reached.add(
+            page.evaluate(
+                "() => { const e = document.activeElement;"
+                " return e.dataset.mark || e.id || e.textContent.slice(0, 20); }"
+            )
+        )
+    for control in ("on_mm", "full", "expo", "mark-choice", "mark-more", "undo", "curve-choice"):
+        assert control in reached
+    assert "Spacecraft" in reached
+
+
+def test_the_ship_rolls_as_the_gel_is_twisted(open_page, driver, view, folder):
+    page = open_page(view.page("game"))
+    page.wait_for_function("() => document.querySelector('#badges').textContent.includes('stream')")
+    assert "SIMULATED" in page.inner_text("#badges")
+    assert page.inner_text("#roll") == "0°"
+    page.check("#sound")
+    page.click("#fly")
+    page.wait_for_function("() => parseInt(document.getElementById('roll').textContent) > 5")
+    assert page.inner_text("#speed") != ""
+    page.keyboard.press("Escape")
+    page.wait_for_selector("#pause-panel:not([hidden])")
+
+
+def test_the_attract_mode_flies_and_lands_with_figures(open_page, view):
+    page = open_page(view.page("game"), viewport={"width": 480, "height": 480}, clock=True)
+    page.click("#watch")
+    page.clock.run_for(8_000)
+    assert "Scripted hand: " in page.inner_text("#hand")
+    assert int(page.inner_text("#rings").split()[0]) >= 1
+    page.clock.run_for(50_000)
+    assert page.inner_text("#result-words").startswith("12 of 12 rings")
+    page.wait_for_function("() => /bit\\/s/.test(document.getElementById('figures').textContent)")
+    assert "neurotouch calibrate" in page.inner_text("#result")
+
+
+def test_the_mouse_leads_the_gel_and_the_real_line_follows(open_page, tmp_path):
+    demo = Process(tmp_path, "demo", "--mouse", ready="Gamepad ready")
+    try:
+        link = re.search(r"Press the gel here: (\S+)", demo.said)[1]
+        page = open_page(link, has_touch=True)
+        assert page.inner_text(".simulated") == "SIMULATED"
+        wait_for_say(page, "At rest")
+        box = page.locator("#gel").bounding_box()
+        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        step = min(box["width"], box["height"]) / 66
+        page.mouse.move(x, y)
+        page.mouse.down()
+        page.mouse.move(x + 7 * step, y, steps=8)
+        wait_for_say(page, "Push right")
+        page.wait_for_function(
+            "() => /left stick right \\d\\d %/.test(document.getElementById('say').textContent)"
+        )
+        page.mouse.up()
+        wait_for_say(page, "At rest")
+        page.focus("#gel")
+        page.keyboard.down("e")
+        wait_for_say(page, "Twist clockwise")
+        page.keyboard.down("Control")
+        page.keyboard.up("e")
+        time.sleep(1.0)
+        assert page.inner_text("#say").startswith("Twist clockwise")  # held
+        page.keyboard.up("Control")
+        wait_for_say(page, "At rest")
+        fingers = page.context.new_cdp_session(page)
+        touch(fingers, page, x, y, lambda t: (6 + 6 * t, 0.0))  # two fingers open
+        wait_for_say(page, "Zoom")
+        lift(fingers)
+        wait_for_say(page, "At rest")
+        touch(fingers, page, x, y, lambda t: (12.0, 0.6 * t))  # and turn
+        wait_for_say(page, "Twist clockwise")
+        lift(fingers)
+        wait_for_say(page, "At rest")
+        page.check("#resting")
+        page.wait_for_function("() => !document.getElementById('say').textContent.includes('rest')")
+        page.uncheck("#resting")
+        wait_for_say(page, "At rest")
+        page.mouse.move(x, y)
+        for _ in range(10):
+            page.mouse.wheel(0, 60)
+            time.sleep(0.03)
+        wait_for_say(page, "Pinch")
+        page.wait_for_function(
+            "() => /mouse to pad/.test(document.getElementById('lag').textContent)"
+        )
+        page.close()
+    finally:
+        demo.end()
+    assert demo.process.returncode == 0
+    assert demo.said.rstrip().splitlines()[-1].endswith("neurotouch game")
+    assert not list((tmp_path / "run").glob("page.json"))
+
+
+def touch(session, page, x, y, way) -> None:
+    """Lays two fingers down and moves them: ``way(t)`` is their distance in mm and their turn."""
+    box = page.locator("#gel").bounding_box()
+    step = min(box["width"], box["height"]) / 66
+    for i in range(13):
+        far, turn = way(i / 12)
+        dx, dy = far * step * math.cos(turn), far * step * math.sin(turn)
+        points = [{"x": x + dx, "y": y + dy, "id": 0}, {"x": x - dx, "y": y - dy, "id": 1}]
+        kind = "touchMove" if i else "touchStart"
+        session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+        time.sleep(0.03)
+
+
+def lift(session) -> None:
+    session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+
+
+def test_a_frozen_or_killed_page_never_touches_the_line(tmp_path, folder):
+    shutil.copytree(folder / "config", tmp_path / "config")
+    driver = Driver(tmp_path)
+    view = View(tmp_path)
+    try:
+        from websockets.sync.client import connect
+
+        with connect(
+            f"ws://127.0.0.1:{view.port}/stream", origin=f"http://127.0.0.1:{view.port}"
+        ) as socket:
+            socket.send(f'{{"token": "{view.token}", "hz": 60}}')
+            for _ in range(30):
+                socket.recv(LIMIT_S)
+            os.kill(view.process.pid, signal.SIGSTOP)
+            before = driver.status()
+            driver.wait(lambda: driver.status()["slices"] > before["slices"] + 200)
+            assert driver.status()["silent_s"] == 0.0
+            os.kill(view.process.pid, signal.SIGCONT)
+            states = [socket.recv(LIMIT_S) for _ in range(30)]
+            assert any(isinstance(state, bytes) for state in states)
+        view.process.kill()
+        view.process.wait()
+        before = driver.status()
+        driver.wait(lambda: driver.status()["slices"] > before["slices"] + 100)
+    finally:
+        view.process.kill()
+        driver.end()
+    assert "Traceback" not in driver.said

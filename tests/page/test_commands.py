@@ -1,0 +1,76 @@
+"""The commands around the page: what they print, and how they end."""
+
+import json
+import os
+import re
+import subprocess
+
+import pytest
+
+from tests.page.processes import PROGRAM
+
+
+@pytest.mark.parametrize("command", ["view", "monitor", "game", "demo"])
+def test_each_has_help_with_examples(command):
+    done = subprocess.run([*PROGRAM, command, "--help"], capture_output=True, text=True, check=True)
+    assert "Examples:" in done.stdout
+
+
+def test_the_monitor_needs_a_driver(tmp_path):
+    done = subprocess.run(
+        [*PROGRAM, "monitor", "--plain"],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "RUNTIME_DIRECTORY": str(tmp_path)},
+    )
+    assert done.returncode == 8
+    assert done.stderr == "Error: No driver is running.\nFix: Start it: neurotouch run\n"
+
+
+def test_the_monitor_tells_lines_and_ends(driver):
+    done = driver.call("monitor", "--plain", "--seconds", "6")
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert lines[0].startswith("driver: running, profile mine, layer base, source SIMULATED")
+    assert any(line.startswith("hand: ") for line in lines)
+    assert any(line.startswith("health: 17") for line in lines)
+    assert any(line.startswith("latency: camera window 10 ms, tracker ") for line in lines)
+    assert "\x1b" not in done.stdout
+
+
+def test_the_monitor_tells_json(driver):
+    done = driver.call("monitor", "--json", "--seconds", "2")
+    states = [json.loads(line) for line in done.stdout.splitlines()]
+    assert len(states) > 3
+    assert {"say", "gesture", "pad", "actions", "slow"} <= set(states[0])
+    assert done.returncode == 0
+
+
+def test_the_game_finds_the_page_that_is_served(view):
+    done = view.call("game", "--no-open")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == f"Spacecraft: {view.page('game')}\n"
+
+
+def test_a_demo_says_its_links_and_takes_its_page_along(tmp_path):
+    done = subprocess.run(
+        [*PROGRAM, "demo", "--seconds", "1"],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "RUNTIME_DIRECTORY": str(tmp_path / "run")},
+    )
+    assert done.returncode == 0, done.stderr
+    link = re.search(r"Watch it here: (http://127\.0\.0\.1:\d+/#k=[\w-]+)", done.stderr)[1]
+    game = re.search(r"Play the spacecraft: (\S+)", done.stderr)[1]
+    assert game == link.replace("/#", "/game#")
+    assert done.stderr.rstrip().endswith("neurotouch game")
+    assert not (tmp_path / "run" / "page.json").exists()
+
+
+def test_a_mouse_needs_its_page(tmp_path):
+    done = subprocess.run(
+        [*PROGRAM, "demo", "--mouse", "--no-page"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 2

@@ -1,0 +1,110 @@
+"""What a weak movement does goes to others: checked by playing the changed profile."""
+
+import pytest
+
+from neurotouch_hid.profile import Mapping, UserSettings, check_content, perform, rehearse
+from neurotouch_hid.profile.document import parse_document
+from neurotouch_hid.profile.editing import avoid, hand_over, list_wishes, make_when
+from neurotouch_hid.profile.library import find_shipped_folder
+from neurotouch_hid.profile.movements import MOVEMENTS
+
+SHIPPED = sorted(path.stem for path in find_shipped_folder().glob("*.yaml"))
+MINE = """\
+version: 1
+name: mine
+bindings:
+  # opens
+  - when: {gesture: zoom, on_mm: 7.0}
+    do: {button: b}
+  - when: zoom  # faster
+    do: {trigger: right, range_mm: [1.0, 4.5]}
+  - when: push
+    do: {stick: left}
+  - when: pinch
+    do: {trigger: left}
+"""
+
+
+def shipped(name):
+    return (find_shipped_folder() / f"{name}.yaml").read_text(encoding="utf-8")
+
+
+def play(text, script):
+    """Everything that changes, in the order of its moments."""
+    profile = check_content(text.encode(), "x").require()
+    mapping = Mapping(profile, UserSettings(filter="none"))
+    return [change for moment in perform(mapping, rehearse(script)) for change in moment.changes]
+
+
+def test_what_is_pressed_gets_conditions_of_its_own():
+    wishes = [make_when("pinch", "long"), make_when("pinch", "double"), make_when("pinch", "tap")]
+    done = hand_over(MINE, "zoom", wishes)
+    assert done.moved == ("pinch long -> button b", "pinch double -> toggle trigger right")
+    assert not done.left
+    assert "# faster" in done.text
+    assert "# opens" in done.text
+    assert hand_over(MINE, "twist_cw", wishes).text == MINE
+    few = hand_over(MINE, "zoom", wishes[:1])
+    assert few.left == ("zoom -> trigger right",)
+
+
+def test_a_wish_that_something_answers_to_is_no_wish():
+    text = MINE + "  - when: {gesture: pinch, press: long}\n    do: {button: x}\n"
+    done = hand_over(text, "zoom", [make_when("pinch", "long"), make_when("pinch", "tap")])
+    assert done.moved == ("pinch tap -> button b",)
+
+
+def test_a_stick_is_turned_round_by_a_quick_press_and_back():
+    done = hand_over(MINE, "push_left", list_wishes("push_left"))
+    assert done.moved == ("push right double turns round push -> stick left",)
+    twice = "push right 5mm tap; rest 150ms; push right 5mm tap; rest 500ms"
+    held = "push right 8mm 300ms hold 300ms; rest 500ms"
+    assert "left_x +100 %" in play(done.text, held)
+    turned = play(done.text, f"{twice}; {held}")
+    assert "left_x -100 %" in turned
+    back = play(done.text, f"{twice}; {twice}; {held}")
+    assert "left_x -100 %" not in back
+    assert "left_x +100 %" in back
+
+
+@pytest.mark.parametrize(
+    ("name", "weak", "shown"),
+    [
+        ("mouse", "push_up", "push down double turns round push -> mouse pointer"),
+        ("mouse", "twist_cw", "twist ccw double turns round twist cw -> mouse wheel"),
+        ("flight", "twist_ccw", "twist cw double turns round twist -> axis right_x +"),
+    ],
+)
+def test_pointer_wheel_and_signed_axes_are_turned_round(name, weak, shown):
+    done = hand_over(shipped(name), weak, list_wishes(weak))
+    assert shown in done.moved
+    check_content(done.text.encode(), "x").require()
+
+
+def test_the_wheel_turns_the_other_way_with_the_strong_side():
+    done = hand_over(shipped("mouse"), "twist_cw", list_wishes("twist_cw"))
+    once = "twist_ccw 6mm 100ms hold 100ms"
+    twice = f"{once}; rest 250ms; {once}; rest 900ms"
+    held = "twist_ccw 8mm 300ms hold 500ms; rest 500ms"
+    before, after = play(done.text, held), play(done.text, f"{twice}; {held}")
+    assert any(c.startswith("wheel ") and "-" not in c for c in before), before
+    assert any(c.startswith("wheel -") for c in after), after
+
+
+@pytest.mark.parametrize("weak", MOVEMENTS)
+@pytest.mark.parametrize("name", SHIPPED)
+def test_every_shipped_profile_stays_right_without_a_movement(name, weak):
+    done = avoid(shipped(name), [weak])
+    checked = check_content(done.text.encode(), "x", unused=[weak])
+    profile = checked.require()
+    lost = [f for f in checked.faults if f.code == "NT212" and "never acts" in f.sentence]
+    turned = [what for what in done.moved if "turns round" in what]
+    assert len(lost) <= len(done.left) + len(turned)  # these act in the layer that turns them
+    assert len(profile.all_layers) <= 8
+    before = parse_document(shipped(name))[0].value
+    assert parse_document(done.text)[0].value["name"] == before["name"]
+
+
+def test_new_lines_end_as_the_others_do():
+    done = hand_over(MINE.replace("\n", "\r\n"), "push_left", list_wishes("push_left"))
+    assert "\n" not in done.text.replace("\r\n", "")

@@ -1,0 +1,132 @@
+"""A recording is readable at every moment, whatever ends it."""
+
+import resource
+import shutil
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+
+from neurotouch_hid.errors import RecordingError
+from neurotouch_hid.messages import EVENT_DTYPE
+from neurotouch_hid.recording import Recording, RecordingWriter
+from tests.recording.streams import make_events, make_packets
+from tests.vendor import dv
+
+
+def count(path):
+    """Events and frames, as we read them."""
+    batches = list(Recording(path))
+    return sum(len(events) for events, _ in batches), sum(len(frames) for _, frames in batches)
+
+
+def count_with_the_maker(path):
+    recording = dv.io.MonoCameraRecording(str(path))
+    events = frames = 0
+    while (store := recording.getNextEventBatch()) is not None:
+        events += store.size()
+    while recording.getNextFrame() is not None:
+        frames += 1
+    return events, frames
+
+
+def expect(packets):
+    return sum(len(p.events) for p in packets), sum(len(p.frames) for p in packets)
+
+
+@contextmanager
+def largest_file(n_bytes):
+    """The kernel refuses to write beyond, as it does on a full disk."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def test_in_place_it_is_there_and_readable_after_every_packet(tmp_path):
+    path, packets = tmp_path / "a.aedat4", make_packets(4_000)
+    with RecordingWriter(path, in_place=True) as writer:
+        for n, packet in enumerate(packets, 1):
+            writer.write(packet)
+            copy = shutil.copy(path, tmp_path / "copy.aedat4")
+            assert count(copy) == expect(packets[:n])
+    assert count(path) == count_with_the_maker(path) == expect(packets)
+
+
+def test_without_its_table_the_maker_reads_it_too(tmp_path):
+    writer = RecordingWriter(tmp_path / "a.aedat4", in_place=True)
+    packets = make_packets(4_000)
+    for packet in packets:
+        writer.write(packet)
+    assert count_with_the_maker(tmp_path / "a.aedat4") == expect(packets)
+    writer.close()
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, RuntimeError])
+def test_in_place_an_interruption_leaves_what_there_is(tmp_path, error):
+    path, packets = tmp_path / "a.aedat4", make_packets(1_000)
+
+    def write():
+        with RecordingWriter(path, in_place=True) as writer:
+            writer.write(packets[0])
+            raise error
+
+    with pytest.raises(error):
+        write()
+    assert count(path) == count_with_the_maker(path) == expect(packets[:1])
+
+
+@pytest.mark.parametrize("limit_bytes", [40_000, 100_000, 100_001, 133_003])
+def test_a_disk_that_gets_full_leaves_whole_packets(tmp_path, limit_bytes):
+    path, packets, written = tmp_path / "a.aedat4", make_packets(), 0
+    writer = RecordingWriter(path, in_place=True)
+    with largest_file(limit_bytes):
+        with pytest.raises(RecordingError, match="cannot be written: File too large"):  # noqa: PT012
+            for packet in packets:
+                writer.write_events(packet.events)
+                written += len(packet.events)
+        writer.close()
+    assert 0 < written < 20_000
+    assert path.stat().st_size <= limit_bytes
+    assert count(path) == count_with_the_maker(path) == (written, 0)
+
+
+def test_a_disk_without_room_for_a_header_makes_no_file(tmp_path):
+    with (
+        largest_file(100),
+        pytest.raises(RecordingError, match="cannot be written: File too large"),
+    ):
+        RecordingWriter(tmp_path / "a.aedat4", in_place=True)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("n_packets", range(1, 8))
+def test_the_table_leads_to_every_packet(tmp_path, n_packets):
+    """The table's rows are aligned for every number of packets: the maker's reader uses it."""
+    path = tmp_path / "a.aedat4"
+    events = make_events(1_000, 70_000)
+    with RecordingWriter(path) as writer:
+        for part in np.array_split(events, n_packets):
+            writer.write_events(part)
+    recording = dv.io.MonoCameraRecording(str(path))
+    low, high = recording.getTimeRange()
+    assert (low, high) == (int(events["t"][0]), int(events["t"][-1]))
+    assert count_with_the_maker(path) == (1_000, 0)
+
+
+def test_no_byte_of_memory_that_is_not_ours_gets_into_the_file(tmp_path):
+    """The padding of a record is whatever was there before; a file must not carry it."""
+    dirty = np.frombuffer(b"\xee" * 16 * 500, EVENT_DTYPE).copy()
+    for name in ("t", "x", "y", "p"):
+        dirty[name] = 1
+    clean = np.zeros(500, EVENT_DTYPE)
+    for name in ("t", "x", "y", "p"):
+        clean[name] = 1
+    sizes = []
+    for name, events in (("dirty", dirty), ("clean", clean)):
+        with RecordingWriter(tmp_path / name) as writer:
+            writer.write_events(events)
+        sizes.append((tmp_path / name).read_bytes())
+    assert sizes[0] == sizes[1]

@@ -1,0 +1,69 @@
+"""A live line: frames are taken in after the pad was written, and seldom while nothing happens."""
+
+import time
+
+import numpy as np
+import pytest
+
+from neurotouch_hid.evaluation.load import load_scene
+from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.profile import load_profile
+from neurotouch_hid.runtime import Pipeline
+from neurotouch_hid.runtime.pipeline import IDLE_FRAME_US, IDLE_US
+
+
+def wait_for(condition):
+    deadline = time.monotonic() + 60.0
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.001)
+
+
+@pytest.fixture
+def lines():
+    """A live one and one for recordings."""
+    both = [
+        Pipeline.build(load_profile("default"), GestureConfig(), live=it) for it in (True, False)
+    ]
+    yield both
+    for line in both:
+        line.close()
+
+
+def play_live(line, packet):
+    """A slice with all the time that rest detection takes."""
+    step = line.advance(packet)
+    n_frames, looked_us = line.rest.detector.stats().n_frames, line._looked_us
+    line.catch_up(packet)
+    if line._looked_us != looked_us:
+        wait_for(lambda: line.rest.detector.stats().n_frames > n_frames)
+        time.sleep(0.002)  # the answer follows the count at once
+    return step
+
+
+def test_frames_that_wait_for_the_pad_tell_the_same(push, lines):
+    live, usual = lines
+    apart_px, same = [], []
+    for packet in push.packets:
+        late, now = play_live(live, packet), usual.advance(packet)
+        if packet.t_end_us > 300_000:
+            off = late.markers.position_px - now.markers.position_px
+            apart_px.append(np.hypot(*off.T))
+            same.append(late.gesture.kind is now.gesture.kind)
+        assert not (live.is_idle and late.gesture.kind)
+    assert np.max(apart_px) < 1.0
+    assert np.median(apart_px) < 0.1
+    assert np.mean(same) > 0.98
+    assert live.tracker.stats().n_anchors > 5
+
+
+def test_an_idle_line_looks_at_a_frame_now_and_then(lines):
+    live = lines[0]
+    n_frames, idle_since_us = 0, None
+    for packet in load_scene("rest", 10_000, 2_500_000).packets:
+        if idle_since_us is None and live.is_idle:
+            idle_since_us, n_frames = packet.t_begin_us, live.rest.detector.stats().n_frames
+        play_live(live, packet)
+    assert idle_since_us == pytest.approx(IDLE_US, abs=20_000)
+    looked = live.rest.detector.stats().n_frames - n_frames
+    assert looked == pytest.approx((2_500_000 - idle_since_us) / IDLE_FRAME_US, abs=2)

@@ -1,0 +1,58 @@
+"""The line's thread is preferred where that is permitted, and goes on where it is not."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+SCRIPT = """
+import ctypes, json, os, sys, threading, time
+from neurotouch_hid.runtime import hurry
+if sys.argv[1] == "user":
+    os.setuid(65534)
+def look():
+    thread = threading.get_native_id()
+    policy = os.sched_getscheduler(thread)
+    said.append([policy, os.getpriority(os.PRIO_PROCESS, thread)])
+def look_in_thread():
+    thread = threading.Thread(target=look)
+    thread.start()
+    thread.join()
+said = []
+look()
+older = threading.Thread(target=lambda: (go.wait(), look()))
+go = threading.Event()
+older.start()
+with hurry():
+    look()
+    said.append(round(1e6 * sys.getswitchinterval()))
+    look_in_thread()  # begins now, as the camera's does
+    said.append(ctypes.CDLL(None).prctl(30, 0, 0, 0, 0))  # PR_GET_TIMERSLACK
+    go.set()
+    older.join()
+    begun = time.monotonic()
+    while os.sched_getscheduler(0) and time.monotonic() - begun < 60.0:
+        pass  # hangs
+    look()
+look()
+print(json.dumps(said))
+"""
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root may raise and drop rights")
+@pytest.mark.parametrize(("who", "raised"), [("root", True), ("user", False)])
+def test_the_line_is_preferred_while_it_plays_and_as_long_as_it_does_not_hang(who, raised):
+    nice = os.getpriority(os.PRIO_PROCESS, 0)
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT, who], capture_output=True, text=True, check=True
+    )
+    before, line, switch_us, camera, slack, older, hung, after = json.loads(done.stdout)
+    usual = [os.SCHED_OTHER, nice]
+    raised_nice = -10 if raised else nice
+    assert slack <= 1_000
+    assert switch_us == 1_000
+    assert before == after == older == usual
+    assert line == camera == [os.SCHED_RR if raised else os.SCHED_OTHER, raised_nice]
+    assert hung == [os.SCHED_OTHER, raised_nice]

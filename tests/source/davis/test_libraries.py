@@ -1,0 +1,92 @@
+"""Both USB libraries as they are, on an emulated camera under umockdev."""
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from neurotouch_hid.emulator import CameraConfig, EmulatedCamera, Fault
+from neurotouch_hid.emulator.umockdev import PRELOAD
+from tests.emulator.stage import plug_in
+from tests.source.davis.player import fingerprint
+from tests.source.davis.test_faults import make_scene
+
+pytestmark = pytest.mark.filterwarnings("ignore:DynamicImporter:ImportWarning")  # gi's own
+
+SCENE = make_scene(20)
+EVENTS = np.concatenate([packet.events for packet in SCENE])
+N_EVENTS = len(EVENTS)
+N_FRAMES = sum(len(packet.frames) for packet in SCENE)
+
+
+def play(library, *faults, n_events=N_EVENTS):
+    """What a driver in a process of its own saw of the scene."""
+    config = CameraConfig(await_reset=True, hurry=True)
+    camera = EmulatedCamera(SCENE, config, [Fault.parse(fault) for fault in faults])
+    with plug_in(camera) as bed:
+        done = subprocess.run(
+            [sys.executable, "-m", "tests.source.davis.player", library, str(n_events)],
+            env=bed.environment,
+            capture_output=True,
+            text=True,
+            timeout=300,
+            check=False,
+        )
+    assert done.returncode == 0, done.stderr
+    return {**json.loads(done.stdout), "errors": done.stderr}
+
+
+@pytest.mark.parametrize("library", ["libusb1", "pyusb"])
+def test_all_events_and_frames_arrive(library):
+    said = play(library)
+    assert said["n_events"] == N_EVENTS
+    assert said["fingerprint"] == fingerprint(EVENTS)
+    assert said["n_frames"] >= N_FRAMES - 1  # the last one may follow the last event
+    assert (said["gap"], said["n_faults"], said["n_connects"]) == (0, 0, 1)
+
+
+@pytest.mark.parametrize(
+    ("library", "fault"),
+    [
+        *(("libusb1", fault) for fault in ("stall+9", "protocol+9x150", "babble+9")),
+        ("pyusb", "stall+9"),
+    ],
+)
+def test_play_goes_on_after_a_fault_and_says_that_something_is_missing(library, fault):
+    said = play(library, fault, n_events=N_EVENTS // 2)
+    assert said["n_events"] >= N_EVENTS // 2
+    assert said["gap"] >= 1
+    assert said["n_faults"] >= 1
+    assert said["n_connects"] == 1
+
+
+def test_libusb_tells_at_once_that_a_camera_comes_or_goes():
+    with plug_in(EmulatedCamera([])):  # or it is skipped
+        pass
+    done = subprocess.run(
+        [sys.executable, "-m", "tests.source.davis.hotplug"],
+        env={**os.environ, "LD_PRELOAD": PRELOAD},
+        capture_output=True,
+        text=True,
+        timeout=900,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout) == ["heard"] * 6
+
+
+def test_a_transfer_that_linux_has_lost_holds_up_neither_play_nor_the_end():
+    said = play("libusb1", "lost+5")
+    assert said["fingerprint"] == fingerprint(EVENTS)
+    assert said["n_connects"] == 1
+    assert "Linux does not give back 1 of the camera's transfers." in said["errors"]
+
+
+@pytest.mark.parametrize("library", ["libusb1", "pyusb"])
+def test_unplugging_in_mid_stream_ends_cleanly(library):
+    said = play(library, "unplug+22")
+    assert said["trouble"]
+    assert 0 < said["n_events"] < N_EVENTS

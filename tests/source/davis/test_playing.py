@@ -1,0 +1,69 @@
+"""From the gel through the emulated camera to the pad, with the camera pulled out in between."""
+
+import threading
+import time
+
+from neurotouch_hid.device import MemoryDevice
+from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.profile import load_profile
+from neurotouch_hid.runtime import Pipeline, run_line, warm_up
+from neurotouch_hid.source.davis import DavisSource
+from tests.source.davis.cable import Cable, emulate
+
+PATIENCE_S = 240.0
+
+
+class Player:
+    """Pulls the camera out while a push is held, waits, and puts it back."""
+
+    def __init__(self, packets):
+        self.packets = packets
+        self.cable = Cable(emulate(packets))
+        self.stop = threading.Event()
+        self.pad = MemoryDevice()
+        self.seen = []
+        self.began = time.monotonic()
+
+    def look(self, step):
+        """Tap of the line."""
+        self.seen.append(step)
+        if len(self.seen) > 100 and self.pushed(self.seen[-20:]) and self.cable.n_plugs == 1:
+            self.pulled_at = len(self.seen)
+            self.cable.unplug()
+
+    def turned(self):
+        """Called after every turn of the loop."""
+        if self.cable.camera is None and self.pad.states[-1].is_neutral:
+            self.cable.plug(emulate(self.packets))
+        over = self.cable.camera is not None and self.cable.camera.ended
+        if (over and self.cable.n_plugs == 2) or time.monotonic() - self.began > PATIENCE_S:
+            self.stop.set()
+
+    @staticmethod
+    def pushed(steps):
+        return all(step.gesture.kind is GestureKind.PUSH for step in steps)
+
+
+def test_a_push_is_felt_through_the_camera_and_again_after_it_was_pulled_out(push):
+    pipeline = Pipeline.build(load_profile("spacecraft"), GestureConfig())
+    warm_up(Pipeline.build(load_profile("spacecraft"), GestureConfig()))
+    player = Player(push.packets)
+    with DavisSource(cameras=player.cable, max_delay_us=60_000_000) as source:
+        run_line(
+            source, pipeline, player.pad, [player.look], stop=player.stop, turned=player.turned
+        )
+    before, after = player.seen[: player.pulled_at], player.seen[player.pulled_at :]
+    assert not before[-1].pad.is_neutral
+    # What was read before the end may still come; then nothing is known until the gel is at rest.
+    back = next(k for k, step in enumerate(after) if step.packet.gap)
+    last = player.seen[player.pulled_at + back - 1]
+    assert after[back].packet.t_begin_us > last.packet.t_end_us + 100_000
+    found = next(k for k, step in enumerate(after) if k >= back and step.markers.valid.any())
+    assert any(step.rest is not None for step in after[back : found + 1])
+    assert all(step.pad.is_neutral for step in after[back:found])
+    kinds = [step.gesture.kind for step in after[found:]]
+    assert kinds.count(GestureKind.PUSH) > 50
+    times = [step.markers.t_us for step in player.seen]
+    assert times == sorted(times)
+    assert player.pad.states[-1].is_neutral

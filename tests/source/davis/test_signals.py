@@ -1,0 +1,56 @@
+"""How signals end ``neurotouch run`` on an emulated camera, under umockdev."""
+
+import contextlib
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from neurotouch_hid.emulator import CameraConfig, EmulatedCamera
+from tests.emulator.stage import plug_in
+from tests.source.davis.test_faults import make_scene
+from tests.source.davis.test_source import wait_for
+
+pytestmark = pytest.mark.filterwarnings("ignore:DynamicImporter:ImportWarning")  # gi's own
+
+RUN = ["run", "--source", "davis:", "--device", "memory", "--show", "nothing"]
+
+
+@contextlib.contextmanager
+def plugged():
+    """A camera that sees noise for as long as a test may take, and its cable."""
+    camera = EmulatedCamera(make_scene(6_000), CameraConfig(fifo_bytes=1 << 24))
+    with plug_in(camera) as cable:
+        yield camera, cable
+
+
+@contextlib.contextmanager
+def driver(cable):
+    """The driver, killed in the end if it still runs."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "neurotouch_hid", *RUN],
+        env=cable.environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def test_signals_end_it_and_switch_the_camera_off():
+    with plugged() as (camera, cable), driver(cable) as process:
+        wait_for(lambda: camera.streaming, 180.0)
+        process.send_signal(signal.SIGHUP)  # only loads the profile anew
+        time.sleep(0.5)
+        assert process.poll() is None
+        assert camera.streaming
+        process.terminate()
+        process.terminate()
+        assert process.wait(180) == 0, process.stdout.read()
+        assert not camera.streaming

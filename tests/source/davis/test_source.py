@@ -1,0 +1,553 @@
+"""The camera as a source, on a scripted camera: start, faults, coming back, a slow consumer."""
+
+import contextlib
+import logging
+import operator
+import threading
+import time
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from neurotouch_hid.device import MemoryDevice
+from neurotouch_hid.errors import CameraBusyError, CameraError, SourceError
+from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.profile import load_profile
+from neurotouch_hid.runtime import Pipeline, run_line
+from neurotouch_hid.source import LiveSource
+from neurotouch_hid.source.davis import Biases, DavisConfig, DavisSource, Roi
+from neurotouch_hid.source.davis.registers import CoarseFine
+from neurotouch_hid.source.davis.stream import AWAKE_US, MAX_FAULTS
+from neurotouch_hid.source.davis.transport import StreamHaltedError
+from tests.source.davis.camera import INFO, ScriptedCamera, gone, make_events
+
+
+def open_camera(camera, *args, **options):
+    """The driver with a scripted camera, which needs no time to settle."""
+    return DavisSource(*args, cameras=camera, sleep_s=lambda _: None, **options)
+
+
+def take(source, n):
+    """The first n packets; the source stays open."""
+    packets, deadline = [], time.monotonic() + 60.0
+    for packet in source.turns():
+        assert time.monotonic() < deadline, source.stats()
+        packets += [packet] if packet is not None else []
+        if len(packets) == n:
+            return packets
+    raise AssertionError("the source has ended")
+
+
+def times(packets):
+    return np.concatenate([packet.events["t"] for packet in packets]).tolist()
+
+
+def assert_sound(packets):
+    """Slices on one grid, in order, with their own events only; where one is missing, a gap."""
+    for packet in packets:
+        assert packet.t_end_us - packet.t_begin_us == 10_000
+        assert packet.t_begin_us % 10_000 == 0
+        t = packet.events["t"]
+        assert (np.diff(t) >= 0).all()
+        assert ((packet.t_begin_us <= t) & (t < packet.t_end_us)).all()
+    for before, after in pairwise(packets):
+        assert after.t_begin_us >= before.t_end_us
+        assert after.gap or after.t_begin_us == before.t_end_us
+
+
+def test_slices_of_a_running_camera():
+    camera = ScriptedCamera()
+    camera.at_reset.append([make_events(0, 51)])
+    with open_camera(camera) as source:
+        assert isinstance(source, LiveSource)
+        assert source.name == "davis:00001055"
+        packets = take(source, 5)
+    assert_sound(packets)
+    assert packets[0].t_begin_us == 0
+    assert times(packets) == [1000 * ms + 1 for ms in range(50)]
+    assert not any(packet.gap for packet in packets)
+    assert camera.n_open == 0
+
+
+def test_a_quiet_camera_gives_empty_slices_by_its_wraps():
+    camera = ScriptedCamera()
+    camera.at_reset.append([b"\x01\x70" * 3])  # 98 ms
+    with open_camera(camera) as source:
+        packets = take(source, 9)
+    assert_sound(packets)
+    assert packets[-1].t_end_us == 90_000
+    assert not times(packets)
+
+
+def test_after_a_slice_data_may_wait_until_the_next_one_is_near():
+    camera = ScriptedCamera()
+    camera.at_reset.append([make_events(0, 3), make_events(3, 5), make_events(5, 7)])
+    with open_camera(camera, slice_us=4_000) as source:
+        take(source, 1)
+        while len(camera.rests) < 5:
+            time.sleep(0.001)
+    begins_s, untils_s = zip(*camera.rests[:5], strict=True)
+    assert all(map(operator.le, untils_s[:3], begins_s))  # the reset, 0 to 2 ms, 3 to 4 ms
+    rest_s = 1e-6 * (8_000 - 4_001 - AWAKE_US)  # from when the slice was complete
+    assert begins_s[2] + rest_s <= untils_s[3] <= begins_s[3] + rest_s
+    assert untils_s[4] == untils_s[3]  # 5 to 6 ms: no slice
+
+
+def test_transfers_are_queued_before_anything_runs_and_the_clock_is_reset_last():
+    camera = ScriptedCamera()
+    camera.at_reset.append([make_events(0, 11)])
+    with open_camera(camera) as source:
+        take(source, 1)
+    begin = camera.log.index("queue")
+    started = [(0, 3, 1), (9, 0, 1), (0, 1, 1), (0, 0, 1), (1, 3, 1), (2, 4, 1), (0, 2, 1)]
+    assert camera.log[begin + 1 : begin + 9] == [*started, (0, 2, 0)]
+    silenced = [(1, 3, 0), (2, 4, 0), (3, 2, 0), (3, 3, 0), (3, 4, 0), (4, 0, 0), (4, 11, 0)]
+    silenced += [(0, 0, 0), (0, 1, 0), (9, 0, 0), (0, 3, 0)]
+    assert camera.log[: len(silenced)] == silenced
+    assert camera.log[-len(silenced) :] == silenced
+
+
+WORDS = {
+    range(5): [0x019B, 0x0195, 0x01E0, 0x01C1, 0x01D5],
+    range(8, 14): [0x5A4F, 0x7D7E, 0x427F, 0x5FFF, 0x401F, 0x690F],
+    range(14, 21): [0x23AD, 0x110D, 0x419D, 0x614D, 0x6DBF, 0x514D, 0x001F],
+    range(21, 28): [0x63CD, 0x531F, 0x65BF, 0x450D, 0x798D, 0x5FFF, 0x5FFF],
+    range(34, 37): [0x5FEF, 0x8410, 0x8410],
+}
+"""What libcaer, neuromorphic-drivers and the vendor's library write to the biases."""
+
+
+def test_the_default_settings_are_those_of_the_public_drivers():
+    camera = ScriptedCamera()
+    open_camera(camera).close()
+    for addresses, words in WORDS.items():
+        assert [camera.values[5, address] for address in addresses] == words
+    chip = dict.fromkeys([*range(128, 136), 137, 140, 141, 144], 0)
+    chip |= {136: 1, 138: 1, 142: 1, 143: 1}
+    assert {p: camera.values[5, p] for p in chip} == chip
+    assert camera.values[0, 4] == camera.values[0, 5] == camera.values[2, 5] == 1
+    assert [camera.values[1, p] for p in range(11, 27)] == [260, 346] * 8
+    assert [camera.values[1, p] for p in (4, 5, 31, 32, 33, 51, 61, 62)] == [0, 0, 1, 8, 0, 0, 0, 0]
+    assert [camera.values[1, p] for p in range(41, 45)] == [0, 0, 345, 259]
+    assert [camera.values[2, p] for p in range(7, 12)] == [1, 0, 0, 345, 259]
+    assert camera.values[2, 12] == 120_960  # 4 ms of a clock of 30.24 MHz
+    assert camera.values[2, 13] == 1_209_600  # 40 ms
+    assert camera.values[9, 1] == 20_160  # 250 µs of 80.64 MHz
+
+
+def test_every_setting_reaches_its_register():
+    camera = ScriptedCamera()
+    config = DavisConfig(
+        exposure_us=1000,
+        frame_interval_us=20_000,
+        early_packet_delay_us=125,
+        activity_filter_us=0,
+        refractory_us=600,
+        hot_pixels=((3, 4),),
+        events_roi=Roi(1, 2, 300, 200),
+        frames_roi=Roi(5, 6, 105, 206),
+        frames=False,
+        biases=Biases(OnBn=CoarseFine(6, 7)),
+    )
+    camera.at_reset.append([make_events(0, 11)])
+    with open_camera(camera, config=config) as source:
+        take(source, 1)
+        assert camera.values[2, 4] == 0
+    assert camera.values[2, 12] == 30_240
+    assert camera.values[2, 13] == 604_800
+    assert camera.values[9, 1] == 10_080
+    assert [camera.values[1, p] for p in (31, 33, 34)] == [0, 1, 3]
+    assert [camera.values[1, p] for p in (11, 12, 13, 14)] == [4, 3, 260, 346]
+    assert [camera.values[1, p] for p in range(41, 45)] == [1, 2, 300, 200]
+    assert [camera.values[2, p] for p in range(8, 12)] == [5, 6, 105, 206]
+    assert camera.values[5, 11] == 0x607F
+
+
+@pytest.mark.parametrize("flag", [(1, 10), (1, 30), (1, 40), (1, 50), (1, 60)])
+def test_a_filter_that_is_not_there_is_not_written(flag):
+    camera = ScriptedCamera({flag: 0})
+    open_camera(camera).close()
+    first = flag[1] + 1
+    assert not any(entry[:2] == (1, first) for entry in camera.log)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"exposure_us": 0}, "exposure_us must lie in 1 to 4194303, not be 0"),
+        ({"hot_pixels": ((346, 0),)}, "x of a hot pixel must lie in 0 to 345"),
+        ({"hot_pixels": ((0, 0),) * 9}, "number of hot_pixels"),
+        ({"frames_roi": Roi(10, 0, 9, 5)}, "frames_roi is no part"),
+        ({"biases": Biases(OnBn=CoarseFine(8, 0))}, "coarse value of OnBn"),
+    ],
+)
+def test_settings_no_camera_can_have_are_refused(options, words):
+    with pytest.raises(CameraError, match=words):
+        DavisConfig(**options)
+
+
+@pytest.mark.parametrize(
+    ("values", "info", "words"),
+    [
+        ({(6, 0): 17}, {}, "logic version 17; this driver needs version 18"),
+        ({(6, 7): 0}, {}, "logic patch 0; this driver needs patch 1"),
+        ({(6, 1): 2}, {}, "chip DAVIS240C; this driver needs DAVIS346B"),
+        ({(6, 1): 77}, {}, "unknown chip, number 77"),
+        ({(1, 0): 240, (1, 1): 180}, {}, "sensor 180×240 pixels; this driver needs 346×260"),
+        ({}, {"firmware": 5}, "firmware version 5; this driver needs version 6"),
+    ],
+)
+def test_another_camera_is_refused_and_given_back(values, info, words):
+    camera = ScriptedCamera(values, [make_info(**info)])
+    with pytest.raises(CameraError, match=words) as caught:
+        open_camera(camera)
+    assert caught.value.exit_code == 3
+    assert "does not flash" in caught.value.hint
+    assert camera.n_open == 0
+
+
+def make_info(**changes):
+    return replace(INFO, **changes)
+
+
+def test_usb_2_works_and_warns(caplog):
+    camera = ScriptedCamera(infos=[make_info(speed_mbit_s=480)])
+    camera.at_reset.append([make_events(0, 11)])
+    with open_camera(camera) as source:
+        assert take(source, 1)
+    assert "00001055 runs at the speed of USB 2" in caplog.text
+
+
+def test_two_cameras_by_serial():
+    other = make_info(serial="00002066", address=6)
+    camera = ScriptedCamera(infos=[INFO, other])
+    with open_camera(camera, "00002066") as source:
+        assert source.name == "davis:00002066"
+    with pytest.raises(CameraError, match="No camera 7"):
+        open_camera(camera, "7")
+
+
+def test_without_a_choice_the_camera_that_played_is_preferred():
+    camera = ScriptedCamera(infos=[INFO])
+    camera.at_reset.extend([[make_events(0, 31), gone()], [make_events(0, 31)]])
+    with open_camera(camera) as source:
+        camera.infos.insert(0, make_info(serial="00000001", address=4))
+        turns = source.turns()
+        wait_for(lambda: (next(turns), source.stats().n_connects)[1] == 2)
+        assert source.stats().serial == INFO.serial
+
+
+def test_a_busy_camera_is_refused_with_its_own_exit_code():
+    camera = ScriptedCamera()
+    camera.open = raise_(CameraBusyError("The camera is in use by PID 1."))
+    with pytest.raises(CameraBusyError) as caught:
+        open_camera(camera)
+    assert caught.value.exit_code == 75
+    assert isinstance(caught.value, SourceError)
+
+
+def raise_(error):
+    def call(*_):
+        raise error
+
+    return call
+
+
+def test_half_an_answer_is_refused():
+    class Curt(ScriptedCamera):
+        def request(self, code, value, index, data):
+            return super().request(code, value, index, data)[:2]
+
+    camera = Curt()
+    with pytest.raises(CameraError, match="2 bytes instead of 4"):
+        open_camera(camera)
+    assert camera.n_open == 0
+
+
+def count_requests_of_an_open():
+    camera = ScriptedCamera()
+    open_camera(camera).close()
+    return camera.n_requests
+
+
+@pytest.mark.parametrize("error", [CameraError("timed out"), gone()], ids=["time-out", "unplug"])
+def test_a_request_that_fails_anywhere_while_opening_gives_the_camera_back(error):
+    n = count_requests_of_an_open()
+    assert n > 100
+    for k in range(1, n + 1, 7):
+        camera = ScriptedCamera()
+        camera.fail_at = {k: error}
+        with contextlib.suppress(CameraError):
+            open_camera(camera).close()
+        assert camera.n_open == 0
+
+
+@pytest.mark.parametrize("k", range(1, 60, 5))
+def test_a_camera_that_fails_at_any_stage_is_opened_again(k):
+    """Requests of the first start, of streaming, of a second start; then all is well."""
+    camera = ScriptedCamera()
+    camera.at_reset.extend([[make_events(0, 21), gone()]] + 3 * [[make_events(0, 21)]])
+    source = open_camera(camera)
+    camera.fail_at = {camera.n_requests + k: CameraError("timed out")}
+    with source:
+        packets = take(source, 4)
+    assert_sound(packets)
+    assert camera.n_opened >= 2
+    assert camera.n_open == 0
+
+
+def test_after_unplugging_the_slices_go_on_later_with_a_gap():
+    camera = ScriptedCamera()
+    camera.at_reset.extend([[make_events(0, 35), gone()], [make_events(0, 35)]])
+    with open_camera(camera) as source:
+        packets = take(source, 6)
+        assert source.stats().n_connects == 2
+        assert source.stats().connected
+    assert_sound(packets)
+    assert [packet.gap for packet in packets] == [0, 0, 0, 1, 0, 0]
+    assert packets[3].t_begin_us > packets[2].t_end_us
+    assert len(times(packets)) == 60
+
+
+def test_while_it_is_away_the_loop_turns_and_can_be_ended(caplog):
+    camera = ScriptedCamera()
+    camera.at_reset.append([make_events(0, 21), camera.infos.clear, gone()])
+    with open_camera(camera) as source:
+        turns = source.turns()
+        wait_for(lambda: next(turns) is not None)
+        while next(turns) is not None:
+            pass
+        assert next(turns) is None
+        wait_for(lambda: "No camera" in source.stats().trouble)
+        assert not source.stats().connected
+        camera.infos.append(INFO)
+        wait_for(lambda: source.stats().connected)
+    assert list(turns) == []
+    assert caplog.messages == [
+        "The camera is gone. Play goes on when it works again.",
+        "The camera 00001055 plays.",
+    ]
+    assert {record.levelno for record in caplog.records} == {logging.WARNING}
+
+
+def wait_for(condition, patience_s=60.0):
+    deadline = time.monotonic() + patience_s
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def test_a_source_that_waits_needs_no_camera_at_the_start():
+    camera = ScriptedCamera(infos=[])
+    with pytest.raises(CameraError):
+        open_camera(camera)
+    camera.at_reset.append([make_events(0, 21)])
+    with open_camera(camera, wait=True) as source:
+        turns = source.turns()
+        assert next(turns) is None
+        camera.infos.append(INFO)
+        assert next(packet for packet in turns if packet is not None).t_begin_us == 0
+        assert source.stats().serial == "00001055"
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+def test_a_bug_in_the_thread_does_not_let_the_line_wait_for_ever():
+    camera = ScriptedCamera()
+    camera.at_reset.append([ZeroDivisionError()])
+    with open_camera(camera) as source, pytest.raises(CameraError, match="bug of the driver"):
+        list(source)
+    assert camera.n_open == 0
+
+
+def test_close_ends_an_iteration_in_another_thread():
+    source = open_camera(ScriptedCamera())
+    ended = threading.Thread(target=lambda: list(source))
+    ended.start()
+    time.sleep(0.05)
+    source.close()
+    ended.join(20)
+    assert not ended.is_alive()
+    source.close()
+
+
+def test_a_source_that_was_never_played_gives_the_camera_back():
+    camera = ScriptedCamera()
+    source = open_camera(camera)
+    assert camera.n_open == 1
+    source.close()
+    assert camera.n_open == 0
+
+
+def test_a_stalled_stream_is_set_going_again_with_a_gap():
+    camera = ScriptedCamera()
+    stall = [b"", StreamHaltedError("stalled")]
+    camera.at_reset.append([make_events(0, 15), *stall, make_events(15, 41)])
+    with open_camera(camera) as source:
+        packets = take(source, 4)
+        assert source.stats().n_connects == 1
+        assert source.stats().n_faults == 1
+    assert_sound(packets)
+    assert [packet.gap for packet in packets] == [0, 1, 0, 0]
+    assert camera.n_queued == 2
+
+
+def test_a_stream_that_stalls_again_and_again_is_opened_anew():
+    camera = ScriptedCamera()
+    stall = [b"", StreamHaltedError("The camera's stream has stalled.")]
+    camera.at_reset.extend([stall * 3, [make_events(0, 11)]])
+    with open_camera(camera) as source:
+        (packet,) = take(source, 1)
+        assert source.stats().n_connects == 2
+    assert packet.gap
+    assert camera.n_queued == 4
+
+
+def test_transfers_that_fail_leave_gaps_and_in_the_end_a_new_start():
+    camera = ScriptedCamera()
+
+    def fail():  # at once, whatever else the machine does
+        for _ in range(MAX_FAULTS - 1):
+            camera.receive(b"")
+
+    camera.at_reset.extend([[make_events(0, 5), b"", make_events(5, 11), fail], []])
+    with open_camera(camera) as source:
+        (packet,) = take(source, 1)
+        wait_for(lambda: source.stats().n_connects == 2)
+        assert source.stats().n_faults == MAX_FAULTS
+    assert packet.gap == 1
+    assert times([packet]) == [1000 * ms + 1 for ms in range(10)]
+
+
+def test_what_the_camera_drops_is_a_gap():
+    camera = ScriptedCamera({(1, 86): 2**32 - 5, (0, 84): 7})
+
+    def overflow():
+        camera.values[1, 86] = 10  # 15 later: the counter has run over
+        camera.values[0, 84] = 8
+
+    camera.at_reset.append([make_events(0, 15), overflow])
+    with open_camera(camera) as source:
+        first = take(source, 1)
+        wait_for(lambda: source.stats().n_dropped)
+        camera.script.append(make_events(15, 31))
+        packets = first + take(source, 2)
+    assert [packet.gap for packet in packets] == [0, 15, 0]
+
+
+def test_a_count_that_is_not_answered_does_not_end_the_stream():
+    camera = ScriptedCamera()
+    camera.at_reset.append([make_events(0, 15)])
+    source = open_camera(camera)
+    with source:
+        first = take(source, 1)
+        n = camera.n_requests
+        camera.fail_at = {n + 1: CameraError("timed out"), n + 2: CameraError("timed out")}
+        wait_for(lambda: camera.n_requests >= n + 2 or camera.script.append(b"\x01\x70"))
+        camera.script.append(make_events(15, 31))
+        assert source.stats().n_connects == 1
+    assert_sound(first)
+
+
+def test_a_timestamp_reset_in_mid_stream_is_a_gap_and_time_goes_on():
+    camera = ScriptedCamera()
+    camera.at_reset.append([make_events(0, 15), b"\x01\x00", make_events(0, 31)])
+    with open_camera(camera) as source:
+        packets = take(source, 4)
+    assert_sound(packets)
+    assert sum(packet.gap for packet in packets) == 1
+    assert times(packets)[14:17] == [14_001, 14_002, 15_002]
+
+
+def test_stale_data_before_the_reset_is_dropped():
+    camera = ScriptedCamera()
+    camera.script.append(make_events(100, 500))
+    camera.at_reset.append([make_events(0, 11)])
+    with open_camera(camera) as source:
+        (packet,) = take(source, 1)
+    assert times([packet]) == [1000 * ms + 1 for ms in range(10)]
+
+
+def test_odd_transfers_are_put_together():
+    camera = ScriptedCamera()
+    data = make_events(0, 21)
+    camera.at_reset.append([data[k : k + 7] for k in range(0, len(data), 7)])
+    with open_camera(camera) as source:
+        packets = take(source, 2)
+    assert times(packets) == [1000 * ms + 1 for ms in range(20)]
+
+
+def test_a_slow_consumer_loses_the_oldest_and_is_told_how_much():
+    camera = ScriptedCamera()
+    camera.at_reset.append([make_rest(ms) for ms in range(0, 1000, 10)])
+    with open_camera(camera) as source:
+        turns = source.turns()
+        packets = [next(turns)]
+        wait_for(lambda: not (camera.script or camera.at_reset))
+        time.sleep(0.05)
+        packets += [next(turns) for _ in range(11)]
+    packets = [packet for packet in packets if packet is not None]
+    assert len(packets) in (10, 11)  # the first one too, if it was there
+    assert_sound(packets)
+    assert packets[-1].t_end_us == 990_000
+    assert len(times(packets)) + sum(packet.gap for packet in packets) == 990
+
+
+def make_rest(ms):
+    """The next 10 ms of a stream, with only the wraps that fall into it."""
+    return make_events(0, ms + 10)[len(make_events(0, ms)) :]
+
+
+def test_a_silent_camera_is_opened_anew():
+    camera = ScriptedCamera()
+    camera.silent = True
+    camera.at_reset.extend([[make_events(0, 11)], [make_events(0, 11)]])
+    with open_camera(camera) as source:
+        packets = take(source, 2)
+        assert source.stats().n_connects >= 2
+    assert packets[1].gap
+    assert packets[1].t_begin_us >= 2_000_000
+
+
+def test_a_driver_that_had_no_time_to_look_blames_no_camera():
+    camera = ScriptedCamera()
+    camera.at_reset.append([make_events(0, 11), lambda: time.sleep(2.1), make_rest(11)])
+    with open_camera(camera) as source:
+        packets = take(source, 2)
+        assert source.stats().n_connects == 1
+    assert_sound(packets)
+    assert not any(packet.gap for packet in packets)
+
+
+def test_the_line_goes_neutral_when_the_camera_falls_silent_and_ends_on_demand(push):
+    """The stream of a push, up to the hold; then silence, then the end."""
+    held = [packet for packet in push.packets if packet.t_end_us <= 1_500_000]
+
+    class Silent(DavisSource):
+        def turns(self):
+            yield from held
+            while not stop.is_set():
+                time.sleep(0.01)
+                yield None
+
+    camera, device, stop, seen = ScriptedCamera(), MemoryDevice(), threading.Event(), []
+
+    def look(step):
+        if step.packet is held[-1]:
+            seen.append(device.states[-1])
+            threading.Thread(target=wait_and_stop).start()
+
+    def wait_and_stop():
+        wait_for(lambda: device.states[-1].is_neutral and len(turned) > 150)
+        seen.append(device.states[-1])
+        stop.set()
+
+    line = Pipeline.build(load_profile("spacecraft"), GestureConfig())
+    turned = []
+    with Silent(cameras=camera) as source:
+        stats = run_line(source, line, device, [look], stop=stop, turned=lambda: turned.append(1))
+    assert stats.slices == 150
+    assert len(turned) > 150
+    assert not seen[0].is_neutral
+    assert seen[1].is_neutral

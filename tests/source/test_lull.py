@@ -1,0 +1,94 @@
+"""Slices of nothing but noise come as one while the line is idle; nothing is lost, nor late."""
+
+import numpy as np
+import pytest
+
+from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
+from neurotouch_hid.source.lull import CALM_US, LONGEST_US, Lull
+
+SLICE_US = 4_000
+N_CALM = CALM_US // SLICE_US
+N_JOINED = LONGEST_US // SLICE_US
+
+
+def make(k, n=360, gap=0, frames=()):
+    events = np.zeros(n, EVENT_DTYPE)
+    events["t"] = k * SLICE_US + np.arange(n) * SLICE_US // max(n, 1)
+    events["x"] = k % 346
+    return EventPacket(k * SLICE_US, (k + 1) * SLICE_US, events, frames, gap)
+
+
+def idle_lull(first=0):
+    """A lull whose next slices wait: the line has been idle for as long as it takes."""
+    lull = Lull()
+    lull.is_idle = True
+    for k in range(first, first + N_CALM):
+        lull.take(make(k))
+    return lull, first + N_CALM
+
+
+def test_a_line_that_is_not_idle_gets_every_slice():
+    lull = Lull()
+    for k in range(200):
+        (packet,) = lull.take(sent := make(k, 0))
+        assert packet is sent
+
+
+@pytest.mark.parametrize("level", [0, 360, 4_000])
+def test_an_idle_line_gets_noise_seldom_and_all_of_it(level):
+    rng = np.random.default_rng(1)
+    lull = Lull()
+    lull.is_idle = True
+    sent = [
+        make(k, rng.poisson(level), frames=(Frame(None, k, k),) if k % 10 == 0 else ())
+        for k in range(2_500)
+    ]
+    got = [packet for each in sent for packet in lull.take(each)]
+    got += lull.flush()
+    assert len(got) < 1.2 * len(sent) / N_JOINED + 2 * N_CALM
+    assert max(packet.t_end_us - packet.t_begin_us for packet in got) == LONGEST_US
+    ends = [0, *(packet.t_end_us for packet in got)]
+    assert [packet.t_begin_us for packet in got] == ends[:-1]
+    for packet in got:
+        t = packet.events["t"]
+        assert ((t >= packet.t_begin_us) & (t < packet.t_end_us)).all()
+    for side in (sent, got):
+        events = np.concatenate([packet.events for packet in side])
+        frames = [frame for packet in side for frame in packet.frames]
+        side[:] = [*(events[name].tolist() for name in events.dtype.names), frames]
+    assert sent == got
+
+
+def test_what_stands_out_ends_the_lull_at_once_and_for_a_while():
+    lull, k = idle_lull()
+    assert lull.take(make(k)) == lull.take(make(k + 1)) == ()
+    (packet,) = lull.take(make(k + 2, 500))
+    assert (packet.t_begin_us, packet.t_end_us) == (k * SLICE_US, (k + 3) * SLICE_US)
+    assert len(packet.events) == 2 * 360 + 500
+    for j in range(k + 3, k + 3 + N_CALM):
+        (packet,) = lull.take(make(j))
+    assert lull.take(make(k + 3 + N_CALM)) == ()
+
+
+def test_a_line_that_wakes_gets_what_waits_with_the_next_slice():
+    lull, k = idle_lull()
+    assert lull.take(make(k)) == ()
+    lull.is_idle = False
+    (packet,) = lull.take(make(k + 1))
+    assert (packet.t_begin_us, packet.t_end_us) == (k * SLICE_US, (k + 2) * SLICE_US)
+
+
+@pytest.mark.parametrize("hole", [0, 1_000])
+def test_a_gap_stands_before_what_came_after_it(hole):
+    lull, k = idle_lull()
+    assert lull.take(make(k)) == ()
+    before, after = lull.take(make(k + 1 + hole, gap=7))
+    assert (before.t_end_us, before.gap) == ((k + 1) * SLICE_US, 0)
+    assert (after.t_begin_us, after.gap) == ((k + 1 + hole) * SLICE_US, 7)
+
+
+def test_a_new_lamp_is_got_used_to():
+    lull, k = idle_lull()
+    n_got = [len(lull.take(make(j, 2_000))) for j in range(k, k + 1_000)]
+    assert sum(n_got[:25]) == 25
+    assert sum(n_got[-400:]) <= 400 // N_JOINED + 1

@@ -1,0 +1,85 @@
+"""Boots a whole Debian once for all tests of this folder and hands them what the guest saw."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.system.image import CACHE, ROOT, ROOT_FOLDER, find_missing, make_image
+from tests.system.machine import boot
+
+TIME_LIMIT_S = 7200.0
+"""It needs 20 to 30 minutes of a core; on a busy machine that is far longer."""
+RESULTS = CACHE / "results"
+"""What the last run saw, its journal included; stays for reading."""
+
+# Compiled kernels are kept per processor, and QEMU's is not ours: both are made for a generic one.
+GENERIC = {"NUMBA_CPU_NAME": "generic"}
+
+
+@pytest.fixture(scope="session")
+def results() -> Path:
+    """The folder that the guest wrote."""
+    if os.environ.get("NEUROTOUCH_SYSTEM_TEST") != "1":
+        pytest.skip("boots a whole Debian, which takes long: make system-test")
+    missing = find_missing()
+    if missing or os.geteuid() != 0:
+        pytest.fail(f"the system test needs root and the packages: {' '.join(missing)}")
+    image = make_image()
+    shutil.rmtree(RESULTS, ignore_errors=True)
+    RESULTS.mkdir()
+    package = max((ROOT / "dist").glob("*.deb"), key=lambda path: path.stat().st_mtime)
+    shutil.copy(package, RESULTS)
+    (RESULTS / "chapters").write_text(os.environ.get("NEUROTOUCH_CHAPTERS", ""))
+    prepare_scene(RESULTS)
+    compile_service(package, RESULTS / "compiled-service")
+    boot(image, RESULTS, time_limit_s=TIME_LIMIT_S)
+    return RESULTS
+
+
+@pytest.fixture(scope="session")
+def guest(results: Path) -> Callable[[str], Any]:
+    """Returns what a chapter of the guest's program saw; no answer is a failure."""
+
+    def saw(chapter: str) -> Any:
+        answer = results / f"{chapter}.json"
+        if not answer.exists():
+            output = results / "output.txt"
+            said = output.read_text()[-3000:] if output.exists() else "nothing"
+            pytest.fail(f"the guest gave no answer to {chapter!r}; it said:\n{said}")
+        said = json.loads(answer.read_text())
+        if "failed" in said:
+            pytest.fail(f"in the guest, {chapter!r} failed:\n{said['failed']}")
+        return said["saw"]
+
+    return saw
+
+
+def prepare_scene(results: Path) -> None:
+    """Record what the camera sees, and compile what plays the camera."""
+    recording = str(results / "scene.aedat4")
+    environment = {**os.environ, **GENERIC, "NUMBA_CACHE_DIR": str(results / "compiled")}
+    for module in (
+        ["tests.system.scene", recording],
+        ["tests.system.guest.camera", recording, "rehearse"],
+    ):
+        subprocess.run([sys.executable, "-m", *module], cwd=ROOT, env=environment, check=True)
+
+
+def compile_service(package: Path, compiled: Path) -> None:
+    """Have the packaged service compile where it will lie, in a folder that is the same Debian."""
+    cache = ROOT_FOLDER / "var/cache/neurotouch"
+    for folder in (cache, ROOT_FOLDER / "usr/lib/neurotouch-hid"):
+        shutil.rmtree(folder, ignore_errors=True)
+    subprocess.run(["dpkg-deb", "-x", str(package), str(ROOT_FOLDER)], check=True)
+    inside = {"XDG_CONFIG_HOME": "/etc", "NUMBA_CACHE_DIR": "/var/cache/neurotouch", **GENERIC}
+    settings = [f"{name}={value}" for name, value in inside.items()]
+    command = ["env", "-i", "PATH=/usr/bin:/bin", *settings, "neurotouch", "service", "--compile"]
+    subprocess.run(["chroot", str(ROOT_FOLDER), *command], check=True)
+    cache.rename(compiled)

@@ -1,0 +1,61 @@
+"""Runs inside the guest, as root: does what the tests ask about and writes what it saw.
+
+    python -m tests.system.guest RESULTS [CHAPTER...]
+
+The tests on the host judge; here nothing is asserted. A chapter that fails leaves its traceback,
+and the next ones go on as well as they can.
+"""
+
+import json
+import sys
+import time
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from tests.system.guest import additions, package, service
+from tests.system.guest.camera import Camera
+from tests.system.guest.desk import Desk
+
+CHAPTERS: dict[str, Callable[[Desk], Any]] = {
+    "install": package.install,
+    "rights": package.look_at_rights,
+    "play": service.play,
+    "pull": service.pull,
+    "storm": service.storm,
+    "order": service.order,
+    "another": service.start_another,
+    "upgrade": package.upgrade,
+    "stop": service.stop,
+    "crash": service.crash,
+    "settings": service.read_settings,
+    "switched_off": service.switch_off,
+    "mute": service.stay_mute,
+    "hang": service.hang,
+    "second": additions.play_second,
+    "examples": additions.add_examples,
+    "purge": package.purge,
+    "set_up": package.set_up,
+}
+
+
+def main() -> None:
+    results = Path(sys.argv[1])
+    chosen = (results / "chapters").read_text().split() or list(CHAPTERS)
+    camera = Camera(results / "scene.aedat4")
+    desk = Desk(results, next(results.glob("*.deb")), camera)
+    for name in chosen:
+        begun = time.monotonic()
+        try:
+            answer = {"saw": CHAPTERS[name](desk)}
+        except Exception:
+            answer = {"failed": traceback.format_exc()}
+        answer["seconds"] = round(time.monotonic() - begun, 1)
+        print(f"{name}: {answer['seconds']} s", flush=True)
+        unfinished = results / f"{name}.unfinished"
+        unfinished.write_text(json.dumps(answer))
+        unfinished.rename(results / f"{name}.json")
+
+
+main()

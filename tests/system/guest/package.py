@@ -1,0 +1,186 @@
+"""Rights by ``neurotouch setup``, then the package: put in, renewed, taken out."""
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from tests.system.guest.camera import PACE
+from tests.system.guest.desk import Desk
+from tests.system.guest.observation import (
+    PLAYER,
+    SERVICE,
+    describe_node,
+    find_pad,
+    main_pid,
+    read_exposure,
+    read_status,
+    run,
+    run_as,
+    show,
+    wait_for,
+)
+
+_OPEN = "import os, sys; os.close(os.open(sys.argv[1], os.O_RDWR))"
+_CACHE = Path("/var/cache/neurotouch")
+_PLACES = ("/etc", "/usr", "/var", "/run", "-xdev", "-name", "*neurotouch*")
+_LEAVING_OUT = ("-not", "-path", "/var/cache/apt/*", "-not", "-path", "/var/log/*")
+
+
+def set_up(desk: Desk) -> dict[str, Any]:
+    """``neurotouch setup`` out of the checkout, for who installs with pip; then taken back."""
+    desk.camera.plug()
+    camera = wait_for(_find_camera)
+    nodes = ("/dev/uinput", camera)
+
+    def allowed() -> dict[str, bool]:
+        return {n: run_as(PLAYER, "python3", "-c", _OPEN, n)["code"] == 0 for n in nodes}
+
+    def setup(*options: str) -> dict[str, Any]:
+        said = subprocess.run(
+            [sys.executable, "-m", "neurotouch_hid", "setup", *options],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        return {"code": said.returncode, "out": said.stdout, "err": said.stderr}
+
+    saw = {"before": allowed(), "dry_run": setup("--dry-run"), "after_dry_run": allowed()}
+    saw |= {"installed": setup("--yes"), "after": allowed()}
+    saw |= {"uninstalled": setup("--uninstall", "--yes"), "in_the_end": allowed()}
+    desk.camera.pull()
+    saw["left"] = [str(path) for path in Path("/etc").rglob("*neurotouch*")]
+    return saw
+
+
+def install(desk: Desk) -> dict[str, Any]:
+    """``apt install`` while the camera is in: no other command, and the pad is there."""
+    Path("/etc/systemd/system.conf.d").mkdir(exist_ok=True)
+    Path("/etc/systemd/system.conf.d/test.conf").write_text(
+        "[Manager]\nDefaultEnvironment=NUMBA_CPU_NAME=generic\n"
+    )
+    run("systemctl", "daemon-reexec")
+    # A quarter of the packets, half the work of the emulated camera; and so this file is read.
+    Path("/etc/neurotouch").mkdir()
+    Path("/etc/neurotouch/camera.yaml").write_text("version: 1\nearly_packet_delay_us: 1000\n")
+    # Compiled on the host for any processor: in the guest it would take a quarter of an hour.
+    run("cp", "-r", str(desk.results / "compiled-service"), str(_CACHE))
+    run("chmod", "-R", "a+rwX", str(_CACHE))
+    desk.camera.plug()
+    wait_for(_find_camera)
+    done = run("apt-get", "install", "--yes", str(desk.package))
+    begun = time.monotonic()
+    pad = wait_for(find_pad)
+    waited_s = time.monotonic() - begun
+    wait_for(lambda: show("ActiveState")["ActiveState"] == "active")
+    return {"apt": done, "pad": pad, "waited_s": waited_s, "journal": _read_journal()}
+
+
+def look_at_rights(_: Desk) -> dict[str, Any]:
+    """What the running service may do, and what anybody else may."""
+    wait_for(lambda: run_as(PLAYER, "test", "-r", find_pad() or "")["code"] == 0, 30)
+    pid, camera = main_pid(), _find_camera() or ""
+    status = read_status(pid)
+    return {
+        "show": show("User", "Type", "NRestarts", "SubState", "StatusText", "OpenFile"),
+        "status": {name: status[name] for name in ("Uid", "CapEff", "NoNewPrivs", "Seccomp")},
+        "exposure": read_exposure(SERVICE),
+        "uinput": describe_node("/dev/uinput"),
+        "camera": {
+            **describe_node(camera),
+            "group": run("stat", "-c", "%G", camera)["out"].strip(),
+        },
+        "pad": describe_node(find_pad() or ""),
+        "player": {
+            node: run_as(PLAYER, "python3", "-c", _OPEN, node)["code"] == 0
+            for node in ("/dev/uinput", camera)
+        },
+        "failed_units": run("systemctl", "--failed", "--no-legend", "--plain")["out"],
+        "holds": sorted({_read_link(link) for link in Path(f"/proc/{pid}/fd").iterdir()}),
+    }
+
+
+def upgrade(desk: Desk) -> dict[str, Any]:
+    """The same package once more, while it plays: what dpkg does with a newer one.
+
+    At half the pace: the one processor would be left to dpkg for a quarter of the time only.
+    """
+    desk.camera.plug(pace=PACE / 2)
+    reader = desk.play_until_pushed()
+    before = desk.identity()
+    done = subprocess.Popen(
+        ["apt-get", "install", "--yes", "--reinstall", str(desk.package)],
+        stdin=subprocess.DEVNULL,
+        stdout=(desk.results / "upgrade.txt").open("w"),
+        stderr=subprocess.STDOUT,
+        env={**os.environ, "DEBIAN_FRONTEND": "noninteractive"},
+    )
+    wait_for(lambda: reader.ended, 900)
+    gone_s = time.monotonic()
+    wait_for(find_pad)
+    back_s = time.monotonic()
+    code = done.wait(600)
+    desk.play_until_pushed()
+    desk.camera.plug()
+    return {
+        "code": code,
+        "gap_s": back_s - gone_s,
+        "new_process": before[1] != main_pid(),
+        "left_pressed": [list(control) for control in reader.pressed() if control[0] == 1],
+    }
+
+
+def purge(desk: Desk) -> dict[str, Any]:
+    """Everything taken out again, with the camera in."""
+    own = (
+        _CACHE,
+        Path("/etc/neurotouch"),
+        Path("/run/neurotouch"),
+        Path("/usr/lib/neurotouch-hid"),
+    )
+    installed = run("dpkg", "-L", "neurotouch-hid")["out"].splitlines()
+    camera = _find_camera() or ""
+    done = run("apt-get", "purge", "--yes", "neurotouch-hid")
+    run("udevadm", "settle")
+    files = [path for path in installed if Path(path).is_file()]
+    return {
+        "apt": done,
+        "files": files,
+        "folders": [str(path) for path in own if path.exists()],
+        "pads": [find_pad(), find_pad(player=2)],
+        "user": run("getent", "passwd", "neurotouch")["out"],
+        "units": run("systemctl", "list-units", "--all", "--no-legend", "--plain", "neurotouch*")[
+            "out"
+        ],
+        "uinput": describe_node("/dev/uinput"),
+        "camera": describe_node(camera),
+        "anywhere": run("find", *_PLACES, *_LEAVING_OUT)["out"].split(),
+        "still_plugged": bool(_find_camera()),
+    }
+
+
+def _find_camera() -> str | None:
+    """The camera's node."""
+    for vendor in Path("/sys/bus/usb/devices").glob("*/idVendor"):
+        try:
+            if vendor.read_text().strip() == "152a":
+                numbers = [int(vendor.with_name(n).read_text()) for n in ("busnum", "devnum")]
+                node = Path("/dev/bus/usb/{:03d}/{:03d}".format(*numbers))
+                return str(node) if node.exists() else None
+        except OSError:
+            continue
+    return None
+
+
+def _read_journal() -> str:
+    said = run("journalctl", "--unit", SERVICE, "--no-pager", "--output=short-monotonic")["out"]
+    return said[-4000:]
+
+
+def _read_link(link: Path) -> str:
+    try:
+        return str(link.readlink())
+    except OSError:
+        return ""

@@ -1,0 +1,70 @@
+"""The compiled assignment of blobs to tracks against its plain twin."""
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from neurotouch_hid.geometry import LATTICE_MM, NEIGHBOURS, Rig
+from neurotouch_hid.tracker import TrackerConfig, kernels
+from neurotouch_hid.tracker.correction.kernels import assign_blobs, drift, median_size, recall
+from neurotouch_hid.tracker.markers import make_tracks
+from tests.reference import tracker as reference
+
+REST_PX = Rig((172.0, 130.0), 2.5, 0.1).to_px(LATTICE_MM)
+TUNING = TrackerConfig().tuning()
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.0, 0.2))
+@settings(max_examples=20, deadline=None)
+def test_blobs_are_those_of_the_plain_twin(seed, share):
+    """Some tracks follow a neighbour, some blobs are hidden, merged or nobody's."""
+    rng = np.random.default_rng(seed)
+    truth = REST_PX + rng.normal(0, 1, REST_PX.shape)
+    then = truth + rng.normal(0, 0.5, REST_PX.shape)
+    astray = rng.random(177) < share
+    then[astray] += rng.uniform(-12, 12, (int(astray.sum()), 2))
+    points = truth[rng.random(177) < 0.95]
+    points = np.concatenate([points, rng.uniform(100, 240, (5, 2))])
+    areas = np.where(rng.random(len(points)) < 0.05, 14, rng.integers(5, 8, len(points)))
+    begin = np.concatenate([[0], np.cumsum(areas)]).astype(np.int32)
+    sharp, missed = rng.random(177) < 0.95, rng.integers(0, 2, 177)
+    tracks = make_tracks(NEIGHBOURS, TrackerConfig())
+    tracks.rest_px[:], tracks.lost[:] = REST_PX, rng.random(177) < share
+    blob, counted = np.empty(177, np.int32), missed.astype(np.intp)
+    assign_blobs(then, sharp, points, begin, counted, tracks, TUNING, blob)
+    twin, twin_missed = reference.assign_blobs(
+        then.tolist(), sharp.tolist(), points.tolist(), areas.tolist(), missed.tolist(),
+        tracks.lost.tolist(), REST_PX.tolist(), NEIGHBOURS.tolist(), TUNING,
+    )  # fmt: skip
+    assert [None if j < 0 else j for j in blob.tolist()] == twin
+    assert counted.tolist() == twin_missed
+    assert sum(j is not None for j in twin) > 100
+
+
+def test_the_past_is_remembered_between_checks_and_no_longer_than_the_ring():
+    tracks = make_tracks(NEIGHBOURS, TrackerConfig())
+    tracks.rest_px[:] = REST_PX
+    kernels.place(np.arange(177), REST_PX, 1.0, 0.0, tracks)
+    tracks.state[:, kernels.VX] = 100.0
+    out = np.empty((177, 2))
+    for t_us in range(0, 200_000, 2_000):
+        kernels.check(t_us, tracks, TUNING)
+        tracks.clock[0] += 2_000
+    assert recall(197_000, 2_000, tracks, out)
+    ring = tracks.past_px[(tracks.clock[1] - 1) % 64]
+    np.testing.assert_allclose(out, ring, atol=1e-9)
+    assert recall(198_500, 2_000, tracks, out)  # after the last check
+    assert not recall(70_000, 2_000, tracks, out)
+    assert not recall(260_000, 2_000, tracks, out)
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.01, 3.0))
+@settings(max_examples=20, deadline=None)
+def test_rest_positions_follow_as_the_plain_twin_does(seed, sigma_px):
+    rng = np.random.default_rng(seed)
+    off = rng.normal(0.1, sigma_px, (177, 2))
+    rest_px = REST_PX.copy()
+    drift(off, 0.3, 0.1, 0.2, 1.0, rest_px)
+    twin = reference.drift(off.tolist(), 0.3, 0.1, 0.2, 1.0, REST_PX.tolist())
+    np.testing.assert_allclose(rest_px, twin, atol=1e-9)
+    np.testing.assert_allclose(median_size(off), np.median(np.hypot(*off.T)))
