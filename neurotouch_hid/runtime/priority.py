@@ -20,6 +20,9 @@ PRIORITY = 1
 MOST_BUSY_US = 100_000
 """Whoever works for so long without once waiting does not keep up, or hangs, and goes back among
 the usual; so a line that hangs does not hold the machine up."""
+PAUSE_S = 1.0
+"""How long it then stays there. A line that was only held up for a moment must not be slow for the
+rest of the day; one that hangs takes a tenth of one core before others."""
 SLACK_NS = 1_000
 """How late the kernel may wake us to save power; it takes 50 µs without being asked."""
 SWITCH_S = 0.001
@@ -43,36 +46,72 @@ def hurry() -> Iterator[None]:
     sys.setswitchinterval(SWITCH_S)
     with suppress(OSError, AttributeError):  # no Linux, no prctl
         ctypes.CDLL(None).prctl(_PR_SET_TIMERSLACK, SLACK_NS, 0, 0, 0)
-    before = os.getpriority(os.PRIO_PROCESS, threading.get_native_id())
-    _raise()
-    try:
-        yield
-    finally:
-        _go_back()
-        with suppress(OSError):
-            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), before)
-
-
-def _raise() -> None:
     thread = threading.get_native_id()
-    if os.getpriority(os.PRIO_PROCESS, thread) > NICE:  # else whoever started us has chosen
+    before = os.getpriority(os.PRIO_PROCESS, thread)
+    if before > NICE:  # else whoever started us has chosen
         try:
             os.setpriority(os.PRIO_PROCESS, thread, NICE)
         except OSError:
             _ask_rtkit(thread)
+    real_time = _RealTime()
     if threading.current_thread() is threading.main_thread():
-        with suppress(OSError, ValueError):  # a sandbox may forbid either
-            signal.signal(signal.SIGXCPU, _go_back)
-            _, most = resource.getrlimit(resource.RLIMIT_RTTIME)
-            resource.setrlimit(resource.RLIMIT_RTTIME, (MOST_BUSY_US, most))
-            os.sched_setscheduler(thread, os.SCHED_RR, os.sched_param(PRIORITY))
-
-
-def _go_back(*_: object) -> None:
-    """All threads of the process: it does not say which one was busy for too long."""
-    for task in Path("/proc/self/task").iterdir():
+        real_time.begin()
+    try:
+        yield
+    finally:
+        real_time.end()
         with suppress(OSError):
-            os.sched_setscheduler(int(task.name), os.SCHED_OTHER, os.sched_param(0))
+            os.setpriority(os.PRIO_PROCESS, thread, before)
+
+
+class _RealTime:
+    """SCHED_RR for the main thread and those it starts, with a pause whenever they are too busy."""
+
+    def __init__(self) -> None:
+        self._again: threading.Timer | None = None
+
+    def begin(self) -> None:
+        """Prefers this thread, if that is permitted."""
+        with suppress(OSError, ValueError):  # a sandbox may forbid either
+            signal.signal(signal.SIGXCPU, self._pause)
+            self._prefer({threading.get_native_id()})
+
+    def end(self) -> None:
+        """All threads are among the usual for good."""
+        if self._again is not None:
+            self._again.cancel()
+            self._again.join()
+        _go_back()
+
+    def _pause(self, *_: object) -> None:
+        preferred = _go_back()
+        if preferred:
+            self._again = threading.Timer(PAUSE_S, self._prefer, (preferred,))
+            self._again.daemon = True
+            self._again.start()
+
+    def _prefer(self, threads: set[int]) -> None:
+        _, most = resource.getrlimit(resource.RLIMIT_RTTIME)
+        # Anew each time: the kernel raises it by a second whenever it is reached.
+        resource.setrlimit(resource.RLIMIT_RTTIME, (MOST_BUSY_US, most))
+        for thread in _list_threads() & threads:
+            with suppress(OSError):  # it may have ended
+                os.sched_setscheduler(thread, os.SCHED_RR, os.sched_param(PRIORITY))
+
+
+def _go_back() -> set[int]:
+    """The threads of this process that were preferred; the kernel does not say which was busy."""
+    preferred = set()
+    for thread in _list_threads():
+        with suppress(OSError):
+            if os.sched_getscheduler(thread) == os.SCHED_RR:
+                os.sched_setscheduler(thread, os.SCHED_OTHER, os.sched_param(0))
+                preferred.add(thread)
+    return preferred
+
+
+def _list_threads() -> set[int]:
+    return {int(task.name) for task in Path("/proc/self/task").iterdir()}
 
 
 def _ask_rtkit(thread: int) -> None:
