@@ -10,6 +10,9 @@ LONGEST_US: Final = 48_000
 """Twelve slices of a camera; the tracker remembers twice that and an exposure, so what frames tell
 is of use. What stands out of the noise ends a lull at once; a push so slow that it does not (a
 twentieth of the usual events) is answered later by half of this on average."""
+MOST_EVENTS: Final = 4_000
+"""What the tracker takes 0.1 ms for; the slice after what came together must not be late for it.
+Where noise alone makes so many events, it is they that cost, not how often the line is woken."""
 CALM_US: Final = 100_000
 """How long nothing must have happened before slices wait for each other."""
 
@@ -30,6 +33,7 @@ class Lull:
     def __init__(self) -> None:
         self.is_idle = False
         self._waiting: list[EventPacket] = []
+        self._n_waiting = 0
         self._calm_us = 0
         self._mean = self._deviation = 0.0
         self._n_heard = 0
@@ -47,14 +51,19 @@ class Lull:
         is_calm = self._listen(len(packet.events)) and not packet.gap
         self._calm_us = self._calm_us + length_us if is_calm else 0
         begin_us = self._waiting[0].t_begin_us if self._waiting else packet.t_begin_us
-        if self._calm_us <= CALM_US or packet.t_end_us + length_us - begin_us > LONGEST_US:
+        n_next = self._n_waiting + 2 * len(packet.events)  # with one more like this
+        if (
+            self._calm_us <= CALM_US
+            or packet.t_end_us + length_us - begin_us > LONGEST_US
+            or n_next > MOST_EVENTS
+        ):
             return self._release(packet)
-        self._waiting.append(packet)
+        self._wait(packet)
         return ()
 
     def flush(self) -> tuple[EventPacket, ...]:
         """What waits, if anything does."""
-        waiting, self._waiting = self._waiting, []
+        waiting, self._waiting, self._n_waiting = self._waiting, [], 0
         return (_join(waiting),) if waiting else ()
 
     def _release(self, packet: EventPacket) -> tuple[EventPacket, ...]:
@@ -62,8 +71,12 @@ class Lull:
             return (packet,)
         if packet.gap or packet.t_begin_us != self._waiting[-1].t_end_us:
             return (*self.flush(), packet)
-        self._waiting.append(packet)
+        self._wait(packet)
         return self.flush()
+
+    def _wait(self, packet: EventPacket) -> None:
+        self._waiting.append(packet)
+        self._n_waiting += len(packet.events)
 
     def _listen(self, n_events: int) -> bool:
         """True if so many events are noise; learns how much of that there is while idle."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
-from neurotouch_hid.source.lull import CALM_US, LONGEST_US, Lull
+from neurotouch_hid.source.lull import CALM_US, LONGEST_US, MOST_EVENTS, Lull
 
 SLICE_US = 4_000
 N_CALM = CALM_US // SLICE_US
@@ -34,7 +34,7 @@ def test_a_line_that_is_not_idle_gets_every_slice():
         assert packet is sent
 
 
-@pytest.mark.parametrize("level", [0, 360, 4_000])
+@pytest.mark.parametrize("level", [0, 150, 300])
 def test_an_idle_line_gets_noise_seldom_and_all_of_it(level):
     rng = np.random.default_rng(1)
     lull = Lull()
@@ -57,6 +57,16 @@ def test_an_idle_line_gets_noise_seldom_and_all_of_it(level):
         frames = [frame for packet in side for frame in packet.frames]
         side[:] = [*(events[name].tolist() for name in events.dtype.names), frames]
     assert sent == got
+
+
+@pytest.mark.parametrize("level", [1_000, 3_000, 9_000])
+def test_what_comes_together_is_no_more_than_the_line_takes_in_time(level):
+    lull, first = idle_lull()
+    sizes = []
+    for k in range(first, first + 1_000):  # which it gets used to
+        sizes += [len(packet.events) for packet in lull.take(make(k, level))]
+    assert max(sizes) <= max(level, MOST_EVENTS)
+    assert sizes[-1] == min(max(MOST_EVENTS // level, 1), N_JOINED) * level
 
 
 def test_what_stands_out_ends_the_lull_at_once_and_for_a_while():
@@ -89,6 +99,6 @@ def test_a_gap_stands_before_what_came_after_it(hole):
 
 def test_a_new_lamp_is_got_used_to():
     lull, k = idle_lull()
-    n_got = [len(lull.take(make(j, 2_000))) for j in range(k, k + 1_000)]
+    n_got = [len(lull.take(make(j, 600))) for j in range(k, k + 1_000)]
     assert sum(n_got[:25]) == 25
-    assert sum(n_got[-400:]) <= 400 // N_JOINED + 1
+    assert sum(n_got[-400:]) <= 400 // (MOST_EVENTS // 600) + 1
