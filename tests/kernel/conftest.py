@@ -78,7 +78,12 @@ def guest(results: Path) -> Callable[[str], Any]:
 
 
 def prepare(machine: str, recording: Path) -> None:
-    """Record the tour for the guest, and do here once what compiles all that the guest needs."""
+    """Record the tour for the guest, and do here once what compiles all that the guest needs.
+
+    Bytecode too, which nobody else writes where PYTHONDONTWRITEBYTECODE is set: the guest would
+    take half a minute for each program that it starts.
+    """
+    run("compileall", "-q", "neurotouch_hid", "tests")
     play = ["run", "--source", f"file:{recording}", "--device", "memory", "--speed", "max"]
     run("tests.kernel.tour", str(recording))
     if machine == "cameras":
