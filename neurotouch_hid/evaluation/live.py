@@ -64,7 +64,8 @@ def run_live_benchmark(
         long: the sustained rates for ten minutes instead of twenty seconds.
 
     Returns:
-        By name of the load what ``measure_live`` gives, and ``device``, its kind.
+        By name of the load what ``measure_live`` gives and ``machine``, for sustained ones what
+        ``measure_machine`` does; and ``device``, its kind.
     """
     kind = choose_device()
     result: dict[str, Any] = {"device": kind}
@@ -72,8 +73,10 @@ def run_live_benchmark(
         seconds = LONG_S if long and load.sustained else load.seconds
         progress(f"Playing {load.name}, {seconds:.0f} s")
         slice_us = round(1e6 / load.rate_hz)
-        dense = DenseSource(load_scene(load.scene, slice_us), seconds, load.events_per_s)
-        result[load.name] = measure_live(dense, config, kind)
+        scene = load_scene(load.scene, slice_us)
+        alone = measure_machine(DenseSource(scene, load.seconds)) if load.sustained else None
+        dense = DenseSource(scene, seconds, load.events_per_s)
+        result[load.name] = {**measure_live(dense, config, kind), "machine": alone}
     return result
 
 
@@ -105,6 +108,21 @@ def measure_live(source: DenseSource, config: GestureConfig, kind: str) -> dict[
         run_line(paced, line, device, [probe])
         core = probe.measure_core()
     return {**summarise_delays(probe.delays_ns, source.slice_us), "core": core}
+
+
+def measure_machine(source: DenseSource) -> dict[str, Any]:
+    """How late slices are taken by a line that has nothing to do: no real one can be quicker.
+
+    Args:
+        source: what to play.
+
+    Returns:
+        What ``summarise_delays`` gives, counted from the slices' ends.
+    """
+    paced = PacedSource(source)
+    with hurry():
+        delays_ns = [time.monotonic_ns() - paced.due_ns for _ in paced]
+    return summarise_delays([(delay_ns, delay_ns) for delay_ns in delays_ns], source.slice_us)
 
 
 class Probe:

@@ -25,6 +25,7 @@ def make_result():
         "late": 0,
         "lost": 0,
         "backlog_ms": 0.0,
+        "machine": None,
     }
     fast = {"median": 60e6, "p99": 50e6, "p99.9": 40e6}
     return {
@@ -72,3 +73,13 @@ def test_a_rate_has_a_least_and_a_time_a_most():
         "tracker",
         "contacts,",
     ]
+
+
+def test_what_the_machine_alone_makes_late_stands_beside():
+    result = make_result()
+    spread = {"p50": 0.11, "p99": 4.4, "p99.9": 9.0}
+    result["live"]["at_1_khz"]["machine"] = {"latency_ms": spread, "late": 7, "slices": 5_000}
+    text = _format(result)
+    assert "0 late and 0 lost of 1,000 slices (nothing to do: 7 late of 5,000)" in text
+    assert "a line with nothing to do" in text
+    assert "4.400" in text

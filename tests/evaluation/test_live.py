@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from neurotouch_hid.evaluation.live import LOST_US, Probe, measure_live, summarise_delays
+from neurotouch_hid.evaluation.live import LOST_US, Probe, measure_live, measure_machine, summarise_delays
 from neurotouch_hid.evaluation.load import DenseSource, load_scene
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, GamepadState, Step
@@ -56,3 +56,9 @@ def test_the_whole_line_is_measured_slice_by_slice():
     assert 1 <= told["slices"] <= 101
     assert told["latency_ms"]["p50"] > 0.0
     assert told["core"] > 0.0
+
+
+def test_a_line_with_nothing_to_do_is_late_where_the_machine_is():
+    told = measure_machine(DenseSource(load_scene("push", SLICE_US, 200_000), 0.4))
+    assert told["slices"] == 100
+    assert told["latency_ms"]["p50"] > 0.0
