@@ -11,7 +11,7 @@ from neurotouch_hid.device import Device
 from neurotouch_hid.errors import DeviceError, GelNotFoundError
 from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.runtime.pipeline import Pipeline
-from neurotouch_hid.source import Dozing, LiveSource
+from neurotouch_hid.source import Attentive, LiveSource
 
 if TYPE_CHECKING:
     from neurotouch_hid.runtime.session import Session
@@ -68,7 +68,7 @@ def run_line(
     stall_s = STALL_S
     if isinstance(source, LiveSource):
         turns, stall_s = source.turns(), LIVE_STALL_S
-    dozing = source if pipeline.is_live and isinstance(source, Dozing) else None
+    attentive = source if pipeline.is_live and isinstance(source, Attentive) else None
     slices = events = 0
     first_us = last_us = None
     begun = time.perf_counter()
@@ -77,7 +77,9 @@ def run_line(
             for packet in turns:
                 if session is not None:
                     session.obey()
-                if packet is not None:
+                if packet is not None and packet.is_begin:
+                    pipeline.begin(packet)
+                elif packet is not None:
                     step = pipeline.advance(packet)
                     device.write(step.pad)
                     guard.feed()
@@ -86,8 +88,8 @@ def run_line(
                     for tap in taps:
                         tap(step)
                     pipeline.catch_up(packet)
-                    if dozing is not None:
-                        dozing.doze(is_idle=pipeline.is_idle)
+                    if attentive is not None:
+                        attentive.attend(is_idle=pipeline.is_idle)
                     slices += 1
                     events += len(packet.events)
                     first_us = packet.t_begin_us if first_us is None else first_us

@@ -27,16 +27,21 @@ class Lull:
     """Holds slices back while the line is idle and they hold nothing but noise.
 
     Attributes:
-        is_idle: the line has nothing to do; set from any thread.
+        is_idle: the line has nothing to do; None until it says so. Set from any thread.
     """
 
     def __init__(self) -> None:
-        self.is_idle = False
+        self.is_idle: bool | None = None
         self._waiting: list[EventPacket] = []
         self._n_waiting = 0
         self._calm_us = 0
         self._mean = self._deviation = 0.0
         self._n_heard = 0
+
+    @property
+    def is_holding(self) -> bool:
+        """Slices wait here."""
+        return bool(self._waiting)
 
     def take(self, packet: EventPacket) -> tuple[EventPacket, ...]:
         """What is ready now: nothing, or all that has waited with this slice as one.

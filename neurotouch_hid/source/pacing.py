@@ -6,6 +6,7 @@ from types import TracebackType
 from typing import Self
 
 from neurotouch_hid.messages import EventPacket
+from neurotouch_hid.source.begin import LEAD_US, cut_begin
 from neurotouch_hid.source.lull import Lull
 from neurotouch_hid.source.protocol import Source
 
@@ -17,7 +18,8 @@ class PacedSource:
     packet is handed out when as much host time has passed as sensor time up to its end. Every due
     time is counted from the start, so errors of single waits never add up, and a loop
     that was late catches up. Sensor time that a source left out (a long silence) is not waited for.
-    Slices in which nothing happens come as one while ``doze`` allows it.
+    Slices in which nothing happens come as one, and the begin of others in advance, while
+    ``attend`` allows it.
 
     Args:
         source: what is played.
@@ -48,14 +50,24 @@ class PacedSource:
                 start_ns = self._clock_ns()
             played_us += packet.t_end_us - packet.t_begin_us
             self.due_ns = start_ns + played_us * 1000
-            ahead_ns = self.due_ns - self._clock_ns()
-            if ahead_ns > 0:
-                self._sleep_s(ahead_ns / 1e9)
+            if self._lull.is_idle is False:
+                begin = cut_begin(packet)
+                if begin is not None and self._wait(self.due_ns - LEAD_US * 1000):
+                    yield begin
+            self._wait(self.due_ns)
             yield packet
 
-    def doze(self, *, is_idle: bool) -> None:
-        """From now on slices that hold nothing but noise may come as one, or no longer."""
+    def attend(self, *, is_idle: bool) -> None:
+        """From now on slices that hold nothing but noise may come as one, or begins in advance."""
         self._lull.is_idle = is_idle
+
+    def _wait(self, until_ns: int) -> bool:
+        """Waits until then; false if that has passed already."""
+        ahead_ns = until_ns - self._clock_ns()
+        if ahead_ns <= 0:
+            return False
+        self._sleep_s(ahead_ns / 1e9)
+        return True
 
     def _join(self) -> Iterator[EventPacket]:
         for packet in self._source:

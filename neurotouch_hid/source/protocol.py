@@ -42,11 +42,15 @@ class Source(Protocol):
 
 
 @runtime_checkable
-class Dozing(Protocol):
-    """A source that need not hand over every slice while nothing happens."""
+class Attentive(Protocol):
+    """A source that hands over its slices as the line needs them."""
 
-    def doze(self, *, is_idle: bool) -> None:
-        """From now on slices that hold nothing but noise may come as one, or no longer."""
+    def attend(self, *, is_idle: bool) -> None:
+        """Says what the line does; it takes no note of any of this before.
+
+        While it is idle, slices that hold nothing but noise may come as one. Otherwise the begin of
+        a slice (``EventPacket.is_begin``) may come shortly before its end.
+        """
         ...
 
 

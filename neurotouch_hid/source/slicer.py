@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
+from neurotouch_hid.source.begin import cut
 
 MAX_SILENCE_US = 10_000_000
 """Longer times without any event are skipped instead of filled with empty slices: a camera has
@@ -67,6 +68,23 @@ class Slicer:
         while (end_us := self._begin_us + self._slice_us) <= now_us:
             yield self._cut(np.empty(0, EVENT_DTYPE), end_us)
             self._skip_silence(now_us)
+
+    def begin(self, now_us: int) -> EventPacket | None:
+        """What has come of the slice in which ``now_us`` lies; it is handed out whole all the same.
+
+        Args:
+            now_us: all later events are not older.
+
+        Returns:
+            None if that is another slice than the one that is being filled.
+        """
+        begin_us = self._begin_us
+        if begin_us is None or not begin_us < now_us < begin_us + self._slice_us:
+            return None
+        if len(self._parts) > 1:
+            self._parts = [_join(self._parts)]
+        events = self._parts[0] if self._parts else np.empty(0, EVENT_DTYPE)
+        return cut(EventPacket(begin_us, begin_us + self._slice_us, events), now_us)
 
     def flush(self) -> Iterator[EventPacket]:
         """Hand out what is left at the end of the stream, the last slice in full length."""

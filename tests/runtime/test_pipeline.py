@@ -1,6 +1,7 @@
 """A live line: frames are taken in after the pad was written, and seldom while nothing happens."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline
 from neurotouch_hid.runtime.pipeline import IDLE_FRAME_US, IDLE_US
+from neurotouch_hid.source.begin import cut_begin
 
 
 def wait_for(condition):
@@ -55,6 +57,40 @@ def test_frames_that_wait_for_the_pad_tell_the_same(push, lines):
     assert np.median(apart_px) < 0.1
     assert np.mean(same) > 0.98
     assert live.tracker.stats().n_anchors > 5
+
+
+def test_a_slice_whose_begin_was_taken_in_before_tells_the_same(push):
+    plain, early = (
+        Pipeline.build(load_profile("default"), GestureConfig(), live=True) for _ in range(2)
+    )
+    apart_px, same = [], []
+    for packet in push.packets:
+        early.begin(cut_begin(packet))
+        now, then = play_live(plain, packet), play_live(early, packet)
+        assert then.packet is packet
+        if packet.t_end_us > 300_000:
+            apart_px.append(np.abs(then.markers.position_px - now.markers.position_px).max())
+            same.append(then.gesture.kind is now.gesture.kind)
+    assert np.max(apart_px) < 0.01
+    assert np.mean(same) > 0.98
+    assert early.tracker.stats().n_gaps == plain.tracker.stats().n_gaps == 0
+    assert early.tracker.stats().n_events == plain.tracker.stats().n_events
+    plain.close()
+    early.close()
+
+
+def test_a_begin_whose_slice_never_came_is_a_gap(push):
+    line = Pipeline.build(load_profile("default"), GestureConfig())
+    for packet in push.packets[:20]:
+        line.advance(packet)
+    line.is_live = True
+    line.begin(cut_begin(push.packets[20]))
+    line.advance(push.packets[21])
+    assert line.tracker.stats().n_gaps == 1
+    line.begin(cut_begin(push.packets[22]))
+    line.advance(replace(push.packets[22], gap=7))  # lost after the begin
+    assert line.tracker.stats().n_gaps == 2
+    line.close()
 
 
 def test_an_idle_line_looks_at_a_frame_now_and_then(lines):

@@ -3,6 +3,7 @@
 import numpy as np
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket
+from neurotouch_hid.source.begin import LEAD_US, SHORTEST_US
 from neurotouch_hid.source.pacing import PacedSource
 
 NO_EVENTS = np.empty(0, EVENT_DTYPE)
@@ -81,9 +82,52 @@ def test_what_may_come_as_one_comes_when_all_of_it_has_happened():
 
     clock = Clock()
     paced = PacedSource(Quiet(), clock, clock.sleep_s)
-    paced.doze(is_idle=True)
+    paced.attend(is_idle=True)
     lengths_us = []
     for packet in paced:
         lengths_us.append(packet.t_end_us - packet.t_begin_us)
         assert clock() - 77 == packet.t_end_us * 1_000 + 300_000
     assert lengths_us == [10_000] * 10 + [40_000] * 7 + [20_000]
+
+
+class Busy(Packets):
+    """Ten slices with an event every 100 us."""
+
+    def __init__(self, slice_us):
+        super().__init__()
+        self.slice_us = slice_us
+
+    def __iter__(self):
+        for begin_us in range(0, 10 * self.slice_us, self.slice_us):
+            events = np.zeros(self.slice_us // 100, EVENT_DTYPE)
+            events["t"] = begin_us + 100 * np.arange(len(events))
+            yield EventPacket(begin_us, begin_us + self.slice_us, events, gap=3)
+
+
+def play_busy(slice_us, late_ns=0):
+    """What came and when, in us; the line is awake from the first slice on."""
+    clock, came = Clock(), []
+    paced = PacedSource(Busy(slice_us), clock, clock.sleep_s)
+    for packet in paced:
+        came.append((packet, (clock() - 77) // 1_000))
+        if not packet.is_begin:
+            paced.attend(is_idle=False)
+            clock.now_ns += late_ns
+    return came
+
+
+def test_the_begin_of_a_slice_comes_shortly_before_its_end():
+    (first, _), *came = play_busy(4_000)
+    assert not first.is_begin
+    assert [packet.is_begin for packet, _ in came] == [True, False] * 9
+    for (begin, begin_us), (whole, whole_us) in zip(came[::2], came[1::2], strict=True):
+        assert begin_us == whole.t_end_us - LEAD_US + 300
+        assert whole_us == whole.t_end_us + 300
+        assert (begin.t_begin_us, begin.t_end_us) == (whole.t_begin_us, whole.t_end_us - LEAD_US)
+        assert begin.events.tolist() == whole.events.tolist()[:35]
+        assert begin.gap == whole.gap == 3
+
+
+def test_no_begin_comes_of_a_short_slice_or_to_a_line_that_is_late():
+    assert not any(packet.is_begin for packet, _ in play_busy(SHORTEST_US - 100))
+    assert not any(packet.is_begin for packet, _ in play_busy(4_000, 4_000_000))

@@ -90,6 +90,22 @@ def test_a_late_frame_goes_into_the_next_slice():
     assert [len(packet.frames) for packet in done] == [1]
 
 
+def test_the_begin_of_a_slice_can_be_had_and_changes_nothing():
+    slicer = Slicer(SLICE_US)
+    assert slicer.begin(10) is None
+    assert list(slicer.push(events_at([0, 20]))) == []
+    assert list(slicer.push(events_at([40, 60, 60]), [Frame(PIXELS, 10, 30)])) == []
+    begin = slicer.begin(60)
+    assert (begin.t_begin_us, begin.t_end_us, begin.is_begin) == (0, 60, True)
+    assert begin.events["t"].tolist() == [0, 20, 40]  # another event at 60 may still come
+    assert begin.frames == ()
+    assert slicer.begin(SLICE_US) is None
+    (whole,) = slicer.push(events_at([SLICE_US + 50]))
+    assert not whole.is_begin
+    assert whole.events["t"].tolist() == [0, 20, 40, 60, 60]
+    assert len(whole.frames) == 1
+
+
 def test_a_slice_within_a_batch_is_a_view():
     events = events_at(range(0, 1000, 10))
     packets = list(slice_stream([(events, ())], SLICE_US))

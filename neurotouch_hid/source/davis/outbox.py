@@ -25,6 +25,8 @@ class Outbox:
         with self._ready:
             if self._ended:
                 return
+            if self._packets and self._packets[-1].is_begin:
+                self._packets.pop()  # of no more use
             self._packets.append(packet)
             if len(self._packets) > self._limit:
                 lost, first = self._packets.popleft(), self._packets[0]
@@ -32,6 +34,13 @@ class Outbox:
                 gap = first.gap + lost.gap + max(1, len(lost.events))
                 self._packets[0] = replace(first, gap=gap)
             self._ready.notify()
+
+    def offer(self, packet: EventPacket) -> None:
+        """Adds the begin of a slice if whoever takes them has nothing else to do."""
+        with self._ready:
+            if not self._ended and not self._packets:
+                self._packets.append(packet)
+                self._ready.notify()
 
     def take(self, timeout_s: float) -> EventPacket | None:
         """The oldest slice as soon as there is one; None if none comes in time, or at the end."""

@@ -143,8 +143,8 @@ class DavisSource:
         if not self._closing.is_set():
             raise CameraError("The camera's thread has ended; this is a bug of the driver.")
 
-    def doze(self, *, is_idle: bool) -> None:
-        """From now on slices that hold nothing but noise may come as one, or no longer."""
+    def attend(self, *, is_idle: bool) -> None:
+        """From now on slices that hold nothing but noise may come as one, or begins in advance."""
         self._lull.is_idle = is_idle
 
     @property
@@ -241,6 +241,10 @@ class DavisSource:
             camera.transport.close()
 
     def _hand_over(self, packet: EventPacket) -> None:
+        if packet.is_begin:
+            if self._lull.is_idle is False and not self._lull.is_holding:
+                self._outbox.offer(packet)
+            return
         for whole in self._lull.take(packet):
             self._outbox.put(whole)
 
