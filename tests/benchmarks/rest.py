@@ -1,6 +1,6 @@
 """False gestures of a gel at rest on a shaken table, and under a hand that rests and trembles.
 
-    python tests/benchmarks/rest.py [SECONDS] [METHOD]
+    python tests/benchmarks/rest.py [SECONDS] [METHOD] [SEED]
 
 Whole simulations, frames and events, of five people with a set-up each, half of them on either
 gel. The table is bumped twenty times a minute (up to 1 mm, 0.01 rad, ringing at 4-15 Hz) and always
@@ -103,13 +103,14 @@ def count(simulator, config):
 def main():
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 60.0
     method = sys.argv[2] if len(sys.argv) > 2 else "neurotouch"
+    seed = int(sys.argv[3]) if len(sys.argv) > 3 else 7
     for name, scene in (("table bumped, nobody there", shake), ("hand resting", lay_hand)):
         total = np.zeros(3, int)
         for user in range(PEOPLE):
-            person, config = meet_person(7000 + user)
+            person, config = meet_person(1000 * seed + user)
             elasticity = ("half-space", "solid")[user % 2]
             config = replace(config, gel=replace(config.gel, elasticity=elasticity))
-            simulator, gesture = scene(person, config, seconds, np.random.default_rng((7, user)))
+            simulator, gesture = scene(person, config, seconds, np.random.default_rng((seed, user)))
             total += count(simulator, replace(gesture, method=method))
         minutes = total[2] / 6000
         print(
