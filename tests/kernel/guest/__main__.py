@@ -76,7 +76,7 @@ MACHINES = {"pads": PADS, "cameras": CAMERAS}
 CHAPTERS = PADS | CAMERAS
 
 
-CHAPTER_LIMIT_S = 600.0
+CHAPTER_LIMIT_S = 900.0
 """A chapter that takes longer hangs."""
 
 
