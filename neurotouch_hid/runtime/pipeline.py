@@ -41,7 +41,7 @@ class Pipeline:
         self.recognizer = recognizer
         self.mapping = mapping
         self.is_live = live
-        self._begun: EventPacket | None = None
+        self._head: EventPacket | None = None
         self._anchor: RestField | None = None
         self._idle_us = self._looked_us = 0
 
@@ -75,17 +75,17 @@ class Pipeline:
         line = cls(rest, tracker, GestureRecognizer(gesture), Mapping(profile, user), live=live)
         if stopwatch is not None:
             line.rest = stopwatch.watch("rest", line.rest, "exchange")
-            line._early = stopwatch.watch("begin", line.tracker, "update")
+            line._early = stopwatch.watch("head", line.tracker, "update")
             line.tracker = stopwatch.watch("tracker", line.tracker, "update")
             line.tracker = stopwatch.watch("frames", line.tracker, "correct")
             line.recognizer = stopwatch.watch("gesture", line.recognizer, "update")
             line.mapping = stopwatch.watch("profile", line.mapping, "update")
         return line
 
-    def begin(self, packet: EventPacket) -> None:
-        """Takes in the begin of the next slice, of which less is left to do then; live only."""
+    def take_head(self, packet: EventPacket) -> None:
+        """Takes in the head of the next slice, of which less is left to do then; live only."""
         self._early.update(packet)
-        self._begun = packet
+        self._head = packet
 
     def advance(self, packet: EventPacket) -> Step:
         """Takes one slice of sensor time through all stages; live, call ``catch_up`` then."""
@@ -123,11 +123,11 @@ class Pipeline:
 
     def _find_rest(self, packet: EventPacket) -> EventPacket:
         """What of a slice has not yet been taken in, without frames."""
-        begun, self._begun = self._begun, None
-        if begun is None or begun.t_begin_us != packet.t_begin_us:
+        head, self._head = self._head, None
+        if head is None or head.t_begin_us != packet.t_begin_us:
             return _without_frames(packet)
-        events, gap = packet.events[len(begun.events) :], packet.gap - begun.gap
-        return EventPacket(begun.t_end_us, packet.t_end_us, events, (), gap)
+        events, gap = packet.events[len(head.events) :], packet.gap - head.gap
+        return EventPacket(head.t_end_us, packet.t_end_us, events, (), gap)
 
     def _exchange(self, packet: EventPacket) -> RestField | None:
         rest = self.rest.exchange(packet)  # newest answer or None; never blocks

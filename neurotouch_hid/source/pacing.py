@@ -6,7 +6,7 @@ from types import TracebackType
 from typing import Self
 
 from neurotouch_hid.messages import EventPacket
-from neurotouch_hid.source.begin import LEAD_US, cut_begin
+from neurotouch_hid.source.head import LEAD_US, cut_head
 from neurotouch_hid.source.lull import Lull
 from neurotouch_hid.source.protocol import Source
 
@@ -18,7 +18,7 @@ class PacedSource:
     packet is handed out when as much host time has passed as sensor time up to its end. Every due
     time is counted from the start, so errors of single waits never add up, and a loop
     that was late catches up. Sensor time that a source left out (a long silence) is not waited for.
-    Slices in which nothing happens come as one, and the begin of others in advance, while
+    Slices in which nothing happens come as one, and the head of others in advance, while
     ``attend`` allows it.
 
     Args:
@@ -51,14 +51,14 @@ class PacedSource:
             played_us += packet.t_end_us - packet.t_begin_us
             self.due_ns = start_ns + played_us * 1000
             if self._lull.is_idle is False:
-                begin = cut_begin(packet)
-                if begin is not None and self._wait(self.due_ns - LEAD_US * 1000):
-                    yield begin
+                head = cut_head(packet)
+                if head is not None and self._wait(self.due_ns - LEAD_US * 1000):
+                    yield head
             self._wait(self.due_ns)
             yield packet
 
     def attend(self, *, is_idle: bool) -> None:
-        """From now on slices that hold nothing but noise may come as one, or begins in advance."""
+        """From now on slices that hold nothing but noise may come as one, or heads in advance."""
         self._lull.is_idle = is_idle
 
     def _wait(self, until_ns: int) -> bool:

@@ -48,8 +48,8 @@ class Attentive(Protocol):
     def attend(self, *, is_idle: bool) -> None:
         """Says what the line does; it takes no note of any of this before.
 
-        While it is idle, slices that hold nothing but noise may come as one. Otherwise the begin of
-        a slice (``EventPacket.is_begin``) may come shortly before its end.
+        While it is idle, slices that hold nothing but noise may come as one. Otherwise the head of
+        a slice (``EventPacket.is_head``) may come shortly before its end.
         """
         ...
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
-from neurotouch_hid.source.begin import cut
+from neurotouch_hid.source.head import cut
 
 MAX_SILENCE_US = 10_000_000
 """Longer times without any event are skipped instead of filled with empty slices: a camera has
@@ -69,7 +69,7 @@ class Slicer:
             yield self._cut(np.empty(0, EVENT_DTYPE), end_us)
             self._skip_silence(now_us)
 
-    def begin(self, now_us: int) -> EventPacket | None:
+    def head(self, now_us: int) -> EventPacket | None:
         """What has come of the slice in which ``now_us`` lies; it is handed out whole all the same.
 
         Args:

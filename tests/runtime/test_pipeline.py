@@ -11,7 +11,7 @@ from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline
 from neurotouch_hid.runtime.pipeline import IDLE_FRAME_US, IDLE_US
-from neurotouch_hid.source.begin import cut_begin
+from neurotouch_hid.source.head import cut_head
 
 
 def wait_for(condition):
@@ -59,13 +59,13 @@ def test_frames_that_wait_for_the_pad_tell_the_same(push, lines):
     assert live.tracker.stats().n_anchors > 5
 
 
-def test_a_slice_whose_begin_was_taken_in_before_tells_the_same(push):
+def test_a_slice_whose_head_was_taken_in_before_tells_the_same(push):
     plain, early = (
         Pipeline.build(load_profile("default"), GestureConfig(), live=True) for _ in range(2)
     )
     apart_px, same = [], []
     for packet in push.packets:
-        early.begin(cut_begin(packet))
+        early.take_head(cut_head(packet))
         now, then = play_live(plain, packet), play_live(early, packet)
         assert then.packet is packet
         if packet.t_end_us > 300_000:
@@ -79,16 +79,16 @@ def test_a_slice_whose_begin_was_taken_in_before_tells_the_same(push):
     early.close()
 
 
-def test_a_begin_whose_slice_never_came_is_a_gap(push):
+def test_a_head_whose_slice_never_came_is_a_gap(push):
     line = Pipeline.build(load_profile("default"), GestureConfig())
     for packet in push.packets[:20]:
         line.advance(packet)
     line.is_live = True
-    line.begin(cut_begin(push.packets[20]))
+    line.take_head(cut_head(push.packets[20]))
     line.advance(push.packets[21])
     assert line.tracker.stats().n_gaps == 1
-    line.begin(cut_begin(push.packets[22]))
-    line.advance(replace(push.packets[22], gap=7))  # lost after the begin
+    line.take_head(cut_head(push.packets[22]))
+    line.advance(replace(push.packets[22], gap=7))  # lost after the head
     assert line.tracker.stats().n_gaps == 2
     line.close()
 

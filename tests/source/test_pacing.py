@@ -3,7 +3,7 @@
 import numpy as np
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket
-from neurotouch_hid.source.begin import LEAD_US, SHORTEST_US
+from neurotouch_hid.source.head import LEAD_US, SHORTEST_US
 from neurotouch_hid.source.pacing import PacedSource
 
 NO_EVENTS = np.empty(0, EVENT_DTYPE)
@@ -110,24 +110,24 @@ def play_busy(slice_us, late_ns=0):
     paced = PacedSource(Busy(slice_us), clock, clock.sleep_s)
     for packet in paced:
         came.append((packet, (clock() - 77) // 1_000))
-        if not packet.is_begin:
+        if not packet.is_head:
             paced.attend(is_idle=False)
             clock.now_ns += late_ns
     return came
 
 
-def test_the_begin_of_a_slice_comes_shortly_before_its_end():
+def test_the_head_of_a_slice_comes_shortly_before_its_end():
     (first, _), *came = play_busy(4_000)
-    assert not first.is_begin
-    assert [packet.is_begin for packet, _ in came] == [True, False] * 9
-    for (begin, begin_us), (whole, whole_us) in zip(came[::2], came[1::2], strict=True):
-        assert begin_us == whole.t_end_us - LEAD_US + 300
+    assert not first.is_head
+    assert [packet.is_head for packet, _ in came] == [True, False] * 9
+    for (head, head_us), (whole, whole_us) in zip(came[::2], came[1::2], strict=True):
+        assert head_us == whole.t_end_us - LEAD_US + 300
         assert whole_us == whole.t_end_us + 300
-        assert (begin.t_begin_us, begin.t_end_us) == (whole.t_begin_us, whole.t_end_us - LEAD_US)
-        assert begin.events.tolist() == whole.events.tolist()[:35]
-        assert begin.gap == whole.gap == 3
+        assert (head.t_begin_us, head.t_end_us) == (whole.t_begin_us, whole.t_end_us - LEAD_US)
+        assert head.events.tolist() == whole.events.tolist()[:35]
+        assert head.gap == whole.gap == 3
 
 
-def test_no_begin_comes_of_a_short_slice_or_to_a_line_that_is_late():
-    assert not any(packet.is_begin for packet, _ in play_busy(SHORTEST_US - 100))
-    assert not any(packet.is_begin for packet, _ in play_busy(4_000, 4_000_000))
+def test_no_head_comes_of_a_short_slice_or_to_a_line_that_is_late():
+    assert not any(packet.is_head for packet, _ in play_busy(SHORTEST_US - 100))
+    assert not any(packet.is_head for packet, _ in play_busy(4_000, 4_000_000))

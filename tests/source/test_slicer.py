@@ -90,18 +90,18 @@ def test_a_late_frame_goes_into_the_next_slice():
     assert [len(packet.frames) for packet in done] == [1]
 
 
-def test_the_begin_of_a_slice_can_be_had_and_changes_nothing():
+def test_the_head_of_a_slice_can_be_had_and_changes_nothing():
     slicer = Slicer(SLICE_US)
-    assert slicer.begin(10) is None
+    assert slicer.head(10) is None
     assert list(slicer.push(events_at([0, 20]))) == []
     assert list(slicer.push(events_at([40, 60, 60]), [Frame(PIXELS, 10, 30)])) == []
-    begin = slicer.begin(60)
-    assert (begin.t_begin_us, begin.t_end_us, begin.is_begin) == (0, 60, True)
-    assert begin.events["t"].tolist() == [0, 20, 40]  # another event at 60 may still come
-    assert begin.frames == ()
-    assert slicer.begin(SLICE_US) is None
+    head = slicer.head(60)
+    assert (head.t_begin_us, head.t_end_us, head.is_head) == (0, 60, True)
+    assert head.events["t"].tolist() == [0, 20, 40]  # another event at 60 may still come
+    assert head.frames == ()
+    assert slicer.head(SLICE_US) is None
     (whole,) = slicer.push(events_at([SLICE_US + 50]))
-    assert not whole.is_begin
+    assert not whole.is_head
     assert whole.events["t"].tolist() == [0, 20, 40, 60, 60]
     assert len(whole.frames) == 1
 

@@ -25,7 +25,7 @@ class Outbox:
         with self._ready:
             if self._ended:
                 return
-            if self._packets and self._packets[-1].is_begin:
+            if self._packets and self._packets[-1].is_head:
                 self._packets.pop()  # of no more use
             self._packets.append(packet)
             if len(self._packets) > self._limit:
@@ -36,7 +36,7 @@ class Outbox:
             self._ready.notify()
 
     def offer(self, packet: EventPacket) -> None:
-        """Adds the begin of a slice if whoever takes them has nothing else to do."""
+        """Adds the head of a slice if whoever takes them has nothing else to do."""
         with self._ready:
             if not self._ended and not self._packets:
                 self._packets.append(packet)

@@ -144,7 +144,7 @@ class DavisSource:
             raise CameraError("The camera's thread has ended; this is a bug of the driver.")
 
     def attend(self, *, is_idle: bool) -> None:
-        """From now on slices that hold nothing but noise may come as one, or begins in advance."""
+        """From now on slices that hold nothing but noise may come as one, or heads in advance."""
         self._lull.is_idle = is_idle
 
     @property
@@ -241,7 +241,7 @@ class DavisSource:
             camera.transport.close()
 
     def _hand_over(self, packet: EventPacket) -> None:
-        if packet.is_begin:
+        if packet.is_head:
             if self._lull.is_idle is False and not self._lull.is_holding:
                 self._outbox.offer(packet)
             return

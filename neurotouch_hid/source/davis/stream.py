@@ -9,11 +9,11 @@ from typing import Final
 
 from neurotouch_hid.errors import CameraError
 from neurotouch_hid.messages import EventPacket
-from neurotouch_hid.source.begin import SHORTEST_US
 from neurotouch_hid.source.davis.camera import Camera
 from neurotouch_hid.source.davis.config import DavisConfig
 from neurotouch_hid.source.davis.decoder import Decoder, DecoderStats
 from neurotouch_hid.source.davis.transport import CameraGoneError, StreamHaltedError
+from neurotouch_hid.source.head import SHORTEST_US
 from neurotouch_hid.source.slicer import Slicer
 
 PUMP_S: Final = 0.05
@@ -42,7 +42,7 @@ class Stream:
         camera: the camera.
         config: how it was set up.
         slice_us: length of a slice.
-        put: takes the slices, and the begin of each shortly before its end.
+        put: takes the slices, and the head of each shortly before its end.
         before: the stream that this one continues, later by the time between them.
 
     Attributes:
@@ -77,7 +77,7 @@ class Stream:
         self._decoder = Decoder(layout, origin_us=self.end_us)
         self._slicer = Slicer(slice_us, self.end_us)
         self._n_resets = 0
-        self._begun_us = -1
+        self._head_us = -1
         self._faults_s: deque[float] = deque(maxlen=MAX_FAULTS)
         self._stalls_s: deque[float] = deque(maxlen=MAX_STALLS)
 
@@ -99,7 +99,7 @@ class Stream:
             finally:  # what came before it failed is good
                 now_s = time.monotonic()
                 self._read(now_s)
-            self._deliver_begin()
+            self._deliver_head()
             self._check(looked_s)
             if self.end_us > end_us:  # a slice: its last word has just come
                 rest_until_s = now_s + self._find_rest_s()
@@ -161,19 +161,19 @@ class Stream:
         self._put(replace(packet, gap=self._gap) if self._gap else packet)
         self._gap = 0
 
-    def _deliver_begin(self) -> None:
+    def _deliver_head(self) -> None:
         """Once for each slice, as soon as this is awake for its end."""
         now_us = self._decoder.now_us
         if (
-            self._begun_us == self.end_us
+            self._head_us == self.end_us
             or now_us < self.end_us + self._slice_us - AWAKE_US
             or self._slice_us < SHORTEST_US
         ):
             return
-        begin = self._slicer.begin(now_us)
-        if begin is not None:
-            self._begun_us = self.end_us
-            self._put(replace(begin, gap=self._gap))
+        head = self._slicer.head(now_us)
+        if head is not None:
+            self._head_us = self.end_us
+            self._put(replace(head, gap=self._gap))
 
     def _check(self, looked_s: float) -> None:
         """Ends a run that has failed.

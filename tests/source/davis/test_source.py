@@ -95,18 +95,18 @@ def test_after_a_slice_data_may_wait_until_the_next_one_is_near():
     assert untils_s[4] == untils_s[3]  # 5 to 6 ms: no slice
 
 
-def test_a_line_that_plays_gets_the_begin_of_a_slice_before_its_end():
+def test_a_line_that_plays_gets_the_head_of_a_slice_before_its_end():
     camera = ScriptedCamera()
     camera.at_reset.append([make_events(0, 2), make_events(2, 4)])
     with open_camera(camera, slice_us=3_500) as source:
         source.attend(is_idle=False)
         turns = (packet for packet in source.turns() if packet is not None)
-        begin = next(turns)
+        head = next(turns)
         camera.script.append(make_events(4, 6))
         whole = next(turns)
-    assert (begin.t_begin_us, begin.t_end_us, begin.is_begin) == (0, 3_001, True)
-    assert times([begin]) == [1, 1_001, 2_001]
-    assert (whole.t_begin_us, whole.t_end_us, whole.is_begin) == (0, 3_500, False)
+    assert (head.t_begin_us, head.t_end_us, head.is_head) == (0, 3_001, True)
+    assert times([head]) == [1, 1_001, 2_001]
+    assert (whole.t_begin_us, whole.t_end_us, whole.is_head) == (0, 3_500, False)
     assert times([whole]) == [1, 1_001, 2_001, 3_001]
 
 
@@ -117,7 +117,7 @@ def test_a_line_that_is_idle_or_has_said_nothing_gets_whole_slices(is_idle):
     with open_camera(camera, slice_us=3_500) as source:
         if is_idle is not None:
             source.attend(is_idle=is_idle)
-        assert not any(packet.is_begin for packet in take(source, 10))
+        assert not any(packet.is_head for packet in take(source, 10))
 
 
 def test_transfers_are_queued_before_anything_runs_and_the_clock_is_reset_last():

@@ -1,4 +1,4 @@
-"""The begin of a slice comes before its end, so that less is left to do then."""
+"""The head of a slice comes before its end, so that less is left to do then."""
 
 from typing import Final
 
@@ -7,13 +7,13 @@ import numpy as np
 from neurotouch_hid.messages import EventPacket
 
 LEAD_US: Final = 500
-"""So long before the end of a slice its begin is handed over: as long as a processor needs for it
+"""So long before the end of a slice its head is handed over: as long as a processor needs for it
 whose caches have forgotten the line since the slice before. They soon forget it again."""
 SHORTEST_US: Final = 4 * LEAD_US
 """A line with shorter slices is busy enough not to be forgotten."""
 
 
-def cut_begin(packet: EventPacket) -> EventPacket | None:
+def cut_head(packet: EventPacket) -> EventPacket | None:
     """What has happened in a slice ``LEAD_US`` before its end, without frames.
 
     Args:
@@ -30,6 +30,4 @@ def cut_begin(packet: EventPacket) -> EventPacket | None:
 def cut(packet: EventPacket, until_us: int) -> EventPacket:
     """What has happened in a slice before a moment in it, without frames."""
     n = int(np.searchsorted(packet.events["t"], until_us))
-    return EventPacket(
-        packet.t_begin_us, until_us, packet.events[:n], gap=packet.gap, is_begin=True
-    )
+    return EventPacket(packet.t_begin_us, until_us, packet.events[:n], gap=packet.gap, is_head=True)
