@@ -69,17 +69,20 @@ class Slicer:
             yield self._cut(np.empty(0, EVENT_DTYPE), end_us)
             self._skip_silence(now_us)
 
-    def head(self, now_us: int) -> EventPacket | None:
+    def head(self, now_us: int, most: int) -> EventPacket | None:
         """What has come of the slice in which ``now_us`` lies; it is handed out whole all the same.
 
         Args:
             now_us: all later events are not older.
+            most: events.
 
         Returns:
-            None if that is another slice than the one that is being filled.
+            None if that is another slice than the one that is being filled, or holds more.
         """
         begin_us = self._begin_us
         if begin_us is None or not begin_us < now_us < begin_us + self._slice_us:
+            return None
+        if sum(map(len, self._parts)) > most:
             return None
         if len(self._parts) > 1:
             self._parts = [_join(self._parts)]

@@ -92,14 +92,15 @@ def test_a_late_frame_goes_into_the_next_slice():
 
 def test_the_head_of_a_slice_can_be_had_and_changes_nothing():
     slicer = Slicer(SLICE_US)
-    assert slicer.head(10) is None
+    assert slicer.head(10, 100) is None
     assert list(slicer.push(events_at([0, 20]))) == []
     assert list(slicer.push(events_at([40, 60, 60]), [Frame(PIXELS, 10, 30)])) == []
-    head = slicer.head(60)
+    head = slicer.head(60, 5)
     assert (head.t_begin_us, head.t_end_us, head.is_head) == (0, 60, True)
     assert head.events["t"].tolist() == [0, 20, 40]  # another event at 60 may still come
     assert head.frames == ()
-    assert slicer.head(SLICE_US) is None
+    assert slicer.head(60, 4) is None
+    assert slicer.head(SLICE_US, 100) is None
     (whole,) = slicer.push(events_at([SLICE_US + 50]))
     assert not whole.is_head
     assert whole.events["t"].tolist() == [0, 20, 40, 60, 60]
