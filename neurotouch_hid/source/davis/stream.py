@@ -23,8 +23,8 @@ AWAKE_US: Final = 600
 wake up for each transfer takes half as much processor time again. In this time what has waited is
 read, in 0.4 ms at 5 million events/s, and a thread that is woken late is there."""
 MOST_HEAD: Final = 8_000
-"""Events of a slice that are handed over before its end: 2 million a second. To copy more then makes
-the slice as much later as the line is quicker with it."""
+"""Events of a slice that are handed over before its end, at 4 ms 2 million a second. To copy more
+makes the slice as much later as the line is quicker with it."""
 MOST_REST_US: Final = 4_000
 """At 70 MB/s, 12 million events/s, this fills a fourth of the transfers."""
 COUNT_S: Final = 1.0
