@@ -141,7 +141,9 @@ def test_signal_while_playing_is_an_orderly_end(number):
 
 def test_ctrl_c_before_the_start_is_no_traceback():
     process = start("run", "--source", "sim:tour", "--device", "memory", "--show", "nothing")
-    time.sleep(0.4)
+    maps = Path(f"/proc/{process.pid}/maps")
+    while "numpy" not in maps.read_text():  # until then it may be Python that starts, not we
+        time.sleep(0.01)
     process.send_signal(signal.SIGINT)
     _, text = process.communicate(timeout=60)
     # A shell shows -2 as 130 too: Python ends by the signal itself where it came inside exec(),
