@@ -160,13 +160,19 @@ def filter_events(
     return int(stop)
 
 
+@njit(cache=True, nogil=True, inline="always")
+def _fade(elapsed_us: float, memory_s: float) -> float:
+    """For how long (s) a marker has moved on since its last event: its velocity has been fading."""
+    dt = min(max(elapsed_us * SECOND, 0.0), memory_s)
+    return dt * (1.0 - 0.5 * dt / memory_s)
+
+
 @njit(cache=True, nogil=True)
 def predict(t_us: float, memory_s: float, tracks: Tracks, out_px: NDArray[np.float64]) -> None:
-    """Where every marker is at ``t_us``; since its last event its velocity has been fading."""
+    """Where every marker is at ``t_us``."""
     for i in range(len(tracks.state)):
         s = tracks.state[i]
-        dt = min(max((t_us - s[T]) * SECOND, 0.0), memory_s)
-        step = dt * (1.0 - 0.5 * dt / memory_s)
+        step = _fade(t_us - s[T], memory_s)
         out_px[i, 0] = s[X] + s[VX] * step
         out_px[i, 1] = s[Y] + s[VY] * step
 
@@ -183,8 +189,7 @@ def aim(t_us: float, tracks: Tracks, tuning: Tuning) -> None:
     """Expect the events of all markers where these will be at ``t_us``."""
     for i in range(len(tracks.state)):
         s = tracks.state[i]
-        dt = min(max((t_us - s[T]) * SECOND, 0.0), tuning.memory_s)
-        step = dt * (1.0 - 0.5 * dt / tuning.memory_s)
+        step = _fade(t_us - s[T], tuning.memory_s)
         _aim_at(s[X] + s[VX] * step, s[Y] + s[VY] * step, i, tracks)
     list_markers(tracks.aim_px, tracks.near, tracks.n_near, tracks.listed)
 
@@ -196,13 +201,23 @@ def place(
     variance_px2: float,
     t_us: float,
     tracks: Tracks,
+    tuning: Tuning,
 ) -> None:
-    """Put ``markers`` (k,), at rest, where they are known to be: (k, 2) px."""
+    """Put ``markers`` (k,), at rest, where they are known to be: (k, 2) px.
+
+    Their past moves along: a frame that tells where they lay then is not to move them once more.
+    """
     for k in range(len(markers)):
-        s = tracks.state[markers[k]]
+        i = markers[k]
+        s = tracks.state[i]
+        step = _fade(t_us - s[T], tuning.memory_s)
+        dx, dy = at_px[k, 0] - s[X] - s[VX] * step, at_px[k, 1] - s[Y] - s[VY] * step
+        for slot in range(len(tracks.past_px)):
+            tracks.past_px[slot, i, 0] += dx
+            tracks.past_px[slot, i, 1] += dy
         s[X], s[Y], s[VX], s[VY], s[T] = at_px[k, 0], at_px[k, 1], 0.0, 0.0, t_us
         s[A], s[B], s[C] = variance_px2, 0.0, 100.0
-        _aim_at(s[X], s[Y], markers[k], tracks)
+        _aim_at(s[X], s[Y], i, tracks)
     list_markers(tracks.aim_px, tracks.near, tracks.n_near, tracks.listed)
 
 
@@ -293,11 +308,11 @@ def check_neighbours(
     collide(position_px, expected, tracks.neighbours, stray)
     tear(position_px, usable, rest_px, tracks.neighbours, tuning.max_stray_px, stray)
     astray = np.flatnonzero(stray & np.isfinite(expected[:, 0]))
-    for i in astray:
-        position_px[i] = expected[i]
-        tracks.lost[i] = True
     if len(astray):
-        place(astray, position_px[astray], 4.0, float(t_us), tracks)
+        place(astray, expected[astray], 4.0, float(t_us), tracks, tuning)
+        for i in astray:
+            position_px[i] = expected[i]
+            tracks.lost[i] = True
         tracks.clock[2] += len(astray)
     if t_us - tracks.frame_us[0] < FRAMELESS_US:
         return

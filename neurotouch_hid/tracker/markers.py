@@ -169,7 +169,7 @@ class MarkerTracker:
             tracks.rest_px[:] = measured
             if not self._anchored:
                 t_us = float(rest.t_us if self._end_us is None else self._end_us)
-                kernels.place(np.arange(N_MARKERS), measured, 1.0, t_us, tracks)
+                kernels.place(np.arange(N_MARKERS), measured, 1.0, t_us, tracks, self._tuning)
                 self._restart(int(t_us))
                 self._anchored = True
         else:

@@ -44,7 +44,7 @@ def test_blobs_are_those_of_the_plain_twin(seed, share):
 def test_the_past_is_remembered_between_checks_and_no_longer_than_the_ring():
     tracks = make_tracks(NEIGHBOURS, TrackerConfig())
     tracks.rest_px[:] = REST_PX
-    kernels.place(np.arange(177), REST_PX, 1.0, 0.0, tracks)
+    kernels.place(np.arange(177), REST_PX, 1.0, 0.0, tracks, TUNING)
     tracks.state[:, kernels.VX] = 100.0
     out = np.empty((177, 2))
     for t_us in range(0, 200_000, 2_000):

@@ -27,7 +27,7 @@ def make_tracks(position_px, search="tiles"):
 
 def put(tracks, markers, at_px, t_us=0.0):
     at_px = np.array(at_px, np.float64).reshape(-1, 2)
-    kernels.place(np.array(markers, np.intp), at_px, 1.0, t_us, tracks)
+    kernels.place(np.array(markers, np.intp), at_px, 1.0, t_us, tracks, TUNING)
 
 
 def find_nearest(x, y, on, gate_px, tracks):

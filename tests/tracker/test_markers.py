@@ -11,7 +11,7 @@ from neurotouch_hid.source.simulator import Simulator, SimulatorConfig
 from neurotouch_hid.source.simulator.optics import CameraConfig
 from neurotouch_hid.source.simulator.script import Finger, Stroke, sequence
 from neurotouch_hid.source.simulator.sensor import SensorConfig
-from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector, TrackerConfig
+from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector, TrackerConfig, kernels
 
 REST_PX = Rig((172.0, 130.0), 2.5).to_px(LATTICE_MM).astype(np.float32)
 
@@ -308,6 +308,18 @@ def test_swapped_markers_are_told_apart_at_the_next_rest(gestures):
     assert (errors(fields, truth[10:20])[-1] < 1.0).all()
     assert fields[-1].valid.all()
     assert fields[0].position_px.shape == (N_MARKERS, 2)
+
+
+def test_what_was_put_in_place_is_not_moved_again_by_the_same_frame(gestures):
+    """Tracks that lagged behind a knock once flew to and fro with every frame at rest."""
+    packets, truth = gestures
+    tracker, detector = MarkerTracker(), RestDetector()
+    follow(packets[:10], tracker, detector=detector)
+    tracks, lagging = tracker._tracks, np.arange(0, 177, 8)
+    kernels.shift(lagging, np.full((len(lagging), 2), 1.6), tracks)
+    fields = follow(packets[10:20], tracker, detector=detector)
+    frame = next(k for k, p in enumerate(packets[10:20]) if p.frames)
+    assert (errors(fields, truth[10:20])[frame:] < 1.0).all()
 
 
 def test_a_marker_that_nobody_sees_is_not_valid(gestures):

@@ -61,7 +61,9 @@ class FrameCorrection:
         self._expect(now_px, ~astray)
         unknown = ~np.isfinite(self._expected_px)
         self._expected_px[unknown] = rest.position_px[unknown]
-        kernels.place(np.flatnonzero(astray), self._expected_px[astray], 1.0, t_us, tracks)
+        kernels.place(
+            np.flatnonzero(astray), self._expected_px[astray], 1.0, t_us, tracks, self._tuning
+        )
         tracks.lost[astray] = True
 
     def _expect(self, position_px: NDArray[np.float64], usable: NDArray[np.bool_]) -> None:
