@@ -14,6 +14,7 @@ from neurotouch_hid.gesture.elastic.fit.kernels import (
     find_common,
     invert,
     measure_spread,
+    measure_sway,
     refine,
     solve,
     weigh_markers,
@@ -76,6 +77,17 @@ def test_the_common_motion_is_the_median_of_trusted_markers(seed, n):
     moved, weight = rng.normal(0, 1, (n, 2)), rng.random(n) * (rng.random(n) < 0.7)
     weight[0] = 1.0
     assert find_common(moved, weight) == tuple(np.median(moved[weight > 0], axis=0))
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 30))
+def test_the_sway_is_what_three_quarters_of_the_trusted_markers_share(seed, n):
+    rng = np.random.default_rng(seed)
+    moved, weight = rng.normal(0.5, 1, (n, 2)), rng.random(n) * (rng.random(n) < 0.7)
+    weight[0] = 1.0
+    along = np.sort(moved[weight > 0] @ [0.6, 0.8])
+    expected = max(along[len(along) // 4], 0.0)
+    assert measure_sway(moved, weight, 3.0, 4.0) == pytest.approx(expected)
+    assert measure_sway(moved, weight, 0.0, 0.0) == 0.0
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 30))

@@ -86,7 +86,7 @@ def test_asking_no_site_where_none_can_explain_enough_changes_nothing():
         said = []
         for moved in fields:
             motion = hand.update(moved, SEES_ALL, 0.05, forming=True)
-            said.append((motion, motion and hand.show().mm.tolist()))
+            said.append((motion, motion.n_fingers and hand.show().mm.tolist()))
         told.append(said)
         asked.append(int(hand.state["n_asked"][0]))
     assert told[0] == told[1]
@@ -102,7 +102,20 @@ def test_names_stay_with_fingers_until_the_hand_is_forgotten():
     assert hand.show().names == names
     assert len(set(names)) == 2
     hand.reset()
-    assert hand.update(np.zeros(LATTICE_MM.shape), SEES_ALL, 0.05, forming=True) is None
+    assert not hand.update(np.zeros(LATTICE_MM.shape), SEES_ALL, 0.05, forming=True).n_fingers
+
+
+def test_a_knock_is_told_without_a_finger_and_no_light_touch_passes_for_one():
+    hand = Hand()
+    hand.place(REST_PX, RIG)
+    knock = np.full(LATTICE_MM.shape, 0.3)
+    motion = hand.update(knock, SEES_ALL, 0.05, forming=True)
+    assert motion.n_fingers == 0
+    assert motion.sway_mm == pytest.approx(np.hypot(0.3, 0.3))
+    touch = field(PLACES[:1], np.array([[0.15, 0.0]]))
+    motion = hand.update(touch, SEES_ALL, 0.05, forming=True)
+    assert motion.n_fingers == 0
+    assert motion.sway_mm < 0.02
 
 
 def test_contacts_are_told_in_the_gel_and_in_the_image():

@@ -65,7 +65,7 @@ def test_each_finger_of_a_hand_lands_for_itself():
         drags = np.array([[0.1 * t, 0.0], [0.0, 0.2 * max(t - 12, 0)]])
         k = 1 + (12 < t < 25)
         motion = hand.update(field(places[:k], drags[:k]), sees_all, 0.05, forming=True)
-        if motion is None:
+        if not motion.n_fingers:
             continue
         fit, n = hand.fits[NOW], motion.n_fingers
         since = twin.subtract(fit["ids"][:n].tolist(), fit["motions"][:n], 10_000)

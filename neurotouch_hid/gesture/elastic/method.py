@@ -17,8 +17,6 @@ Floats = NDArray[np.float64]
 NOISE_US = 500_000  # time constant of the noise of the markers, measured at rest
 RESTING = DecisionConfig(on_mm=0.8, off_mm=0.5, least_off_mm=0.5)
 """A resting hand trembles by up to half a mm."""
-NO_PARTS = (0.0,) * len(GestureKind)
-"""Nothing speaks for any type."""
 
 
 class ElasticMethod:
@@ -62,12 +60,6 @@ class ElasticMethod:
         motion = hand.update(
             moved_px, use, self._noise_mm, step_us=step_us, forming=decision.is_forming
         )
-        if motion is None:
-            self._listen(step_us)
-            decision.update(step_us, 0.0, NO_PARTS, 0, self._noise_mm)
-            if decision.kind is GestureKind.NONE:
-                self.reset()
-            return no_gesture(t_us)
         decision.update(
             step_us,
             motion.largest_mm,
@@ -77,6 +69,11 @@ class ElasticMethod:
             sway_mm=motion.sway_mm,
             error_mm=motion.error_mm,
         )
+        if not motion.n_fingers:
+            self._listen(step_us)
+            if decision.kind is GestureKind.NONE:
+                self.reset()
+            return no_gesture(t_us)
         if decision.kind is GestureKind.NONE:
             if motion.largest_mm < hand.config.least_mm:
                 self.reset()

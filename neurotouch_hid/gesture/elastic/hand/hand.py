@@ -98,6 +98,7 @@ HAND: Final = np.dtype(
         ("n_searches", "i8"),
         ("n_asked", "i8"),
         ("noise_mm", "f8"),
+        ("sway_mm", "f8"),
         ("moved", "f8", (N_MARKERS, 2)),
         ("weight", "f8", N_MARKERS),
         ("since", "f8", (MOST, 3)),
@@ -107,15 +108,16 @@ HAND: Final = np.dtype(
 )
 """What else is remembered: the next free name; turns so far; time since the last turn and since
 fingers were last looked for; how often they were, and how often all sites were asked; error of a
-marker, mm; how far each marker moved, mm; trust in each; motions of the fingers since they landed;
-what speaks for each type, see ``measure_motion``."""
+marker, mm; how far everything had moved together when fingers were last looked for, mm; how far
+each marker moved, mm; trust in each; motions of the fingers since they landed; what speaks for each
+type, see ``measure_motion``."""
 
 
 class Motion(NamedTuple):
     """What the fingers do together.
 
     Attributes:
-        n_fingers: how many, at least one.
+        n_fingers: how many; without one only ``sway_mm`` means anything, the rest is 0, scale 1.
         largest_mm: the largest motion of a finger.
         sway_mm: how far everything moved together.
         error_mm: rms of what the fingers leave unexplained, one axis.
@@ -219,7 +221,7 @@ class Hand:
         *,
         step_us: int = TURN_US,
         forming: bool,
-    ) -> Motion | None:
+    ) -> Motion:
         """Fit the fingers to the displacements of one slice.
 
         Args:
@@ -230,7 +232,7 @@ class Hand:
             forming: the gesture has just begun: look at everything afresh.
 
         Returns:
-            What they do together, or None if there are none.
+            What they do together.
         """
         told = follow(
             self.state,
@@ -243,7 +245,7 @@ class Hand:
             step_us,
             forming,
         )
-        return Motion._make((*told, self._parts.tolist())) if told[0] else None
+        return Motion._make((*told, self._parts.tolist()))
 
     def show(self) -> Contacts:
         """The contacts of the fingers found in the last slice."""

@@ -12,7 +12,12 @@ from numba import njit
 from numpy.typing import NDArray
 
 from neurotouch_hid.gesture.elastic.field.kernels import bound_gain, find_site
-from neurotouch_hid.gesture.elastic.fit.kernels import find_common, refine, weigh_markers
+from neurotouch_hid.gesture.elastic.fit.kernels import (
+    find_common,
+    measure_sway,
+    refine,
+    weigh_markers,
+)
 from neurotouch_hid.gesture.elastic.motion.kernels import (
     choose_shown,
     locate,
@@ -63,8 +68,7 @@ def follow(
 
     Returns:
         The number of fingers; their largest motion, how far everything moved together and the rms
-        of what is not explained, mm; and what ``measure_motion`` returns. Without a finger all but
-        the number mean nothing.
+        of what is not explained, mm; and what ``measure_motion`` returns.
     """
     me, rules = hand[0], config[0]
     _to_mm(moved_px, gel[0], me.moved)
@@ -101,7 +105,8 @@ def follow(
     fit = fits[NOW]
     n = fit.count
     if n == 0:
-        return 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0
+        me.parts[:] = 0.0
+        return 0, 0.0, me.sway_mm, 0.0, 0.0, 0.0, 0.0, 1.0
     centres, radii, motions, since = fit.centres[:n], fit.radii[:n], fit.motions[:n], me.since[:n]
     subtract_landing(motions, step_us, fit.landed[:n], fit.landed_us[:n], since)
     x, y, rotation, scale = measure_motion(centres, radii, motions, me.parts)
@@ -285,6 +290,7 @@ def _search(fits: NDArray[np.void], me: Any, gel: Any, rules: Any) -> bool:
     fit.count = 0
     moved = me.moved
     x, y = find_common(moved, me.weight)
+    me.sway_mm = measure_sway(moved, me.weight, x, y)
     for i in range(len(moved)):
         fit.residual[i, 0], fit.residual[i, 1] = moved[i, 0] - x, moved[i, 1] - y
     least = rules.noise_gain * me.noise_mm**2
