@@ -1,7 +1,11 @@
 """``python -m neurotouch_hid`` is the same as the ``neurotouch`` command: it starts here."""
 
 import gc
+import os
+import signal
 import sys
+
+_EXIT_INTERRUPTED = 130
 
 
 def main() -> None:
@@ -9,6 +13,8 @@ def main() -> None:
 
     The orders one gives in need take a way of their own, which imports next to nothing.
     """
+    if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:  # as in the background
+        signal.signal(signal.SIGINT, _leave)
     if sys.argv[1:] in (["pause"], ["resume"], ["panic"]):
         from neurotouch_hid.cli.order import give_order
 
@@ -21,6 +27,11 @@ def main() -> None:
     from neurotouch_hid.cli.main import main as run_command_line
 
     run_command_line()
+
+
+def _leave(*_: object) -> None:
+    """Ctrl-C before the command line itself can handle it: nothing is open yet, so just end."""
+    os._exit(_EXIT_INTERRUPTED)
 
 
 if __name__ == "__main__":

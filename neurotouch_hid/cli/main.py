@@ -4,13 +4,13 @@ Only ``click`` is imported before a sub-command is chosen, so that ``neurotouch 
 """
 
 import os
-import signal
 import sys
 
 import click
 
 from neurotouch_hid import __version__
 from neurotouch_hid.cli.group import LazyGroup
+from neurotouch_hid.cli.interrupt import EXIT_INTERRUPTED, heed_interrupts
 from neurotouch_hid.errors import NeuroTouchError
 
 _SUMMARIES = {
@@ -40,7 +40,6 @@ _SUMMARIES = {
     "diagnostics": "Write one report about this machine for a bug thread, without private things.",
     "completion": "Print the tab completion for bash, zsh or fish.",
 }
-_EXIT_INTERRUPTED = 130
 
 
 @click.group(
@@ -71,10 +70,10 @@ def cli(ctx: click.Context) -> None:
 
 def main() -> None:
     """Runs the command line and ends the process with the documented exit code."""
-    signal.signal(signal.SIGTERM, _interrupt)
     # pydantic would search every installed package for plugins, and run those it finds
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     try:
+        heed_interrupts()
         code = cli.main(standalone_mode=False)
         sys.stdout.flush()
     except NeuroTouchError as error:
@@ -87,7 +86,7 @@ def main() -> None:
         code = error.exit_code
     except (KeyboardInterrupt, click.Abort):
         click.echo("Stopped.", err=True)
-        code = _EXIT_INTERRUPTED
+        code = EXIT_INTERRUPTED
     except BrokenPipeError:
         # The reader of our output is gone, as in `neurotouch demo | head`: nothing is wrong.
         sys.stdout = None  # nothing left to flush at exit
@@ -99,7 +98,3 @@ def main() -> None:
         sys.stdout = None
         code = 1
     sys.exit(code if isinstance(code, int) else 0)
-
-
-def _interrupt(*_: object) -> None:
-    raise KeyboardInterrupt
