@@ -10,18 +10,20 @@ from typing import Final
 
 EXIT_INTERRUPTED: Final = 130
 _COMMANDS: Final = "neurotouch_hid.cli"
-_DELICATE: Final = {"importlib", "_frozen_importlib", "pydantic"}
-"""Where an exception may get lost: a library that is imported swallows it or stays half made,
-pydantic takes it for a fault of a schema."""
+_IMPORT: Final = frozenset({"importlib", "_frozen_importlib"})
+_DELICATE: Final = _IMPORT | {"pydantic", "llvmlite", "weakref", "_weakrefset"}
+"""Where an exception may get lost. A library that is imported swallows it or stays half made;
+pydantic takes it for a fault of a schema; llvmlite tidies up what it has not yet made, and says so;
+Python only prints what comes out of a weak reference's end, as out of ``__del__``."""
 _SOON_S: Final = 0.01
 
 
 def heed_interrupts() -> None:
     """From now on Ctrl-C and SIGTERM raise KeyboardInterrupt, but not where it might get lost.
 
-    While a command imports what it needs, nothing is open yet, and the process just ends. In any
-    other import the signal comes again when that is over. Who ignores Ctrl-C, as programs in the
-    background do, goes on ignoring it.
+    While a command imports what it needs, nothing is open yet, and the process just ends. Where
+    it might get lost otherwise, the signal comes again when that is over. Who ignores Ctrl-C, as
+    programs in the background do, goes on ignoring it.
     """
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
         signal.signal(signal.SIGINT, _interrupt)
@@ -29,10 +31,11 @@ def heed_interrupts() -> None:
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
-    importer = _find_importer(frame)
-    if importer is None:
+    begin = _find_begin(frame)
+    if begin is None:
         raise KeyboardInterrupt
-    if importer.startswith(_COMMANDS):
+    caller, called = begin
+    if caller.startswith(_COMMANDS) and _find_package(called) in _IMPORT:
         with suppress(OSError):  # nobody may be there to read it
             os.write(2, b"Stopped.\n")
         os._exit(EXIT_INTERRUPTED)
@@ -40,17 +43,21 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
     _thread.start_new_thread(_repeat, (number,))
 
 
-def _find_importer(frame: FrameType | None) -> str | None:
-    """The module that began what must not be broken off; None if nothing of that kind goes on."""
-    importer, is_begun = None, False
+def _find_begin(frame: FrameType | None) -> tuple[str, str] | None:
+    """Who called, and what, that must not be broken off; None if nothing of that kind goes on."""
+    begin, delicate = None, ""
     while frame is not None:
-        module: str = frame.f_globals.get("__name__") or ""
-        is_delicate = module.partition(".")[0] in _DELICATE
-        if is_begun and not is_delicate:
-            importer = module
-        is_begun = is_delicate
+        module: str = frame.f_globals.get("__name__") or "?"
+        if _find_package(module) in _DELICATE or frame.f_code.co_name == "__del__":
+            delicate = module
+        elif delicate:
+            begin, delicate = (module, delicate), ""
         frame = frame.f_back
-    return importer
+    return begin
+
+
+def _find_package(module: str) -> str:
+    return module.partition(".")[0]
 
 
 def _repeat(number: int) -> None:

@@ -21,14 +21,20 @@ except BaseException:
 """Of a library: what comes while it is imported stays there."""
 LOADING = """
 import time
-from pathlib import Path
 from neurotouch_hid.cli.interrupt import heed_interrupts
 heed_interrupts()
 try:
-    exec({code}, {{"__name__": {module!r}}})
+    exec({code!r}, {{"__name__": {module!r}}})
     time.sleep(60)
 except KeyboardInterrupt:
     print("interrupted")
+"""
+READ = "exec(open('swallowing.py').read(), {'__name__': __name__})"
+MORTAL = f"""
+class Mortal:
+    def __del__(self):
+        {READ}
+Mortal()
 """
 STARTING = """
 import signal, sys
@@ -72,7 +78,7 @@ def test_before_there_is_a_command_line_the_process_just_ends(python, tmp_path):
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
 def test_while_a_command_imports_the_process_just_ends(python, tmp_path, name):
     (tmp_path / "swallowing.py").write_text(SWALLOWING.format(name=name))
-    done = python("-c", LOADING.format(code="'import swallowing'", module="neurotouch_hid.cli.run"))
+    done = python("-c", LOADING.format(code="import swallowing", module="neurotouch_hid.cli.run"))
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "Stopped.\n")
 
 
@@ -80,8 +86,9 @@ def test_while_a_command_imports_the_process_just_ends(python, tmp_path, name):
 @pytest.mark.parametrize(
     ("code", "module"),
     [
-        ("'import swallowing'", "neurotouch_hid.runtime.warmup"),
-        ("Path('swallowing.py').read_text()", "pydantic.main"),
+        ("import swallowing", "neurotouch_hid.runtime.warmup"),
+        (READ, "pydantic.main"),
+        (MORTAL, "neurotouch_hid.cli.run"),
     ],
 )
 def test_elsewhere_it_waits_until_nobody_can_swallow_it(python, tmp_path, name, code, module):
