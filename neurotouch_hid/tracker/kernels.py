@@ -45,7 +45,7 @@ class Tracks(NamedTuple):
             it OFF events.
         aim_px: (n, 4) float64, where ON (x, y) and OFF events (x, y) of each marker are expected
             up to the next check: about where it will be then, for tracks lag a little.
-        near: (tiles, k) uint16, the markers that the events of a tile may belong to.
+        near: (k, tiles) uint16, the markers that the events of a tile may belong to.
         n_near: (tiles,) uint8, their number.
         listed: (n, 4) int64, the tiles in which each marker is listed, see ``list_markers``.
         n_new: (n,) int64, events of each marker since the last check.

@@ -116,7 +116,7 @@ def make_tracks(neighbours: NDArray[np.intp], config: TrackerConfig) -> kernels.
     return kernels.Tracks(
         state=np.zeros((n, kernels.ROW)),
         aim_px=np.zeros((n, 4)),
-        near=np.zeros((n_tiles, nearest.CAPACITY), np.uint16),
+        near=np.zeros((nearest.CAPACITY, n_tiles), np.uint16),
         n_near=np.zeros(n_tiles, np.uint8),
         listed=np.zeros((n, 4), np.int64),
         n_new=np.zeros(n, np.int64),
