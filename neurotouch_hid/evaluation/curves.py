@@ -92,7 +92,7 @@ def measure_markers(n: int) -> float:
     config = TrackerConfig()
     tracks, tuning = make_tracks(neighbours, config), config.tuning()
     tracks.rest_px[:] = rest_px
-    kernels.place(np.arange(n), rest_px, 1.0, 0.0, tracks)
+    kernels.place(np.arange(n), rest_px, 1.0, 0.0, tracks, tuning)
     events = _swing(rest_px)
     half = len(events) // 2
     kernels.advance(events[:half].copy(), 0, int(events["t"][half]), tracks, tuning)  # warm
