@@ -311,7 +311,7 @@ def test_swapped_markers_are_told_apart_at_the_next_rest(gestures):
 
 
 def test_what_was_put_in_place_is_not_moved_again_by_the_same_frame(gestures):
-    """Tracks that lagged behind a knock once jumped across their places with every frame at rest."""
+    """Tracks that lagged behind a knock once jumped across their places with each frame."""
     packets, truth = gestures
     tracker, detector = MarkerTracker(), RestDetector()
     follow(packets[:10], tracker, detector=detector)
