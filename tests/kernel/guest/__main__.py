@@ -86,9 +86,12 @@ def main() -> None:
     modules = ["uinput", "uhid", "evdev", "joydev", "hid-generic", "vhci-hcd"]
     subprocess.run(["modprobe", "-a", *modules], check=True)
     chapters = list(MACHINES.get(sys.argv[2], sys.argv[2:]))
+    # Once for all of them: a camera must not stop to think, and drivers start in half the time.
     if not CAMERAS.keys().isdisjoint(chapters):
         with suppress(TimeoutError):  # then the chapters will say what is wrong
-            load_kernels()  # once for all of them: a camera must not stop to think
+            load_kernels()
+    if not PADS.keys().isdisjoint(chapters):
+        driver.load_kernels()
     for name in chapters:
         begun = time.monotonic()
         answer = play(name, results)

@@ -1,17 +1,23 @@
 """Runs the driver itself, ``neurotouch run``, on the simulated gel."""
 
 import contextlib
+import multiprocessing
+import os
 import signal
-import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from multiprocessing.context import ForkProcess
 from pathlib import Path
 from typing import Any
 
 from evdev.ecodes import BTN_SOUTH, EV_KEY
 
+from neurotouch_hid.cli.main import main
+from neurotouch_hid.cli.play import prepare_kernels
 from neurotouch_hid.device.gamepad import PHYS
+from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.profile import load_profile
 from tests.kernel.guest.companions import PLACES
 from tests.kernel.guest.opening import run
 from tests.kernel.guest.reader import Reader, find_node, list_nodes
@@ -19,7 +25,11 @@ from tests.kernel.guest.sdl import look, open_games
 
 KEYS = Path(__file__).with_name("keys.yaml")
 PATIENCE_S = 300.0
-"""The start alone takes half a minute in the guest."""
+
+
+def load_kernels() -> None:
+    """Load once what every driver needs: for each of them it would take a minute here."""
+    prepare_kernels(load_profile("default"), GestureConfig(), "sim:tour")
 
 
 def play_tour(results: Path) -> dict[str, Any]:
@@ -27,18 +37,18 @@ def play_tour(results: Path) -> dict[str, Any]:
     source, trace = results / "tour.aedat4", results / "tour.jsonl"
     seen: dict[str, dict[str, list[int]]] = {"sdl2": {}, "sdl3": {}}
     with started("spacecraft", f"file:{source}", "--trace", str(trace)) as (process, reader):
-        process.send_signal(signal.SIGSTOP)  # until the games are there
+        os.kill(process.pid, signal.SIGSTOP)  # until the games are there
         run("udevadm", "settle", "--timeout=60")
         nodes = list_nodes()
         with open_games() as games:
-            process.send_signal(signal.SIGCONT)
-            while process.poll() is None:
+            os.kill(process.pid, signal.SIGCONT)
+            while process.is_alive():
                 for name, game in games.items():
                     for control, value in look(game).items():
                         low, high = seen[name].get(control, (0, 0))
                         seen[name][control] = [min(low, value), max(high, value)]
                 time.sleep(0.02)
-    return {**reader.report(), "exit_code": process.returncode, "nodes": nodes, **seen}
+    return {**reader.report(), "exit_code": process.exitcode, "nodes": nodes, **seen}
 
 
 def terminate(results: Path) -> dict[str, Any]:
@@ -47,7 +57,7 @@ def terminate(results: Path) -> dict[str, Any]:
         reader.wait_for(lambda events: (EV_KEY, BTN_SOUTH, 1) in events, PATIENCE_S)
         process.terminate()
         process.terminate()
-    return {**reader.report(), "exit_code": process.returncode}
+    return {**reader.report(), "exit_code": process.exitcode}
 
 
 def kill(results: Path) -> dict[str, Any]:
@@ -62,21 +72,27 @@ def kill(results: Path) -> dict[str, Any]:
     for other in others.values():
         other.wait_for_end()
     seen = {name: other.report() for name, other in others.items()}
-    return {**reader.report(), "exit_code": process.returncode, **seen}
+    return {**reader.report(), "exit_code": process.exitcode, **seen}
 
 
 @contextlib.contextmanager
-def started(
-    profile: str, source: str, *options: str
-) -> Iterator[tuple[subprocess.Popen[bytes], Reader]]:
+def started(profile: str, source: str, *options: str) -> Iterator[tuple[ForkProcess, Reader]]:
     """Start the driver, read its pad, and afterwards wait for both to end."""
     command = ["run", "--profile", profile, "--source", source, "--device", "uinput"]
     quick = ["--speed", "max", "--show", "nothing"]
-    process = subprocess.Popen([sys.executable, "-m", "neurotouch_hid", *command, *quick, *options])
+    arguments = [*command, *quick, *options]
+    process = multiprocessing.get_context("fork").Process(target=drive, args=(arguments,))
+    process.start()
     try:
         reader = Reader(find_node(PHYS, PATIENCE_S))
         yield process, reader
-        process.wait(PATIENCE_S)
+        process.join(PATIENCE_S)
         reader.wait_for_end()
     finally:
         process.kill()
+
+
+def drive(arguments: list[str]) -> None:
+    """The command line as a process of its own has it."""
+    sys.argv = ["neurotouch", *arguments]
+    main()
