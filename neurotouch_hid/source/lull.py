@@ -13,6 +13,8 @@ twentieth of the usual events) is answered later by half of this on average."""
 MOST_EVENTS: Final = 4_000
 """What the tracker takes 0.1 ms for; the slice after what came together must not be late for it.
 Where noise alone makes so many events, it is they that cost, not how often the line is woken."""
+MOST_PER_US: Final = 2
+"""The same for slices shorter than 2 ms, which leave less time: events a µs of one slice."""
 CALM_US: Final = 100_000
 """How long nothing must have happened before slices wait for each other."""
 
@@ -60,7 +62,7 @@ class Lull:
         if (
             self._calm_us <= CALM_US
             or packet.t_end_us + length_us - begin_us > LONGEST_US
-            or n_next > MOST_EVENTS
+            or n_next > min(MOST_EVENTS, MOST_PER_US * length_us)
         ):
             return self._release(packet)
         self._wait(packet)

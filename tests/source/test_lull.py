@@ -4,27 +4,28 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
-from neurotouch_hid.source.lull import CALM_US, LONGEST_US, MOST_EVENTS, Lull
+from neurotouch_hid.source.lull import CALM_US, LONGEST_US, MOST_EVENTS, MOST_PER_US, Lull
 
 SLICE_US = 4_000
 N_CALM = CALM_US // SLICE_US
 N_JOINED = LONGEST_US // SLICE_US
 
 
-def make(k, n=360, gap=0, frames=()):
+def make(k, n=360, gap=0, frames=(), slice_us=SLICE_US):
     events = np.zeros(n, EVENT_DTYPE)
-    events["t"] = k * SLICE_US + np.arange(n) * SLICE_US // max(n, 1)
+    events["t"] = k * slice_us + np.arange(n) * slice_us // max(n, 1)
     events["x"] = k % 346
-    return EventPacket(k * SLICE_US, (k + 1) * SLICE_US, events, frames, gap)
+    return EventPacket(k * slice_us, (k + 1) * slice_us, events, frames, gap)
 
 
-def idle_lull(first=0):
+def idle_lull(slice_us=SLICE_US):
     """A lull whose next slices wait: the line has been idle for as long as it takes."""
     lull = Lull()
     lull.is_idle = True
-    for k in range(first, first + N_CALM):
-        lull.take(make(k))
-    return lull, first + N_CALM
+    n_calm = CALM_US // slice_us
+    for k in range(n_calm):
+        lull.take(make(k, slice_us=slice_us))
+    return lull, n_calm
 
 
 def test_a_line_that_is_not_idle_gets_every_slice():
@@ -59,14 +60,17 @@ def test_an_idle_line_gets_noise_seldom_and_all_of_it(level):
     assert sent == got
 
 
+@pytest.mark.parametrize(
+    ("slice_us", "most"), [(SLICE_US, MOST_EVENTS), (1_000, MOST_PER_US * 1_000)]
+)
 @pytest.mark.parametrize("level", [1_000, 3_000, 9_000])
-def test_what_comes_together_is_no_more_than_the_line_takes_in_time(level):
-    lull, first = idle_lull()
+def test_what_comes_together_is_no_more_than_the_line_takes_in_time(level, slice_us, most):
+    lull, first = idle_lull(slice_us)
     sizes = []
     for k in range(first, first + 1_000):  # which it gets used to
-        sizes += [len(packet.events) for packet in lull.take(make(k, level))]
-    assert max(sizes) <= max(level, MOST_EVENTS)
-    assert sizes[-1] == min(max(MOST_EVENTS // level, 1), N_JOINED) * level
+        sizes += [len(packet.events) for packet in lull.take(make(k, level, slice_us=slice_us))]
+    assert max(sizes) <= max(level, most)
+    assert sizes[-1] == min(max(most // level, 1), N_JOINED) * level
 
 
 def test_what_stands_out_ends_the_lull_at_once_and_for_a_while():
