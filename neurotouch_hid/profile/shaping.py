@@ -43,7 +43,8 @@ Point = Annotated[tuple[Share, Share], Field(strict=False)]
 
 def _check_points(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
     for (x, y), (next_x, next_y) in pairwise(points):
-        if next_x - x < 0.01 or next_y < y:
+        # 0.18 - 0.17 is a little less than 0.01.
+        if round(next_x - x, 9) < 0.01 or next_y < y:
             raise PydanticCustomError(
                 "points", "each point must lie right of the one before by 0.01, and not below it"
             )

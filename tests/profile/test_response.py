@@ -75,6 +75,12 @@ def test_a_negative_expo_is_the_mirror_image(expo: float) -> None:
         assert mirrored(x) == pytest.approx(x, abs=1e-12)
 
 
+def test_points_may_stand_as_near_as_is_said() -> None:
+    hundredths = [(percent / 100, 0.5) for percent in range(1, 100)]
+    for near in pairwise(hundredths):
+        Points(points=list(near))
+
+
 def test_points_agree_with_another_monotone_interpolation() -> None:
     """Where the secants do not change much, nothing is limited: plain finite differences."""
     points = [(0.2, 0.1), (0.4, 0.3), (0.6, 0.55), (0.8, 0.8)]
