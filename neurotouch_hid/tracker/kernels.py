@@ -345,11 +345,26 @@ def check(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
 
 @njit(cache=True, nogil=True)
 def advance(
-    events: NDArray[np.void], start: int, until_us: int, tracks: Tracks, tuning: Tuning
+    events: NDArray[np.void],
+    start: int,
+    until_us: int,
+    tracks: Tracks,
+    tuning: Tuning,
+    position_px: NDArray[np.float32],
+    valid: NDArray[np.bool_],
 ) -> int:
-    """Filter the events before ``until_us`` and check all tracks every ``check_us``.
+    """Filter the events before ``until_us``, and tell where the markers then are.
 
-    Checks happen at multiples of ``check_us``, however the stream is cut into slices.
+    All tracks are checked at multiples of ``check_us``, however the stream is cut into slices.
+
+    Args:
+        events: (m,) EVENT_DTYPE.
+        start: the first of them.
+        until_us: the end of the slice, or of an exposure in it.
+        tracks: changed.
+        tuning: of the filter.
+        position_px: (n, 2) float32, filled in.
+        valid: (n,) bool, filled in: what is no guess.
 
     Returns:
         The index of the first event at or after ``until_us``.
@@ -359,33 +374,10 @@ def advance(
         start = filter_events(events, start, clock[0], tracks, tuning)
         check(clock[0], tracks, tuning)
         clock[0] += tuning.check_us
-    return int(filter_events(events, start, until_us, tracks, tuning))
-
-
-@njit(cache=True, nogil=True)
-def finish(
-    events: NDArray[np.void],
-    start: int,
-    until_us: int,
-    tracks: Tracks,
-    tuning: Tuning,
-    position_px: NDArray[np.float32],
-    valid: NDArray[np.bool_],
-) -> None:
-    """Filter the events up to the end of a slice, and tell where the markers then are.
-
-    Args:
-        events: (m,) EVENT_DTYPE.
-        start: the first of them.
-        until_us: the end of the slice.
-        tracks: changed.
-        tuning: of the filter.
-        position_px: (n, 2) float32, filled in.
-        valid: (n,) bool, filled in: what is no guess.
-    """
-    advance(events, start, until_us, tracks, tuning)
+    start = filter_events(events, start, until_us, tracks, tuning)
     now_px = np.empty(position_px.shape)
     predict(float(until_us), tuning.memory_s, tracks, now_px)
     for i in range(len(valid)):
         position_px[i, 0], position_px[i, 1] = now_px[i, 0], now_px[i, 1]
         valid[i] = not tracks.lost[i]
+    return int(start)

@@ -192,15 +192,13 @@ class MarkerTracker:
         events = packet.events
         if not (events.flags.writeable and events.flags.c_contiguous):
             events = np.array(events, EVENT_DTYPE)
-        start = 0
+        position_px, valid = np.empty((N_MARKERS, 2), np.float32), np.empty(N_MARKERS, np.bool_)
+        start, tracks, tuning = 0, self._tracks, self._tuning
         for frame in packet.frames:
             until_us = min(frame.exposure_end_us, packet.t_end_us)
-            start = int(kernels.advance(events, start, until_us, self._tracks, self._tuning))
+            start = kernels.advance(events, start, until_us, tracks, tuning, position_px, valid)
             self._correction.apply(frame)
-        position_px, valid = np.empty((N_MARKERS, 2), np.float32), np.empty(N_MARKERS, np.bool_)
-        kernels.finish(
-            events, start, packet.t_end_us, self._tracks, self._tuning, position_px, valid
-        )
+        kernels.advance(events, start, packet.t_end_us, tracks, tuning, position_px, valid)
         self._end_us = packet.t_end_us
         self._n_events += len(events)
         return MarkerField(packet.t_end_us, self._rest_px, position_px, valid)

@@ -234,10 +234,12 @@ def test_prediction_goes_on_for_a_while_and_then_stops():
 def test_slices_do_not_change_what_advance_does():
     events = make_events(np.random.default_rng(3), 20_000, until_us=50_000)
     whole, cut = make_tracks(REST_PX), make_tracks(REST_PX)
-    kernels.advance(events, 0, 50_000, whole, TUNING)
+    n = len(REST_PX)
+    where = np.empty((n, 2), np.float32), np.empty(n, np.bool_)
+    kernels.advance(events, 0, 50_000, whole, TUNING, *where)
     start = 0
     for until_us in (*range(1_500, 50_000, 1_500), 50_000):
-        start = kernels.advance(events, start, until_us, cut, TUNING)
+        start = kernels.advance(events, start, until_us, cut, TUNING, *where)
     for name, one, other in zip(whole._fields, whole, cut, strict=True):
         assert np.array_equal(one, other), name
 
