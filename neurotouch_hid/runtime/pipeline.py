@@ -24,7 +24,7 @@ class Pipeline:
         tracker: follows the markers.
         recognizer: reads the gesture from the markers.
         mapping: turns the gesture into a pad state.
-        live: frames wait for ``catch_up``, so that no pad state waits for them.
+        live: frames are looked at beside the line, so that no pad state waits for them.
     """
 
     def __init__(
@@ -63,15 +63,14 @@ class Pipeline:
             gesture: how they are recognised.
             user: the person's own values; a usual hand without.
             rig: known view of the sensor, if there is a rig file.
-            live: detect rest in a thread beside the line, and look at frames after the pad was
-                written. Otherwise it is done in the line itself, so that a recording gives the same
-                Steps bit for bit at any speed.
+            live: look at frames in a thread beside the line. Otherwise it is done in the line
+                itself, so that a recording gives the same Steps bit for bit at any speed.
             stopwatch: watches the stages, if somebody wants to know their times.
         """
         finder = BlobFinder()
         detector = RestDetector(rig=rig, finder=finder)
-        rest: RestExchange = ThreadedRest(detector) if live else InlineRest(detector)
-        tracker = MarkerTracker(finder=BlobFinder() if live else finder)  # no two threads share one
+        rest: RestExchange = ThreadedRest(detector, finder) if live else InlineRest(detector)
+        tracker = MarkerTracker(finder=finder)  # of a live line it finds nothing itself
         line = cls(rest, tracker, GestureRecognizer(gesture), Mapping(profile, user), live=live)
         if stopwatch is not None:
             line.rest = stopwatch.watch("rest", line.rest, "exchange")
@@ -108,7 +107,7 @@ class Pipeline:
         return self._idle_us >= IDLE_US
 
     def catch_up(self, packet: EventPacket) -> None:
-        """Takes in the frames of a slice that has gone through, and what earlier ones have told.
+        """Hands over the frames of a slice that has gone through, and takes what others have shown.
 
         This may wait until the pad is written: it moves markers by tenths of a pixel, and knows
         where they were when the frame was exposed. Nothing is left to do if the line is not live.
@@ -118,8 +117,6 @@ class Pipeline:
         if packet.frames and self._may_skip(packet.frames[-1].t_us):
             packet = _without_frames(packet)
         self._anchor = self._exchange(packet)
-        for frame in packet.frames:
-            self.tracker.correct(frame)
 
     def _find_rest(self, packet: EventPacket) -> EventPacket:
         """What of a slice has not yet been taken in, without frames."""
@@ -130,10 +127,14 @@ class Pipeline:
         return EventPacket(head.t_end_us, packet.t_end_us, events, (), gap)
 
     def _exchange(self, packet: EventPacket) -> RestField | None:
-        rest = self.rest.exchange(packet)  # newest answer or None; never blocks
-        if rest is not None:
-            self.tracker.anchor(rest)
-        return rest
+        sight = self.rest.exchange(packet)  # newest answer or None; never blocks
+        if sight is None:
+            return None
+        if sight.rest is not None:
+            self.tracker.anchor(sight.rest)
+        if sight.frame is not None and sight.blobs is not None:
+            self.tracker.correct(sight.frame, sight.blobs)
+        return sight.rest
 
     def _may_skip(self, frame_us: int) -> bool:
         """True if a frame will tell nothing new: an idle gel that was at rest a moment ago."""

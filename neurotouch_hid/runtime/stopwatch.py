@@ -45,7 +45,7 @@ class Stopwatch:
         Args:
             name: what the stage is called.
             stage: any object.
-            method: a method with one argument.
+            method: its name.
         """
         call = getattr(stage, method)
         spent_ns = self._spent_ns
@@ -53,9 +53,9 @@ class Stopwatch:
         recent_ns = self._recent_ns.setdefault(name, deque(maxlen=KEPT))
         all_ns = self._all_ns.setdefault(name, Histogram())
 
-        def timed(argument: object) -> object:
+        def timed(*arguments: object) -> object:
             begun_ns = time.perf_counter_ns()
-            result = call(argument)
+            result = call(*arguments)
             took_ns = time.perf_counter_ns() - begun_ns
             spent_ns[name] += took_ns
             recent_ns.append(took_ns)

@@ -1,13 +1,27 @@
-"""Rest detection beside the line: frames in and answers out, without the line ever waiting."""
+"""What frames show, found beside the line: frames in and answers out, and the line never waits."""
 
 import threading
 from collections import deque
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from neurotouch_hid.messages import EventPacket, Frame, RestField
-from neurotouch_hid.tracker import RestDetector
+from neurotouch_hid.tracker import BlobFinder, Blobs, RestDetector
 
 WATCHED_PACKETS = 64  # with events, that wait until the gel is found; 0.6 s of them
+
+
+class Sight(NamedTuple):
+    """What was seen of the gel.
+
+    Attributes:
+        rest: where all markers are, if the gel is at rest.
+        frame: that showed it; None if events did.
+        blobs: of the frame, nobody else's; None if whoever asks looks at frames himself.
+    """
+
+    rest: RestField | None
+    frame: Frame | None = None
+    blobs: Blobs | None = None
 
 
 class RestExchange(Protocol):
@@ -15,7 +29,7 @@ class RestExchange(Protocol):
 
     detector: RestDetector
 
-    def exchange(self, packet: EventPacket) -> RestField | None:
+    def exchange(self, packet: EventPacket) -> Sight | None:
         """Hands over the frames of ``packet``; returns the newest answer not yet taken, or None."""
 
     def close(self) -> None:
@@ -28,38 +42,43 @@ class InlineRest:
     def __init__(self, detector: RestDetector) -> None:
         self.detector = detector
 
-    def exchange(self, packet: EventPacket) -> RestField | None:
+    def exchange(self, packet: EventPacket) -> Sight | None:
         """Looks at every frame of ``packet`` and returns the answer to the newest one.
 
         Before the first frame, the events are looked at: a recording may have no frames at all.
         """
-        answer = None if packet.frames else self.detector.watch(packet)
+        rest = None if packet.frames else self.detector.watch(packet)
         for frame in packet.frames:
-            answer = self.detector.update(frame)
-        return answer
+            rest = self.detector.update(frame)
+        return None if rest is None else Sight(rest)
 
     def close(self) -> None:
         """Nothing to stop."""
 
 
 class ThreadedRest:
-    """Detects rest in a thread. Both mailboxes hold one letter, the newest wins, nobody waits.
+    """Looks at frames in a thread. Both mailboxes hold one letter, the newest wins, nobody waits.
 
     A mailbox is a deque of length one: ``append`` and ``pop`` are atomic, the line takes no lock.
     Before the first frame, packets queue up for the thread, which adds up their events.
+
+    Args:
+        detector: says of every frame whether the gel is at rest.
+        finder: the one that ``detector`` uses; nobody else does.
     """
 
-    def __init__(self, detector: RestDetector) -> None:
+    def __init__(self, detector: RestDetector, finder: BlobFinder) -> None:
         self.detector = detector
+        self._finder = finder
         self._frames: deque[Frame] = deque(maxlen=1)
-        self._answers: deque[RestField] = deque(maxlen=1)
+        self._sights: deque[Sight] = deque(maxlen=1)
         self._packets: deque[EventPacket] = deque(maxlen=WATCHED_PACKETS)
         self._wake = threading.Event()
         self._stopped = False
         self._thread = threading.Thread(target=self._work, name="rest", daemon=True)
         self._thread.start()
 
-    def exchange(self, packet: EventPacket) -> RestField | None:
+    def exchange(self, packet: EventPacket) -> Sight | None:
         """Posts the newest frame of ``packet`` and takes the answer that is ready, if any."""
         if packet.frames:
             self._frames.append(packet.frames[-1])
@@ -67,7 +86,7 @@ class ThreadedRest:
         elif self.detector.is_watching:
             self._packets.append(packet)
             self._wake.set()
-        return self._answers.pop() if self._answers else None
+        return self._sights.pop() if self._sights else None
 
     def close(self) -> None:
         """Ends the thread."""
@@ -83,10 +102,11 @@ class ThreadedRest:
                 return
             if self._frames:
                 self._packets.clear()
-                self._answer(self.detector.update(self._frames.pop()))
+                frame = self._frames.pop()
+                rest = self.detector.update(frame)
+                blobs = self._finder.find(frame.pixels).copy()  # the next search overwrites them
+                self._sights.append(Sight(rest, frame, blobs))
             while self._packets:
-                self._answer(self.detector.watch(self._packets.popleft()))
-
-    def _answer(self, rest: RestField | None) -> None:
-        if rest is not None:
-            self._answers.append(rest)
+                rest = self.detector.watch(self._packets.popleft())
+                if rest is not None:
+                    self._sights.append(Sight(rest))

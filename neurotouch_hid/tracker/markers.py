@@ -11,7 +11,7 @@ from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, MarkerField
 from neurotouch_hid.tracker import kernels
 from neurotouch_hid.tracker.correction import FrameCorrection
 from neurotouch_hid.tracker.correction import kernels as correction
-from neurotouch_hid.tracker.image import BlobFinder
+from neurotouch_hid.tracker.image import BlobFinder, Blobs
 from neurotouch_hid.tracker.nearest import kernels as nearest
 
 _PAST = 64  # checks remembered: 128 ms, longer than any exposure and its way to us
@@ -143,13 +143,14 @@ class MarkerTracker:
 
         Args:
             config: how events move markers.
-            finder: finds the markers in frames, see ``RestDetector``.
+            finder: finds the markers in the frames of slices, see ``RestDetector``.
         """
         self._config = config or TrackerConfig()
         self._tuning = self._config.tuning()
         n = N_MARKERS
         self._tracks = make_tracks(NEIGHBOURS, self._config)
-        self._correction = FrameCorrection(self._tracks, self._tuning, finder or BlobFinder())
+        self._finder = finder or BlobFinder()
+        self._correction = FrameCorrection(self._tracks, self._tuning)
         self._rest_px = np.full((n, 2), np.nan, np.float32)
         self._anchored = False
         self._anchor_us = 0
@@ -197,16 +198,16 @@ class MarkerTracker:
         for frame in packet.frames:
             until_us = min(frame.exposure_end_us, packet.t_end_us)
             start = kernels.advance(events, start, until_us, tracks, tuning, position_px, valid)
-            self._correction.apply(frame)
+            self._correction.apply(frame, self._finder.find(frame.pixels))
         kernels.advance(events, start, packet.t_end_us, tracks, tuning, position_px, valid)
         self._end_us = packet.t_end_us
         self._n_events += len(events)
         return MarkerField(packet.t_end_us, self._rest_px, position_px, valid)
 
-    def correct(self, frame: Frame) -> None:
-        """Take in a frame of a slice that is over."""
+    def correct(self, frame: Frame, blobs: Blobs) -> None:
+        """Take in a frame of a slice that is over, by what others have found in it."""
         if self._anchored:
-            self._correction.apply(frame)
+            self._correction.apply(frame, blobs)
 
     def stats(self) -> TrackerStats:
         """What was done so far."""

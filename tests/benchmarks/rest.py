@@ -85,9 +85,9 @@ def count(simulator, config):
     n_gestures = n_slices = n_all = 0
     is_zeroed = config.neutral != "resting"
     for packet in simulator:
-        answer = rest.exchange(packet)
-        if answer is not None:
-            tracker.anchor(answer)
+        sight = rest.exchange(packet)
+        if sight is not None and sight.rest is not None:
+            tracker.anchor(sight.rest)
         if not is_zeroed and packet.t_begin_us >= 2_000_000:
             recognizer.rezero()
             is_zeroed = True

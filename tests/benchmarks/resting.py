@@ -99,9 +99,9 @@ def watch(play, config):
     n_firm = n_right = n_invented = n_quiet = n_anchors = 0
     for packet in Simulator(play, config):
         t_us = packet.t_end_us
-        answer = rest.exchange(packet)
-        if answer is not None:
-            tracker.anchor(answer)
+        sight = rest.exchange(packet)
+        if sight is not None and sight.rest is not None:
+            tracker.anchor(sight.rest)
             n_anchors += t_us > LAID_US + 200_000
         if not is_zeroed and t_us >= ZERO_US:
             recognizer.rezero()

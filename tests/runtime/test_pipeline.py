@@ -33,13 +33,12 @@ def lines():
 
 
 def play_live(line, packet):
-    """A slice with all the time that rest detection takes."""
+    """A slice with all the time that a look at its frame takes."""
     step = line.advance(packet)
-    n_frames, looked_us = line.rest.detector.stats().n_frames, line._looked_us
+    looked_us = line._looked_us
     line.catch_up(packet)
     if line._looked_us != looked_us:
-        wait_for(lambda: line.rest.detector.stats().n_frames > n_frames)
-        time.sleep(0.002)  # the answer follows the count at once
+        wait_for(lambda: line.rest._sights)
     return step
 
 

@@ -3,16 +3,18 @@
 import threading
 import time
 
+import numpy as np
+
 from neurotouch_hid.messages import EventPacket, Frame, RestField
 from neurotouch_hid.runtime.worker import InlineRest, ThreadedRest
-from neurotouch_hid.tracker import RestDetector
+from neurotouch_hid.tracker import BlobFinder, RestDetector
 
 
 class SlowDetector(RestDetector):
     """Looks at each frame only when it may go on; answers with the frame's moment."""
 
-    def __init__(self) -> None:
-        super().__init__()
+    def __init__(self, finder: BlobFinder) -> None:
+        super().__init__(finder=finder)
         self.go = threading.Semaphore(0)
         self.seen: list[int] = []
 
@@ -30,30 +32,40 @@ def wait_for(condition) -> None:
         time.sleep(0.001)
 
 
+def look_beside() -> ThreadedRest:
+    finder = BlobFinder()
+    return ThreadedRest(RestDetector(finder=finder), finder)
+
+
 def empty(packet: EventPacket) -> EventPacket:
     return EventPacket(packet.t_begin_us, packet.t_end_us, packet.events[:0])
 
 
 def test_thread_answers_as_the_line_does(push):
-    inline, beside = InlineRest(RestDetector()), ThreadedRest(RestDetector())
+    inline, beside = InlineRest(RestDetector()), look_beside()
     framed = [packet for packet in push.packets if packet.frames]
     try:
         for packet in framed[:10]:
             expected = inline.exchange(packet)
             answer = beside.exchange(packet)
             assert answer is None
-            wait_for(lambda: beside._answers)
+            wait_for(lambda: beside._sights)
             answer = beside.exchange(empty(packet))
             assert answer is not None
-            assert answer.t_us == expected.t_us
-            assert (answer.position_px == expected.position_px).all()
+            assert answer.rest.t_us == expected.rest.t_us
+            assert (answer.rest.position_px == expected.rest.position_px).all()
+            assert answer.frame is packet.frames[-1]
+            blobs = BlobFinder().find(answer.frame.pixels)
+            for name in ("centroid_px", "begin", "members"):
+                assert np.array_equal(getattr(answer.blobs, name), getattr(blobs, name))
     finally:
         beside.close()
 
 
 def test_line_never_waits_and_the_newest_frame_wins(push):
-    detector = SlowDetector()
-    beside = ThreadedRest(detector)
+    finder = BlobFinder()
+    detector = SlowDetector(finder)
+    beside = ThreadedRest(detector, finder)
     framed = [packet for packet in push.packets if packet.frames][:5]
     try:
         beside.exchange(framed[0])
@@ -63,7 +75,7 @@ def test_line_never_waits_and_the_newest_frame_wins(push):
         detector.go.release(2)
         wait_for(lambda: len(detector.seen) == 2)
         assert detector.seen == [framed[0].frames[-1].t_us, framed[-1].frames[-1].t_us]
-        wait_for(lambda: beside._answers)
+        wait_for(lambda: beside._sights)
         assert beside.exchange(empty(framed[-1])) is not None
         assert beside.exchange(empty(framed[-1])) is None  # taken once
     finally:
@@ -73,17 +85,18 @@ def test_line_never_waits_and_the_newest_frame_wins(push):
 
 def test_thread_finds_the_gel_in_events_alone(push):
     frameless = [EventPacket(p.t_begin_us, p.t_end_us, p.events) for p in push.packets]
-    inline, beside = InlineRest(RestDetector()), ThreadedRest(RestDetector())
+    inline, beside = InlineRest(RestDetector()), look_beside()
     try:
         expected = next(filter(None, map(inline.exchange, frameless)))
         answers = []
         for packet in frameless:
             answers.append(beside.exchange(packet))
             wait_for(lambda: not beside._packets)  # as slow as a camera; a fast one loses the rest
-        wait_for(lambda: beside._answers or any(answers))
+        wait_for(lambda: beside._sights or any(answers))
         answer = next(filter(None, [*answers, beside.exchange(empty(frameless[-1]))]))
-        assert answer.t_us == expected.t_us
-        assert (answer.position_px == expected.position_px).all()
+        assert answer.rest.t_us == expected.rest.t_us
+        assert (answer.rest.position_px == expected.rest.position_px).all()
+        assert answer.frame is None
         assert not beside.detector.is_watching
         assert "without frames" in beside.detector.stats().reason
     finally:

@@ -7,7 +7,7 @@ from neurotouch_hid.geometry import N_MARKERS
 from neurotouch_hid.messages import Frame, RestField
 from neurotouch_hid.tracker import kernels
 from neurotouch_hid.tracker.correction import kernels as correction
-from neurotouch_hid.tracker.image import BlobFinder
+from neurotouch_hid.tracker.image import Blobs
 from neurotouch_hid.tracker.neighbours import kernels as neighbour_kernels
 
 _MIN_EXPOSURE_US = 5_000  # assumed where a recording does not say
@@ -17,16 +17,15 @@ _MAX_ASTRAY_PX = 2.0  # at rest no track that follows its own marker is farther 
 class FrameCorrection:
     """Moves tracks to the blobs of a frame, as they lay in the middle of its exposure."""
 
-    def __init__(self, tracks: kernels.Tracks, tuning: kernels.Tuning, finder: BlobFinder) -> None:
-        self._tracks, self._tuning, self._finder = tracks, tuning, finder
+    def __init__(self, tracks: kernels.Tracks, tuning: kernels.Tuning) -> None:
+        self._tracks, self._tuning = tracks, tuning
         self._expected_px = np.empty((N_MARKERS, 2))
         self._spread_px = np.empty(N_MARKERS)
         self._missed = np.zeros(N_MARKERS, np.intp)
 
-    def apply(self, frame: Frame) -> None:
-        """Correct all tracks by a frame whose exposure ends now."""
+    def apply(self, frame: Frame, blobs: Blobs) -> None:
+        """Correct all tracks by the blobs of a frame whose exposure ends now, or ended lately."""
         begin_us = min(frame.exposure_begin_us, frame.exposure_end_us - _MIN_EXPOSURE_US)
-        blobs = self._finder.find(frame.pixels)
         seen, by_px = correction.correct(
             begin_us,
             frame.t_us,

@@ -48,6 +48,10 @@ class Blobs:
         """(n,) int32, the number of pixels of each blob."""
         return np.diff(self.begin)
 
+    def copy(self) -> "Blobs":
+        """The same for good."""
+        return Blobs(self.centroid_px.copy(), self.begin.copy(), self.members.copy())
+
 
 class BlobFinder:
     """Finds the blobs of frames, with buffers that are used again and again.
