@@ -1,6 +1,5 @@
 """What ``run`` and ``demo`` share: prepare the line, play it, say what happened."""
 
-import gc
 import sys
 import threading
 from collections.abc import Iterator
@@ -84,8 +83,6 @@ def play(
         session = live.session if live is not None else None
         if live is not None:
             stack.enter_context(hurry())
-        gc.freeze()  # what is loaded stays: no collection has to look through it while we play
-        gc.set_threshold(1_000)  # so each one is short, and memory stays flat
         stats = run_line(packets, pipeline, device, taps, stop=stop, session=session)
     seen = pipeline.rest.detector.stats()
     if seen.n_references and not seen.n_frames:

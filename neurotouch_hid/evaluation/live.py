@@ -1,6 +1,7 @@
 """How the line keeps pace: latency, late slices and cost, in the time of the sensor."""
 
 import time
+from array import array
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -107,7 +108,7 @@ def measure_live(source: DenseSource, config: GestureConfig, kind: str) -> dict[
     with open_device(kind) as device, hurry():
         run_line(paced, line, device, [probe])
         core = probe.measure_core()
-    return {**summarise_delays(probe.delays_ns, source.slice_us), "core": core}
+    return {**summarise_delays(probe.late_ns, probe.waited_ns, source.slice_us), "core": core}
 
 
 def measure_machine(source: DenseSource) -> dict[str, Any]:
@@ -121,8 +122,8 @@ def measure_machine(source: DenseSource) -> dict[str, Any]:
     """
     paced = PacedSource(source)
     with hurry():
-        delays_ns = [time.monotonic_ns() - paced.due_ns for _ in paced]
-    return summarise_delays([(delay_ns, delay_ns) for delay_ns in delays_ns], source.slice_us)
+        late_ns = [time.monotonic_ns() - paced.due_ns for _ in paced]
+    return summarise_delays(late_ns, late_ns, source.slice_us)
 
 
 class Probe:
@@ -132,6 +133,10 @@ class Probe:
         paced: what is played.
         clock_ns: the host's.
         cpu_s: processor time of this process.
+
+    Attributes:
+        late_ns: of each slice, from its end to the write.
+        waited_ns: the same from its last event.
     """
 
     def __init__(
@@ -140,7 +145,8 @@ class Probe:
         clock_ns: Callable[[], int] = time.monotonic_ns,
         cpu_s: Callable[[], float] = time.process_time,
     ) -> None:
-        self.delays_ns: list[tuple[int, int]] = []
+        # Not objects, which Python would look through for garbage now and then.
+        self.late_ns, self.waited_ns = array("q"), array("q")
         self._paced, self._clock_ns, self._cpu_s = paced, clock_ns, cpu_s
         self._begin_us: int | None = None
         self._warm: tuple[int, float] | None = None
@@ -158,7 +164,8 @@ class Probe:
             return
         if self._warm is None:
             self._warm = self._now_us, self._cpu_s()
-        self.delays_ns.append((late_ns, late_ns + (packet.t_end_us - last_us) * 1_000))
+        self.late_ns.append(late_ns)
+        self.waited_ns.append(late_ns + (packet.t_end_us - last_us) * 1_000)
 
     def measure_core(self) -> float:
         """Processor time over sensor time since it is warm."""
@@ -168,11 +175,14 @@ class Probe:
         return (self._cpu_s() - warm_s) / (self._now_us - warm_us) * 1e6
 
 
-def summarise_delays(delays_ns: Sequence[tuple[int, int]], slice_us: int) -> dict[str, Any]:
+def summarise_delays(
+    late_ns: Sequence[int], waited_ns: Sequence[int], slice_us: int
+) -> dict[str, Any]:
     """What the delays of a run tell.
 
     Args:
-        delays_ns: of each slice, from its end and from its last event to the write.
+        late_ns: of each slice, from its end to the write.
+        waited_ns: the same from its last event.
         slice_us: length of a slice.
 
     Returns:
@@ -180,7 +190,7 @@ def summarise_delays(delays_ns: Sequence[tuple[int, int]], slice_us: int) -> dic
         after the next one was due), ``lost`` (a camera's queue would have dropped them) and
         ``backlog_ms``: by how much the last tenth was later than the first, in the median.
     """
-    late, waited = np.array(delays_ns).T / 1e6
+    late, waited = np.array(late_ns) / 1e6, np.array(waited_ns) / 1e6
     tenth = -(-len(late) // 10)
     p50, p99, p999 = (float(value) for value in np.percentile(waited, [50, 99, 99.9]))
     return {

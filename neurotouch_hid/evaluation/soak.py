@@ -1,6 +1,5 @@
 """What the memory does over hours of play, as fast as it can be played."""
 
-import gc
 import os
 import tempfile
 import time
@@ -18,7 +17,7 @@ from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.recording import RecordingWriter
-from neurotouch_hid.runtime import Pipeline, run_line, warm_up
+from neurotouch_hid.runtime import Pipeline, run_line, short_collections, warm_up
 from neurotouch_hid.source import open_source
 
 SLICE_US: Final = 10_000
@@ -55,11 +54,10 @@ def measure_soak(
             pool.submit(_prepare, path, length_us, config).result()
         profile = load_profile("default")
         warm_up(Pipeline.build(profile, config))
-        gc.freeze()  # as ``run`` does it
-        gc.set_threshold(1_000)
         scale = Scale(progress)
         begun_s = time.perf_counter()
-        run_line(_repeat(path, minutes), Pipeline.build(profile, config), pad, [scale])
+        with short_collections():
+            run_line(_repeat(path, minutes), Pipeline.build(profile, config), pad, [scale])
         took_s = time.perf_counter() - begun_s
     return {
         "minutes": minutes,

@@ -5,6 +5,7 @@ from neurotouch_hid.runtime.camera import load_camera_config
 from neurotouch_hid.runtime.commands import SAID, Commands
 from neurotouch_hid.runtime.companions import find_companions
 from neurotouch_hid.runtime.control import ControlSocket
+from neurotouch_hid.runtime.garbage import short_collections
 from neurotouch_hid.runtime.lookout import Lookout
 from neurotouch_hid.runtime.loop import LoopStats, Tap, run_line
 from neurotouch_hid.runtime.pad import PlayedPad, open_pad
@@ -44,6 +45,7 @@ __all__ = [
     "load_service_settings",
     "open_pad",
     "run_line",
+    "short_collections",
     "stop_on_signals",
     "warm_up",
 ]

@@ -12,6 +12,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from neurotouch_hid.runtime.garbage import short_collections
+
 NICE = -10
 """Before everything usual, behind sound. It counts only among what Linux shares the processor out
 to as one: the programs of one terminal or of one service."""
@@ -41,7 +43,8 @@ def hurry() -> Iterator[None]:
     By our own right with SCHED_RR, and the threads that it starts as well; else rtkit is asked,
     which grants a better nice value to who sits at the machine. (It grants SCHED_RR too, but only
     to who accepts to be killed for being busy for 0.2 s.) Only the main thread gets SCHED_RR, for
-    only there is heard that it has been busy for too long.
+    only there is heard that it has been busy for too long. Nor does it wait for long while Python
+    looks for garbage.
     """
     sys.setswitchinterval(SWITCH_S)
     with suppress(OSError, AttributeError):  # no Linux, no prctl
@@ -57,7 +60,8 @@ def hurry() -> Iterator[None]:
     if threading.current_thread() is threading.main_thread():
         real_time.begin()
     try:
-        yield
+        with short_collections():
+            yield
     finally:
         real_time.end()
         with suppress(OSError):

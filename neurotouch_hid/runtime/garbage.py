@@ -1,0 +1,24 @@
+"""Keeps Python's search for garbage from holding the line up."""
+
+import gc
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+YOUNG = 1_000
+"""Objects that are new before they are looked through, which takes 0.2 ms."""
+
+
+@contextmanager
+def short_collections() -> Iterator[None]:
+    """Garbage is meanwhile looked for among what is new, often and shortly.
+
+    What is loaded stays, and to look through all of it takes 50 ms.
+    """
+    usual = gc.get_threshold()
+    gc.freeze()
+    gc.set_threshold(YOUNG)
+    try:
+        yield
+    finally:
+        gc.set_threshold(*usual)
+        gc.unfreeze()
