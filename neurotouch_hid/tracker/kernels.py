@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from neurotouch_hid.tracker.image.kernels import select
+from neurotouch_hid.tracker.matching.kernels import select
 from neurotouch_hid.tracker.nearest.kernels import (
     OFF_X,
     OFF_Y,

@@ -16,6 +16,7 @@ from neurotouch_hid.messages import (
 from neurotouch_hid.tracker.eventframe import EventFrame
 from neurotouch_hid.tracker.image import BlobConfig, BlobFinder, Blobs, kernels
 from neurotouch_hid.tracker.image.lattice import Lattice, LatticeConfig, find_lattice
+from neurotouch_hid.tracker.matching import kernels as matching
 
 _SAME_BEND_PX = 0.1  # two pictures of one undeformed gel differ by less
 _STILL_GATE_PX = 2.0  # farther is no small motion
@@ -208,7 +209,7 @@ class RestDetector:
         """Rest if the white pixels and the markers are where the reference has them."""
         c = self._config
         position = reference.position_px
-        n_found, displacement = kernels.measure_largest(
+        n_found, displacement = matching.measure_largest(
             position, blobs.centroid_px, reference.gate_px, c.max_displaced, self._match
         )
         distance = float("nan")
@@ -245,7 +246,7 @@ class RestDetector:
         c, before, now = self._config, self._still_px, blobs.centroid_px.copy()
         self._still_px = now
         same = np.empty(len(before), np.int32)
-        n, median = kernels.measure_median(before, now, _STILL_GATE_PX, same)
+        n, median = matching.measure_median(before, now, _STILL_GATE_PX, same)
         if n < c.min_found:
             self._n_still = 0
             return False

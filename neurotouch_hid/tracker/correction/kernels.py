@@ -6,8 +6,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from neurotouch_hid.tracker.image.kernels import match_points
 from neurotouch_hid.tracker.kernels import Tracks, Tuning
+from neurotouch_hid.tracker.matching.kernels import match_points
 from neurotouch_hid.tracker.neighbours.kernels import expect, strays
 
 GATE_PX = 3.5  # a third of the pitch: nobody else's blob

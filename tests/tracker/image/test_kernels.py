@@ -94,33 +94,6 @@ def test_a_picture_is_searched_once():
     assert finder.find(pixels.copy()) is not finder.find(pixels)
 
 
-@given(st.integers(0, 2**32 - 1), st.integers(0, 40), st.integers(0, 40))
-@settings(max_examples=50, deadline=None)
-def test_motions_are_those_of_the_pairs(seed, n, m):
-    rng = np.random.default_rng(seed)
-    before, now = rng.uniform(0, 30, (n, 2)), rng.uniform(0, 30, (m, 2))
-    match = np.empty(n, np.int32)
-    expected = reference.match_points(before.tolist(), now.tolist(), 4.0)
-    sizes = sorted(np.hypot(*(now[j] - before[i])) for i, j in enumerate(expected) if j >= 0)
-    for left_out in (0, 2):
-        n_pairs, largest = kernels.measure_largest(before, now, 4.0, left_out, match)
-        assert match.tolist() == expected
-        assert n_pairs == len(sizes)
-        wanted = sizes[max(len(sizes) - 1 - left_out, 0)] if sizes else 4.0
-        assert largest == pytest.approx(wanted, rel=1e-12)
-    n_pairs, median = kernels.measure_median(before, now, 4.0, match)
-    assert match.tolist() == expected
-    assert n_pairs == len(sizes)
-    assert median == pytest.approx(np.median(sizes) if sizes else 4.0, rel=1e-12)
-
-
-@given(st.lists(st.floats(0.0, 1e9), min_size=1, max_size=40))
-@settings(max_examples=100, deadline=None)
-def test_any_place_in_order_is_selected(values):
-    chosen = [kernels.select(np.array(values), k) for k in range(len(values))]
-    assert chosen == sorted(values)
-
-
 @given(st.integers(0, 2**32 - 1), st.integers(1, 60), st.integers(1, 60))
 @settings(max_examples=25, deadline=None)
 def test_distances_and_chamfer_are_exact(seed, n, m):
@@ -141,14 +114,3 @@ def test_distances_and_chamfer_are_exact(seed, n, m):
         reference.chamfer(p_points, q_points)
     )
     assert not scratch.any()
-
-
-@given(st.integers(0, 2**32 - 1), st.integers(0, 40), st.integers(0, 40))
-@settings(max_examples=50, deadline=None)
-def test_pairs_are_mutual_and_clear(seed, n, m):
-    rng = np.random.default_rng(seed)
-    targets, points = rng.uniform(0, 30, (n, 2)), rng.uniform(0, 30, (m, 2))
-    out = np.empty(n, np.int32)
-    n_pairs = kernels.match_points(targets, points, 4.0, out)
-    assert out.tolist() == reference.match_points(targets.tolist(), points.tolist(), 4.0)
-    assert n_pairs == (out >= 0).sum()

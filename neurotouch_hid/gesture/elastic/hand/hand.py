@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import LATTICE_MM, N_MARKERS, Rig
 from neurotouch_hid.gesture.elastic.field.kernels import fill_responses, rim_window
-from neurotouch_hid.gesture.elastic.fit.kernels import measure_spread
 from neurotouch_hid.gesture.elastic.hand.kernels import N_FITS, TURN_US, follow, show
+from neurotouch_hid.gesture.elastic.markers.kernels import measure_spread
 from neurotouch_hid.messages import GestureKind
 
 Floats = NDArray[np.float64]

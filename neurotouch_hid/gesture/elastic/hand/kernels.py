@@ -12,12 +12,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from neurotouch_hid.gesture.elastic.field.kernels import bound_gain, find_site
-from neurotouch_hid.gesture.elastic.fit.kernels import (
-    find_common,
-    measure_sway,
-    refine,
-    weigh_markers,
-)
+from neurotouch_hid.gesture.elastic.fit.kernels import refine
+from neurotouch_hid.gesture.elastic.markers.kernels import find_common, measure_sway, weigh_markers
 from neurotouch_hid.gesture.elastic.motion.kernels import (
     choose_shown,
     locate,

@@ -1,0 +1,1 @@
+"""What the markers tell before any finger is fitted."""

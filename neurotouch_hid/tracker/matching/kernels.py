@@ -1,0 +1,174 @@
+"""The compiled loops that pair points, and measure how far pairs have moved."""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+
+@njit(cache=True, nogil=True)
+def _sort_by_row(
+    points_px: NDArray[np.float64],
+) -> tuple[NDArray[np.int32], NDArray[np.int32], float]:
+    """Points in order of rows of 1 px: those of row i are order[begin[i]:begin[i + 1]].
+
+    The third answer is the top of row 0. Nothing is compared here, for which of two points comes
+    first cannot be foretold.
+    """
+    m = len(points_px)
+    top = points_px[:, 1].min() if m else 0.0
+    n_rows = int(points_px[:, 1].max() - top) + 1 if m else 1
+    begin, order = np.zeros(n_rows + 1, np.int32), np.empty(m, np.int32)
+    filled = np.empty(n_rows, np.int32)
+    for j in range(m):
+        begin[int(points_px[j, 1] - top) + 1] += 1
+    for row in range(n_rows):
+        begin[row + 1] += begin[row]
+        filled[row] = begin[row]
+    for j in range(m):
+        row = int(points_px[j, 1] - top)
+        order[filled[row]] = j
+        filled[row] += 1
+    return order, begin, top
+
+
+@njit(cache=True, nogil=True)
+def match_points(
+    targets_px: NDArray[np.float64],
+    points_px: NDArray[np.float64],
+    gate_px: float,
+    out: NDArray[np.int32],
+) -> int:
+    """For each target the index of its point, -1 where there is none, -2 where there is any doubt.
+
+    The two choose each other as the nearest, and the target's second choice is twice as far.
+
+    Args:
+        targets_px: (n, 2) float64, columns x, y.
+        points_px: (m, 2) float64.
+        gate_px: distance limit.
+        out: (n,) int32, filled in.
+
+    Returns:
+        The number of pairs.
+    """
+    n, m = len(targets_px), len(points_px)
+    gate_px2, reach_px = gate_px * gate_px, 2.0 * gate_px
+    near_px2 = np.full(m, gate_px2)
+    nearest_px2 = np.empty(n)
+    by_row, begin, top = _sort_by_row(points_px)
+    n_rows = len(begin) - 1
+    for i in range(n):
+        best, best_px2, second_px2 = -1, np.inf, 4.0 * gate_px2
+        x, y = targets_px[i, 0], targets_px[i, 1]
+        above, below = y - reach_px - top, y + reach_px - top
+        first, last = 0, 0
+        if below >= 0.0 and above < n_rows:
+            first, last = begin[int(max(above, 0.0))], begin[int(min(below, n_rows - 1.0)) + 1]
+        for k in range(first, last):
+            j = by_row[k]
+            dx, dy = points_px[j, 0] - x, points_px[j, 1] - y
+            px2 = dx * dx + dy * dy
+            # Without branches: which point is nearer cannot be foretold.
+            closer = px2 < best_px2
+            second_px2 = min(second_px2, best_px2 if closer else px2)
+            best = j if closer else best
+            best_px2 = px2 if closer else best_px2
+            near_px2[j] = min(near_px2[j], px2)
+        nearest_px2[i] = best_px2
+        clear = 4.0 * best_px2 <= second_px2
+        out[i] = -1 if best_px2 >= gate_px2 else best if clear else -2
+    n_pairs = 0
+    for i in range(n):
+        if out[i] >= 0 and nearest_px2[i] > near_px2[out[i]]:
+            out[i] = -2
+        n_pairs += out[i] >= 0
+    return n_pairs
+
+
+@njit(cache=True, nogil=True)
+def select(values: NDArray[np.float64], k: int) -> float:
+    """The value that ``k`` of the (n,) values do not exceed when they are put in order; all >= 0.
+
+    Found by its bits, which have the same order, halving what is left: to sort, one has to compare,
+    and what comes of that cannot be foretold.
+    """
+    bits = values.view(np.int64)
+    low, high = np.int64(0), bits.max()
+    while low < high:
+        middle = low + (high - low) // 2
+        n = 0
+        for i in range(len(bits)):  # eight at once
+            n += bits[i] <= middle
+        if n > k:
+            high = middle
+        else:
+            low = middle + 1
+    return float(np.array([low]).view(np.float64)[0])
+
+
+@njit(cache=True, nogil=True)
+def _measure_pairs(
+    before_px: NDArray[np.float64],
+    now_px: NDArray[np.float64],
+    gate_px: float,
+    match: NDArray[np.int32],
+) -> NDArray[np.float64]:
+    """How far each point that has a pair has moved: (pairs,) px; see ``match_points``."""
+    moved_px = np.empty(match_points(before_px, now_px, gate_px, match))
+    k = 0
+    for i in range(len(before_px)):
+        j = match[i]
+        if j >= 0:
+            dx, dy = now_px[j, 0] - before_px[i, 0], now_px[j, 1] - before_px[i, 1]
+            moved_px[k] = math.sqrt(dx * dx + dy * dy)
+            k += 1
+    return moved_px
+
+
+@njit(cache=True, nogil=True)
+def measure_largest(
+    before_px: NDArray[np.float64],
+    now_px: NDArray[np.float64],
+    gate_px: float,
+    n_left_out: int,
+    match: NDArray[np.int32],
+) -> tuple[int, float]:
+    """How many points have a pair, and how far all of these but some have moved at most.
+
+    Args:
+        before_px: (n, 2) float64, columns x, y.
+        now_px: (m, 2) float64.
+        gate_px: no point has moved farther; the answer if none has a pair.
+        n_left_out: how many may have moved farther than is told.
+        match: (n,) int32, filled in, see ``match_points``.
+    """
+    moved_px = _measure_pairs(before_px, now_px, gate_px, match)
+    n = len(moved_px)
+    if not n:
+        return 0, gate_px
+    return n, float(select(moved_px, max(n - 1 - n_left_out, 0)))
+
+
+@njit(cache=True, nogil=True)
+def measure_median(
+    before_px: NDArray[np.float64],
+    now_px: NDArray[np.float64],
+    gate_px: float,
+    match: NDArray[np.int32],
+) -> tuple[int, float]:
+    """How many points have a pair, and how far these have moved in the median.
+
+    Args:
+        before_px: (n, 2) float64, columns x, y.
+        now_px: (m, 2) float64.
+        gate_px: no point has moved farther; the answer if none has a pair.
+        match: (n,) int32, filled in, see ``match_points``.
+    """
+    moved_px = _measure_pairs(before_px, now_px, gate_px, match)
+    n = len(moved_px)
+    if not n:
+        return 0, gate_px
+    middle = select(moved_px, (n - 1) // 2)
+    return n, middle if n % 2 else 0.5 * (middle + select(moved_px, n // 2))
