@@ -45,17 +45,24 @@ def test_the_size_is_the_rms_over_the_patch():
 
 
 def test_a_finger_is_shown_from_one_size_on_and_hidden_below_another():
-    shown, radii = np.zeros(2, np.int64), np.full(2, 6.0)
+    shown, radii, chosen = np.zeros(2, np.int64), np.full(2, 6.0), np.empty(2, np.bool_)
     seen = []
     for size_mm in (0.28, 0.31, 0.28, 0.24, 0.28):
-        only = choose_shown(radii, np.array([[size_mm, 0.0, 0.0], [5.0, 0.0, 0.0]]), shown)
-        assert (only, shown[1]) == (-1, 1)
+        motions = np.array([[size_mm, 0.0, 0.0], [5.0, 0.0, 0.0]])
+        assert choose_shown(radii, motions, shown, 1, chosen) == chosen.sum()
+        assert chosen.tolist() == shown.tolist()
+        assert shown[1] == 1
         seen.append(int(shown[0]))
     assert seen == [0, 1, 1, 0, 0]
 
 
-def test_the_largest_is_shown_if_none_is_large():
-    shown = np.zeros(3, np.int64)
-    motions = np.array([[0.1, 0.0, 0.0], [0.2, 0.0, 0.0], [0.0, 0.1, 0.0]])
-    assert choose_shown(np.full(3, 6.0), motions, shown) == 1
+@pytest.mark.parametrize(
+    ("least", "expected"),
+    [(1, [False, True, False]), (2, [False, True, True]), (3, [True] * 3), (4, [True] * 3)],
+)
+def test_the_largest_are_shown_if_few_are_large(least, expected):
+    shown, chosen = np.zeros(3, np.int64), np.empty(3, np.bool_)
+    motions = np.array([[0.1, 0.0, 0.0], [0.2, 0.0, 0.0], [0.0, 0.15, 0.0]])
+    assert choose_shown(np.full(3, 6.0), motions, shown, least, chosen) == sum(expected)
+    assert chosen.tolist() == expected
     assert not shown.any()

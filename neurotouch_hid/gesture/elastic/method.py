@@ -78,7 +78,8 @@ class ElasticMethod:
             if motion.largest_mm < hand.config.least_mm:
                 self.reset()
             return replace(no_gesture(t_us), confidence=decision.confidence)
-        contacts = hand.show()
+        # It takes two to pinch, zoom or twist, though one of them may hold still.
+        contacts = hand.show(1 if decision.kind is GestureKind.PUSH else 2)
         return Gesture(
             t_us=t_us,
             kind=decision.kind,

@@ -247,9 +247,13 @@ class Hand:
         )
         return Motion._make((*told, self._parts.tolist()))
 
-    def show(self) -> Contacts:
-        """The contacts of the fingers found in the last slice."""
-        mm, px, drags, names, intensity_mm = show(self.fits, self.gel)
+    def show(self, least: int = 1) -> Contacts:
+        """The contacts of the fingers found in the last slice.
+
+        Args:
+            least: so many are shown even if they hardly move.
+        """
+        mm, px, drags, names, intensity_mm = show(self.fits, self.gel, least)
         return Contacts(mm, px, drags, tuple(names.tolist()), intensity_mm)
 
 

@@ -113,13 +113,14 @@ def follow(
 
 @njit(cache=True, nogil=True)
 def show(
-    fits: NDArray[np.void], gel: NDArray[np.void]
+    fits: NDArray[np.void], gel: NDArray[np.void], least: int
 ) -> tuple[Floats, Floats, Floats, NDArray[np.int64], float]:
     """The contacts that are shown of the fingers in ``NOW``, at least one finger.
 
     Args:
         fits: (N_FITS,) ``FIT``; which fingers are shown is updated.
         gel: (1,) ``GEL``.
+        least: so many are shown in any case, if there are as many.
 
     Returns:
         Where they are, (k, 2) mm of the gel and (k, 2) px; how far each has dragged the gel,
@@ -127,17 +128,15 @@ def show(
     """
     fit = fits[NOW]
     n = fit.count
-    only = choose_shown(fit.radii[:n], fit.motions[:n], fit.shown[:n])
-    count = 0
-    for j in range(n):
-        count += fit.shown[j] > 0 or j == only
+    chosen = np.empty(n, np.bool_)
+    count = choose_shown(fit.radii[:n], fit.motions[:n], fit.shown[:n], least, chosen)
     mm, px, drags = np.empty((count, 2)), np.empty((count, 2)), np.empty((count, 2))
     names = np.empty(count, np.int64)
     total_mm = 0.0
     rig = gel[0].rig
     k = 0
     for j in range(n):
-        if not (fit.shown[j] > 0 or j == only):
+        if not chosen[j]:
             continue
         x, y, dx, dy = locate(fit.centres[j], fit.radii[j], fit.motions[j], fit.press[j])
         drags[k, 0], drags[k, 1] = dx, dy

@@ -148,23 +148,33 @@ def locate(
 
 
 @njit(cache=True, nogil=True)
-def choose_shown(radii: Floats, motions: Floats, shown: NDArray[np.int64]) -> int:
-    """Which fingers move enough to be a contact; the largest is one in any case.
+def choose_shown(
+    radii: Floats, motions: Floats, shown: NDArray[np.int64], least: int, chosen: NDArray[np.bool_]
+) -> int:
+    """Which fingers are contacts: those that move enough, and in any case those that move most.
 
     Args:
         radii: (k,) mm, k >= 1.
         motions: (k, 3).
-        shown: (k,), 1 for those that were contacts, else 0; updated.
+        shown: (k,), 1 for those that moved enough before, else 0; updated.
+        least: so many are contacts in any case, if there are as many.
+        chosen: (k,), written.
 
     Returns:
-        The finger that is one in any case, or -1 if others are.
+        The number of contacts.
     """
-    largest, largest_mm = 0, 0.0
-    is_any = False
-    for j in range(len(radii)):
-        size_mm = measure_size(motions[j], radii[j])
-        is_shown = size_mm >= (HIDDEN_MM if shown[j] else SHOWN_MM)
-        shown[j], is_any = is_shown, is_any or is_shown
-        if size_mm > largest_mm:
-            largest, largest_mm = j, size_mm
-    return -1 if is_any else largest
+    n, count = len(radii), 0
+    size_mm = np.empty(n)
+    for j in range(n):
+        size_mm[j] = measure_size(motions[j], radii[j])
+        shown[j] = size_mm[j] >= (HIDDEN_MM if shown[j] else SHOWN_MM)
+        chosen[j] = shown[j] > 0
+        count += shown[j]
+    while count < min(least, n):
+        most = -1
+        for j in range(n):
+            if not chosen[j] and (most < 0 or size_mm[j] > size_mm[most]):
+                most = j
+        chosen[most] = True
+        count += 1
+    return count
