@@ -265,6 +265,15 @@ def test_confidence_means_what_it_says():
     assert np.mean(unsure) < 0.9
 
 
+def test_a_finger_that_holds_still_is_a_contact_of_the_pinch():
+    player, centres = Player(), np.array([[9.0, 0.0], [-9.0, 0.0]])
+    for size_mm in np.linspace(0.0, 4.0, 11).tolist() + [4.0] * 20:
+        gesture = player.see(field(centres, np.array([[-size_mm, 0.0], [0.0, 0.0]])))
+    assert gesture.kind is GestureKind.PINCH
+    assert sorted(np.hypot(*gesture.motion_mm.T)) == pytest.approx([0.0, 4.0], abs=0.3)
+    assert gesture.intensity_mm == pytest.approx(2.0, abs=0.2)
+
+
 def test_the_command_line_offers_every_method():
     from neurotouch_hid.cli.run import command
 

@@ -11,8 +11,6 @@ from tests.gesture.test_neurotouch import Player
 
 PALM = np.array([[-10.0, 12.0]]), np.array([[2.5, -2.0]])
 TIP = np.array([8.0, -6.0])
-LEAN = field(*PALM)
-"""The palm alone: with a finger that holds still beside it, it would be a pinch."""
 
 
 def hand(push_mm=0.0, palm=1.0):
@@ -39,26 +37,26 @@ def test_a_resting_hand_is_no_gesture_and_its_push_is_measured_from_there():
 
 
 def test_lifted_is_the_default():
-    assert hold(Player(), LEAN).kind is GestureKind.PUSH
+    assert hold(Player(), hand()).kind is GestureKind.PUSH
 
 
 @pytest.mark.parametrize("neutral", ["lifted", "resting"])
 def test_rezero_takes_the_pose_of_the_moment(neutral):
     player = Player(neutral=neutral)
     hold(player, hand(palm=0.0))
-    assert hold(player, LEAN).kind is GestureKind.PUSH
+    assert hold(player, hand()).kind is GestureKind.PUSH
     player.recognizer.rezero()
-    assert hold(player, LEAN).kind is GestureKind.NONE
+    assert hold(player, hand()).kind is GestureKind.NONE
     assert hold(player, hand(5.0)).kind is GestureKind.PUSH
 
 
 def test_a_lifted_hands_pose_ends_with_the_next_anchor():
     player = Player()
-    hold(player, LEAN)
+    hold(player, hand())
     player.recognizer.rezero()
-    assert hold(player, LEAN).kind is GestureKind.NONE
+    assert hold(player, hand()).kind is GestureKind.NONE
     player.rest_px = player.rest_px.copy()
-    assert hold(player, LEAN).kind is GestureKind.PUSH
+    assert hold(player, hand()).kind is GestureKind.PUSH
 
 
 def test_tremor_of_a_resting_hand_is_no_gesture():
@@ -123,11 +121,3 @@ def test_gestures_beside_a_resting_trembling_hand_also_after_a_new_anchor(kind, 
         assert set(play(1.0, 30)[5:]) == {kind}
         assert set(play(0.0, 30)[5:]) == {GestureKind.NONE}
         player.rest_px = player.rest_px.copy()  # seen as untouched: a resting hand's pose stays
-
-
-def test_a_finger_that_holds_still_takes_part_in_the_gesture():
-    gesture = hold(Player(), hand())
-    assert gesture.kind is GestureKind.PINCH
-    still, moved = sorted(np.hypot(*gesture.motion_mm.T))
-    assert still < 0.3
-    assert moved == pytest.approx(np.hypot(2.5, 2.0), abs=0.4)
