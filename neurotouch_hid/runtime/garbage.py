@@ -12,7 +12,7 @@ YOUNG = 1_000
 def short_collections() -> Iterator[None]:
     """Garbage is meanwhile looked for among what is new, often and shortly.
 
-    What is loaded stays, and to look through all of it takes 50 ms.
+    What is loaded stays, and to look through all of it takes 80 ms.
     """
     usual = gc.get_threshold()
     gc.freeze()

@@ -15,8 +15,9 @@ class Sight(NamedTuple):
 
     Attributes:
         rest: where all markers are, if the gel is at rest.
-        frame: that showed it; None if events did.
-        blobs: of the frame, nobody else's; None if whoever asks looks at frames himself.
+        frame: by which the tracker is yet to be corrected; None if events showed the gel, or if the
+            tracker looks at frames itself.
+        blobs: of that frame, and nobody else's.
     """
 
     rest: RestField | None
