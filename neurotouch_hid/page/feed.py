@@ -104,7 +104,7 @@ class Feed:
                     if key.fileobj is self._listener:
                         self._admit(selector)
                     elif key.fileobj == self._bell:
-                        self._send(selector)
+                        self._send()
                     elif isinstance(key.fileobj, socket.socket):
                         self._hear(key.fileobj, selector)
         self._listener.close()
@@ -130,31 +130,21 @@ class Feed:
             return
         except OSError:
             said = b""
-        if not said.isdigit():  # it has gone, or talks nonsense
-            self._part(peer, selector)
-            return
-        self._wants[peer] = min(int(said), MOST_HZ)
-        self._set_period()
+        if said.isdigit():
+            self._wants[peer] = min(int(said), MOST_HZ)
+        else:  # it has gone, or talks nonsense
+            selector.unregister(peer)
+            del self._wants[peer]
+            peer.close()
+        keenest_hz = max(self._wants.values(), default=0)
+        self._period_s = 1.0 / keenest_hz if keenest_hz else 0.0
 
-    def _send(self, selector: selectors.BaseSelector) -> None:
+    def _send(self) -> None:
         os.eventfd_read(self._bell)
         if self._done or not self._shots:
             return
         state = self._observer.encode(self._shots.pop())
-        for peer in [peer for peer, hz in self._wants.items() if hz]:
-            try:
-                peer.send(state)
-            except (BlockingIOError, TimeoutError):
-                continue  # no room: this state is dropped
-            except OSError:
-                self._part(peer, selector)
-
-    def _part(self, peer: socket.socket, selector: selectors.BaseSelector) -> None:
-        selector.unregister(peer)
-        del self._wants[peer]
-        peer.close()
-        self._set_period()
-
-    def _set_period(self) -> None:
-        keenest_hz = max(self._wants.values(), default=0)
-        self._period_s = 1.0 / keenest_hz if keenest_hz else 0.0
+        for peer, hz in self._wants.items():
+            if hz:
+                with suppress(OSError):  # no room: this state is dropped; or gone, as it will say
+                    peer.send(state)

@@ -3,11 +3,12 @@
 import json
 import os
 import re
+import signal
 import subprocess
 
 import pytest
 
-from tests.page.processes import PROGRAM
+from tests.page.processes import LIMIT_S, PROGRAM
 
 
 @pytest.mark.parametrize("command", ["view", "monitor", "game", "demo"])
@@ -40,11 +41,19 @@ def test_the_monitor_tells_lines_and_ends(driver):
 
 
 def test_the_monitor_tells_json(driver):
-    done = driver.call("monitor", "--json", "--seconds", "2")
-    states = [json.loads(line) for line in done.stdout.splitlines()]
-    assert len(states) > 3
+    with subprocess.Popen(
+        [*PROGRAM, "monitor", "--json"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=driver.environment,
+    ) as monitor:
+        states = [json.loads(monitor.stdout.readline()) for _ in range(4)]
+        monitor.send_signal(signal.SIGINT)
+        assert monitor.wait(LIMIT_S) == 130
+        assert "Traceback" not in monitor.stderr.read()
     assert {"say", "gesture", "pad", "actions", "slow"} <= set(states[0])
-    assert done.returncode == 0
+    assert [state["n"] for state in states] == sorted({state["n"] for state in states})
 
 
 def test_the_game_finds_the_page_that_is_served(view):

@@ -3,6 +3,7 @@
 import json
 import os
 import select
+import threading
 import time
 
 import numpy as np
@@ -174,6 +175,23 @@ def test_a_listener_that_goes_is_forgotten(line, listener):
     listener.close()
     wait_for(lambda: line.feed._period_s == 0.0)
     line.play(5)
+
+
+def test_a_listener_that_goes_while_it_is_sent_to_ends_nothing_else(line, listener, tmp_path):
+    leaving = Listener()
+    hear(leaving, line)
+    asked, answer = threading.Event(), threading.Event()
+    line.feed._admits = lambda _uid: (asked.set(), answer.wait(LIMIT_S))[1]
+    hear_later = connect_to(tmp_path / FEED)
+    assert asked.wait(LIMIT_S)  # the feed's thread is busy: it learns both of the next at once
+    line.play(1)
+    leaving.close()
+    answer.set()
+    wait_for(lambda: line.feed._period_s == 0.0)
+    hear(listener, line)
+    line.play(10, pace_s=0.02)
+    wait_for(listener.take)
+    hear_later.close()
 
 
 def test_guests_are_admitted_one_by_one(tmp_path, line):
