@@ -1,6 +1,7 @@
 """The whole line: a simulated gel goes in, pad states come out."""
 
 import dataclasses
+from itertools import count, islice
 
 import numpy as np
 import pytest
@@ -8,9 +9,11 @@ import pytest
 from neurotouch_hid.device import MemoryDevice
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import Axis, Button, GamepadState, GestureKind, Step
-from neurotouch_hid.profile import load_profile
+from neurotouch_hid.profile import UserSettings, load_profile
 from neurotouch_hid.runtime import Pipeline, run_line
 from neurotouch_hid.source.simulator import Simulator
+from neurotouch_hid.source.simulator.gel.motion import KNOT_US
+from neurotouch_hid.source.simulator.hand import LedHand, Wish
 from neurotouch_hid.source.simulator.script import Finger, Stroke, sequence
 
 RIGHT, LEFT = Finger((9.0, 0.0)), Finger((-9.0, 0.0))
@@ -97,3 +100,29 @@ def test_default_profile_holds_no_button_during_a_soft_push(push):
     assert any(pad.axes.get(Axis.LEFT_X, 0.0) > 0.3 for pad in pads)
     assert not any(set(pad.buttons) & {Button.START, Button.GUIDE} for pad in pads)
     assert pads[-1].is_neutral
+
+
+@pytest.mark.parametrize("neutral", ["lifted", "resting"])
+def test_fingers_that_rest_are_no_gesture_for_who_says_so_and_another_one_pushes(neutral):
+    """Two fingers lie down at 0.5 s and drag the gel by 1.2 mm; a third pushes from 4 to 5 s."""
+    knot = count()
+
+    def ask() -> Wish:
+        t_us = next(knot) * KNOT_US
+        pushes = 4_000_000 <= t_us < 5_000_000
+        return Wish(resting=t_us > 500_000, down=pushes, y_mm=-8.0, push_x_mm=7.0 * pushes)
+
+    user = UserSettings(neutral=neutral)
+    line = Pipeline.build(load_profile("default"), GestureConfig(), user=user)
+    packets = Simulator(LedHand(ask, lambda *_: None))
+    steps = {packet.t_end_us: line.advance(packet) for packet in islice(packets, 600)}
+    before = [step for t_us, step in steps.items() if 3_000_000 < t_us < 3_900_000]
+    pushing = [step for t_us, step in steps.items() if 4_400_000 < t_us < 4_900_000]
+    after = [step for t_us, step in steps.items() if t_us > 5_500_000]
+    for rest in (before, after):
+        quiet = {step.gesture.kind is GestureKind.NONE for step in rest}
+        assert quiet == {neutral == "resting"}
+    if neutral == "resting":
+        assert {step.gesture.kind for step in pushing} == {GestureKind.PUSH}
+        assert all(step.pad.axes[Axis.LEFT_X] > 0.7 for step in pushing)
+        assert all(step.pad.is_neutral for step in before + after)

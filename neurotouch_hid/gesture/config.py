@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 Method = Literal["neurotouch", "paper"]
+NeutralPose = Literal["lifted", "resting"]
 METHODS: tuple[Method, ...] = get_args(Method)
 
 
@@ -14,7 +15,7 @@ class GestureConfig:
     Attributes:
         method: how a gesture is found; ``paper`` is [NT, "Methodology"].
         neutral: what counts as no gesture: ``lifted``, the gel untouched, or ``resting``, the pose
-            of a hand that stays on it, taken at the start and at ``GestureRecognizer.rezero``.
+            of a hand that stays on it, known once it has been still, see ``Neutral``.
         min_tracked: measured markers, about half, without which nothing is recognised: a lost gel
             presses no buttons.
         radius_px: of ``paper``: r, 30 px or about 12 mm, the radius of a fingertip [NT, "Results"].
@@ -28,7 +29,7 @@ class GestureConfig:
     """
 
     method: Method = "neurotouch"
-    neutral: Literal["lifted", "resting"] = "lifted"
+    neutral: NeutralPose = "lifted"
     min_tracked: int = 90
     radius_px: float = 30.0
     threshold_ratio: float = 0.6

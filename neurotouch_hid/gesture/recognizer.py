@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import Rig, fit_rig
-from neurotouch_hid.gesture.config import GestureConfig
+from neurotouch_hid.gesture.config import GestureConfig, NeutralPose
 from neurotouch_hid.gesture.elastic import ElasticMethod
 from neurotouch_hid.gesture.kernels import displace
 from neurotouch_hid.gesture.neutral import Neutral
@@ -24,16 +24,26 @@ class GestureRecognizer:
 
     def __init__(self, config: GestureConfig | None = None) -> None:
         self._config = config or GestureConfig()
-        self._method = _make_method(self._config)
-        self._neutral = Neutral(is_resting=self._config.neutral == "resting")
         self._rest_px: NDArray[np.float32] | None = None
         self._rig: Rig | None = None
         self._t_us: int | None = None
+        self.choose_neutral(self._config.neutral)
+
+    @property
+    def neutral(self) -> NeutralPose:
+        """The pose from which gestures count."""
+        return self._config.neutral
+
+    def choose_neutral(self, pose: NeutralPose) -> None:
+        """From now on counts from another pose; a gesture that is being made ends."""
+        self._config = replace(self._config, neutral=pose)
+        self._method = _make_method(self._config)
+        self._neutral = Neutral(is_resting=pose == "resting")
 
     def rezero(self) -> None:
         """Takes the pose of the hand, from now on and for 0.3 s, for the neutral one.
 
-        A lifted hand's pose lasts until the gel is next seen untouched, a resting hand's for good.
+        It lasts until the gel is next seen untouched.
         """
         self._method.reset()
         self._neutral.capture()
@@ -53,13 +63,15 @@ class GestureRecognizer:
         if self._rig is None or n_used < self._config.min_tracked:
             self._method.reset()
             return no_gesture(t_us)
-        moved_px = self._neutral.subtract(moved_px, step_us)
-        if self._neutral.is_capturing:
+        from_pose_px = self._neutral.subtract(moved_px, use, self._rig.px_per_mm, step_us)
+        if from_pose_px is None:
+            self._method.reset()
             return no_gesture(t_us)
-        gesture = self._method.update(t_us, step_us, rest_px, moved_px, use, self._rig)
-        is_quiet = gesture.kind is GestureKind.NONE
-        self._neutral.follow(moved_px, self._rig.px_per_mm, step_us, is_quiet=is_quiet)
-        if is_quiet or self._neutral.pose_px is None:
+        gesture = self._method.update(t_us, step_us, rest_px, from_pose_px, use, self._rig)
+        if gesture.kind is GestureKind.NONE:
+            self._neutral.follow(from_pose_px, step_us)
+            return gesture
+        if self._neutral.pose_px is None:
             return gesture
         contacts_px = self._neutral.displace(gesture.contacts_px, rest_px.astype(np.float64))
         contacts_mm = self._rig.to_mm(contacts_px)

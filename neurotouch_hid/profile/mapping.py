@@ -112,10 +112,6 @@ class Mapping:
         if self._state != "running":
             self._enter("running", "resume")
 
-    def rezero(self) -> None:
-        """How the hand lies now is rest, for a person whose hand stays on the gel."""
-        self._reader.rezero()
-
     def hear_helper(self, buttons: frozenset[Button]) -> None:
         """From now on these buttons are held on the device that plays along."""
         self._helper = buttons
@@ -176,8 +172,6 @@ class Mapping:
             case "panic":
                 self.panic()
             case _ if self._state == "running":
-                if command == "rezero":
-                    self.rezero()
                 self._commands.append(command)
                 self._journal.note("command", command)
 

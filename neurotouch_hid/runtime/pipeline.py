@@ -1,5 +1,6 @@
 """The line: one packet in, one pad state out."""
 
+from dataclasses import replace
 from typing import Final
 
 from neurotouch_hid.geometry import Rig
@@ -61,12 +62,14 @@ class Pipeline:
         Args:
             profile: what the gestures mean.
             gesture: how they are recognised.
-            user: the person's own values; a usual hand without.
+            user: the person's own values, with their neutral pose; a usual hand without.
             rig: known view of the sensor, if there is a rig file.
             live: look at frames in a thread beside the line. Otherwise it is done in the line
                 itself, so that a recording gives the same Steps bit for bit at any speed.
             stopwatch: watches the stages, if somebody wants to know their times.
         """
+        if user is not None:
+            gesture = replace(gesture, neutral=user.neutral)
         finder = BlobFinder()
         detector = RestDetector(rig=rig, finder=finder)
         rest: RestExchange = ThreadedRest(detector, finder) if live else InlineRest(detector)
@@ -95,6 +98,8 @@ class Pipeline:
             markers = self.tracker.update(packet)
         gesture = self.recognizer.update(markers)
         pad = self.mapping.update(gesture)
+        if "rezero" in pad.commands:
+            self.recognizer.rezero()
         if gesture.kind is GestureKind.NONE and pad.is_neutral:
             self._idle_us += packet.t_end_us - packet.t_begin_us
         else:

@@ -5,7 +5,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final, Protocol, runtime_checkable
+from typing import Any, Final
 
 from neurotouch_hid.messages import Button, Step
 from neurotouch_hid.profile import Mapping, Profile, UserSettings
@@ -17,14 +17,6 @@ from neurotouch_hid.runtime.stopwatch import Stopwatch
 KEPT_ERRORS: Final = 5
 WINDOW_S: Final = 1.0
 """Rates are means over this time."""
-
-
-@runtime_checkable
-class Rezeroable(Protocol):
-    """A recognizer that can take how the hand lies now for rest."""
-
-    def rezero(self) -> None:
-        """Takes how the hand lies now for rest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,9 +95,6 @@ class Session:
         if self._step_at - self._window[0] >= WINDOW_S:
             self._measure()
         for command in step.pad.commands:
-            recognizer = self._pipeline.recognizer
-            if command == "rezero" and isinstance(recognizer, Rezeroable):
-                recognizer.rezero()
             self._hear(command)
 
     def tell(self, order: Order) -> Letter:
@@ -183,6 +172,8 @@ class Session:
             fresh.pause()
         elif mapping.state == "panic":
             fresh.panic()
+        if user.neutral != self._user.neutral:
+            self._pipeline.recognizer.choose_neutral(user.neutral)
         self._user = user
         self._pipeline.mapping = self._stopwatch.watch("profile", fresh, "update")
 

@@ -4,8 +4,7 @@
 
 Whole simulations, frames and events, of five people with a set-up each, half of them on either
 gel. The table is bumped twenty times a minute (up to 1 mm, 0.01 rad, ringing at 4-15 Hz) and always
-trembles (0.1 mm, 8-12 Hz). Resting hands tremble and wander as these people do; the pose they
-have at 2 s is taken for the neutral one, as ``rezero`` does.
+trembles (0.1 mm, 8-12 Hz). Resting hands tremble and wander as these people do.
 """
 
 import sys
@@ -83,14 +82,10 @@ def count(simulator, config):
     rest, tracker = InlineRest(RestDetector(finder=finder)), MarkerTracker(finder=finder)
     recognizer, before = GestureRecognizer(config), GestureKind.NONE
     n_gestures = n_slices = n_all = 0
-    is_zeroed = config.neutral != "resting"
     for packet in simulator:
         sight = rest.exchange(packet)
         if sight is not None and sight.rest is not None:
             tracker.anchor(sight.rest)
-        if not is_zeroed and packet.t_begin_us >= 2_000_000:
-            recognizer.rezero()
-            is_zeroed = True
         kind = recognizer.update(tracker.update(packet)).kind
         if packet.t_end_us > BEGIN_US:
             n_all += 1

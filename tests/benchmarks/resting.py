@@ -4,7 +4,7 @@
 
 Whole simulations, frames and events, of five people with a set-up each, half of them on either gel.
 Two fingers rest, press, tremble and wander all the time; a third pushes, or two more pinch, spread
-and turn. The pose at 2 s is taken for the neutral one (``neutral: resting``). A gesture counts as
+and turn (``neutral: resting``). A gesture counts as
 found if it is shown while its fingers have dragged by 1 mm or more; slices count from 2.5 mm.
 """
 
@@ -24,7 +24,7 @@ from neurotouch_hid.source.simulator.people import draw_stroke, meet_person
 from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector
 
 PEOPLE = 5
-LAID_US, ZERO_US, BEGIN_US = 600_000, 2_000_000, 2_500_000
+LAID_US, BEGIN_US = 600_000, 2_500_000
 PLACES_MM = ((-16.0, 13.0), (16.0, 13.0))
 PAUSE_US = 500_000
 FOUND_MM, FIRM_MM = 1.0, 2.5
@@ -95,7 +95,7 @@ def watch(play, config):
     finder = BlobFinder()
     rest, tracker = InlineRest(RestDetector(finder=finder)), MarkerTracker(finder=finder)
     recognizer = GestureRecognizer(GestureConfig(neutral="resting"))
-    found, before, is_zeroed = set(), GestureKind.NONE, False
+    found, before = set(), GestureKind.NONE
     n_firm = n_right = n_invented = n_quiet = n_anchors = 0
     for packet in Simulator(play, config):
         t_us = packet.t_end_us
@@ -103,9 +103,6 @@ def watch(play, config):
         if sight is not None and sight.rest is not None:
             tracker.anchor(sight.rest)
             n_anchors += t_us > LAID_US + 200_000
-        if not is_zeroed and t_us >= ZERO_US:
-            recognizer.rezero()
-            is_zeroed = True
         kind = recognizer.update(tracker.update(packet)).kind
         if t_us < BEGIN_US:
             continue

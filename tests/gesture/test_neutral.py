@@ -11,6 +11,9 @@ from tests.gesture.test_neurotouch import Player
 
 PALM = np.array([[-10.0, 12.0]]), np.array([[2.5, -2.0]])
 TIP = np.array([8.0, -6.0])
+EVERYTHING = np.ones(len(LATTICE_MM), bool)
+SETTLED = 400
+"""Slices after which a hand that was laid down is known to rest."""
 
 
 def hand(push_mm=0.0, palm=1.0):
@@ -25,9 +28,15 @@ def hold(player, displacement, slices=40):
     return gesture
 
 
-def test_a_resting_hand_is_no_gesture_and_its_push_is_measured_from_there():
+def kinds(player, displacement, slices):
+    return {player.see(displacement).kind for _ in range(slices)}
+
+
+def test_a_hand_that_is_laid_down_soon_rests_and_its_push_is_measured_from_there():
     player = Player(neutral="resting")
-    assert hold(player, hand()).kind is GestureKind.NONE
+    assert kinds(player, hand(palm=0.0), 100) == {GestureKind.NONE}
+    hold(player, hand(), SETTLED)
+    assert kinds(player, hand(), 100) == {GestureKind.NONE}
     gesture = hold(player, hand(5.0))
     assert gesture.kind is GestureKind.PUSH
     assert len(gesture.contacts_mm) == 1
@@ -36,15 +45,75 @@ def test_a_resting_hand_is_no_gesture_and_its_push_is_measured_from_there():
     assert hold(player, hand()).kind is GestureKind.NONE
 
 
+def test_the_further_a_hand_drags_the_longer_it_takes_to_rest():
+    def settle_s(palm):
+        player, slices = Player(neutral="resting"), 1
+        while player.see(hand(palm=palm)).kind is not GestureKind.NONE or slices < 50:
+            slices += 1
+        return slices / 100
+
+    assert [settle_s(palm) for palm in (0.4, 1.0, 2.0)] == pytest.approx([1.3, 3.1, 6.0], abs=0.5)
+
+
+def test_a_light_hand_plays_at_once():
+    player = Player(neutral="resting")
+    hold(player, hand(palm=0.05))
+    gesture = hold(player, hand(5.0, palm=0.05))
+    assert gesture.kind is GestureKind.PUSH
+    assert gesture.intensity_mm == pytest.approx(5.0, abs=0.4)
+
+
+def test_a_held_gesture_goes_on_and_does_not_become_rest():
+    player = Player(neutral="resting")
+    hold(player, hand(), SETTLED)
+    hold(player, hand(5.0))
+    assert kinds(player, hand(5.0), 500) == {GestureKind.PUSH}
+    assert hold(player, hand()).kind is GestureKind.NONE
+
+
+def test_lifting_is_no_gesture_and_the_hand_is_found_wherever_it_is_laid_next():
+    player = Player(neutral="resting")
+    hold(player, hand(), SETTLED)
+    assert kinds(player, hand(palm=0.0), 60) == {GestureKind.NONE}
+    hold(player, hand(palm=-1.0), SETTLED)
+    assert kinds(player, hand(palm=-1.0), 100) == {GestureKind.NONE}
+    assert hold(player, hand(5.0, palm=-1.0)).kind is GestureKind.PUSH
+
+
+def test_a_finger_that_passes_by_the_untouched_gel_is_no_lifted_hand():
+    player = Player(neutral="resting")
+    hold(player, hand(), SETTLED)
+    hold(player, hand(palm=0.0), 10)
+    assert hold(player, hand(palm=-1.0)).kind is GestureKind.PUSH
+
+
+def test_a_hand_with_a_strong_tremor_is_found_to_rest():
+    player = Player(neutral="resting")
+    for i in range(SETTLED):
+        player.see(hand(2.0 * np.sin(2 * np.pi * 5.0 * i / 100)))
+    assert hold(player, hand()).kind is GestureKind.NONE
+    assert hold(player, hand(5.0)).kind is GestureKind.PUSH
+
+
 def test_lifted_is_the_default():
     assert hold(Player(), hand()).kind is GestureKind.PUSH
+
+
+def test_another_pose_may_be_chosen_while_it_runs():
+    player = Player()
+    assert hold(player, hand(), SETTLED).kind is GestureKind.PUSH
+    player.recognizer.choose_neutral("resting")
+    assert hold(player, hand(), SETTLED).kind is GestureKind.NONE
+    assert hold(player, hand(5.0)).kind is GestureKind.PUSH
+    player.recognizer.choose_neutral("lifted")
+    assert hold(player, hand()).kind is GestureKind.PUSH
 
 
 @pytest.mark.parametrize("neutral", ["lifted", "resting"])
 def test_rezero_takes_the_pose_of_the_moment(neutral):
     player = Player(neutral=neutral)
-    hold(player, hand(palm=0.0))
-    assert hold(player, hand()).kind is GestureKind.PUSH
+    hold(player, hand(palm=0.5), SETTLED)
+    assert hold(player, hand()).kind is not GestureKind.NONE
     player.recognizer.rezero()
     assert hold(player, hand()).kind is GestureKind.NONE
     assert hold(player, hand(5.0)).kind is GestureKind.PUSH
@@ -61,37 +130,44 @@ def test_a_lifted_hands_pose_ends_with_the_next_anchor():
 
 def test_tremor_of_a_resting_hand_is_no_gesture():
     player = Player(neutral="resting")
+    hold(player, hand(), SETTLED)
     for i in range(600):
         displacement = hand(0.5 * np.sin(2 * np.pi * 5.0 * i / 100))
         assert player.see(displacement).kind is GestureKind.NONE
 
 
-def captured(moved):
+def subtract(neutral, moved):
+    return neutral.subtract(moved, EVERYTHING, 2.5, 10_000)
+
+
+def settle(moved):
     neutral = Neutral(is_resting=True)
-    for _ in range(30):
-        neutral.subtract(moved, 10_000)
+    while neutral.pose_px is None:
+        subtract(neutral, moved)
     return neutral
 
 
 def follow(neutral, moved, seconds, *, is_quiet=True):
     for _ in range(round(100 * seconds)):
-        neutral.follow(neutral.subtract(moved, 10_000), 2.5, 10_000, is_quiet=is_quiet)
-    return np.abs(neutral.subtract(moved, 10_000)).max()
+        left = subtract(neutral, moved)
+        if is_quiet:
+            neutral.follow(left, 10_000)
+    return np.abs(subtract(neutral, moved)).max()
 
 
 def test_slow_drift_is_followed_with_a_time_constant_of_half_a_minute():
-    start, drift = np.zeros_like(LATTICE_MM), np.array([0.5, 0.0])
-    drifted = start + drift
-    assert follow(captured(start), drifted, 30) == pytest.approx(0.5 / np.e, abs=0.05)
-    assert follow(captured(start), drifted, 30, is_quiet=False) == 0.5
+    start, drift = np.full_like(LATTICE_MM, 2.0), np.array([0.5, 0.0])
+    assert follow(settle(start), start + drift, 30) == pytest.approx(0.5 / np.e, abs=0.05)
+    assert follow(settle(start), start + drift, 30, is_quiet=False) == 0.5
 
 
 def test_motion_is_not_drift():
-    neutral, moved = captured(np.zeros_like(LATTICE_MM)), np.zeros_like(LATTICE_MM)
+    start = np.full_like(LATTICE_MM, 9.0)
+    neutral = settle(start)
     for i in range(1000):
-        moved[:] = (5.0 * np.sin(2 * np.pi * i / 200), 0.0)  # 2 mm at half a hertz
-        neutral.follow(neutral.subtract(moved, 10_000), 2.5, 10_000, is_quiet=True)
-    assert np.abs(neutral.pose_px).max() < 0.2
+        motion = (5.0 * np.sin(2 * np.pi * i / 200), 0.0)  # 2 mm at half a hertz
+        neutral.follow(subtract(neutral, start + motion), 10_000)
+    assert np.abs(neutral.pose_px - start).max() < 0.2
 
 
 @pytest.mark.parametrize(
@@ -116,7 +192,7 @@ def test_gestures_beside_a_resting_trembling_hand_also_after_a_new_anchor(kind, 
             kinds.append(player.see(field(centres, drag)).kind)
         return kinds
 
-    assert set(play(0.0, 60)) == {GestureKind.NONE}
+    assert play(0.0, SETTLED)[-1] is GestureKind.NONE
     for _ in range(2):
         assert set(play(1.0, 30)[5:]) == {kind}
         assert set(play(0.0, 30)[5:]) == {GestureKind.NONE}

@@ -60,50 +60,6 @@ def test_the_gel_may_lie_turned_or_mirrored() -> None:
     assert frozenset({Button.B}) in [state.buttons for state in states]
 
 
-RESTING = "push down 3mm 300ms hold 2s release 0ms"
-"""A heavy hand is laid on the gel; then it pushes from there."""
-
-
-def test_a_resting_hand_is_no_gesture_and_moves_from_where_it_lies() -> None:
-    mapping = Mapping(STICK, settings(neutral="resting"))
-    assert all(state.is_neutral for state in run(mapping, RESTING)[:225])
-    mapping = Mapping(STICK, settings(neutral="resting"))
-    laid = run(mapping, "push down 3mm 300ms hold 2s release 0ms; push down 8mm 0ms hold 1s")
-    moved = [state.axes.get(Axis.LEFT_Y, 0.0) for state in laid]
-    assert max(moved[:228]) == 0.0
-    assert moved[240] == pytest.approx((5.0 - 1.0) / 7.0, abs=0.01)
-
-
-def test_rezero_takes_the_pose_of_this_moment() -> None:
-    mapping = Mapping(STICK, settings(neutral="resting"))
-    moved = []
-    for i, gesture in enumerate(rehearse(f"{RESTING}; push down 6mm 0ms hold 1s")):
-        if i == 280:
-            mapping.rezero()
-        moved.append(mapping.update(gesture).axes.get(Axis.LEFT_Y, 0.0))
-    assert moved[279] == pytest.approx((3.0 - 1.0) / 7.0, abs=0.01)
-    assert not any(moved[280:])
-
-
-def test_a_slow_drift_becomes_rest_but_a_held_push_does_not() -> None:
-    mapping = Mapping(STICK, settings(neutral="resting"))
-    points = np.zeros((1, 2))
-    moved = []
-    for i in range(9_000):
-        seconds = max(0.0, i / 100 - 2.0)
-        mm = 3.0 + 0.02 * seconds + (4.0 if i >= 8_000 else 0.0)
-        gesture = Gesture(i * 10_000, GestureKind.PUSH, points, points, mm, (0.0, mm))
-        moved.append(mapping.update(gesture).axes.get(Axis.LEFT_Y, 0.0))
-    assert not any(moved[:8_000]), "1.6 mm in 80 s would be past the rest of the range"
-    assert moved[-1] > 0.9 * moved[8_010] > 0.3
-
-
-def test_a_lifted_hand_is_neutral_everywhere() -> None:
-    mapping = Mapping(STICK, settings(neutral="resting"))
-    states = run(mapping, f"{RESTING}; rest 500ms")
-    assert states[-1].is_neutral
-
-
 def test_new_values_hold_from_the_next_gesture_on() -> None:
     mapping = Mapping(STICK, settings())
     moved = []

@@ -179,16 +179,41 @@ def test_order_while_the_line_stands_still_holds_from_its_return(push):
     assert line.pressed_ms() == []
 
 
-def test_commands_from_the_gel_are_told_and_rezero_reaches_the_recognizer(push):
+def test_commands_from_the_gel_are_told(push):
     line = Line(push)
-    zeroed = []
-    line.pipeline.recognizer.rezero = lambda: zeroed.append(True)
     step = line.play().steps[0]
     commands = ("rezero", "next_profile")
     pad = dataclasses.replace(step.pad, commands=commands)
     line.session.note(dataclasses.replace(step, pad=pad))
     assert line.heard == list(commands)
-    assert zeroed == [True]
+
+
+REZERO = """
+version: 1
+name: rezero
+bindings:
+  - {when: {gesture: push, accept_ms: 300}, do: {command: rezero}}
+"""
+
+
+def test_rezero_from_the_gel_makes_the_pose_of_the_moment_neutral(push, tmp_path):
+    (tmp_path / "rezero.yaml").write_text(REZERO)
+    line = Line(push, profile=str(tmp_path / "rezero.yaml")).play()
+    at = next(i for i, step in enumerate(line.steps) if "rezero" in step.pad.commands)
+    assert line.steps[at].gesture.kind.label == "push"
+    held = [step.gesture.kind.label for step in line.steps if step.gesture.t_us < 1_590_000]
+    assert set(held[at + 1 :]) == {"none"}
+    assert len(held) > at + 20
+
+
+@pytest.mark.parametrize("poses", [("lifted", "resting"), ("resting", "lifted")])
+def test_another_neutral_pose_holds_from_the_next_slice_on(push, poses):
+    before, after = (UserSettings(neutral=pose) for pose in poses)
+    line = Line(push, user=before)
+    recognizer = line.pipeline.recognizer
+    assert recognizer.neutral == poses[0]
+    line.play({1300: lambda: line.session.switch(load_profile("spacecraft"), after)})
+    assert recognizer.neutral == poses[1]
 
 
 def test_status_tells_counts_times_and_errors(push):

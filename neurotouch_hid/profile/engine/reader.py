@@ -1,8 +1,8 @@
 """From a gesture to a reading.
 
-orientation ─ neutral ─ unused ─ notch ─ filter ─ range ─ onset and latch ─ direction, zone, ...
+orientation ─ unused ─ notch ─ filter ─ range ─ onset and latch ─ direction, zone, ...
 
-The order is fixed: the person's orientation and rest come first, then the tremor filter (in real
+The order is fixed: the person's orientation comes first, then the tremor filter (in real
 millimetres), then the conversion to a usual hand, so that thresholds count in its millimetres.
 """
 
@@ -13,7 +13,6 @@ from typing import Final
 from neurotouch_hid.messages import Gesture, GestureKind
 from neurotouch_hid.profile.conditions import Zone
 from neurotouch_hid.profile.engine.calibration import make_conversion
-from neurotouch_hid.profile.engine.neutral import RestingHand
 from neurotouch_hid.profile.engine.notch import Notch, TremorWatch
 from neurotouch_hid.profile.engine.one_euro import FILTERS, OneEuro
 from neurotouch_hid.profile.engine.reading import Phase, Reading
@@ -85,7 +84,6 @@ class Reader:
         self._cos, self._sin = math.cos(angle), math.sin(angle)
         self._mirror = user.mirror
         self._turned = user.rotate_deg != 0.0 or user.mirror
-        self._resting = RestingHand() if user.neutral == "resting" else None
         self._convert = make_conversion(user.range)
         constants = FILTERS.get(filter_name)
         self._filters = [OneEuro(*constants) for _ in range(3)] if constants else []
@@ -114,30 +112,18 @@ class Reader:
         if self._watch is not None:
             self._watch.reset()
 
-    def rezero(self) -> None:
-        """How the hand lies now is rest, where it stays on the gel."""
-        if self._resting is not None:
-            self._resting.rezero()
-
     def read(self, gesture: Gesture) -> Reading:
         """What the hand does now; at rest if a measurement is not a number."""
         step_us = 0 if self._t_us is None else gesture.t_us - self._t_us
         self._t_us = gesture.t_us
         kind, mm = gesture.kind, float(gesture.intensity_mm)
         if kind == GestureKind.NONE or not math.isfinite(mm):
-            if self._resting is not None:
-                self._resting.lift(step_us)
             self.forget()
             return Reading(gesture.t_us)
         mm = min(max(mm, 0.0), MOST_MM)
         if self._mirror:
             kind = _MIRRORED.get(kind, kind)
         x, y = self._orient(gesture.translation_mm)
-        if self._resting is not None:
-            moved = self._resting.subtract(kind, mm, x, y, step_us)
-            if moved is None:
-                return Reading(gesture.t_us)
-            mm, x, y = moved
         if kind == GestureKind.PUSH and self._unused:
             mm, x, y = self._leave_out(mm, x, y)
         if self._watch is not None:

@@ -111,19 +111,6 @@ def test_orientation_is_the_persons():
     assert [r.movement for r in play(session, "push right 5mm")] == ["push_down"]
 
 
-def test_a_resting_hand_is_measured_from_how_it_lies():
-    points = np.zeros((1, 2))
-    session = Session(UserSettings(neutral="resting"), guided=False)
-    found = []
-    for i in range(1000):
-        mm = 3.0 + (4.0 * math.sin((i - 500) / 60 * math.pi) if 500 <= i < 560 else 0.0)
-        found.append(
-            session.take(Gesture(i * STEP_US, GestureKind.PUSH, points, points, mm, (mm, 0.0)))
-        )
-    [repetition] = [r for r in found if r is not None]
-    assert repetition.peak_mm == pytest.approx(4.0, abs=0.1)
-
-
 def test_noise_sets_where_a_movement_begins():
     rng = np.random.default_rng(1)
     assert measure_rest(list(rng.normal(0.0, 0.5, 1000))) == pytest.approx(1.5, abs=0.1)
