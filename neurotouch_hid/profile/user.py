@@ -111,7 +111,8 @@ class UserSettings(Strict):
     neutral: Literal["lifted", "resting"] = Field(
         default="lifted",
         description="lifted: rest is no hand on the gel. resting: the hand stays on it, and rest "
-        "is how it lies. Default: lifted.",
+        "is how it lies, known once it has been still for a second, or for a second for each mm "
+        "by which it drags the gel. Default: lifted.",
     )
     fatigue: Literal["none", "suggest", "auto"] = Field(
         default="suggest",

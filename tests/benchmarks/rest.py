@@ -24,7 +24,7 @@ from neurotouch_hid.source.simulator.people import meet_person
 from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector
 
 PEOPLE = 5
-BEGIN_US = 2_500_000  # what is before is not counted: the hand is laid down and taken for neutral
+BEGIN_US = 4_000_000  # what is before is not counted: the hand is laid down, and found to rest
 
 
 class Table:

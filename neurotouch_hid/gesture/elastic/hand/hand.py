@@ -33,8 +33,8 @@ class HandConfig:
         noise_gain: sum of squares, in noise variances, that a finger must explain.
         field_gain: the same, in squares of the largest motion. For one finger, finite elements and
             the closed form differ by 0.2 (nine in ten); a second finger brings 0.7 where both push
-            side by side and 1.3 to 10 elsewhere. With 0.3, fingers that hold still are found more
-            often, also those of a hand that rests, beside which a push then passes for a pinch.
+            side by side and 1.3 to 10 elsewhere. With 0.3, still fingers are found more often, also
+            those of a hand that rests, beside which a push then passes for a pinch.
         keep: share of the above that a finger must go on explaining.
         model_error: rms difference of the gel and the closed form, share of the largest motion.
         outlier: residual of a marker, in standard errors, that halves its weight.
@@ -52,7 +52,7 @@ class HandConfig:
     fresh_mm: float = 5.0
     most: int = MOST
     noise_gain: float = 40.0
-    field_gain: float = 0.6
+    field_gain: float = 0.45
     keep: float = 0.6
     model_error: float = 0.05
     outlier: float = 8.0
