@@ -137,8 +137,8 @@ class Pipeline:
             return None
         if sight.rest is not None:
             self.tracker.anchor(sight.rest)
-        if sight.frame is not None and sight.blobs is not None:
-            self.tracker.correct(sight.frame, sight.blobs)
+        if sight.searched is not None:
+            self.tracker.correct(*sight.searched)
         return sight.rest
 
     def _may_skip(self, frame_us: int) -> bool:

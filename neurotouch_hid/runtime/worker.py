@@ -15,14 +15,12 @@ class Sight(NamedTuple):
 
     Attributes:
         rest: where all markers are, if the gel is at rest.
-        frame: by which the tracker is yet to be corrected; None if events showed the gel, or if the
-            tracker looks at frames itself.
-        blobs: of that frame, and nobody else's.
+        searched: a frame by which the tracker is yet to be corrected, and its blobs, which nobody
+            else has; None if events showed the gel, or if the tracker looks at frames itself.
     """
 
     rest: RestField | None
-    frame: Frame | None = None
-    blobs: Blobs | None = None
+    searched: tuple[Frame, Blobs] | None = None
 
 
 class RestExchange(Protocol):
@@ -106,7 +104,7 @@ class ThreadedRest:
                 frame = self._frames.pop()
                 rest = self.detector.update(frame)
                 blobs = self._finder.find(frame.pixels).copy()  # the next search overwrites them
-                self._sights.append(Sight(rest, frame, blobs))
+                self._sights.append(Sight(rest, (frame, blobs)))
             while self._packets:
                 rest = self.detector.watch(self._packets.popleft())
                 if rest is not None:

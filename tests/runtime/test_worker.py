@@ -54,10 +54,11 @@ def test_thread_answers_as_the_line_does(push):
             assert answer is not None
             assert answer.rest.t_us == expected.rest.t_us
             assert (answer.rest.position_px == expected.rest.position_px).all()
-            assert answer.frame is packet.frames[-1]
-            blobs = BlobFinder().find(answer.frame.pixels)
+            frame, found = answer.searched
+            assert frame is packet.frames[-1]
+            blobs = BlobFinder().find(frame.pixels)
             for name in ("centroid_px", "begin", "members"):
-                assert np.array_equal(getattr(answer.blobs, name), getattr(blobs, name))
+                assert np.array_equal(getattr(found, name), getattr(blobs, name))
     finally:
         beside.close()
 
@@ -96,7 +97,7 @@ def test_thread_finds_the_gel_in_events_alone(push):
         answer = next(filter(None, [*answers, beside.exchange(empty(frameless[-1]))]))
         assert answer.rest.t_us == expected.rest.t_us
         assert (answer.rest.position_px == expected.rest.position_px).all()
-        assert answer.frame is None
+        assert answer.searched is None
         assert not beside.detector.is_watching
         assert "without frames" in beside.detector.stats().reason
     finally:
