@@ -21,6 +21,8 @@ HOLD: Final = "hold"
 EVERYTHING: Final = "everything"
 _HOLD_SHARE: Final = 0.6
 _ALL_KINDS: Final = frozenset(kind for kind in GestureKind if kind != GestureKind.NONE)
+_NEUTRAL_US: Final = 3_000_000
+"""So much before one goes on counts as rest; how the hand was laid down before that does not."""
 _SETTLE_READINGS: Final = 30
 """It is rest only so long after a repetition and so long before one: 0.3 s."""
 
@@ -98,7 +100,9 @@ class Session:
         self._t_us = gesture.t_us
         reading = self._reader.read(gesture)
         if self.step == NEUTRAL:
-            self._measured.resting_mm.append(float(gesture.intensity_mm))
+            resting_mm = self._measured.resting_mm
+            resting_mm.append(float(gesture.intensity_mm))
+            del resting_mm[: -(_NEUTRAL_US // self._step_us)]
             return None
         repetition = self._finder.update(reading)
         self._collect(reading.mm, float(gesture.intensity_mm))

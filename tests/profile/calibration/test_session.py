@@ -111,6 +111,13 @@ def test_orientation_is_the_persons():
     assert [r.movement for r in play(session, "push right 5mm")] == ["push_down"]
 
 
+def test_how_a_hand_was_laid_down_is_no_noise_of_its_rest():
+    session = Session(UserSettings(neutral="resting"))
+    assert session.step == "neutral"
+    play(session, "push down 3mm 300ms hold 3s release 0ms; rest 4s")
+    assert session.rest_mm == 0.6
+
+
 def test_noise_sets_where_a_movement_begins():
     rng = np.random.default_rng(1)
     assert measure_rest(list(rng.normal(0.0, 0.5, 1000))) == pytest.approx(1.5, abs=0.1)
