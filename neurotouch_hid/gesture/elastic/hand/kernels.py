@@ -80,9 +80,9 @@ def follow(
         _fit(fits[WARM], fits, me, gel[0], rules, STEPS_ON)
         may_doubt = me.unsought_us >= TURN_US or not math.isfinite(fits[WARM].cost)
         is_warm = not (may_doubt and _is_lost(fits[WARM], me, rules, total, field))
-    if is_warm:
+    if is_warm and is_due:
         _extend(fits, me, gel[0], rules)
-        if is_due and me.turn % 2 == 0:
+        if me.turn % 2 == 0:
             _reduce(fits, me, gel[0], rules)
     me.turn += is_due
     found = WARM
