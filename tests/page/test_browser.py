@@ -134,7 +134,7 @@ def test_a_range_moves_by_keyboard_and_a_curve_by_hand(open_page, view, folder):
     )
     page.select_option("#curve-choice", label="push → stick left")
     handle = page.locator("#curve-handles .mark-expo")
-    handle.scroll_into_view_if_needed()
+    handle.evaluate("handle => handle.scrollIntoView()")  # at once: it may be drawn anew any time
     box, plot = handle.bounding_box(), page.locator("#curve-handles").bounding_box()
     page.mouse.move(box["x"], box["y"])
     page.mouse.down()
