@@ -177,10 +177,10 @@ class Copilot:
             if opened.active_keys():
                 return
             opened.grab()
+            self._grabbed = True
+            self._look()
         except OSError as error:
             raise explain_opening(device, error) from None
-        self._grabbed = True
-        self._look()
 
     def _look(self) -> None:
         """Ask the kernel for the state of everything, at the begin and after a lost event."""
