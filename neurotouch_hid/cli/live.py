@@ -175,4 +175,5 @@ class Live:
 
 
 def _announce(sentence: str) -> None:
-    click.echo(sentence, err=True)
+    with suppress(OSError):  # the terminal has gone, or the disk that keeps it is full
+        click.echo(sentence, err=True)

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from neurotouch_hid.driver import ask
 from neurotouch_hid.monitor.cue import CueKind
 from neurotouch_hid.monitor.tone import make_wave
 
@@ -299,3 +300,26 @@ def test_closing_the_terminal_ends_the_driver(tmp_path):
         raise
     assert os.waitstatus_to_exitcode(ended[1]) == 0
     assert "The pad is neutral." in log.read_text()
+
+
+def test_profiles_are_still_changed_when_the_terminal_has_gone(tmp_path, monkeypatch):
+    """As of a driver in the background that its shell no longer knows."""
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path / "run"))
+    terminal, line = pty.openpty()
+    with subprocess.Popen(
+        [*RUN, "--show", "nothing"], stderr=line, start_new_session=True
+    ) as process:
+        try:
+            os.close(line)
+            said = b""
+            while b"Gamepad ready" not in said:
+                said += os.read(terminal, 4096)
+            os.close(terminal)
+            for name in ("flight", "racing"):
+                ask("use", profile=name)
+                deadline = time.monotonic() + LIMIT_S
+                while ask("status")["profile"] != name:
+                    assert time.monotonic() < deadline
+                    time.sleep(0.05)
+        finally:
+            process.kill()
