@@ -22,12 +22,14 @@ class Socket:
 
     Attributes:
         goes: the pad is pulled out once it has been taken.
+        name: of the pad.
         taken: how often it has been opened.
     """
 
     def __init__(self) -> None:
         self.plugged = True
         self.goes = False
+        self.name = b"Pad"
         self.taken = 0
 
     def find(self, _wanted: object) -> list[Input]:
@@ -35,6 +37,7 @@ class Socket:
 
     def open(self, node: Path) -> "Node":
         self.taken += 1
+        self.name.decode()  # as evdev does
         return Node(self, node)
 
 
@@ -104,3 +107,18 @@ def test_a_pad_that_goes_as_soon_as_it_is_taken_is_a_device_error_at_the_start(s
     socket.goes = True
     with pytest.raises(DeviceError, match="has just been unplugged"):
         Copilot("Pad")
+
+
+def test_a_pad_whose_name_is_no_text_is_a_device_error_and_another_is_waited_for(socket):
+    socket.name = b"Pa\xff"
+    with pytest.raises(DeviceError, match="name is no text"):
+        Copilot("Pad")
+    helper = Copilot("Pad", wait=True)
+    helper.start(lambda share: None)
+    try:
+        taken = socket.taken
+        wait(lambda: socket.taken > taken)
+        socket.name = b"Pad"
+        wait(lambda: helper.describe() == "Pad (/dev/input/event7)")
+    finally:
+        helper.close()
