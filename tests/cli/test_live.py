@@ -14,6 +14,7 @@ import pytest
 from neurotouch_hid.driver import ask
 from neurotouch_hid.monitor.cue import CueKind
 from neurotouch_hid.monitor.tone import make_wave
+from neurotouch_hid.page.listener import Listener, read_head
 
 LIMIT_S = 60.0
 HEAVY = ("click", "numpy", "numba", "cv2", "pydantic", "ruamel", "evdev", "asyncio", "threading")
@@ -323,3 +324,32 @@ def test_profiles_are_still_changed_when_the_terminal_has_gone(tmp_path, monkeyp
                     time.sleep(0.05)
         finally:
             process.kill()
+
+
+def test_those_who_look_on_are_told_on_when_the_profile_has_become_a_link_to_itself(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path / "run"))
+    file = tmp_path / "mine.yaml"
+    file.write_text(profile("a"))
+    listener = Listener()
+    listener.want(10)
+    with subprocess.Popen(
+        [*RUN, "--show", "nothing", "--profile", str(file)], stderr=subprocess.DEVNULL
+    ) as process:
+        try:
+            told = None
+            deadline = time.monotonic() + LIMIT_S
+            while told != "":
+                assert time.monotonic() < deadline
+                time.sleep(0.05)
+                listener.connect()
+                state = listener.take()
+                if state is not None:
+                    told = read_head(state)["slow"]["file"]
+                if told == str(file) and not file.is_symlink():
+                    file.unlink()
+                    file.symlink_to(file)
+        finally:
+            process.kill()
+            listener.close()
