@@ -157,7 +157,7 @@ class Live:
 
     def _find_file(self) -> str:
         """Where the profile that holds lies; empty if it has gone."""
-        with suppress(ProfileError, OSError):
+        with suppress(ProfileError, OSError, RuntimeError):  # the last: a link leads to itself
             return str(find_profile(self._profiles.name).resolve())
         return ""
 
@@ -175,4 +175,5 @@ class Live:
 
 
 def _announce(sentence: str) -> None:
-    click.echo(sentence, err=True)
+    with suppress(OSError):  # the terminal has gone, or the disk that keeps it is full
+        click.echo(sentence, err=True)

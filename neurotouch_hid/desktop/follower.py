@@ -12,6 +12,9 @@ POLL_S: Final = 0.5
 AGAIN_S: Final = 5.0
 """Until a desktop that does not answer is asked anew: it may be starting, or start again."""
 
+CLOSE_S: Final = 3.0
+"""More than a desktop takes for an answer that it gives."""
+
 
 class Follower:
     """Watches the active window in a thread of its own.
@@ -43,9 +46,9 @@ class Follower:
         return self._said
 
     def close(self) -> None:
-        """Ends the thread."""
+        """Ends the thread; a desktop that hangs is left alone."""
         self._done.set()
-        self._thread.join()
+        self._thread.join(CLOSE_S)
 
     def _watch(self) -> None:
         while not self._done.is_set():

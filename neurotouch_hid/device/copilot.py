@@ -152,6 +152,10 @@ class Copilot:
             opened = InputDevice(device.node)
         except OSError as error:
             raise explain_opening(device, error) from None
+        except UnicodeDecodeError:  # evdev wants text of every device
+            raise DeviceError(
+                f"{device.name} ({device.node}) cannot be read: its name is no text."
+            ) from None
         self._open = opened
         self._device = device
         # Known now, not when it is gone: it may be back before we have noticed that it went.
@@ -177,10 +181,10 @@ class Copilot:
             if opened.active_keys():
                 return
             opened.grab()
+            self._grabbed = True
+            self._look()
         except OSError as error:
             raise explain_opening(device, error) from None
-        self._grabbed = True
-        self._look()
 
     def _look(self) -> None:
         """Ask the kernel for the state of everything, at the begin and after a lost event."""

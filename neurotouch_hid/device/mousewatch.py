@@ -77,7 +77,8 @@ class MouseWatch:
         self._mice = [each for each in find_inputs() if _is_mouse(each)]
         for mouse in self._mice:
             if mouse.readable and mouse.node not in self._open:
-                with suppress(OSError):  # gone again; the next search tells
+                # It is gone again, which the next search tells; or evdev cannot read its name.
+                with suppress(OSError, UnicodeDecodeError):
                     opened = InputDevice(mouse.node)
                     self._open[mouse.node] = opened
                     self._selector.register(opened.fd, selectors.EVENT_READ, opened)

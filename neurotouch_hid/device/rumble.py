@@ -120,8 +120,8 @@ class RumbleServer:
         """Answers all that has been asked; False if the node is gone."""
         data = (ctypes.c_char * (64 * _INPUT_EVENT.size))()
         size = self._libc.read(self._descriptor, data, ctypes.sizeof(data))
-        if size < 0:
-            return ctypes.get_errno() == errno.EAGAIN
+        if size < 0:  # a signal may come while uinput is busy with a write of ours
+            return ctypes.get_errno() in (errno.EAGAIN, errno.EINTR)
         now = time.monotonic()
         for *_, kind, code, value in _INPUT_EVENT.iter_unpack(bytes(data)[:size]):
             if kind == _EV_UINPUT and code == _UI_FF_UPLOAD:
@@ -150,4 +150,7 @@ class RumbleServer:
 
     def _call(self, number: int, argument: ctypes.Structure) -> bool:
         """False if the game has gone while we answer."""
-        return bool(self._libc.ioctl(self._descriptor, number, ctypes.byref(argument)) == 0)
+        while self._libc.ioctl(self._descriptor, number, ctypes.byref(argument)) != 0:
+            if ctypes.get_errno() != errno.EINTR:
+                return False
+        return True

@@ -48,14 +48,21 @@ def _find_config_folder() -> Path:
 
 
 def list_profiles() -> dict[str, Path]:
-    """Every profile that can be loaded by name, sorted; a user's own hides a shipped one."""
-    found = {
-        path.stem: path
-        for folder in (find_shipped_folder(), find_user_folder())
-        if folder.is_dir()
-        for path in folder.glob("*.yaml")
-        if re.fullmatch(NAME_PATTERN, path.stem) and path.is_file()
-    }
+    """Every profile that can be loaded by name, sorted; a user's own hides a shipped one.
+
+    Raises:
+        ProfileError: a folder is there and cannot be looked into.
+    """
+    try:
+        found = {
+            path.stem: path
+            for folder in (find_shipped_folder(), find_user_folder())
+            if folder.is_dir()
+            for path in folder.glob("*.yaml")
+            if re.fullmatch(NAME_PATTERN, path.stem) and path.is_file()
+        }
+    except OSError as error:
+        raise ProfileError(f"{error.filename} cannot be looked into: {error.strerror}") from None
     return dict(sorted(found.items()))
 
 
@@ -67,7 +74,7 @@ def find_profile(name_or_path: str | Path) -> Path:
             looked for in the user's folder, then among the shipped ones.
 
     Raises:
-        ProfileError: no profile has this name.
+        ProfileError: no profile has this name, or nobody can know.
     """
     if isinstance(name_or_path, Path):
         return name_or_path

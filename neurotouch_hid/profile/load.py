@@ -2,6 +2,7 @@
 
 import stat
 from collections.abc import Callable, Collection
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Generic, TypeVar
@@ -150,8 +151,9 @@ def load_settings(path: Path, model: type[Model]) -> Model:
     Raises:
         ProfileError: as ``load_profile``.
     """
-    if not path.exists():
-        return model()
+    with suppress(OSError):  # it may be there, and reading it says what is wrong
+        if not path.exists():
+            return model()
     name = make_printable(str(path))
     return _check_model(_read(path), name, model, lambda _, settings: (settings, [])).require()
 

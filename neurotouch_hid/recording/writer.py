@@ -82,7 +82,8 @@ class RecordingWriter:
         """Append a packet; packets come in order of time.
 
         Raises:
-            RecordingError: the events are older than those already written, or the disk is full.
+            RecordingError: the events are older than those already written, or the disk is full or
+                gone.
         """
         self.write_events(packet.events)
         for frame in packet.frames:
@@ -108,9 +109,9 @@ class RecordingWriter:
 
     def _add(self, stream: int, packet: bytes, n: int, first_us: int, last_us: int) -> None:
         """Append a packet and note it for the table."""
-        self._check_space()
         at = self.size_bytes + 8
         try:
+            self._check_space()
             self._append(packet)
         except OSError as error:
             raise self._failure(error) from error

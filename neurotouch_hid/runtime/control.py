@@ -115,12 +115,21 @@ class ControlSocket:
             )[1]
             if not self.admits(uid):
                 _refuse(client, _fail("This driver belongs to another user."))
-            elif not self._places.acquire(blocking=False):
+            elif not self._begin(client, answer):
                 _refuse(client, _fail("The driver is busy with other questions.", busy=True))
-            else:
-                threading.Thread(
-                    target=self._talk, args=(client, answer), name="control client", daemon=True
-                ).start()
+
+    def _begin(self, client: socket.socket, answer: Answerer) -> bool:
+        """Talks to a client in a thread; False if there is no place for it, or no thread."""
+        if not self._places.acquire(blocking=False):
+            return False
+        try:
+            threading.Thread(
+                target=self._talk, args=(client, answer), name="control client", daemon=True
+            ).start()
+        except RuntimeError:  # this machine gives no more of them just now
+            self._places.release()
+            return False
+        return True
 
     def _talk(self, client: socket.socket, answer: Answerer) -> None:
         try:

@@ -2,6 +2,7 @@
 
 from collections import deque
 from concurrent.futures import Future
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
@@ -36,7 +37,7 @@ class Letter:
 class Mailbox:
     """Holds letters until the line has time; neither side ever waits.
 
-    ``append`` and ``popleft`` of a deque are atomic, so the line takes no lock.
+    ``append``, ``popleft`` and ``remove`` of a deque are atomic, so the line takes no lock.
     """
 
     def __init__(self) -> None:
@@ -45,12 +46,17 @@ class Mailbox:
     def post(self, letter: Letter) -> Letter:
         """Leaves a letter. Panic throws away what waits before it, and always finds room.
 
+        A switch stays: whoever posted it goes by the other profile already, and it ends no panic.
+
         Raises:
             DriverError: too many letters wait.
         """
         if letter.order == "panic":
-            while (waiting := self.take()) is not None:
-                waiting.done.set_exception(DriverError("A panic came in between."))
+            for waiting in tuple(self._letters):
+                if waiting.order != "switch":
+                    with suppress(ValueError):  # the line has taken it just now
+                        self._letters.remove(waiting)
+                        waiting.done.set_exception(DriverError("A panic came in between."))
         elif len(self._letters) >= CAPACITY:
             raise DriverError("The source is silent and too many orders wait for its return.")
         self._letters.append(letter)

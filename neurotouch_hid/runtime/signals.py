@@ -20,15 +20,22 @@ def stop_on_signals(reload: Callable[[], object] | None = None) -> threading.Eve
     stop = threading.Event()
     outlives = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN  # nohup has set this
     attached = _has_terminal()
+    is_ending = False
+
+    def end(*_: object) -> None:
+        nonlocal is_ending
+        if not is_ending:  # a signal in the middle of ``set`` would wait for what it interrupts
+            is_ending = True
+            stop.set()
 
     def hang_up(*_: object) -> None:
         if not outlives and (reload is None or (attached and not _has_terminal())):
-            stop.set()
+            end()
         elif reload is not None:
             reload()
 
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: stop.set())
+        signal.signal(number, end)
     signal.signal(signal.SIGHUP, hang_up)
     return stop
 

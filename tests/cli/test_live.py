@@ -11,8 +11,10 @@ from pathlib import Path
 
 import pytest
 
+from neurotouch_hid.driver import ask
 from neurotouch_hid.monitor.cue import CueKind
 from neurotouch_hid.monitor.tone import make_wave
+from neurotouch_hid.page.listener import Listener, read_head
 
 LIMIT_S = 60.0
 HEAVY = ("click", "numpy", "numba", "cv2", "pydantic", "ruamel", "evdev", "asyncio", "threading")
@@ -299,3 +301,55 @@ def test_closing_the_terminal_ends_the_driver(tmp_path):
         raise
     assert os.waitstatus_to_exitcode(ended[1]) == 0
     assert "The pad is neutral." in log.read_text()
+
+
+def test_profiles_are_still_changed_when_the_terminal_has_gone(tmp_path, monkeypatch):
+    """As of a driver in the background that its shell no longer knows."""
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path / "run"))
+    terminal, line = pty.openpty()
+    with subprocess.Popen(
+        [*RUN, "--show", "nothing"], stderr=line, start_new_session=True
+    ) as process:
+        try:
+            os.close(line)
+            said = b""
+            while b"Gamepad ready" not in said:
+                said += os.read(terminal, 4096)
+            os.close(terminal)
+            for name in ("flight", "racing"):
+                ask("use", profile=name)
+                deadline = time.monotonic() + LIMIT_S
+                while ask("status")["profile"] != name:
+                    assert time.monotonic() < deadline
+                    time.sleep(0.05)
+        finally:
+            process.kill()
+
+
+def test_those_who_look_on_are_told_on_when_the_profile_has_become_a_link_to_itself(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path / "run"))
+    file = tmp_path / "mine.yaml"
+    file.write_text(profile("a"))
+    listener = Listener()
+    listener.want(10)
+    with subprocess.Popen(
+        [*RUN, "--show", "nothing", "--profile", str(file)], stderr=subprocess.DEVNULL
+    ) as process:
+        try:
+            told = None
+            deadline = time.monotonic() + LIMIT_S
+            while told != "":
+                assert time.monotonic() < deadline
+                time.sleep(0.05)
+                listener.connect()
+                state = listener.take()
+                if state is not None:
+                    told = read_head(state)["slow"]["file"]
+                if told == str(file) and not file.is_symlink():
+                    file.unlink()
+                    file.symlink_to(file)
+        finally:
+            process.kill()
+            listener.close()

@@ -1,5 +1,6 @@
 """The follower with a desktop that says what the test wants."""
 
+import threading
 import time
 
 from neurotouch_hid.desktop import DesktopError, Follower
@@ -58,6 +59,27 @@ def test_desktop_that_goes_away_is_described_and_the_profile_stays():
     wait(lambda: "gone" in follower.describe())
     follower.close()
     assert wanted == ["racing"]
+
+
+def test_desktop_that_hangs_does_not_hold_up_the_end():
+    """As an X server far away whose network has gone."""
+    asked, answer = threading.Event(), threading.Event()
+
+    class Hanging(Desktop):
+        def names(self) -> tuple[str, ...]:
+            asked.set()
+            answer.wait()
+            return ()
+
+    follower = Follower({"game": "racing"}, Hanging, print)
+    assert asked.wait(LIMIT_S)
+    closing = threading.Thread(target=follower.close)
+    closing.start()
+    closing.join(LIMIT_S)
+    has_closed = not closing.is_alive()
+    answer.set()
+    closing.join()
+    assert has_closed
 
 
 def test_name_of_a_window_is_no_danger_to_a_terminal():

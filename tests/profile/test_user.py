@@ -72,6 +72,12 @@ def test_new_values_hold_from_the_next_gesture_on() -> None:
     assert min(moved[80:]) == -1.0
 
 
+def test_a_folder_that_cannot_be_looked_into_is_a_fault_and_no_usual_hand(tmp_path) -> None:
+    with pytest.raises(ProfileError, match="cannot be read: File name too long"):
+        load_user(tmp_path / ("x" * 300) / "user.yaml")
+    assert load_user(tmp_path / "none" / "user.yaml") == UserSettings()
+
+
 def test_the_file_has_defaults_faults_and_a_place(tmp_path) -> None:
     assert load_user(tmp_path / "none.yaml") == UserSettings()
     (tmp_path / "user.yaml").write_text("range: {zom: {rest: 0.4, full: 25}}\nmirror: yes\n")

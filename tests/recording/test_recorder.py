@@ -93,6 +93,26 @@ def test_a_full_disk_ends_the_recording_and_says_so(tmp_path):
     assert stats.lost_here > 0
 
 
+def test_a_folder_that_vanishes_ends_the_recording_and_nobody_waits_for_room(tmp_path):
+    """As when a stick is pulled out."""
+    folder = tmp_path / "stick"
+    folder.mkdir()
+    packets = make_packets()
+    writer = RecordingWriter(folder / "a.aedat4", in_place=True)
+    folder.rename(tmp_path / "gone")
+    recorder = Recorder(writer, queue_bytes=10)
+    taker = threading.Thread(
+        target=lambda: [recorder.take(packet, wait=True) for packet in packets], daemon=True
+    )
+    taker.start()
+    taker.join(LIMIT_S)
+    assert not taker.is_alive()
+    recorder.close()
+    assert recorder.error is not None
+    assert "cannot be written: No such file or directory" in recorder.error.message
+    assert recorder.stats().lost_here > 0
+
+
 def test_what_was_lost_before_is_told(tmp_path):
     recorder = Recorder(RecordingWriter(tmp_path / "a.aedat4"))
     for packet in make_packets(1_000)[:3]:

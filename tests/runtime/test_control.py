@@ -54,6 +54,22 @@ def exchange(path: Path, *pieces: bytes, end: bool = True) -> dict:
     return json.loads(text)
 
 
+def test_a_machine_that_gives_no_more_threads_for_a_moment_silences_no_later_question(
+    served, monkeypatch
+):
+    start, refusals = threading.Thread.start, [RuntimeError("can't start new thread")] * 20
+
+    def refuse(thread):
+        if thread.name == "control client" and refusals:
+            raise refusals.pop()
+        start(thread)
+
+    monkeypatch.setattr(threading.Thread, "start", refuse)
+    for _ in range(20):
+        assert exchange(served, b'{"command": "status"}\n')["busy"] is True
+    assert exchange(served, b'{"command": "status"}\n')["ok"] is True
+
+
 def test_question_gets_the_answer_to_it(served):
     assert ask("use", profile="racing")["heard"] == {"command": "use", "profile": "racing"}
 

@@ -169,6 +169,19 @@ def test_spoiled_file_keeps_the_old_profile_and_says_why_once(driver, file, spoi
     driver.until(lambda: driver.buttons == {"x"})
 
 
+def test_folder_that_cannot_be_looked_into_keeps_the_old_profile_and_says_why(driver, config):
+    """As in a home on another machine that does not answer."""
+    away = config.with_name("away")
+    config.rename(away)
+    config.symlink_to("x" * 300)  # no folder has so long a name: whoever looks gets an error
+    with pytest.raises(ProfileError, match="File name too long"):
+        driver.watch.reload().result(LIMIT_S)
+    config.unlink()
+    away.rename(config)
+    assert driver.watch.reload().result(LIMIT_S) == "mine"
+    assert driver.said[0].startswith("The profile 'mine' goes on as it was: ")
+
+
 def test_error_names_line_and_column(driver, file):
     file.write_text(text("bb"))
     driver.until(lambda: driver.said)

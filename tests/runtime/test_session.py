@@ -170,6 +170,15 @@ def test_panic_throws_away_what_waits_and_finds_room(push):
         letters[0].done.result(0)
 
 
+def test_panic_throws_no_switch_of_profile_away_for_it_has_been_told_as_done():
+    mailbox = Mailbox()
+    for order in ("pause", "switch", "resume", "switch"):
+        mailbox.post(Letter(order))
+    mailbox.post(Letter("panic"))
+    assert [mailbox.take().order for _ in range(3)] == ["switch", "switch", "panic"]
+    assert mailbox.take() is None
+
+
 def test_order_while_the_line_stands_still_holds_from_its_return(push):
     line = Line(push)
     done = line.session.tell("panic").done

@@ -4,6 +4,7 @@ import logging
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from dataclasses import dataclass, field
 from types import TracebackType
 from typing import Final, Protocol, Self
@@ -171,7 +172,7 @@ class DavisSource:
         self._outbox.end()
         if self._thread is not None:
             self._thread.join()
-        elif self._camera is not None:
+        if self._camera is not None:  # it has never been played
             self._camera.transport.close()
             self._camera = None
 
@@ -188,16 +189,15 @@ class DavisSource:
 
     def _work(self) -> None:
         """The thread: plays the camera, and waits for it when it is away."""
-        watch = self._cameras.watch()
         try:
-            while not self._closing.is_set():
-                try:
-                    self._play(self._camera or self._connect())
-                except CameraError as error:
-                    self._note(error)
-                    watch.wait(RETRY_S)
+            with closing(self._cameras.watch()) as watch:
+                while not self._closing.is_set():
+                    try:
+                        self._play(self._camera or self._connect())
+                    except CameraError as error:
+                        self._note(error)
+                        watch.wait(RETRY_S)
         finally:
-            watch.close()
             self._outbox.end()
 
     def _connect(self) -> Camera:

@@ -1,6 +1,7 @@
 """Finds cameras and opens them with libusb1, or with pyusb where that cannot be loaded."""
 
 import time
+from contextlib import suppress
 from typing import Protocol
 
 from neurotouch_hid.errors import CameraBusyError
@@ -72,9 +73,12 @@ class Usb:
     def watch(self) -> Watch:
         """Something to wait for cameras with."""
         if _has_libusb1():
+            import usb1  # noqa: PLC0415
+
             from neurotouch_hid.source.davis.libusb import LibusbWatch  # noqa: PLC0415
 
-            return LibusbWatch()
+            with suppress(usb1.USBError):  # a libusb that cannot listen here
+                return LibusbWatch()
         return PatientWatch()
 
 

@@ -10,6 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import usb1
 
 from neurotouch_hid.device import MemoryDevice
 from neurotouch_hid.errors import CameraBusyError, CameraError, SourceError
@@ -21,6 +22,7 @@ from neurotouch_hid.source.davis import Biases, DavisConfig, DavisSource, Roi
 from neurotouch_hid.source.davis.registers import CoarseFine
 from neurotouch_hid.source.davis.stream import AWAKE_US, MAX_FAULTS
 from neurotouch_hid.source.davis.transport import StreamHaltedError
+from neurotouch_hid.source.davis.usb import PatientWatch, Usb
 from tests.source.davis.camera import INFO, ScriptedCamera, gone, make_events
 
 
@@ -384,6 +386,37 @@ def test_a_bug_in_the_thread_does_not_let_the_line_wait_for_ever():
     with open_camera(camera) as source, pytest.raises(CameraError, match="bug of the driver"):
         list(source)
     assert camera.n_open == 0
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+def test_a_thread_that_cannot_begin_does_not_let_the_line_wait_for_ever():
+    camera = ScriptedCamera()
+    camera.watch = raise_(ZeroDivisionError())
+    with open_camera(camera) as source, pytest.raises(CameraError, match="bug of the driver"):
+        take(source, 1)
+    assert camera.n_open == 0
+
+
+def test_a_source_that_is_closed_before_its_thread_plays_gives_the_camera_back():
+    camera = ScriptedCamera()
+    source = open_camera(camera)
+
+    def watch_late():
+        assert source._closing.wait(60.0)
+        return PatientWatch()
+
+    camera.watch = watch_late
+    next(source.turns())
+    source.close()
+    assert camera.n_open == 0
+
+
+def test_where_libusb_cannot_listen_the_camera_is_looked_for_all_the_same(monkeypatch):
+    """As when no more files may be open."""
+    monkeypatch.setattr(usb1.USBContext, "open", raise_(usb1.USBErrorOther(-99)))
+    watch = Usb().watch()
+    watch.wait(0.0)
+    watch.close()
 
 
 def test_close_ends_an_iteration_in_another_thread():
