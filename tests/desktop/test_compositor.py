@@ -41,7 +41,8 @@ class Compositor:
 
 
 @pytest.fixture
-def listen(tmp_path):
+def listen(tmp_path, monkeypatch):
+    monkeypatch.setattr("neurotouch_hid.desktop.compositor._PATIENCE_S", 60.0)
     opened = []
 
     def start(path, answer):

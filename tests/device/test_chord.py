@@ -1,7 +1,10 @@
 """Keys held together, read from nodes as the kernel makes them: a folder of pipes stands in."""
 
+import array
+import fcntl
 import os
 import struct
+import termios
 import time
 from pathlib import Path
 from random import Random
@@ -56,6 +59,12 @@ class Node:
         for key in keys:
             self.send(ecodes.EV_KEY, ecodes.ecodes[key], value)
         self.send(ecodes.EV_SYN, ecodes.SYN_REPORT, 0)
+
+    def count_unread(self) -> int:
+        """Bytes that nobody has read yet."""
+        answer = array.array("i", [0])
+        fcntl.ioctl(self.descriptor, termios.FIONREAD, answer)
+        return answer[0]
 
     def release(self, *keys: str) -> None:
         self.press(*keys, value=0)
@@ -124,7 +133,7 @@ def test_what_was_down_before_events_were_lost_counts_no_more(heard):
 def test_torn_and_foreign_bytes_do_no_harm(heard):
     node, told = heard
     os.write(node.descriptor, Random(1).randbytes(EVENT.size * 3 + 7))
-    time.sleep(0.1)
+    wait(lambda: not node.count_unread())
     node.press(*CHORDS["panic"])
     wait(lambda: told)
 

@@ -23,7 +23,7 @@ class FakeKernel:
 
     def __init__(self):
         self._end, ours = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        self._end.settimeout(5.0)
+        self._end.settimeout(60.0)
         self.descriptor = ours.detach()
 
     def make(self) -> UhidNode:

@@ -45,7 +45,10 @@ def hear(plug, driver, text, n_events, out):
     deadline = time.monotonic() + 120
     while not ready.wait(0.05) and time.monotonic() < deadline and process.poll() is None:
         pass
-    time.sleep(1.0)  # then it switches the motion sensor on
+    while driver != "own" and not all(camera.registers[3, parameter] for parameter in (2, 3, 4)):
+        assert time.monotonic() < deadline  # others then switch the motion sensor on
+        time.sleep(0.05)
+    time.sleep(1.0)
     for parameter in (2, 3, 4):
         camera.write((3, parameter), 0)  # no samples of the motion sensor in between
     camera.say(np.array([int(word, 16) for word in f"{START} {text}".split()], np.uint16))

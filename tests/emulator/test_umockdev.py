@@ -67,7 +67,7 @@ device.set_configuration(1)
 usb.util.claim_interface(device, 0)
 
 def write(module, parameter, value):
-    device.ctrl_transfer(0x40, 0xBF, module, parameter, value.to_bytes(4, "big"), 1000)
+    device.ctrl_transfer(0x40, 0xBF, module, parameter, value.to_bytes(4, "big"), 5000)
 
 def attempt(action):
     try:
@@ -86,7 +86,7 @@ def test_libusb_reads_the_descriptors(plug):
 def test_libusb_feels_faults_in_requests(plug):
     faults = map(Fault.parse, ("stall@open+1", "timeout@open+2", "short@open+3", "unplug@open+5"))
     script = PROBE + (
-        "ask = lambda: bytes(device.ctrl_transfer(0xC0, 0xBF, 6, 0, 4, 300)).hex()\n"
+        "ask = lambda: bytes(device.ctrl_transfer(0xC0, 0xBF, 6, 0, 4, 5000)).hex()\n"
         "for _ in range(7): print(*attempt(ask))"
     )
     lines = run(plug(None, *faults), "-c", script).splitlines()[1:]
@@ -105,7 +105,7 @@ def test_libusb_feels_faults_in_transfers(plug):
     faults = [Fault.parse(text) for text in ("protocol+1", "babble+2", "stall+4", "unplug+8")]
     script = PROBE + (
         "for switch in ((0, 3), (9, 0), (0, 1), (0, 0), (1, 3)): write(*switch, 1)\n"
-        "read = lambda: len(device.read(0x82, 8192, 5000))\n"
+        "read = lambda: len(device.read(0x82, 8192, 60_000))\n"
         "print(*(attempt(read)[0] for _ in range(6)))\n"
         "device.clear_halt(0x82)\n"
         "print(*(attempt(read)[0] for _ in range(5)))"

@@ -28,6 +28,8 @@ def programs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str, 
     folder = tmp_path / "bin"
     folder.mkdir()
     monkeypatch.setenv("PATH", str(folder))
+    patience_s = dict.fromkeys(("tones", "speech"), LIMIT_S)
+    monkeypatch.setattr("neurotouch_hid.monitor.player.PATIENCE_S", patience_s)
 
     def put(name: str, script: str) -> None:
         file = folder / name
@@ -105,6 +107,13 @@ def test_speech_is_given_the_words_and_the_volume(programs, tmp_path: Path) -> N
     ]
 
 
+@pytest.fixture
+def impatient(programs, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Programs that do not end are ended; longer than a machine stands still for a moment."""
+    monkeypatch.setattr("neurotouch_hid.monitor.player.PATIENCE_S", {"tones": 5.0})
+
+
+@pytest.mark.usefixtures("impatient")
 def test_a_player_that_hangs_is_ended_with_its_children(programs, tmp_path: Path) -> None:
     programs("paplay", f"sleep 300 & echo $! > {tmp_path}/child; wait")
     assert play_cue(PAUSE, "tones", 70).sentence == "no tones: paplay does not end"
@@ -155,9 +164,10 @@ def test_a_silent_class_hides_no_other(programs, tmp_path: Path) -> None:
     stage = Stage(feedback("tones"))  # the timing is game: what acts at once is not heard
     for gesture in rehearse(FLICK):
         stage.sound(turn(stage.mapping, gesture))
-    wait((tmp_path / "heard").exists)
+    heard = tmp_path / "heard"
+    wait(lambda: heard.exists() and heard.read_text().endswith("\n"))
     stage.sound.close()
-    assert (tmp_path / "heard").read_text().split() == [str(len(make_wave(CueKind.PRESS, 30)))]
+    assert heard.read_text().split() == [str(len(make_wave(CueKind.PRESS, 30)))]
 
 
 def test_a_missing_player_is_said_once(programs) -> None:
@@ -174,6 +184,7 @@ def test_a_missing_player_is_said_once(programs) -> None:
     assert "spd-say is not installed" in sentence
 
 
+@pytest.mark.usefixtures("impatient")
 def test_a_player_that_hangs_holds_up_nobody_and_the_newest_cue_follows(
     programs, tmp_path: Path
 ) -> None:
@@ -201,7 +212,7 @@ def test_a_player_that_hangs_holds_up_nobody_and_the_newest_cue_follows(
 
     threading.Thread(target=play, daemon=True).start()
     assert done.wait(LIMIT_S)
-    wait(lambda: heard.read_text().split()[-1] == str(len(make_wave(CueKind.PANIC, 80))))
+    wait(lambda: heard.read_text().split()[-1:] == [str(len(make_wave(CueKind.PANIC, 80)))])
     stage.sound.close()
     assert stage.said == ["Warning: no tones: aplay does not end."]
     assert len(heard.read_text().split()) < 20, "of 201 cues"

@@ -65,7 +65,8 @@ def open_page(browser):
         context.set_default_timeout(180_000)
         page = context.new_page()
         if clock:  # the page's time then goes on only when it is told to
-            page.clock.install()
+            page.clock.install(time=0)
+            page.clock.pause_at(1_000)
         page.on("pageerror", lambda error: failures.append(str(error)))
         page.on(
             "console",

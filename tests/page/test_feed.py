@@ -81,6 +81,18 @@ def hear(listener, line, hz=MOST_HZ):
     wait_for(lambda: line.feed._period_s == 1.0 / hz)
 
 
+def look_on(line, listener):
+    """Plays all; the number of a slice and the state of it, each time that one is due."""
+    due, take = [], line.observer.take
+    line.observer.take = lambda step: due.append(step) or take(step)
+    for i, packet in enumerate(line.packets):
+        line.feed(line.pipeline.advance(packet))
+        if due:
+            due.clear()
+            yield i, wait_for(listener.take)
+        time.sleep(0.004)
+
+
 def test_nothing_is_made_while_nobody_listens(line, listener):
     made = []
     line.observer.take = made.append
@@ -91,15 +103,10 @@ def test_nothing_is_made_while_nobody_listens(line, listener):
     assert listener.take() is None
 
 
-def test_a_state_tells_what_the_line_does(line, listener, push):
+def test_a_state_tells_what_the_line_does(line, listener):
     hear(listener, line)
-    heads, states = [], []
-    for packet in push.packets:
-        line.feed(line.pipeline.advance(packet))
-        time.sleep(0.004)
-        if (state := listener.take()) is not None:
-            heads.append(read_head(state))
-            states.append(state)
+    states = [state for _, state in look_on(line, listener)]
+    heads = list(map(read_head, states))
     pushing = [head for head in heads if head["gesture"]["movement"] == "push_right"]
     assert len(pushing) > 10
     best = max(pushing, key=lambda head: head["gesture"]["felt_mm"])
@@ -136,8 +143,8 @@ def test_a_frozen_listener_holds_nobody_up_and_catches_up_at_once(line, listener
     made = []
     encode = line.observer.encode
     line.observer.encode = lambda shot: made.append(shot) or encode(shot)
-    line.play(pace_s=0.005)  # nobody reads meanwhile
-    wait_for(lambda: len(made) > 40)
+    step = line.play(pace_s=0.005)  # nobody reads meanwhile
+    wait_for(lambda: (line.feed(step), len(made) > 40)[1])
     states = []
     while select.select([listener.peer], [], [], 0.2)[0]:
         states.append(listener.peer.recv(65536))
@@ -245,15 +252,12 @@ def test_the_feed_of_a_killed_driver_is_replaced(tmp_path, push):
     stale.feed.close()
 
 
-def test_lines_tell_the_same(line, listener, push):
+def test_lines_tell_the_same(line, listener):
     hear(listener, line)
     writer, said, pictures = LineWriter(), [], []
-    for i, packet in enumerate(push.packets):
-        line.feed(line.pipeline.advance(packet))
-        time.sleep(0.004)
-        if (state := listener.take()) is not None:
-            said += writer.write(read_head(state), 0.01 * i)
-            pictures.append("\n".join(draw_picture(read_head(state))))
+    for i, state in look_on(line, listener):
+        said += writer.write(read_head(state), 0.01 * i)
+        pictures.append("\n".join(draw_picture(read_head(state))))
     assert said[0] == "driver: running, profile mine, layer base, source SIMULATED sim:push"
     assert any(each.startswith("hand: Push right") for each in said)
     ignored = [each for each in said if each.startswith("ignored: ")]

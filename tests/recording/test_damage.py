@@ -17,7 +17,7 @@ def faults(original, tmp_path, n_cuts, n_flips):
         + [str(n) for n in (n_cuts, n_flips)],
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=900,
         check=False,
         cwd=Path(__file__).parents[2],
     )

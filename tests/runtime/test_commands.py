@@ -26,6 +26,12 @@ def commands(session):
     watch.close()
 
 
+@pytest.fixture
+def patient(monkeypatch):
+    """A machine that stands still for a moment is no silent source."""
+    monkeypatch.setattr("neurotouch_hid.runtime.commands._WAIT_S", 60.0)
+
+
 def test_order_to_a_silent_source_is_noted(commands):
     answer = commands.answer({"command": "panic"})
     assert answer["ok"]
@@ -45,7 +51,7 @@ def test_order_to_a_silent_source_is_noted(commands):
         (["panic", "pause", "resume", "pause"], "Paused", "paused"),
     ],
 )
-def test_an_answer_says_what_holds_afterwards(commands, session, orders, words, state):
+def test_an_answer_says_what_holds_afterwards(commands, session, patient, orders, words, state):
     with ThreadPoolExecutor(1) as asker:
         for order in orders:
             asked = asker.submit(commands.answer, {"command": order})
@@ -93,7 +99,7 @@ def test_status_tells_the_facts_too(commands):
     assert status["silent_s"] >= 0.0
 
 
-def test_use_answers_with_the_profile_that_holds(commands):
+def test_use_answers_with_the_profile_that_holds(commands, patient):
     answer = commands.answer({"command": "use", "profile": "racing"})
     assert answer["done"]
     assert "'racing'" in answer["text"]

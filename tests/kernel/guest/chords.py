@@ -10,6 +10,7 @@ from neurotouch_hid.device import ChordReader, Companion, find_keyboards, open_d
 from neurotouch_hid.device.chord import CHORDS
 from neurotouch_hid.messages import GamepadState
 
+PATIENCE_S = 120.0
 KEYS = sorted(ecodes.ecodes[key] for key in (*CHORDS["panic"], "KEY_A", "KEY_SPACE"))
 
 
@@ -24,7 +25,7 @@ def press(results: Path) -> dict[str, Any]:
         ours.write(GamepadState(0))
         on_ours = list(heard)
         with UInput({ecodes.EV_KEY: KEYS}, name="Real keyboard", phys="usb-1/input0") as keyboard:
-            deadline = time.monotonic() + 20.0
+            deadline = time.monotonic() + PATIENCE_S
             while "Real keyboard" not in reader.describe() and time.monotonic() < deadline:
                 time.sleep(0.05)
             found = [device.name for device in find_keyboards()]

@@ -34,6 +34,7 @@ PAD_AXES = [
     *((code, HAT) for code in (ecodes.ABS_HAT0X, ecodes.ABS_HAT0Y)),
 ]
 NAME = "Helper pad"
+PATIENCE_S = 120.0
 GEL_B = GamepadState(0, frozenset({Button.B}), {Axis.LEFT_X: 0.5})
 
 
@@ -144,7 +145,7 @@ def play_along(results: Path) -> dict[str, Any]:
         helper = HelperPad()
         # What is held on a device that comes counts once it has been let go of.
         with watched(reader) as seen["back"]:
-            deadline = time.monotonic() + 20.0
+            deadline = time.monotonic() + PATIENCE_S
             while Button.A not in pad.helper_buttons and time.monotonic() < deadline:
                 helper.move(BTN_SOUTH=1)
                 time.sleep(0.2)
@@ -246,10 +247,13 @@ def yield_to_mouse(results: Path) -> dict[str, Any]:
                 steps[name] = sum(v for k, _, v in reader.events[n_before:] if k == ecodes.EV_REL)
 
             move("alone")
-            mouse.write(ecodes.EV_REL, ecodes.REL_X, 3)
-            mouse.syn()
-            time.sleep(0.2)
-            move("while the mouse moves")
+            deadline = time.monotonic() + PATIENCE_S
+            # More than once where the guest stands still for longer than the pointer yields.
+            while steps.get("while the mouse moves", 1) and time.monotonic() < deadline:
+                mouse.write(ecodes.EV_REL, ecodes.REL_X, 3)
+                mouse.syn()
+                time.sleep(0.2)
+                move("while the mouse moves")
             time.sleep(2.5)
             move("afterwards")
     return {"steps": steps, "said": said}

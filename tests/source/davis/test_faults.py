@@ -268,7 +268,7 @@ class Storm(Cable):
 def test_a_thousand_plugs_leave_nothing_behind():
     # In a process of its own: what other tests left in the heap would be counted too.
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as alone:
-        left = np.array(alone.submit(weather, range(200, 1001, 200)).result(PATIENCE_S))
+        left = np.array(alone.submit(weather, range(200, 1001, 200)).result(6 * PATIENCE_S))
     fds, threads, objects, memory = np.diff(left, axis=0).T
     assert not fds.any()
     assert not threads.any()

@@ -344,10 +344,10 @@ def test_while_it_is_away_the_loop_turns_and_can_be_ended(caplog):
     with open_camera(camera) as source:
         turns = source.turns()
         wait_for(lambda: next(turns) is not None)
+        wait_for(lambda: "No camera" in source.stats().trouble)
         while next(turns) is not None:
             pass
         assert next(turns) is None
-        wait_for(lambda: "No camera" in source.stats().trouble)
         assert not source.stats().connected
         camera.infos.append(INFO)
         wait_for(lambda: source.stats().connected)
@@ -543,7 +543,8 @@ def test_a_slow_consumer_loses_the_oldest_and_is_told_how_much():
         turns = source.turns()
         packets = [next(turns)]
         wait_for(lambda: not (camera.script or camera.at_reset))
-        time.sleep(0.05)
+        n_pumped = len(camera.rests)
+        wait_for(lambda: len(camera.rests) > n_pumped + 1)  # the last of it is through
         packets += [next(turns) for _ in range(11)]
     packets = [packet for packet in packets if packet is not None]
     assert len(packets) in (10, 11)  # the first one too, if it was there

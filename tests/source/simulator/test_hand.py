@@ -178,11 +178,11 @@ def test_wishes_come_through_a_socket_and_their_way_is_timed(tmp_path):
         packets = iter(source)
         next(packets)
         peer.send(b"nonsense")
-        at_ms = 1e3 * time.time()
-        peer.send(json.dumps({"down": True, "push_x_mm": 9, "at_ms": at_ms}).encode())
         deadline = time.monotonic() + 60
-        while source.measure_lag() is None:
+        while source.measure_lag() is None:  # what was wished for a second ago is not counted
             assert time.monotonic() < deadline
+            at_ms = 1e3 * time.time()
+            peer.send(json.dumps({"down": True, "push_x_mm": 9, "at_ms": at_ms}).encode())
             packet = next(packets)
             source.watch(type("Step", (), {"packet": packet})())
         assert 0.0 < source.measure_lag()[0] < 1e3
