@@ -22,7 +22,7 @@ class MemoryDevice:
 
     Attributes:
         name: what the user is told it is.
-        states: the changes; the newest 10 000 (100 s of ceaseless motion), so that a dry run of
+        states: the changes; the newest 1000 (10 s of ceaseless motion), so that a dry run of
             days does not grow. The mouse's moving and its stopping are changes too.
         companions: the nodes that would stand beside the pad.
         travel: how far the mouse went in all, in steps, by EV_REL code.
@@ -31,7 +31,7 @@ class MemoryDevice:
     name = "memory"
 
     def __init__(self, companions: Iterable[Companion] = ()) -> None:
-        self.states: deque[GamepadState] = deque(maxlen=10_000)
+        self.states: deque[GamepadState] = deque(maxlen=1_000)
         self.companions = set(companions)
         self.travel: Counter[int] = Counter()
         self._motion = mouse.Motion()

@@ -108,7 +108,7 @@ def measure_live(source: DenseSource, config: GestureConfig, kind: str) -> dict[
     with open_device(kind) as device, hurry():
         run_line(paced, line, device, [probe])
         core = probe.measure_core()
-    return {**summarise_delays(probe.late_ns, probe.waited_ns, source.slice_us), "core": core}
+    return {**summarise_delays(probe.due_ns, probe.late_ns, probe.waited_ns), "core": core}
 
 
 def measure_machine(source: DenseSource) -> dict[str, Any]:
@@ -121,9 +121,12 @@ def measure_machine(source: DenseSource) -> dict[str, Any]:
         What ``summarise_delays`` gives, counted from the slices' ends.
     """
     paced = PacedSource(source)
+    due_ns, late_ns = array("q"), array("q")
     with hurry():
-        late_ns = [time.monotonic_ns() - paced.due_ns for _ in paced]
-    return summarise_delays(late_ns, late_ns, source.slice_us)
+        for _ in paced:
+            late_ns.append(time.monotonic_ns() - paced.due_ns)
+            due_ns.append(paced.due_ns)
+    return summarise_delays(due_ns, late_ns, late_ns)
 
 
 class Probe:
@@ -135,7 +138,8 @@ class Probe:
         cpu_s: processor time of this process.
 
     Attributes:
-        late_ns: of each slice, from its end to the write.
+        due_ns: when each slice ended.
+        late_ns: of each, from its end to the write.
         waited_ns: the same from its last event.
     """
 
@@ -146,7 +150,7 @@ class Probe:
         cpu_s: Callable[[], float] = time.process_time,
     ) -> None:
         # Not objects, which Python would look through for garbage now and then.
-        self.late_ns, self.waited_ns = array("q"), array("q")
+        self.due_ns, self.late_ns, self.waited_ns = array("q"), array("q"), array("q")
         self._paced, self._clock_ns, self._cpu_s = paced, clock_ns, cpu_s
         self._begin_us: int | None = None
         self._warm: tuple[int, float] | None = None
@@ -164,6 +168,7 @@ class Probe:
             return
         if self._warm is None:
             self._warm = self._now_us, self._cpu_s()
+        self.due_ns.append(self._paced.due_ns)
         self.late_ns.append(late_ns)
         self.waited_ns.append(late_ns + (packet.t_end_us - last_us) * 1_000)
 
@@ -176,27 +181,27 @@ class Probe:
 
 
 def summarise_delays(
-    late_ns: Sequence[int], waited_ns: Sequence[int], slice_us: int
+    due_ns: Sequence[int], late_ns: Sequence[int], waited_ns: Sequence[int]
 ) -> dict[str, Any]:
     """What the delays of a run tell.
 
     Args:
-        late_ns: of each slice, from its end to the write.
+        due_ns: when each slice ended.
+        late_ns: of each, from its end to the write.
         waited_ns: the same from its last event.
-        slice_us: length of a slice.
 
     Returns:
         ``latency_ms`` (p50, p99, p99.9 since the last event), ``slices``, ``late`` (ready only
         after the next one was due), ``lost`` (a camera's queue would have dropped them) and
         ``backlog_ms``: by how much the last tenth was later than the first, in the median.
     """
-    late, waited = np.array(late_ns) / 1e6, np.array(waited_ns) / 1e6
+    due, late, waited = (np.array(ns) / 1e6 for ns in (due_ns, late_ns, waited_ns))
     tenth = -(-len(late) // 10)
     p50, p99, p999 = (float(value) for value in np.percentile(waited, [50, 99, 99.9]))
     return {
         "latency_ms": {"p50": p50, "p99": p99, "p99.9": p999},
         "slices": len(late),
-        "late": int((late > slice_us / 1e3).sum()),
+        "late": int((late[:-1] > np.diff(due)).sum()),
         "lost": int((late > LOST_US / 1e3).sum()),
         "backlog_ms": float(np.median(late[-tenth:]) - np.median(late[:tenth])),
     }

@@ -27,9 +27,9 @@ PAUSE_S = 1.0
 rest of the day; one that hangs takes a tenth of one core before others."""
 SLACK_NS = 1_000
 """How late the kernel may wake us to save power; it takes 50 µs without being asked."""
-SWITCH_S = 0.001
-"""How long a thread that computes in Python may keep the others from running. Python's own 5 ms are
-what a game that shakes the pad would wait for its answer; the line is as quick with either."""
+SWITCH_S = 0.0001
+"""How long a thread that computes in Python may keep the others from running. With Python's own
+5 ms a slice would wait for the look at a frame; so would a game that shakes the pad for its answer."""
 
 _PR_SET_TIMERSLACK = 29  # prctl(2)
 _RTKIT = "org.freedesktop.RealtimeKit1"

@@ -94,10 +94,10 @@ def test_close_releases_and_ends_it():
 
 def test_a_long_dry_run_does_not_grow():
     device = MemoryDevice()
-    for t_us in range(25_000):
+    for t_us in range(2_500):
         device.write(GamepadState(t_us, axes={Axis.LEFT_X: t_us % 2}))
-    assert len(device.states) == 10_000
-    assert device.states[-1].t_us == 24_999
+    assert len(device.states) == 1_000
+    assert device.states[-1].t_us == 2_499
 
 
 def test_devices_are_opened_by_name():

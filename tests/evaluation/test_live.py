@@ -41,20 +41,27 @@ def test_the_probe_counts_from_the_last_event_and_from_the_slices_end():
     probe(Step(late, None, None, None, GamepadState(0)))
     empty = EventPacket(4_000_000, 4_004_000, np.empty(0, EVENT_DTYPE))
     probe(Step(empty, None, None, None, GamepadState(0)))
+    assert list(probe.due_ns) == [1_000_000, 1_000_000]
     assert list(probe.late_ns) == [300_000, 300_000]
     assert list(probe.waited_ns) == [300_000 + (SLICE_US - 40) * 1_000, 300_000]
     assert probe.measure_core() == 0.5
 
 
 def test_late_lost_and_a_backlog_that_grows():
-    told = summarise_delays([200_000] * 100, [300_000] * 100, SLICE_US)
+    due = [k * 4_000_000 for k in range(100)]
+    told = summarise_delays(due, [200_000] * 100, [300_000] * 100)
     assert told["latency_ms"] == pytest.approx({"p50": 0.3, "p99": 0.3, "p99.9": 0.3})
     assert (told["slices"], told["late"], told["lost"], told["backlog_ms"]) == (100, 0, 0, 0)
     growing = [k * 2_000_000 for k in range(100)]
-    told = summarise_delays(growing, growing, SLICE_US)
-    assert told["late"] == 97  # later than 4 ms
+    told = summarise_delays(due, growing, growing)
+    assert told["late"] == 96  # later than 4 ms; what comes after the last is not known
     assert told["lost"] == 100 - LOST_US // 2_000 - 1
     assert told["backlog_ms"] == pytest.approx(180.0)
+
+
+def test_slices_that_came_as_one_are_late_when_the_next_is_due():
+    told = summarise_delays([0, 8_000_000, 12_000_000], [5_000_000] * 3, [5_000_000] * 3)
+    assert told["late"] == 1
 
 
 def test_the_whole_line_is_measured_slice_by_slice():
