@@ -35,9 +35,10 @@ def fill_slice(
     """
     n, m, size = len(events), len(own), len(marker)
     taken = 0  # of its own
+    k, step_us = first % size, length_us / n  # no division in the loop
     for i in range(n):
         event = events[i]
-        event["t"] = begin_us + i * length_us // n
+        event["t"] = begin_us + int(i * step_us)
         is_full = m - taken >= n - i
         if m >= n:
             source = own[i * m // n]
@@ -47,7 +48,7 @@ def fill_slice(
             event["x"], event["y"], event["p"] = source["x"], source["y"], source["p"]
             taken += 1
         else:
-            k = (first + i) % size
             event["x"] = int(markers_px[marker[k], 0] + off_px[k, 0])
             event["y"] = int(markers_px[marker[k], 1] + off_px[k, 1])
             event["p"] = is_on[k]
+            k = k + 1 if k + 1 < size else 0

@@ -28,7 +28,7 @@ SPREAD_PX: Final = 1.2
 """Of the events about a marker, one axis."""
 
 _BLOCK: Final = np.dtype(("V", EVENT_DTYPE.itemsize))  # numpy copies records field by field
-_POOL: Final = 1 << 17  # numbers that are drawn once and used in turn
+_POOL: Final = 1 << 14  # numbers that are drawn once and used in turn
 _MARGIN_PX: Final = 5.0
 
 

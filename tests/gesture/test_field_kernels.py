@@ -90,7 +90,8 @@ def test_no_gain_exceeds_the_bound(seed, size):
     bound = bound_gain(residual, weight)
     assert bound == pytest.approx((weight**2 @ residual**2).sum())
     assert bound <= weight @ (residual**2).sum(axis=1)
-    gain = find_site(atoms, inverse, residual, weight, sites, np.zeros((0, 2)), 5.0)[1]
+    everywhere = (sites, np.zeros((0, 2)), 5.0, len(sites), 0.0)
+    gain = find_site(atoms, inverse, residual, weight, *everywhere)[1]
     assert 0.0 < gain <= 1.0005 * bound
 
 
@@ -98,9 +99,8 @@ def test_the_gain_of_a_finger_is_largest_where_it_is():
     atoms, inverse = respond_everywhere(LATTICE_MM, LATTICE_MM, 1e-6)
     for site in (88, 40, 120):
         field = (atoms[:, 3 * site : 3 * site + 3] @ (1.0, -2.0, 0.1)).reshape(-1, 2)
-        best, gain = find_site(
-            atoms, inverse, field, np.ones(len(field)), LATTICE_MM.copy(), np.zeros((0, 2)), 5.0
-        )
+        everywhere = (LATTICE_MM.copy(), np.zeros((0, 2)), 5.0, len(LATTICE_MM), 0.0)
+        best, gain = find_site(atoms, inverse, field, np.ones(len(field)), *everywhere)
         assert best == site
         assert gain == pytest.approx((field**2).sum(), rel=1e-3)
 
@@ -113,7 +113,8 @@ def test_no_site_is_found_near_a_known_finger(seed, k):
     residual, weight = rng.normal(0, 1, points.shape), rng.random(len(points))
     centres = rng.uniform(-20, 20, (k, 2))
     atoms, inverse = respond_everywhere(points, sites)
-    site, gain = find_site(atoms, inverse, residual, weight, sites, centres, 9.0)
+    asked = (sites, centres, 9.0, len(sites), 0.0)
+    site, gain = find_site(atoms, inverse, residual, weight, *asked)
     gains = reference.gains(points, sites, 6.5, residual, weight)
     free = np.hypot(*(sites[:, None] - centres).transpose(2, 0, 1)).min(axis=1) >= 9.0
     assert free[site]
@@ -125,4 +126,4 @@ def test_there_is_no_site_where_fingers_are_everywhere():
     atoms, inverse = respond_everywhere(LATTICE_MM, LATTICE_MM[:4])
     field, weight = np.ones(LATTICE_MM.shape), np.ones(len(LATTICE_MM))
     sites = LATTICE_MM[:4].copy()
-    assert find_site(atoms, inverse, field, weight, sites, sites, 5.0)[1] == 0.0
+    assert find_site(atoms, inverse, field, weight, sites, sites, 5.0, 4, 0.0)[1] == 0.0

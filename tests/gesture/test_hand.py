@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.geometry import LATTICE_MM, Rig
+from neurotouch_hid.gesture.elastic.field.kernels import fill_responses, find_site
 from neurotouch_hid.gesture.elastic.hand import Hand, HandConfig
 from neurotouch_hid.gesture.elastic.hand.kernels import NOW
 from tests.gesture.elastic import field
@@ -91,6 +92,29 @@ def test_asking_no_site_where_none_can_explain_enough_changes_nothing():
         asked.append(int(hand.state["n_asked"][0]))
     assert told[0] == told[1]
     assert asked[0] < 0.8 * asked[1]
+
+
+def test_every_fourth_site_shows_whether_there_is_a_finger_at_all():
+    rng = np.random.default_rng(5)
+    hand = Hand()
+    hand.place(REST_PX, RIG)
+    gel, n_found = hand.gel[0], 0
+    weight, known = np.ones(len(LATTICE_MM)), np.zeros((0, 2))
+    asked = gel["atoms"], gel["inverse"]
+    n_sites, n_coarse = len(gel["sites"]), int(gel["n_coarse"])
+    assert n_coarse < 0.3 * n_sites
+    for _ in range(200):
+        place_mm = rng.uniform(-18.0, 18.0, (1, 2))
+        response = np.empty((2 * len(LATTICE_MM), 3))
+        fill_responses(LATTICE_MM, place_mm, rng.uniform(5.0, 8.0), response)
+        field = (response @ rng.normal(0.0, (1.0, 1.0, 0.1))).reshape(-1, 2)
+        best = find_site(*asked, field, weight, gel["sites"], known, 5.0, n_sites, 0.0)
+        found = find_site(*asked, field, weight, gel["sites"], known, 5.0, n_coarse, best[1])
+        n_found += found == best
+        more_mm2 = 4.0 * best[1]  # than there is
+        none = find_site(*asked, field, weight, gel["sites"], known, 5.0, n_coarse, more_mm2)
+        assert none == (0, 0.0)
+    assert n_found >= 196
 
 
 def test_names_stay_with_fingers_until_the_hand_is_forgotten():

@@ -165,8 +165,8 @@ class Decision:
 
     def _prefer(self, size_mm: float, noise_mm: float) -> float:
         """Probability of the type given a gesture: its lead over the next in standard errors."""
-        others = (e for kind, e in enumerate(self._evidence) if kind != self.kind)
-        lead = self._evidence[self.kind] - max(others)
+        others = self._evidence.copy()
+        lead = others.pop(self.kind) - max(others)
         error = math.hypot(self._config.unsure_mm, noise_mm / 3.0, 0.02 * size_mm)
         return 0.5 * (1.0 + math.erf(lead / error / 2.0))
 

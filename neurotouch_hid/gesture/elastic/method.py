@@ -28,11 +28,13 @@ class ElasticMethod:
         self._rest_px: NDArray[np.float32] | None = None
         self._noise_mm = 0.08
         self._unheard_us = 0
+        self._remembers = False
 
     def reset(self) -> None:
         """Forget the gesture."""
         self._hand.reset()
         self._decision.reset()
+        self._remembers = False
 
     def update(
         self,
@@ -71,9 +73,10 @@ class ElasticMethod:
         )
         if not motion.n_fingers:
             self._listen(step_us)
-            if decision.kind is GestureKind.NONE:
+            if decision.kind is GestureKind.NONE and self._remembers:
                 self.reset()
             return no_gesture(t_us)
+        self._remembers = True
         if decision.kind is GestureKind.NONE:
             if motion.largest_mm < hand.config.least_mm:
                 self.reset()

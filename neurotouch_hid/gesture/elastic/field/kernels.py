@@ -163,9 +163,9 @@ def measure_gains(
         inverse: (s, 3, 3), inverse of their Gram matrices.
         residual: (n, 2) mm.
         weight: (n,).
-        gains: (s,) mm², written: sum of squares.
+        gains: (s or less,) mm², written: sum of squares at the first sites.
     """
-    p = np.zeros(atoms.shape[1])
+    p = np.zeros(3 * len(gains))
     for i in range(len(residual)):
         x, y = weight[i] * residual[i, 0], weight[i] * residual[i, 1]
         row_x, row_y = atoms[2 * i], atoms[2 * i + 1]
@@ -205,8 +205,14 @@ def find_site(
     sites: Floats,
     centres: Floats,
     fresh_mm: float,
+    n_coarse: int,
+    least_mm2: float,
 ) -> tuple[int, float]:
     """The site where one more finger explains most, and how much, mm².
+
+    The first sites are asked alone, and the others only if one of these explains half of what it
+    must: the nearest of them explains two thirds of what the best site does for 99 fingers of 100.
+    To ask all reads more than a processor's near caches hold.
 
     Args:
         atoms: (2 n, 3 s) float32, see ``fill_responses``.
@@ -216,8 +222,13 @@ def find_site(
         sites: (s, 2) mm.
         centres: (k, 2) mm, of the fingers that are known.
         fresh_mm: a site nearer than this to a known finger is none.
+        n_coarse: so many sites, which lie all over the gel, come first.
+        least_mm2: what a finger must explain.
     """
     gains = np.empty(len(sites))
+    measure_gains(atoms, inverse, residual, weight, gains[:n_coarse])
+    if gains[:n_coarse].max() < 0.5 * least_mm2:
+        return 0, 0.0
     measure_gains(atoms, inverse, residual, weight, gains)
     best, best_gain = 0, 0.0
     for s in range(len(sites)):

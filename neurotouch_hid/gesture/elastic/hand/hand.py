@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import LATTICE_MM, N_MARKERS, Rig
+from neurotouch_hid.geometry import LATTICE_MM, N_MARKERS, PITCH_MM, Rig
 from neurotouch_hid.gesture.elastic.field.kernels import fill_responses, rim_window
 from neurotouch_hid.gesture.elastic.hand.kernels import N_FITS, TURN_US, follow, show
 from neurotouch_hid.gesture.elastic.markers.kernels import measure_spread
@@ -175,8 +175,10 @@ class Hand:
         self.state = np.zeros(1, HAND)
         self._parts: Floats = self.state["parts"][0]
         sites = LATTICE_MM[np.hypot(*LATTICE_MM.T) <= self.config.reach_mm]
+        is_between = (sites % (2.0 * PITCH_MM)).any(axis=1)
         self.gel = np.zeros(1, _lay_out_gel(len(sites)))
-        self.gel["sites"] = sites
+        self.gel["sites"] = sites[np.argsort(is_between, kind="stable")]
+        self.gel["n_coarse"] = np.count_nonzero(~is_between)
         self._built: Floats = np.full(LATTICE_MM.shape, np.inf)
         self.reset()
 
@@ -261,8 +263,8 @@ class Hand:
 def _lay_out_gel(n_sites: int) -> np.dtype[np.void]:
     """The markers at rest, mm, with ``rim_window`` there, and the sites where fingers are sought.
 
-    ``rig``: its centre in px, and px per mm along and across. ``atoms`` are float32,
-    half as much to read for each slice.
+    ``rig``: its centre in px, and px per mm along and across. ``n_coarse``: the first sites, every
+    fourth, lie all over the gel. ``atoms`` are float32, half as much to read for each slice.
     """
     return np.dtype(
         [
@@ -270,6 +272,7 @@ def _lay_out_gel(n_sites: int) -> np.dtype[np.void]:
             ("points", "f8", (2, N_MARKERS)),
             ("window", "f8", N_MARKERS),
             ("sites", "f8", (n_sites, 2)),
+            ("n_coarse", "i8"),
             ("inverse", "f8", (n_sites, 3, 3)),
             ("atoms", "f4", (2 * N_MARKERS, 3 * n_sites)),
         ],

@@ -77,7 +77,7 @@ def follow(
     fits[WARM] = fits[NOW]
     is_warm = fits[WARM].count > 0
     if is_warm:
-        _fit(fits[WARM], fits, me, gel[0], rules, STEPS_ON)
+        _fit(fits[WARM], fits, me, gel[0], rules, STEPS_ON if is_due or forming else STEPS_NONE)
         may_doubt = me.unsought_us >= TURN_US or not math.isfinite(fits[WARM].cost)
         is_warm = not (may_doubt and _is_lost(fits[WARM], me, rules, total, field))
     if is_warm and is_due:
@@ -102,6 +102,7 @@ def follow(
     n = fit.count
     if n == 0:
         me.parts[:] = 0.0
+        me.since_us, me.turn, me.unsought_us = 0, 0, TURN_US
         return 0, 0.0, me.sway_mm, 0.0, 0.0, 0.0, 0.0, 1.0
     centres, radii, motions, since = fit.centres[:n], fit.radii[:n], fit.motions[:n], me.since[:n]
     subtract_landing(motions, step_us, fit.landed[:n], fit.landed_us[:n], since)
@@ -214,12 +215,23 @@ def _are_apart(fit: Any, rules: Any) -> bool:
 
 
 @njit(cache=True, nogil=True)
-def _find(fit: Any, me: Any, gel: Any, rules: Any) -> tuple[int, float]:
-    """The site where a finger more explains most of what is left, and how much, mm²."""
+def _find(fit: Any, me: Any, gel: Any, rules: Any, least: float) -> tuple[int, float]:
+    """The site where a finger more explains most of what is left, and how much, mm².
+
+    If it is less than ``least``, this may be any site.
+    """
     me.n_asked += 1
     known = fit.centres[: fit.count]
     site, gain = find_site(
-        gel.atoms, gel.inverse, fit.residual, me.weight, gel.sites, known, rules.fresh_mm
+        gel.atoms,
+        gel.inverse,
+        fit.residual,
+        me.weight,
+        gel.sites,
+        known,
+        rules.fresh_mm,
+        gel.n_coarse,
+        least,
     )
     return site, gain
 
@@ -243,7 +255,7 @@ def _extend(fits: NDArray[np.void], me: Any, gel: Any, rules: Any) -> None:
     price = _price(fit, me, rules)
     if fit.count >= rules.most or fit.cost < rules.sure * 0.4 * price:
         return  # nobody explains more than there is
-    site, gain = _find(fit, me, gel, rules)
+    site, gain = _find(fit, me, gel, rules, 0.4 * price)
     if gain < 0.4 * price:
         return
     fits[TRIED] = fit
@@ -292,7 +304,7 @@ def _search(fits: NDArray[np.void], me: Any, gel: Any, rules: Any) -> bool:
     if bound_gain(fit.residual, me.weight) < rules.sure * least:
         return False
     while fit.count < rules.most:
-        site, gain = _find(fit, me, gel, rules)
+        site, gain = _find(fit, me, gel, rules, least)
         if gain < least:
             break
         _add(fit, fits, me, gel, rules, site)
