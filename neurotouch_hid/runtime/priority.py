@@ -28,8 +28,8 @@ rest of the day; one that hangs takes a tenth of one core before others."""
 SLACK_NS = 1_000
 """How late the kernel may wake us to save power; it takes 50 µs without being asked."""
 SWITCH_S = 0.0001
-"""How long a thread that computes in Python may keep the others from running. With Python's own
-5 ms a slice would wait for the look at a frame; so would a game that shakes the pad for its answer."""
+"""How long a thread that computes in Python may keep the others from running. For Python's own 5 ms
+a slice would wait for the look at a frame, and a game that shakes the pad for its answer."""
 
 _PR_SET_TIMERSLACK = 29  # prctl(2)
 _RTKIT = "org.freedesktop.RealtimeKit1"
