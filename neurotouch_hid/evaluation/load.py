@@ -98,6 +98,7 @@ class DenseSource:
         seed: of what is drawn.
 
     Attributes:
+        seconds: of sensor time.
         slice_us: length of a slice.
     """
 
@@ -108,6 +109,7 @@ class DenseSource:
         self, scene: Scene, seconds: float, events_per_s: float | None = None, seed: int = 0
     ) -> None:
         self._packets = scene.packets
+        self.seconds = seconds
         self.slice_us = scene.packets[0].t_end_us - scene.packets[0].t_begin_us
         self._n = math.ceil(seconds * 1e6 / self.slice_us)
         self._n_events = 0

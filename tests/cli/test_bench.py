@@ -25,7 +25,12 @@ def make_result():
         "late": 0,
         "lost": 0,
         "backlog_ms": 0.0,
-        "machine": None,
+        "machine": {
+            "latency_ms": {"p50": 0.1, "p99": 0.2, "p99.9": 0.3},
+            "core": 0.01,
+            "slices": 1000,
+            "late": 0,
+        },
     }
     fast = {"median": 60e6, "p99": 50e6, "p99.9": 40e6}
     return {
@@ -78,8 +83,10 @@ def test_a_rate_has_a_least_and_a_time_a_most():
 def test_what_the_machine_alone_makes_late_stands_beside():
     result = make_result()
     spread = {"p50": 0.11, "p99": 4.4, "p99.9": 9.0}
-    result["live"]["at_1_khz"]["machine"] = {"latency_ms": spread, "late": 7, "slices": 5_000}
+    alone = {"latency_ms": spread, "core": 0.077, "late": 7, "slices": 5_000}
+    result["live"]["at_1_khz"]["machine"] = alone
     text = _format(result)
     assert "0 late and 0 lost of 1,000 slices (nothing to do: 7 late of 5,000)" in text
     assert "a line with nothing to do" in text
     assert "4.400" in text
+    assert ["of", "it", "the", "player", "7.700", "%"] in [row.split() for row in text.split("\n")]
