@@ -1,0 +1,54 @@
+"""Where compiled loops are kept, and when they are compiled anew.
+
+numba looks whether the file of a loop has changed. But a loop contains the loops that it calls, and
+the constants of their files: after an update that changed only these, it would go on as before.
+"""
+
+import hashlib
+import re
+from functools import cache
+from pathlib import Path
+
+from numba.core import caching
+
+_PACKAGE = Path(__file__).parent
+_IMPORT = re.compile(rf"^from {_PACKAGE.name}\.([\w.]+) import", re.MULTILINE)
+
+
+@cache
+def stamp(path: Path) -> str:
+    """Tells one state of a file, and of all of the package that it imports, from another.
+
+    Args:
+        path: a Python file.
+    """
+    digest, found, todo = hashlib.sha256(), set[Path](), [path]
+    while todo:
+        source = todo.pop()
+        if source in found or not source.is_file():
+            continue
+        found.add(source)
+        text = source.read_text(encoding="utf-8")
+        digest.update(text.encode())
+        names = (name.replace(".", "/") for name in _IMPORT.findall(text))
+        todo += [_PACKAGE / f"{name}.py" for name in names]
+    return digest.hexdigest()
+
+
+class _Stamped:
+    _py_file: str
+
+    def get_source_stamp(self) -> str:
+        return stamp(Path(self._py_file))
+
+
+class Chosen(_Stamped, caching.UserProvidedCacheLocator):
+    """In ``NUMBA_CACHE_DIR``."""
+
+
+class Beside(_Stamped, caching.InTreeCacheLocator):
+    """Beside the file of the loop."""
+
+
+class Personal(_Stamped, caching.UserWideCacheLocator):
+    """In the user's own cache."""
