@@ -42,13 +42,13 @@ class _Stamped:
         return stamp(Path(self._py_file))
 
 
-class Chosen(_Stamped, caching.UserProvidedCacheLocator):
+class Chosen(_Stamped, caching.UserProvidedCacheLocator):  # type: ignore[misc]  # numba has no types
     """In ``NUMBA_CACHE_DIR``."""
 
 
-class Beside(_Stamped, caching.InTreeCacheLocator):
+class Beside(_Stamped, caching.InTreeCacheLocator):  # type: ignore[misc]  # numba has no types
     """Beside the file of the loop."""
 
 
-class Personal(_Stamped, caching.UserWideCacheLocator):
+class Personal(_Stamped, caching.UserWideCacheLocator):  # type: ignore[misc]  # numba has no types
     """In the user's own cache."""
