@@ -143,18 +143,17 @@ class Landing:
 
 
 def locate(centre, radius, motion, press, n=400):
-    """The mean of a patch weighted by its motion, by summing over it, and that place's motion."""
+    """Where the mean of a patch, weighted by its squared motion, lies now; its middle's motion."""
     u = np.linspace(-1, 1, n) * radius
     x, y = (p.ravel() for p in np.meshgrid(u, u))
     x, y = x[np.hypot(x, y) <= radius], y[np.hypot(x, y) <= radius]
     dx, dy = np.add(motion[:2], press / VIEW * np.asarray(centre))
     turn = motion[2]
-    square = (dx - turn * y) ** 2 + (dy + turn * x) ** 2
-    weight = square * (square.mean() + square)
+    weight = (dx - turn * y) ** 2 + (dy + turn * x) ** 2
     sx, sy = np.average(x, weights=weight), np.average(y, weights=weight)
     bend = math.sqrt(1 - turn**2) - 1
     moved = dx - turn * sy + bend * sx, dy + turn * sx + bend * sy
-    return centre[0] + sx, centre[1] + sy, *moved
+    return centre[0] + sx + moved[0], centre[1] + sy + moved[1], dx, dy
 
 
 def bend(points, centres, radii, turns):

@@ -141,7 +141,7 @@ def show(
             continue
         x, y, dx, dy = locate(fit.centres[j], fit.radii[j], fit.motions[j], fit.press[j])
         drags[k, 0], drags[k, 1] = dx, dy
-        mm[k, 0], mm[k, 1] = x + dx, y + dy
+        mm[k, 0], mm[k, 1] = x, y
         px[k, 0] = rig[2] * mm[k, 0] - rig[3] * mm[k, 1] + rig[0]
         px[k, 1] = rig[3] * mm[k, 0] + rig[2] * mm[k, 1] + rig[1]
         names[k] = fit.ids[j]
