@@ -21,6 +21,10 @@ LIMIT_BYTES: Final = 64 * 1024
 REQUEST_S: Final = 1.0
 """A question must be there, and is answered, within this time."""
 
+LOADING_S: Final = 10.0
+"""What has a profile loaded, ``reload`` or ``use``, is answered within this time: the answer says
+what came of it."""
+
 PLAYER: Final = "NEUROTOUCH_PLAYER"
 PLAYERS: Final = ("1", "2", "3", "4")
 """Each player has a driver of their own."""
@@ -56,7 +60,8 @@ def ask(command: str, *, player: int | None = None, **arguments: str) -> Answer:
         DriverError: it does not answer, or it refuses.
     """
     question = json.dumps({"command": command, **arguments}).encode() + b"\n"
-    answer, line = _ask_somebody(question, player)
+    patience_s = _PATIENCE_S + (LOADING_S if command in ("reload", "use") else 0.0)
+    answer, line = _ask_somebody(question, patience_s, player)
     line.close()
     if answer.get("ok") is not True:
         raise DriverError(str(answer.get("error")), hint=answer.get("hint"))
@@ -73,7 +78,7 @@ def open_stream(command: str) -> tuple[Answer, socket.socket]:
         NotRunningError: no driver is running.
         DriverError: it does not answer, or it refuses.
     """
-    answer, line = _ask_somebody(json.dumps({"command": command}).encode() + b"\n")
+    answer, line = _ask_somebody(json.dumps({"command": command}).encode() + b"\n", _PATIENCE_S)
     if answer.get("ok") is not True:
         line.close()
         raise DriverError(str(answer.get("error")), hint=answer.get("hint"))
@@ -153,10 +158,12 @@ def _list_folders_of_first() -> list[Path]:
     return list(dict.fromkeys([*folders, _SERVICE]))
 
 
-def _ask_somebody(question: bytes, player: int | None = None) -> tuple[Answer, socket.socket]:
+def _ask_somebody(
+    question: bytes, patience_s: float, player: int | None = None
+) -> tuple[Answer, socket.socket]:
     for path in map(find_socket, list_folders(player)):
         try:
-            return _ask_patiently(path, question)
+            return _ask_patiently(path, question, patience_s)
         except (FileNotFoundError, NotADirectoryError, ConnectionRefusedError):
             continue  # nobody is there: no socket, or one that its driver has left behind
         except TimeoutError:
@@ -170,12 +177,12 @@ def _ask_somebody(question: bytes, player: int | None = None) -> tuple[Answer, s
     raise NotRunningError("No driver is running.", hint="Start it: neurotouch run")
 
 
-def _ask_patiently(path: Path, question: bytes) -> tuple[Answer, socket.socket]:
+def _ask_patiently(path: Path, question: bytes, patience_s: float) -> tuple[Answer, socket.socket]:
     """The answer and the open line; while the driver is busy with others, asks again."""
-    deadline = time.monotonic() + _PATIENCE_S
+    deadline = time.monotonic() + patience_s
     while time.monotonic() < deadline:
         with suppress(BlockingIOError):  # its queue is full
-            answer, line = _ask_once(path, question)
+            answer, line = _ask_once(path, question, patience_s)
             if not answer.get("busy"):
                 return answer, line
             line.close()
@@ -183,10 +190,10 @@ def _ask_patiently(path: Path, question: bytes) -> tuple[Answer, socket.socket]:
     raise TimeoutError
 
 
-def _ask_once(path: Path, question: bytes) -> tuple[Answer, socket.socket]:
+def _ask_once(path: Path, question: bytes, patience_s: float) -> tuple[Answer, socket.socket]:
     line = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
-        line.settimeout(_PATIENCE_S)
+        line.settimeout(patience_s)
         line.connect(str(path))
         with suppress(BrokenPipeError, ConnectionResetError):  # refused unread; the answer says why
             line.sendall(question)

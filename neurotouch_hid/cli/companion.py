@@ -7,9 +7,10 @@ from contextlib import contextmanager
 
 import click
 
-from neurotouch_hid.page.address import read_address
+from neurotouch_hid.page.address import forget_address, read_address
 
 _PATIENCE_S = 5.0
+"""For so long the page may take to end, twice: told by the end of its input, then by a signal."""
 
 
 @contextmanager
@@ -38,15 +39,24 @@ def open_page(page: str) -> Iterator[None]:
             _say_links(page, view.replace("/#", f"/{page}#"), game)
         yield
     finally:
-        if process.stdin is not None:
-            process.stdin.close()
+        _end(process)
+        click.echo("Play the spacecraft with it: neurotouch game", err=True)
+
+
+def _end(process: "subprocess.Popen[str]") -> None:
+    """Has the page end by itself; if it does not, ends it and takes away what it leaves behind."""
+    if process.stdin is not None:
+        process.stdin.close()
+    for harder in (process.terminate, process.kill):
         try:
             process.wait(_PATIENCE_S)
+            break
         except subprocess.TimeoutExpired:
-            process.kill()
-        if process.stdout is not None:
-            process.stdout.close()
-        click.echo("Play the spacecraft with it: neurotouch game", err=True)
+            harder()
+    process.wait()
+    forget_address(process.pid)
+    if process.stdout is not None:
+        process.stdout.close()
 
 
 def _say_links(page: str, first: str, game: str) -> None:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 import click
 
 from neurotouch_hid.cli.output import json_option, plain_option, print_json, say
-from neurotouch_hid.errors import NeuroTouchError, NotRunningError, RecordingError
+from neurotouch_hid.errors import NeuroTouchError, NotRunningError, RecordingError, SourceError
 
 if TYPE_CHECKING:
     from neurotouch_hid.messages import EventPacket
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from neurotouch_hid.source import Speed
 
 _ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGALRM)
-_GRACE_S = 2.0
-"""A camera that is silent does not keep ``--seconds`` from ending the recording."""
+_PATIENCE_S = 10.0
+"""A live source that has been silent for so long does not keep ``--seconds`` from ending."""
 
 _MAX_DELAY_US = 10_000_000
 """A recording wants late slices as well: so much may wait while the machine is busy."""
@@ -39,6 +39,10 @@ class _Opened(NamedTuple):
     name: str
     packets: "Iterable[EventPacket]"
     live: bool
+
+
+class _Silence(KeyboardInterrupt):
+    """A live source gives nothing any more."""
 
 
 @click.command(
@@ -72,6 +76,9 @@ def command(
 
     While the driver runs this records what it sees, and the game goes on undisturbed. The file can
     be read at every moment up to there: after Ctrl-C, on a full disk, and if this is killed.
+
+    A camera or driver that ends before it has given the --seconds, or is silent for 10 s, is told
+    of, and the exit code is 3.
     """
     from neurotouch_hid.recording import Recorder, RecordingWriter
 
@@ -86,7 +93,7 @@ def command(
         click.echo(f"Recording {opened.name} to {out}. Ctrl-C ends.", err=True)
         with _Progress(recorder, out, plain=plain or not sys.stderr.isatty()):
             try:
-                with _until_interrupted(seconds if opened.live else None):
+                with _until_interrupted():
                     _record(opened, recorder, seconds)
             except NeuroTouchError as error:
                 fault = error
@@ -142,32 +149,50 @@ def _open(stack: ExitStack, source: str | None, speed: "Speed", seed: int) -> _O
 
 
 def _record(opened: _Opened, recorder: "Recorder", seconds: float | None) -> None:
+    """Records until there is enough or the source ends.
+
+    Raises:
+        SourceError: a live one has given less than was asked for.
+    """
+    patience_s = _PATIENCE_S if opened.live and seconds is not None else 0.0  # 0: no limit
     begin_us: int | None = None
+    signal.setitimer(signal.ITIMER_REAL, patience_s)
     for packet in opened.packets:
+        signal.setitimer(signal.ITIMER_REAL, patience_s)
         begin_us = packet.t_begin_us if begin_us is None else begin_us
         recorder.take(packet, wait=not opened.live)
         if recorder.error is not None:
             return
         if seconds is not None and packet.t_end_us - begin_us >= seconds * 1e6:
             return
+    if opened.live and seconds is not None:
+        raise SourceError(f"The source ended before it had given {seconds:g} s.")
 
 
 @contextmanager
-def _until_interrupted(seconds: float | None) -> Iterator[None]:
-    """Ctrl-C, SIGTERM, SIGHUP or the time end the block; none of them is heeded any more then."""
+def _until_interrupted() -> Iterator[None]:
+    """Ctrl-C, SIGTERM, SIGHUP or silence end the block; none of them is heeded any more then.
+
+    Raises:
+        SourceError: it was silence.
+    """
     ends = [number for number in _ENDS if signal.getsignal(number) is not signal.SIG_IGN]  # nohup
 
-    def interrupt(*_: object) -> None:
+    def interrupt(which: int, _frame: object) -> None:
         for number in ends:
             signal.signal(number, signal.SIG_IGN)
-        raise KeyboardInterrupt
+        raise _Silence if which == signal.SIGALRM else KeyboardInterrupt
 
     try:
         for number in ends:
             signal.signal(number, interrupt)
-        if seconds is not None:
-            signal.setitimer(signal.ITIMER_REAL, seconds + _GRACE_S)
         yield
+    except _Silence:
+        raise SourceError(
+            f"The source has been silent for {_PATIENCE_S:g} s, so the recording is shorter than "
+            "was asked for.",
+            hint="Is the camera in? neurotouch doctor",
+        ) from None
     except KeyboardInterrupt:
         pass
     finally:

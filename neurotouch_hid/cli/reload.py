@@ -10,6 +10,7 @@ from neurotouch_hid.cli.order import give_order
 def command(as_json: bool) -> None:
     """Load the profile and your own values anew, now.
 
-    Saved files are noticed within a second anyway. A profile with errors changes nothing.
+    Saved files are noticed within a second anyway. A profile with errors changes nothing: why is
+    said, and the exit code is 8.
     """
     raise SystemExit(give_order("reload", as_json=as_json))

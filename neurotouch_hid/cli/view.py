@@ -110,7 +110,7 @@ def serve_page(
         sys.stdout.flush()
         asyncio.run(serve())
     finally:
-        forget_address(address)
+        forget_address(address.pid)
 
 
 def _read_token(path: Path) -> str:

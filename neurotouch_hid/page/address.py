@@ -55,17 +55,25 @@ def write_address(address: Address) -> Path:
 
 def read_address() -> Address | None:
     """The server that runs for this person, or None."""
-    with suppress(OSError, ValueError, KeyError, TypeError):
-        path = find_address_file()
-        if path.lstat().st_uid != os.geteuid():
-            return None
-        said = json.loads(path.read_text())
-        os.kill(said["pid"], 0)  # raises if it has ended
-        return Address(said["url"], said["token"], said["pid"])
+    address = _read_file()
+    if address is not None:
+        with suppress(OSError, TypeError):  # it has ended
+            os.kill(address.pid, 0)
+            return address
     return None
 
 
-def forget_address(address: Address) -> None:
-    """Takes the file away if it is still this server's."""
-    if read_address() == address:
+def forget_address(pid: int) -> None:
+    """Takes the file away if it still names this process, which may have ended."""
+    address = _read_file()
+    if address is not None and address.pid == pid:
         find_address_file().unlink(missing_ok=True)
+
+
+def _read_file() -> Address | None:
+    with suppress(OSError, ValueError, KeyError, TypeError):
+        path = find_address_file()
+        if path.lstat().st_uid == os.geteuid():
+            said = json.loads(path.read_text())
+            return Address(said["url"], said["token"], said["pid"])
+    return None

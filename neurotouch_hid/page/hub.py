@@ -190,12 +190,13 @@ class Hub:
                     client.tell(throughput=await asyncio.to_thread(_measure, wish.get("trials")))
                 case "set" | "undo" | "pause" | "resume" if not self._edit:
                     client.tell(
-                        refused="This page only looks on. To change things: neurotouch view --edit"
+                        refused="This page only looks on. To change things: neurotouch view --edit",
+                        n=wish.get("n"),
                     )
                 case "set":
                     key, mark = str(wish.get("key")), str(wish.get("mark"))
                     said = self._changes.set(Path(self._file), key, mark, wish.get("value"))
-                    client.tell(saved=said)
+                    client.tell(saved=said, n=wish.get("n"))
                     self._look_at_profile()
                 case "undo":
                     client.tell(saved=self._changes.undo(Path(self._file)))
@@ -206,7 +207,7 @@ class Hub:
                 case _:
                     client.tell(refused="There is no such wish.")
         except NeuroTouchError as error:
-            client.tell(refused=error.message)
+            client.tell(refused=error.message, n=wish.get("n"))
             if self._about is not None:
                 client.tell(about=self._about)  # a mark that was dragged goes back
 

@@ -5,7 +5,7 @@ from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
 from typing import Any, Final, cast
 
-from neurotouch_hid.driver import REQUEST_S, Answer
+from neurotouch_hid.driver import LOADING_S, REQUEST_S, Answer
 from neurotouch_hid.errors import DriverError, NeuroTouchError
 from neurotouch_hid.profile.faults import make_printable
 from neurotouch_hid.profile.mapping import State
@@ -31,7 +31,7 @@ _WAIT_S: Final = 0.8 * REQUEST_S
 
 
 class Commands:
-    """Answers the questions; never takes longer than ``REQUEST_S``.
+    """Answers the questions within ``REQUEST_S``, or ``LOADING_S`` where a profile is to be loaded.
 
     Args:
         session: the running line.
@@ -63,7 +63,7 @@ class Commands:
         match question["command"]:
             case "pause" | "resume" | "panic" as order:
                 done = self._session.tell(cast(Order, order)).done
-                if _is_done(done):
+                if _is_done(done, _WAIT_S):
                     return {"done": True, "text": SAID[_BEGINS[done.result()]]}
                 text = (
                     f"The source is silent and the pad released; '{order}' is heard on its return."
@@ -92,19 +92,22 @@ class Commands:
                 )
 
     def _report(self, done: Future[str]) -> dict[str, Any]:
-        if _is_done(done):
-            return {"done": True, "text": f"The profile '{done.result()}' holds."}
-        return {"done": False, "text": "The profile is still being loaded; see neurotouch status."}
+        if not _is_done(done, LOADING_S):
+            raise DriverError(
+                f"The profile is still being loaded after {LOADING_S:g} s.",
+                hint="See later which one holds: neurotouch status",
+            )
+        return {"done": True, "text": f"The profile '{done.result()}' holds."}
 
 
-def _is_done(done: Future[Any]) -> bool:
-    """True once it is done, false if that takes too long.
+def _is_done(done: Future[Any], wait_s: float) -> bool:
+    """True once it is done, false if that takes longer.
 
     Raises:
         NeuroTouchError: it has failed.
     """
     try:
-        done.result(_WAIT_S)
+        done.result(wait_s)
     except FutureTimeoutError:
         return False
     return True

@@ -24,8 +24,9 @@ _CREDENTIALS: Final = struct.Struct("3i")  # pid, uid, gid
 _BACKLOG: Final = 64
 
 Answerer = Callable[[dict[str, Any]], Answer]
-"""Answers a question within ``REQUEST_S``; may be called from several threads at once. What goes on
-after the answer is a function under ``STREAM``, which gets the socket and may take its time."""
+"""Answers a question in the time that ``driver`` promises; may be called from several threads at
+once. What goes on after the answer is a function under ``STREAM``, which gets the socket and may
+take its time."""
 
 STREAM: Final = "stream"
 

@@ -172,8 +172,9 @@ class Session:
             fresh.pause()
         elif mapping.state == "panic":
             fresh.panic()
-        if user.neutral != self._user.neutral:
-            self._pipeline.recognizer.choose_neutral(user.neutral)
+        recognizer = self._pipeline.recognizer
+        if user.neutral != recognizer.neutral:  # else what it knows of the hand stays
+            recognizer.choose_neutral(user.neutral)
         self._user = user
         self._pipeline.mapping = self._stopwatch.watch("profile", fresh, "update")
 

@@ -158,7 +158,8 @@ def test_saved_profile_holds_and_a_wrong_one_does_not(start):
     assert "mine.yaml:4:" in driver.said
     (error,) = driver.status()["errors"]
     assert "mine.yaml:4:" in error["error"]
-    driver.wait(lambda: driver.call("reload").returncode == 8)  # once it is loaded soon enough
+    refused = driver.call("reload")
+    assert (refused.returncode, "mine.yaml:4:" in refused.stderr) == (8, True)
     slices = driver.status()["slices"]
     driver.wait(lambda: driver.status()["slices"] > slices + 400)
     trace = driver.end()

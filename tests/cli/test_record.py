@@ -15,6 +15,8 @@ from contextlib import contextmanager
 import pytest
 
 from neurotouch_hid.recording import Recording, RecordingWriter
+from neurotouch_hid.recording.wire import send_packet
+from neurotouch_hid.runtime.control import STREAM, ControlSocket
 from neurotouch_hid.source.lull import LONGEST_US
 from tests.recording.streams import make_packets
 from tests.recording.test_writer import count, count_with_the_maker
@@ -263,19 +265,16 @@ def ask(environment):
 def test_while_playing_it_records_what_the_driver_sees(tmp_path, driver):
     process, environment = driver
     before = ask(environment)
-    for _ in range(5):  # where the machine has stood still meanwhile it ends by the clock: again
-        done = subprocess.run(
-            [*PROGRAM, "record", str(tmp_path / "a.aedat4"), "--seconds", "2", "--json", "--force"],
-            capture_output=True,
-            text=True,
-            timeout=LIMIT_S,
-            check=False,
-            env=environment,
-        )
-        assert done.returncode == 0, done.stderr
-        said = json.loads(done.stdout)
-        if said["seconds"] >= 2.0:
-            break
+    done = subprocess.run(
+        [*PROGRAM, "record", str(tmp_path / "a.aedat4"), "--seconds", "2", "--json"],
+        capture_output=True,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+        env=environment,
+    )
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout)
     after = ask(environment)
     assert said["source"] == "what the running driver sees (sim:tour)"
     assert 2.0 <= said["seconds"] < 2.0 + LONGEST_US / 1e6  # the last slice is recorded whole
@@ -305,9 +304,47 @@ def test_a_source_that_falls_silent_does_not_outlast_its_seconds(tmp_path, drive
         said, errors = process.communicate(timeout=LIMIT_S)
     finally:
         playing.send_signal(signal.SIGCONT)
-    assert process.returncode == 0, errors
-    assert json.loads(said)["seconds"] < 6.0
-    assert count(path)[0] == json.loads(said)["events"] > 0
+    assert process.returncode == 3, errors
+    told = json.loads(said)
+    assert told["status"] == "FAILED"
+    assert told["error"].startswith("The source has been silent for 10 s")
+    assert told["seconds"] < 6.0
+    assert count(path)[0] == told["events"] > 0
+
+
+@pytest.fixture
+def standing_in(tmp_path):
+    """Stands in for a driver: sends the packets of 0.2 s and may wait in their middle."""
+
+    def serve(wait_s: float = 0.0) -> None:
+        def feed(line):
+            line.settimeout(LIMIT_S)
+            for i, packet in enumerate(make_packets()):
+                if i == 5:
+                    time.sleep(wait_s)
+                send_packet(line, packet)
+
+        control.serve(lambda _: {"ok": True, "source": "camera", STREAM: feed})
+
+    with ControlSocket(tmp_path / "run") as control:
+        yield serve
+
+
+def test_after_a_stall_it_goes_on_until_the_seconds_are_there(tmp_path, record, standing_in):
+    standing_in(wait_s=4.0)
+    done = record(tmp_path / "a.aedat4", "--seconds", "0.2", "--json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["seconds"] == pytest.approx(0.2)
+    assert count(tmp_path / "a.aedat4") == (20_000, 5)
+
+
+def test_a_driver_that_ends_before_the_seconds_are_there_is_told_of(tmp_path, record, standing_in):
+    standing_in()
+    done = record(tmp_path / "a.aedat4", "--seconds", "5")
+    assert done.returncode == 3
+    assert done.stdout.startswith(f"WARNING {tmp_path / 'a.aedat4'} holds 0.2 s of what the")
+    assert "Error: The source ended before it had given 5 s." in done.stderr
+    assert count(tmp_path / "a.aedat4") == (20_000, 5)
 
 
 def test_on_a_terminal_progress_stays_in_one_line(tmp_path, environment):

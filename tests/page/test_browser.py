@@ -193,6 +193,118 @@ def test_no_key_is_lost_when_the_profile_changes_meanwhile(open_page, view, fold
     path.write_text(PROFILE)
 
 
+class Relay:
+    """Between a page and its server: each side hears only what it is let have."""
+
+    def __init__(self, page) -> None:
+        self.saves: list[str] = []
+        self.abouts: list[str] = []
+        self.holds_abouts = False
+        page.route_web_socket("**/stream", self._connect)
+
+    def _connect(self, page_line) -> None:
+        self.page_line, self.line = page_line, page_line.connect_to_server()
+        page_line.on_message(self._to_server)
+        self.line.on_message(self._to_page)
+
+    def _to_server(self, said) -> None:
+        if '"do":"set"' in said:
+            self.saves.append(said)
+        else:
+            self.line.send(said)
+
+    def _to_page(self, said) -> None:
+        if self.holds_abouts and isinstance(said, str) and '"about"' in said:
+            self.abouts.append(said)
+        else:
+            self.page_line.send(said)
+
+    def let_save(self, instead: tuple[str, str] = ("", "")) -> None:
+        self.line.send(self.saves.pop(0).replace(*instead))
+
+    def let_abouts(self) -> None:
+        self.holds_abouts = False
+        while self.abouts:
+            self.page_line.send(self.abouts.pop(0))
+
+
+FULL = "[data-movement=push_left] .mark-full"
+FULL_SAYS = f"document.querySelector('{FULL}').getAttribute('aria-valuenow')"
+ON = "[data-movement=pinch] .mark-on_mm"
+ON_SAYS = f"document.querySelector('{ON}').getAttribute('aria-valuenow')"
+IS_SAVED = "document.getElementById('saved').textContent.includes('full')"
+
+
+@pytest.fixture
+def relayed(open_page, view, folder):
+    """A page in edit, whose clock goes only when told to, its relay, and its profile's file."""
+    path = folder / "config/neurotouch/profiles/mine.yaml"
+    path.write_text(PROFILE)
+    page = open_page(view.link, clock=True)
+    relay = Relay(page)
+    page.reload()
+    wait_while_it_runs(page, f"document.querySelector('{FULL}.draggable')")
+    wait_while_it_runs(page, f"{FULL_SAYS} === '8' && {ON_SAYS} === '4'")
+    yield page, relay, path
+    path.write_text(PROFILE)
+
+
+def press(page, n_times: int) -> None:
+    page.locator(FULL).focus()
+    for _ in range(n_times):
+        page.keyboard.press("ArrowLeft")
+
+
+def test_a_mark_stays_where_it_was_put_until_its_save_is_answered(relayed):
+    page, relay, path = relayed
+    press(page, 5)
+    page.clock.run_for(1_000)
+    wait_on(page, lambda: relay.saves)
+    elsewhere = PROFILE.replace("on_mm: 4.0", "on_mm: 5.0")
+    path.write_text(elsewhere)
+    wait_while_it_runs(page, f"{ON_SAYS} === '5'")  # the server knows of no save
+    assert page.evaluate(FULL_SAYS) == "7.5"
+    relay.let_save()
+    wait_for_text(page, path, elsewhere.replace("[1.0, 8.0]", "[1.0, 7.5]"))
+    wait_while_it_runs(page, IS_SAVED)
+    assert page.evaluate(FULL_SAYS) == "7.5"
+    # Answered, it holds no longer: what the file says then is shown.
+    path.write_text(PROFILE)
+    wait_while_it_runs(page, f"{FULL_SAYS} === '8'")
+
+
+def test_a_mark_stays_where_it_was_put_if_the_profile_changed_while_it_was_held(relayed):
+    page, relay, path = relayed
+    press(page, 5)
+    relay.holds_abouts = True
+    path.write_text(PROFILE.replace("on_mm: 4.0", "on_mm: 5.0"))
+    wait_on(page, lambda: relay.abouts)
+    relay.let_abouts()
+    page.clock.run_for(1_000)
+    wait_on(page, lambda: relay.saves)
+    relay.holds_abouts = True
+    relay.let_save()
+    wait_while_it_runs(page, IS_SAVED)
+    assert page.evaluate(ON_SAYS) == "5"
+    assert page.evaluate(FULL_SAYS) == "7.5"
+    wait_on(page, lambda: relay.abouts)
+    relay.let_abouts()
+    page.clock.run_for(1_000)
+    assert page.evaluate(FULL_SAYS) == "7.5"
+
+
+def test_a_mark_goes_back_if_its_save_is_refused(relayed):
+    page, relay, path = relayed
+    press(page, 5)
+    page.clock.run_for(1_000)
+    wait_on(page, lambda: relay.saves)
+    assert page.evaluate(FULL_SAYS) == "7.5"
+    relay.let_save(instead=('"value":7.5', '"value":"far"'))
+    wait_while_it_runs(page, f"{FULL_SAYS} === '8'")
+    assert "finite number" in page.inner_text("#notice")
+    assert path.read_text() == PROFILE
+
+
 def test_plus_and_minus_and_pause_do_without_dragging(open_page, view, driver, folder):
     path = folder / "config/neurotouch/profiles/mine.yaml"
     path.write_text(PROFILE)

@@ -1,10 +1,12 @@
 """What the questions mean; the line here stands still unless a test turns it."""
 
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
+from threading import Event
 
 import pytest
 
+from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.profile import UserSettings, load_profile
 from neurotouch_hid.runtime import Commands, Pipeline, ProfileWatch, Session, Stopwatch
@@ -97,6 +99,54 @@ def test_status_tells_the_facts_too(commands):
     status = commands.answer({"command": "status"})
     assert (status["source"], status["version"], status["profile"]) == ("sim:tour", 1, "default")
     assert status["silent_s"] >= 0.0
+
+
+@pytest.fixture
+def gate():
+    """Until it opens, each profile is still being loaded."""
+    return Event()
+
+
+@pytest.fixture
+def load_through(session, gate):
+    """Commands whose profiles wait at the gate, and then cannot be used if there is a fault."""
+    watches = []
+
+    def make(fault: NeuroTouchError | None = None) -> Commands:
+        def prepare(_new) -> None:
+            gate.wait()
+            if fault is not None:
+                raise fault
+
+        watches.append(ProfileWatch("default", PROFILE, USER, session, lambda said: None, prepare))
+        return Commands(session, watches[-1], {})
+
+    yield make
+    gate.set()
+    for watch in watches:
+        watch.close()
+
+
+@pytest.mark.parametrize(("command", "name"), [("reload", "default"), ("use", "racing")])
+@pytest.mark.parametrize("fault", [None, NeuroTouchError("It has an error.", hint="Mend it.")])
+def test_what_is_loaded_slowly_is_answered_in_the_end(load_through, gate, command, name, fault):
+    commands, question = load_through(fault), {"command": command, "profile": name}
+    with ThreadPoolExecutor(1) as asker:
+        asked = asker.submit(commands.answer, question)
+        assert not wait([asked], timeout=1.5).done
+        gate.set()
+    if fault is None:
+        assert asked.result() == {"ok": True, "done": True, "text": f"The profile '{name}' holds."}
+    else:
+        assert asked.result() == {"ok": False, "error": "It has an error.", "hint": "Mend it."}
+
+
+def test_what_is_not_loaded_in_time_is_no_success(load_through, monkeypatch):
+    monkeypatch.setattr("neurotouch_hid.runtime.commands.LOADING_S", 0.1)
+    answer = load_through().answer({"command": "reload"})
+    assert answer["ok"] is False
+    assert answer["error"] == "The profile is still being loaded after 0.1 s."
+    assert "neurotouch status" in answer["hint"]
 
 
 def test_use_answers_with_the_profile_that_holds(commands, patient):

@@ -67,6 +67,23 @@ def exchange(path: Path, *pieces: bytes, end: bool = True) -> dict:
     return json.loads(text)
 
 
+def test_a_profile_may_take_its_time_to_load(folder, monkeypatch):
+    monkeypatch.setattr(driver, "_PATIENCE_S", 0.2)
+    with ControlSocket(folder) as made, ThreadPoolExecutor(1) as asker:
+        gate = threading.Event()
+
+        def answer(question):
+            gate.wait(LIMIT_S)
+            return {"ok": True}
+
+        made.serve(answer)
+        loading = asker.submit(ask, "reload")
+        with pytest.raises(DriverError, match="does not answer"):
+            ask("status")
+        gate.set()
+        assert loading.result() == {"ok": True}
+
+
 def test_a_machine_that_gives_no_more_threads_for_a_moment_silences_no_later_question(
     served, monkeypatch
 ):

@@ -225,6 +225,16 @@ def test_another_neutral_pose_holds_from_the_next_slice_on(push, poses):
     assert recognizer.neutral == poses[1]
 
 
+def test_a_pose_that_holds_already_is_not_looked_for_anew(push):
+    line = Line(push)
+    recognizer = line.pipeline.recognizer
+    recognizer.choose_neutral("resting")
+    user, spacecraft = UserSettings(neutral="resting", mirror=True), load_profile("spacecraft")
+    line.play({1300: recognizer.rezero, 1400: lambda: line.session.switch(spacecraft, user)})
+    held = [step for step in line.steps if 1_310_000 < step.gesture.t_us < 1_590_000]
+    assert {step.gesture.kind.label for step in held} == {"none"}
+
+
 def test_status_tells_counts_times_and_errors(push):
     line = Line(push)
     empty = line.session.status()

@@ -14,7 +14,6 @@ const STAGES = {
   device: "to the kernel",
 };
 
-const save = (key, mark, value) => wire.send({ do: "set", key, mark, value });
 const bars = makeBars(find("bars"), save);
 const curve = makeCurve({
   canvas: find("curve"), handles: find("curve-handles"), select: find("curve-choice"), save,
@@ -29,6 +28,8 @@ let newest = null;
 let layer = "";
 let drawn = false;
 let late = false; // the profile has changed while a mark was held
+let asked = 0;
+const unanswered = new Map(); // what has been set, by the number under which the server answers it
 
 const wire = connect(30, {
   state(state) {
@@ -40,6 +41,7 @@ const wire = connect(30, {
   },
   about(message) {
     about = message;
+    keepUnanswered();
     if (about && about.fault) notice(`The profile cannot be shown: ${about.fault}`);
     showLayer(true);
   },
@@ -50,14 +52,37 @@ const wire = connect(30, {
     announce("No driver is running.");
     drawDisc(find("disc"), null);
   },
-  saved(sentence) {
+  saved(sentence, { n }) {
+    unanswered.delete(n);
     say("saved", sentence);
     if (late) showLayer(true);
   },
-  refused: (sentence) => notice(sentence),
+  refused(sentence, { n }) {
+    unanswered.delete(n);
+    notice(sentence);
+  },
   lost: (sentence) => notice(sentence),
-  hello: () => notice(""),
+  hello() {
+    unanswered.clear(); // a new connection answers nothing that the old one was asked
+    notice("");
+  },
 });
+
+function save(key, mark, value) {
+  unanswered.set(++asked, { key, mark, value });
+  keepUnanswered();
+  wire.send({ do: "set", n: asked, key, mark, value });
+}
+
+// The profile as the server tells it is older than what it has not answered yet.
+function keepUnanswered() {
+  const bindings = about && about.layers ? about.layers.flatMap((each) => each.bindings) : [];
+  for (const { key, mark, value } of unanswered.values()) {
+    for (const binding of bindings.filter((each) => each.key === key)) {
+      for (const part of [binding, binding.curve || {}]) if (mark in part) part[mark] = value;
+    }
+  }
+}
 
 function percent(share) {
   return `${Math.round(100 * share)} %`;
@@ -211,9 +236,8 @@ function step(by) {
   const entry = entries[Number(find("mark-choice").value)];
   if (!entry) return;
   const { binding, mark } = entry;
-  binding[mark] = limit(binding, mark, binding[mark] + by);
+  save(binding.key, mark, limit(binding, mark, binding[mark] + by));
   showEntry();
-  save(binding.key, mark, binding[mark]);
 }
 
 document.addEventListener("letgo", () => late && showLayer(true));

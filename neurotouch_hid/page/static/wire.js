@@ -35,7 +35,8 @@ function readState(buffer) {
 }
 
 // Calls handlers[name] for each message: `state`, `about`, `driver`, `saved`, `refused`,
-// `throughput`, and `lost` with a sentence while there is no connection.
+// `throughput`, and `lost` with a sentence while there is no connection. What answers a wish has its
+// number `n`, if it had one, in the whole message, which comes second.
 export function connect(hz, handlers) {
   const token = takeToken();
   let socket = null;
