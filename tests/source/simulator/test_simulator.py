@@ -217,6 +217,20 @@ def test_fingers_do_what_the_label_says(stroke, turn, grow):
         assert (np.sign(np.abs(ratio) - 1) == grow).all()
 
 
+def test_intensity_is_how_far_the_fingers_middles_go_and_contacts_lie_further_out():
+    stroke = replace(twist(0.5), attack_us=120_000, hold_us=100_000, release_us=120_000)
+    simulator = Simulator(brief(stroke))
+    held, rest = simulator.truth(300_000), simulator.truth(0)
+    moved = np.linalg.norm(held.markers_px - rest.markers_px, axis=1) / 2.5
+    now = SimulatorConfig().camera.rig.to_mm(held.contacts_px)
+    middles = []
+    for finger, contact in zip(stroke.fingers, now, strict=True):
+        middle = np.hypot(*(LATTICE_MM - finger.contact_mm).T).argmin()
+        middles.append(moved[middle])
+        assert np.hypot(*contact) > np.hypot(*finger.contact_mm) + 1.0
+    assert held.intensity_mm == pytest.approx(np.mean(middles), rel=0.1)
+
+
 def test_row_readout_gives_a_row_one_stamp():
     config = replace(QUIET, sensor=SensorConfig(row_us=50, shot_hz=1.0))
     events = events_of(play(sequence("rest", rest_us=100_000), config)[0])
