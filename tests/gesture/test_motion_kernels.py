@@ -11,6 +11,7 @@ from neurotouch_hid.gesture.elastic.motion.kernels import (
     measure_motion,
     measure_size,
 )
+from neurotouch_hid.messages import GestureKind
 from tests.reference import gesture_elastic as reference
 
 SEED = st.integers(0, 2**32 - 1)
@@ -30,6 +31,13 @@ def test_the_motion_equals_its_twin(seed, k):
     expected, expected_parts = reference.measure_motion(centres, radii, motions)
     np.testing.assert_allclose(told, expected, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(parts, expected_parts, rtol=1e-9, atol=1e-9)
+
+
+def test_a_lone_finger_that_drags_and_turns_by_as_much_pushes():
+    centre, radius, parts = np.zeros((1, 2)), np.array([7.0]), np.empty(6)
+    for turn, kind in ((0.13, GestureKind.PUSH), (0.5, GestureKind.TWIST_CW)):
+        measure_motion(centre, radius, np.array([[-0.1, 0.6, turn]]), parts)
+        assert parts.argmax() == kind
 
 
 @given(SEED, st.floats(-2, 2))

@@ -107,7 +107,7 @@ def measure_motion(centres, radii, motions):
     common = sum(drag) / n
     if n == 1:
         rotation, scale = math.asin(motions[0][2]), 1.0
-        turn = abs(rotation) * 0.7 * radii[0]
+        turn = abs(rotation) * 0.7 * radii[0] / 2.0
         parts[1] = abs(common)
     else:
         arm = [place - sum(rest) / n for place in rest]

@@ -17,6 +17,8 @@ beside one that only holds gives 1, two that push together with strengths 1 and 
 lies between. So a pinch is a pinch while its second finger still holds on."""
 LEVER = 0.7
 """rms distance of a disc's points from its centre, share of its radius."""
+TURN_GAIN = 2.0
+"""How much more a lone finger must turn than drag to be a twist: as it drags, its tip turns too."""
 
 LANDING_US = 60_000  # of a finger's first motions, which its landing is the mean of
 LANDING_MM = 0.5  # no finger lands with a longer drag; more is the beginning of a quick gesture
@@ -67,7 +69,7 @@ def measure_motion(
     x, y, dx, dy = x / n, y / n, dx / n, dy / n
     if n == 1:
         rotation, scale = math.asin(min(max(motions[0, 2], -1.0), 1.0)), 1.0
-        turn = abs(rotation) * LEVER * radii[0]
+        turn = abs(rotation) * LEVER * radii[0] / TURN_GAIN
         parts[_PUSH] = math.hypot(dx, dy)
     else:
         inertia = along = across = 0.0
