@@ -12,10 +12,9 @@ from pathlib import Path
 from numba.core import caching
 
 _PACKAGE = Path(__file__).parent
-_IMPORT = re.compile(rf"^from {_PACKAGE.name}\.([\w.]+) import", re.MULTILINE)
+_IMPORT = re.compile(rb"^from neurotouch_hid\.([\w.]+) import", re.MULTILINE)
 
 
-@cache
 def stamp(path: Path) -> str:
     """Tells one state of a file, and of all of the package that it imports, from another.
 
@@ -25,14 +24,22 @@ def stamp(path: Path) -> str:
     digest, found, todo = hashlib.sha256(), set[Path](), [path]
     while todo:
         source = todo.pop()
-        if source in found or not source.is_file():
-            continue
-        found.add(source)
-        text = source.read_text(encoding="utf-8")
-        digest.update(text.encode())
-        names = (name.replace(".", "/") for name in _IMPORT.findall(text))
-        todo += [_PACKAGE / f"{name}.py" for name in names]
+        if source not in found:
+            found.add(source)
+            own, imported = _read(source)
+            digest.update(own)
+            todo += imported
     return digest.hexdigest()
+
+
+@cache
+def _read(path: Path) -> tuple[bytes, list[Path]]:
+    """Tells the state of a file, and which of the package it imports."""
+    if not path.is_file():  # a folder: of what it is made of, files import what they need
+        return b"", []
+    source = path.read_bytes()
+    names = (name.decode().replace(".", "/") for name in _IMPORT.findall(source))
+    return hashlib.sha256(source).digest(), [_PACKAGE / f"{name}.py" for name in names]
 
 
 class _Stamped:
