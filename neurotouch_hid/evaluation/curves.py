@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from neurotouch_hid.evaluation.live import choose_device, measure_live
@@ -145,6 +146,8 @@ def _draw_rates(latency: Mapping[float, Mapping[str, float]]) -> Figure:
         millions = [rate / 1e6 for rate in latency]
         axes.plot(millions, values, color=colour, marker=marker, label=rank)
     axes.set(xscale="log", yscale="log", xlabel="million events/s", ylabel="ms")
+    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter("{x:g}")
     axes.set_title("Last event of a slice to the write to the pad, 250 slices/s")
     _finish(figure, [rate / 1e6 for rate in latency])
     return figure
