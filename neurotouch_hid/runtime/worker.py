@@ -78,14 +78,18 @@ class ThreadedRest:
         self._thread.start()
 
     def exchange(self, packet: EventPacket) -> Sight | None:
-        """Posts the newest frame of ``packet`` and takes the answer that is ready, if any."""
+        """Takes the answer that is ready, if any, and posts the newest frame of ``packet``.
+
+        In this order, so that no answer is to the very frame that is handed over with it.
+        """
+        sight = self._sights.pop() if self._sights else None
         if packet.frames:
             self._frames.append(packet.frames[-1])
             self._wake.set()
         elif self.detector.is_watching:
             self._packets.append(packet)
             self._wake.set()
-        return self._sights.pop() if self._sights else None
+        return sight
 
     def close(self) -> None:
         """Ends the thread."""

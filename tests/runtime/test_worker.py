@@ -84,6 +84,24 @@ def test_line_never_waits_and_the_newest_frame_wins(push):
         beside.close()
 
 
+def test_an_answer_never_comes_with_the_frame_that_it_is_to(push, monkeypatch):
+    beside = look_beside()
+    packet = next(packet for packet in push.packets if packet.frames)
+    wake = beside._wake.set
+
+    def wake_and_lose_the_core() -> None:
+        wake()
+        wait_for(lambda: beside._sights)
+
+    try:
+        monkeypatch.setattr(beside._wake, "set", wake_and_lose_the_core)
+        assert beside.exchange(packet) is None
+        monkeypatch.undo()
+        assert beside.exchange(empty(packet)) is not None
+    finally:
+        beside.close()
+
+
 def test_thread_finds_the_gel_in_events_alone(push):
     frameless = [EventPacket(p.t_begin_us, p.t_end_us, p.events) for p in push.packets]
     inline, beside = InlineRest(RestDetector()), look_beside()
