@@ -57,11 +57,19 @@ def test_a_finger_is_shown_from_one_size_on_and_hidden_below_another():
     seen = []
     for size_mm in (0.28, 0.31, 0.28, 0.24, 0.28):
         motions = np.array([[size_mm, 0.0, 0.0], [5.0, 0.0, 0.0]])
-        assert choose_shown(radii, motions, shown, 1, chosen) == chosen.sum()
+        assert choose_shown(radii, motions, 0.0, shown, 1, chosen) == chosen.sum()
         assert chosen.tolist() == shown.tolist()
         assert shown[1] == 1
         seen.append(int(shown[0]))
     assert seen == [0, 1, 1, 0, 0]
+
+
+def test_who_holds_still_is_shown_only_if_there_must_be_as_many():
+    shown, radii, chosen = np.zeros(2, np.int64), np.full(2, 6.0), np.empty(2, np.bool_)
+    motions = np.array([[0.9, 0.0, 0.0], [5.0, 0.0, 0.0]])
+    assert choose_shown(radii, motions, 1.0, shown, 1, chosen) == 1
+    assert shown.tolist() == [0, 1]
+    assert choose_shown(radii, motions, 1.0, shown, 2, chosen) == 2
 
 
 @pytest.mark.parametrize(
@@ -71,6 +79,6 @@ def test_a_finger_is_shown_from_one_size_on_and_hidden_below_another():
 def test_the_largest_are_shown_if_few_are_large(least, expected):
     shown, chosen = np.zeros(3, np.int64), np.empty(3, np.bool_)
     motions = np.array([[0.1, 0.0, 0.0], [0.2, 0.0, 0.0], [0.0, 0.15, 0.0]])
-    assert choose_shown(np.full(3, 6.0), motions, shown, least, chosen) == sum(expected)
+    assert choose_shown(np.full(3, 6.0), motions, 0.0, shown, least, chosen) == sum(expected)
     assert chosen.tolist() == expected
     assert not shown.any()

@@ -136,6 +136,22 @@ def test_tremor_of_a_resting_hand_is_no_gesture():
         assert player.see(displacement).kind is GestureKind.NONE
 
 
+def test_a_push_towards_a_finger_that_rests_is_no_pinch():
+    centres, rests = np.array([[2.0, 11.0], [0.0, -8.0]]), np.array([0.4, 0.2])
+    player, rng = Player(neutral="resting"), np.random.default_rng(4)
+
+    def play(size):
+        drags = np.array([rests + rng.normal(0.0, 0.2, 2), [0.0, size]])
+        return player.see(field(centres, drags))
+
+    for _ in range(SETTLED):
+        play(0.0)
+    seen = [play(min(0.4 * i, 5.0)) for i in range(50)][5:]
+    assert {gesture.kind for gesture in seen} == {GestureKind.PUSH}
+    assert {len(gesture.contacts_mm) for gesture in seen[10:]} == {1}
+    assert seen[-1].intensity_mm == pytest.approx(5.0, abs=0.5)
+
+
 def subtract(neutral, moved):
     return neutral.subtract(moved, EVERYTHING, 2.5, 10_000)
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.gesture.config import GestureConfig
 from neurotouch_hid.gesture.elastic.decision import Decision, DecisionConfig
-from neurotouch_hid.gesture.elastic.hand import Hand
+from neurotouch_hid.gesture.elastic.hand import Hand, HandConfig
 from neurotouch_hid.messages import Gesture, GestureKind, no_gesture
 
 Floats = NDArray[np.float64]
@@ -17,14 +17,16 @@ Floats = NDArray[np.float64]
 NOISE_US = 500_000  # time constant of the noise of the markers, measured at rest
 RESTING = DecisionConfig(on_mm=0.8, off_mm=0.5, least_off_mm=0.5)
 """A resting hand trembles by up to half a mm."""
+RESTING_HAND = HandConfig(still_share=0.2)
 
 
 class ElasticMethod:
     """Remembers the hand and the gesture from slice to slice."""
 
     def __init__(self, config: GestureConfig) -> None:
-        self._hand = Hand()
-        self._decision = Decision(RESTING if config.neutral == "resting" else DecisionConfig())
+        is_resting = config.neutral == "resting"
+        self._hand = Hand(RESTING_HAND if is_resting else HandConfig())
+        self._decision = Decision(RESTING if is_resting else DecisionConfig())
         self._rest_px: NDArray[np.float32] | None = None
         self._noise_mm = 0.08
         self._unheard_us = 0

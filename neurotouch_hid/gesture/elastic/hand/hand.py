@@ -40,6 +40,9 @@ class HandConfig:
         outlier: residual of a marker, in standard errors, that halves its weight.
         most_unexplained: share of the field's squares; where the followed fingers leave more, and
             more than one finger must explain, they are looked for anew.
+        still_share: a finger that moves by less than this share of the largest motion is no part of
+            the gesture. 0 makes a pinch of a finger that drags towards one that holds; of a hand
+            that rests, such a finger only lies there.
         least_mm: a motion below this is no finger yet.
         least_noise_mm: the least error of a tracked marker, one axis.
         sure: share of what a finger must explain: where the field has less, no site need be asked;
@@ -57,6 +60,7 @@ class HandConfig:
     model_error: float = 0.05
     outlier: float = 8.0
     most_unexplained: float = 0.4
+    still_share: float = 0.0
     least_mm: float = 0.2
     least_noise_mm: float = 0.06
     sure: float = 0.999
@@ -118,7 +122,8 @@ class Motion(NamedTuple):
     """What the fingers do together.
 
     Attributes:
-        n_fingers: how many; without one only ``sway_mm`` means anything, the rest is 0, scale 1.
+        n_fingers: how many take part; without one only ``sway_mm`` means anything, the rest is 0,
+            scale 1.
         largest_mm: the largest motion of a finger.
         sway_mm: how far everything moved together.
         error_mm: rms of what the fingers leave unexplained, one axis.
@@ -256,7 +261,7 @@ class Hand:
         Args:
             least: so many are shown even if they hardly move.
         """
-        mm, px, drags, names, intensity_mm = show(self.fits, self.gel, least)
+        mm, px, drags, names, intensity_mm = show(self.fits, self.gel, self._rules, least)
         return Contacts(mm, px, drags, tuple(names.tolist()), intensity_mm)
 
 

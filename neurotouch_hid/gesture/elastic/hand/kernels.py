@@ -18,6 +18,7 @@ from neurotouch_hid.gesture.elastic.motion.kernels import (
     choose_shown,
     locate,
     measure_motion,
+    measure_size,
     subtract_landing,
 )
 
@@ -63,8 +64,8 @@ def follow(
         forming: the gesture has just begun: look at everything afresh.
 
     Returns:
-        The number of fingers; their largest motion, how far everything moved together and the rms
-        of what is not explained, mm; and what ``measure_motion`` returns.
+        The number of fingers that take part; their largest motion, how far everything moved
+        together and the rms of what is not explained, mm; and what ``measure_motion`` returns.
     """
     me, rules = hand[0], config[0]
     _to_mm(moved_px, gel[0], me.moved)
@@ -104,8 +105,8 @@ def follow(
         me.parts[:] = 0.0
         me.since_us, me.turn, me.unsought_us = 0, 0, TURN_US
         return 0, 0.0, me.sway_mm, 0.0, 0.0, 0.0, 0.0, 1.0
-    centres, radii, motions, since = fit.centres[:n], fit.radii[:n], fit.motions[:n], me.since[:n]
-    subtract_landing(motions, step_us, fit.landed[:n], fit.landed_us[:n], since)
+    subtract_landing(fit.motions[:n], step_us, fit.landed[:n], fit.landed_us[:n], me.since[:n])
+    n, centres, radii, motions, since = _leave_out_still(fit, me, rules)
     x, y, rotation, scale = measure_motion(centres, radii, motions, me.parts)
     measure_motion(centres, radii, since, me.parts)
     sway, error = math.hypot(fit.offset[0], fit.offset[1]), math.sqrt(0.5 * fit.cost / use.sum())
@@ -114,13 +115,14 @@ def follow(
 
 @njit(cache=True, nogil=True)
 def show(
-    fits: NDArray[np.void], gel: NDArray[np.void], least: int
+    fits: NDArray[np.void], gel: NDArray[np.void], config: NDArray[np.void], least: int
 ) -> tuple[Floats, Floats, Floats, NDArray[np.int64], float]:
     """The contacts that are shown of the fingers in ``NOW``, at least one finger.
 
     Args:
         fits: (N_FITS,) ``FIT``; which fingers are shown is updated.
         gel: (1,) ``GEL``.
+        config: (1,) ``CONFIG``.
         least: so many are shown in any case, if there are as many.
 
     Returns:
@@ -130,7 +132,8 @@ def show(
     fit = fits[NOW]
     n = fit.count
     chosen = np.empty(n, np.bool_)
-    count = choose_shown(fit.radii[:n], fit.motions[:n], fit.shown[:n], least, chosen)
+    still_mm = config[0].still_share * fit.largest_mm
+    count = choose_shown(fit.radii[:n], fit.motions[:n], still_mm, fit.shown[:n], least, chosen)
     mm, px, drags = np.empty((count, 2)), np.empty((count, 2)), np.empty((count, 2))
     names = np.empty(count, np.int64)
     total_mm = 0.0
@@ -148,6 +151,21 @@ def show(
         total_mm += math.hypot(dx, dy)
         k += 1
     return mm, px, drags, names, total_mm / count
+
+
+@njit(cache=True, nogil=True)
+def _leave_out_still(fit: Any, me: Any, rules: Any) -> tuple[int, Floats, Floats, Floats, Floats]:
+    """The fingers that take part: how many, centres, radii, motions, motions since they landed."""
+    centres, radii = np.empty((fit.count, 2)), np.empty(fit.count)
+    motions, since = np.empty((fit.count, 3)), np.empty((fit.count, 3))
+    n = 0
+    for j in range(fit.count):
+        if measure_size(fit.motions[j], fit.radii[j]) < rules.still_share * fit.largest_mm:
+            continue
+        centres[n], radii[n] = fit.centres[j], fit.radii[j]
+        motions[n], since[n] = fit.motions[j], me.since[j]
+        n += 1
+    return n, centres[:n], radii[:n], motions[:n], since[:n]
 
 
 @njit(cache=True, nogil=True)

@@ -25,7 +25,7 @@ LANDING_MM = 0.5  # no finger lands with a longer drag; more is the beginning of
 LANDING_SHARE = 0.8
 """Of the landing that is no part of the gesture: the rest speaks while there is nothing else."""
 SHOWN_MM = 0.3  # people label a contact from about this motion on
-HIDDEN_MM = 0.25  # and no longer below it; the difference is what noise does to it
+HIDDEN_SHARE = 5 / 6  # of it, below which no longer; the difference is what noise does to it
 
 _PUSH, _PINCH, _ZOOM = int(GestureKind.PUSH), int(GestureKind.PINCH), int(GestureKind.ZOOM)
 _CW, _CCW = int(GestureKind.TWIST_CW), int(GestureKind.TWIST_CCW)
@@ -152,13 +152,19 @@ def locate(
 
 @njit(cache=True, nogil=True)
 def choose_shown(
-    radii: Floats, motions: Floats, shown: NDArray[np.int64], least: int, chosen: NDArray[np.bool_]
+    radii: Floats,
+    motions: Floats,
+    still_mm: float,
+    shown: NDArray[np.int64],
+    least: int,
+    chosen: NDArray[np.bool_],
 ) -> int:
     """Which fingers are contacts: those that move enough, and in any case those that move most.
 
     Args:
         radii: (k,) mm, k >= 1.
         motions: (k, 3).
+        still_mm: a smaller motion takes no part in the gesture.
         shown: (k,), 1 for those that moved enough before, else 0; updated.
         least: so many are contacts in any case, if there are as many.
         chosen: (k,), written.
@@ -167,10 +173,10 @@ def choose_shown(
         The number of contacts.
     """
     n, count = len(radii), 0
-    size_mm = np.empty(n)
+    size_mm, on_mm = np.empty(n), max(SHOWN_MM, still_mm)
     for j in range(n):
         size_mm[j] = measure_size(motions[j], radii[j])
-        shown[j] = size_mm[j] >= (HIDDEN_MM if shown[j] else SHOWN_MM)
+        shown[j] = size_mm[j] >= (HIDDEN_SHARE * on_mm if shown[j] else on_mm)
         chosen[j] = shown[j] > 0
         count += shown[j]
     while count < min(least, n):
