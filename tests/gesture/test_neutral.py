@@ -141,7 +141,7 @@ def test_a_push_towards_a_finger_that_rests_is_no_pinch():
     player, rng = Player(neutral="resting"), np.random.default_rng(4)
 
     def play(size):
-        drags = np.array([rests + rng.normal(0.0, 0.2, 2), [0.0, size]])
+        drags = np.array([rests + rng.normal(0.0, 0.1, 2), [0.0, size]])
         return player.see(field(centres, drags))
 
     for _ in range(SETTLED):
