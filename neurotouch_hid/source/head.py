@@ -6,10 +6,10 @@ import numpy as np
 
 from neurotouch_hid.messages import EventPacket
 
-LEAD_US: Final = 500
+LEAD_US: Final = 350
 """So long before the end of a slice its head is handed over: as long as a processor needs for it
 whose caches have forgotten the line since the slice before. They soon forget it again."""
-SHORTEST_US: Final = 4 * LEAD_US
+SHORTEST_US: Final = 2_000
 """A line with shorter slices is busy enough not to be forgotten."""
 
 

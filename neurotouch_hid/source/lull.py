@@ -36,14 +36,15 @@ class Lull:
         self.is_idle: bool | None = None
         self._waiting: list[EventPacket] = []
         self._n_waiting = 0
+        self._passes = True
         self._calm_us = 0
         self._mean = self._deviation = 0.0
         self._n_heard = 0
 
     @property
-    def is_holding(self) -> bool:
-        """Slices wait here."""
-        return bool(self._waiting)
+    def takes_heads(self) -> bool:
+        """The next slice will hardly wait here: the one before did not."""
+        return self.is_idle is not None and self._passes
 
     def take(self, packet: EventPacket) -> tuple[EventPacket, ...]:
         """What is ready now: nothing, or all that has waited with this slice as one.
@@ -53,6 +54,7 @@ class Lull:
         """
         if not self.is_idle:
             self._calm_us = 0
+            self._passes = True
             return self._release(packet)
         length_us = packet.t_end_us - packet.t_begin_us
         is_calm = self._listen(len(packet.events)) and not packet.gap
@@ -64,7 +66,9 @@ class Lull:
             or packet.t_end_us + length_us - begin_us > LONGEST_US
             or n_next > min(MOST_EVENTS, MOST_PER_US * length_us)
         ):
+            self._passes = not self._waiting
             return self._release(packet)
+        self._passes = False
         self._wait(packet)
         return ()
 

@@ -50,7 +50,7 @@ class PacedSource:
                 start_ns = self._clock_ns()
             played_us += packet.t_end_us - packet.t_begin_us
             self.due_ns = start_ns + played_us * 1000
-            if self._lull.is_idle is False:
+            if self._lull.takes_heads:
                 head = cut_head(packet)
                 if head is not None and self._wait(self.due_ns - LEAD_US * 1000):
                     yield head

@@ -85,6 +85,9 @@ def test_what_may_come_as_one_comes_when_all_of_it_has_happened():
     paced.attend(is_idle=True)
     lengths_us = []
     for packet in paced:
+        if packet.is_head:
+            assert packet.t_end_us < 100_000
+            continue
         lengths_us.append(packet.t_end_us - packet.t_begin_us)
         assert clock() - 77 == packet.t_end_us * 1_000 + 300_000
     assert lengths_us == [10_000] * 10 + [40_000] * 7 + [20_000]
@@ -124,7 +127,7 @@ def test_the_head_of_a_slice_comes_shortly_before_its_end():
         assert head_us == whole.t_end_us - LEAD_US + 300
         assert whole_us == whole.t_end_us + 300
         assert (head.t_begin_us, head.t_end_us) == (whole.t_begin_us, whole.t_end_us - LEAD_US)
-        assert head.events.tolist() == whole.events.tolist()[:35]
+        assert head.events.tolist() == whole.events.tolist()[:37]
         assert head.gap == whole.gap == 3
 
 

@@ -242,7 +242,7 @@ class DavisSource:
 
     def _hand_over(self, packet: EventPacket) -> None:
         if packet.is_head:
-            if self._lull.is_idle is False and not self._lull.is_holding:
+            if self._lull.takes_heads:
                 self._outbox.offer(packet)
             return
         for whole in self._lull.take(packet):

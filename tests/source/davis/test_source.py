@@ -112,13 +112,21 @@ def test_a_line_that_plays_gets_the_head_of_a_slice_before_its_end():
     assert times([whole]) == [1, 1_001, 2_001, 3_001]
 
 
-@pytest.mark.parametrize("is_idle", [True, None])
-def test_a_line_that_is_idle_or_has_said_nothing_gets_whole_slices(is_idle):
+def test_a_line_that_is_idle_gets_heads_only_until_slices_wait():
+    camera = ScriptedCamera()
+    camera.at_reset.append([make_events(ms, ms + 2) for ms in range(0, 300, 2)])
+    with open_camera(camera, slice_us=3_500) as source:
+        source.attend(is_idle=True)
+        packets = take(source, 40)
+    heads_us = [packet.t_end_us for packet in packets if packet.is_head]
+    assert all(us < 110_000 for us in heads_us)
+    assert packets[-1].t_begin_us > 110_000
+
+
+def test_a_line_that_has_said_nothing_gets_whole_slices():
     camera = ScriptedCamera()
     camera.at_reset.append([make_events(ms, ms + 2) for ms in range(0, 40, 2)])
     with open_camera(camera, slice_us=3_500) as source:
-        if is_idle is not None:
-            source.attend(is_idle=is_idle)
         assert not any(packet.is_head for packet in take(source, 10))
 
 
