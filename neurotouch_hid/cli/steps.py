@@ -31,8 +31,9 @@ def read_steps(
         begin_us: int | None = None
         try:
             for packet in packets:
-                yield pipeline.advance(packet)
-                pipeline.catch_up(packet)
+                step = pipeline.advance(packet)
+                yield step
+                pipeline.catch_up(step)
                 begin_us = packet.t_begin_us if begin_us is None else begin_us
                 if seconds is not None and packet.t_end_us - begin_us >= seconds * 1e6:
                     return

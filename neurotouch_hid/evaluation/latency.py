@@ -174,10 +174,10 @@ def _play(packets: list[EventPacket], line: Pipeline, device: Device) -> list[Se
         wait_s = (packet.t_end_us * 1_000 + offset_ns - time.monotonic_ns()) / 1e9
         if wait_s > 0:
             time.sleep(wait_s)
-        pad = line.advance(packet).pad
-        written_ns = time.monotonic_ns()
-        line.catch_up(packet)
+        step = line.advance(packet)
+        pad, written_ns = step.pad, time.monotonic_ns()
         device.write(pad)
+        line.catch_up(step)
         if shows_change(shown, pad):
             # A slice without events changes the pad when its time is over.
             last_us = int(packet.events["t"][-1]) if len(packet.events) else packet.t_end_us

@@ -87,7 +87,7 @@ def run_line(
                         session.note(step)
                     for tap in taps:
                         tap(step)
-                    pipeline.catch_up(packet)
+                    pipeline.catch_up(step)
                     if attentive is not None:
                         attentive.attend(is_idle=pipeline.is_idle)
                     slices += 1

@@ -100,18 +100,14 @@ class Pipeline:
         pad = self.mapping.update(gesture)
         if "rezero" in pad.commands:
             self.recognizer.rezero()
-        if gesture.kind is GestureKind.NONE and pad.is_neutral:
-            self._idle_us += packet.t_end_us - packet.t_begin_us
-        else:
-            self._idle_us = 0
         return Step(packet, self._anchor, markers, gesture, pad)
 
     @property
     def is_idle(self) -> bool:
-        """Nothing has been done for a while."""
+        """Nothing has been done for a while; only a live line says so."""
         return self._idle_us >= IDLE_US
 
-    def catch_up(self, packet: EventPacket) -> None:
+    def catch_up(self, step: Step) -> None:
         """Hands over the frames of a slice that has gone through, and takes what others have shown.
 
         This may wait until the pad is written: it moves markers by tenths of a pixel, and knows
@@ -119,6 +115,11 @@ class Pipeline:
         """
         if not self.is_live:
             return
+        packet = step.packet
+        if step.gesture.kind is GestureKind.NONE and step.pad.is_neutral:
+            self._idle_us += packet.t_end_us - packet.t_begin_us
+        else:
+            self._idle_us = 0
         if packet.frames and self._may_skip(packet.frames[-1].t_us):
             packet = _without_frames(packet)
         self._anchor = self._exchange(packet)
