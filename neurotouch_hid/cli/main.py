@@ -60,7 +60,7 @@ def cli(ctx: click.Context) -> None:
 
     Exit codes: 0 done, 1 other failure, 2 wrong usage, 3 source, 4 recording or labels, 5 no gel in
     the picture, 6 profile, 7 virtual gamepad, 8 no driver runs, or it refuses, 75 another driver
-    runs, 130 interrupted.
+    runs or another program has the camera, 130 interrupted.
     """
     if ctx.invoked_subcommand is None:
         from neurotouch_hid.cli.welcome import welcome

@@ -148,6 +148,23 @@ def test_a_range_moves_by_keyboard_and_a_curve_by_hand(open_page, view, folder):
     path.write_text(PROFILE)
 
 
+def test_the_curve_follows_the_hand_but_not_while_one_of_its_marks_is_in_use(open_page, view):
+    page = open_page(view.link)
+    shown = "Number(document.getElementById('curve-choice').value)"
+    bar = "document.querySelector('[data-movement={}] .value').textContent"
+    zooms = "Number(" + bar.format("zoom") + ") > 1.5"
+    pushes = "Number(" + bar.format("push_right") + ") > 2"
+    page.wait_for_function(f"() => {pushes} && {shown} === 0")
+    page.wait_for_function(f"() => {zooms} && {shown} === 1")
+    page.evaluate("window.held = document.querySelector('#curve-handles .mark-full'); held.focus()")
+    kept = page.evaluate(shown)
+    for another in (pushes, zooms):
+        page.wait_for_function(f"() => {another}")
+        assert page.evaluate(f"{shown} === {kept} && document.activeElement === window.held")
+    page.evaluate("document.activeElement.blur()")
+    page.wait_for_function(f"() => {pushes} && {shown} === 0")
+
+
 def test_no_key_is_lost_when_the_profile_changes_meanwhile(open_page, view, folder):
     path = folder / "config/neurotouch/profiles/mine.yaml"
     path.write_text(PROFILE)

@@ -62,7 +62,8 @@ export function makeCurve({ canvas, handles, select, save, words }) {
 
   function show(state, now) {
     const gesture = state.gesture;
-    if (!byHand && gesture.movement !== "none") {
+    const isEdited = handles.contains(document.activeElement); // it must not go under the hand
+    if (!byHand && !isEdited && gesture.movement !== "none") {
       const found = bindings.findIndex((each) => each.movements.includes(gesture.movement));
       if (found >= 0) choose(found);
     }
