@@ -113,6 +113,8 @@ class EmulatedCamera:
         self.registers[address] = value
         if address == reg.TIMESTAMP_RESET and value and not before:
             self._reset_time()
+        if address == reg.APS_RUN and value and not before:
+            self._frames.wanted = True
         self._note_switches()
 
     def flush(self) -> None:
@@ -214,6 +216,7 @@ class EmulatedCamera:
             self._resume_us = begin_us + self.config.lead_us
         elif not watching:
             self._frames.readouts.clear()
+            self._frames.wanted = False
         self._watching = watching
 
     def _reset_time(self) -> None:

@@ -21,6 +21,7 @@ class FrameReader:
 
     Attributes:
         readouts: those on their way, oldest first.
+        wanted: the next frame is read out also if they have been switched off again.
     """
 
     def __init__(self, registers: Registers) -> None:
@@ -28,6 +29,7 @@ class FrameReader:
         self._last_us = _NEVER_US
         self._busy_until_us = _NEVER_US
         self.readouts: deque[Readout] = deque()
+        self.wanted = False
 
     def hold(self, by_us: int) -> None:
         """Stop reading for so long: there is no room for what is read."""
@@ -52,8 +54,9 @@ class FrameReader:
             begin_us = max(exposed_us - columns_us, self._busy_until_us, now_us)
             least_us = _LEAST_INTERVAL * registers.frame_interval_us
             too_soon = begin_us > exposed_us or exposed_us - self._last_us < least_us
-            if too_soon or not registers[reg.APS_RUN]:
+            if too_soon or not (registers[reg.APS_RUN] or self.wanted):
                 continue
+            self.wanted = False
             self._last_us = exposed_us
             self._busy_until_us = frame.exposure_end_us + columns_us + 1
             self.readouts.append(

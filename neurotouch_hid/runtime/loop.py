@@ -89,7 +89,9 @@ def run_line(
                         tap(step)
                     pipeline.catch_up(step)
                     if attentive is not None:
-                        attentive.attend(is_idle=pipeline.is_idle)
+                        attentive.attend(
+                            is_idle=pipeline.is_idle, wants_frames=not pipeline.is_at_rest
+                        )
                     slices += 1
                     events += len(packet.events)
                     first_us = packet.t_begin_us if first_us is None else first_us

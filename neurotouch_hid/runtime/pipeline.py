@@ -107,6 +107,12 @@ class Pipeline:
         """Nothing has been done for a while; only a live line says so."""
         return self._idle_us >= IDLE_US
 
+    @property
+    def is_at_rest(self) -> bool:
+        """It is idle, and the last frame that was looked at showed the gel at rest."""
+        seen = self.rest.detector.stats()
+        return self.is_idle and seen.n_rest > 0 and not seen.reason
+
     def catch_up(self, step: Step) -> None:
         """Hands over the frames of a slice that has gone through, and takes what others have shown.
 
@@ -144,9 +150,7 @@ class Pipeline:
 
     def _may_skip(self, frame_us: int) -> bool:
         """True if a frame will tell nothing new: an idle gel that was at rest a moment ago."""
-        seen = self.rest.detector.stats()
-        was_at_rest = seen.n_rest > 0 and not seen.reason
-        if self.is_idle and was_at_rest and 0 <= frame_us - self._looked_us < IDLE_FRAME_US:
+        if self.is_at_rest and 0 <= frame_us - self._looked_us < IDLE_FRAME_US:
             return True
         self._looked_us = frame_us
         return False

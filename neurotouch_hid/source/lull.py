@@ -46,6 +46,11 @@ class Lull:
         """The next slice will hardly wait here: the one before did not."""
         return self.is_idle is not None and self._passes
 
+    @property
+    def is_calm(self) -> bool:
+        """The line is idle and for a while there has been nothing but noise."""
+        return self._calm_us > CALM_US
+
     def take(self, packet: EventPacket) -> tuple[EventPacket, ...]:
         """What is ready now: nothing, or all that has waited with this slice as one.
 
@@ -62,7 +67,7 @@ class Lull:
         begin_us = self._waiting[0].t_begin_us if self._waiting else packet.t_begin_us
         n_next = self._n_waiting + 2 * len(packet.events)  # with one more like this
         if (
-            self._calm_us <= CALM_US
+            not self.is_calm
             or packet.t_end_us + length_us - begin_us > LONGEST_US
             or n_next > min(MOST_EVENTS, MOST_PER_US * length_us)
         ):

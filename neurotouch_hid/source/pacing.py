@@ -57,7 +57,12 @@ class PacedSource:
             self._wait(self.due_ns)
             yield packet
 
-    def attend(self, *, is_idle: bool) -> None:
+    def attend(
+        self,
+        *,
+        is_idle: bool,
+        wants_frames: bool = True,  # noqa: ARG002  # it has them anyway
+    ) -> None:
         """From now on slices that hold nothing but noise may come as one, or heads in advance."""
         self._lull.is_idle = is_idle
 

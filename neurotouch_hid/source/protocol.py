@@ -45,11 +45,12 @@ class Source(Protocol):
 class Attentive(Protocol):
     """A source that hands over its slices as the line needs them."""
 
-    def attend(self, *, is_idle: bool) -> None:
+    def attend(self, *, is_idle: bool, wants_frames: bool = True) -> None:
         """Says what the line does; it takes no note of any of this before.
 
-        While it is idle, slices that hold nothing but noise may come as one. Otherwise the head of
-        a slice (``EventPacket.is_head``) may come shortly before its end.
+        While it is idle, slices that hold nothing but noise may come as one, with fewer frames if
+        it wants no more. Otherwise the head of a slice (``EventPacket.is_head``) may come shortly
+        before its end.
         """
         ...
 

@@ -1,7 +1,8 @@
 """The driver alone at 5 million events/s and 25 frames/s: processor, delay, loss; both libraries.
 
-    python -m tests.benchmarks.camera [SECONDS] [MILLION_EVENTS_PER_S]
+    python -m tests.benchmarks.camera [SECONDS] [MILLION_EVENTS_PER_S] [rest]
 
+With ``rest`` the line says that nothing happens, and the camera sends what it sends then.
 The stream and all answers are the emulated camera's. Between it and the real Python bindings lies
 ``camera.c`` instead of libusb and Linux, so their part of the work is not in the figures; nor is
 its own, which is told apart. It needs gcc and libusb's header (Debian: libusb-1.0-0-dev). Each
@@ -28,17 +29,17 @@ from neurotouch_hid.emulator.requests import ControlEndpoint, Setup
 from neurotouch_hid.emulator.transfers import DataEndpoint
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 from neurotouch_hid.source.davis import CameraInfo, DavisConfig, DavisSource
+from neurotouch_hid.source.davis.camera import REST_DELAY_US
 from neurotouch_hid.source.davis.libusb import TRANSFER_BYTES, LibusbTransport
 from neurotouch_hid.source.davis.pyusb import TRANSFER_BYTES as PYUSB_BYTES
 from neurotouch_hid.source.davis.pyusb import PyusbTransport
+from neurotouch_hid.source.davis.stream import SNAP_S
 from neurotouch_hid.source.davis.usb import PatientWatch
 
 INFO = CameraInfo(1, 2, "1-1", "00000001", "DAVIS 346", 5000, 6)
 SLICE_US = 4_000
-FRAME_US = 40_000
 STEP_US = 125
 PACKET_BYTES = 1024
-EARLY_US = DavisConfig().early_packet_delay_us
 
 SWITCHES = (reg.CHIP_RUN, reg.USB_RUN, reg.TIMESTAMP_RUN, reg.MUX_RUN, reg.DVS_RUN, reg.APS_RUN)
 ANSWER = ctypes.CFUNCTYPE(
@@ -46,7 +47,19 @@ ANSWER = ctypes.CFUNCTYPE(
 )
 
 
-def see(seconds: float, rate: float) -> Iterator[EventPacket]:
+@dataclass(frozen=True, slots=True)
+class Pace:
+    """How often the camera sends frames, and how long data waits for a full packet."""
+
+    frame_us: int
+    early_us: int
+
+
+PLAY = Pace(DavisConfig().frame_interval_us, DavisConfig().early_packet_delay_us)
+REST = Pace(round(1e6 * SNAP_S), REST_DELAY_US)
+
+
+def see(seconds: float, rate: float, pace: Pace) -> Iterator[EventPacket]:
     """Events all over the sensor, of one rate, and frames."""
     rng = np.random.default_rng(0)
     events = np.zeros(round(rate * SLICE_US), EVENT_DTYPE)
@@ -58,7 +71,11 @@ def see(seconds: float, rate: float) -> Iterator[EventPacket]:
             rng.integers(260, size=len(events)),
         )
         events["p"] = rng.integers(2, size=len(events))
-        frames = (Frame(pixels, begin_us, begin_us + 4_000),) if not begin_us % FRAME_US else ()
+        frames = (
+            (Frame(pixels, begin_us, begin_us + 4_000),)
+            if begin_us % pace.frame_us < SLICE_US
+            else ()
+        )
         yield EventPacket(begin_us, begin_us + SLICE_US, events.copy(), frames)
 
 
@@ -99,15 +116,15 @@ class Stream:
         return STEP_US * (step - 1 + part)
 
 
-def record(seconds: float, rate: float) -> Stream:
+def record(seconds: float, rate: float, pace: Pace) -> Stream:
     """The emulated camera's stream, set up as the driver does it."""
     now_us = 0
     config = CameraConfig(fifo_bytes=1 << 40)
-    camera = EmulatedCamera(see(seconds, rate), config, clock_ns=lambda: 1000 * now_us)
+    camera = EmulatedCamera(see(seconds, rate, pace), config, clock_ns=lambda: 1000 * now_us)
     cycles_per_us = (
         camera.registers[reg.EARLY_PACKET_DELAY] / camera.registers.early_packet_delay_us
     )
-    camera.write(reg.EARLY_PACKET_DELAY, round(EARLY_US * cycles_per_us))
+    camera.write(reg.EARLY_PACKET_DELAY, round(pace.early_us * cycles_per_us))
     for switch in SWITCHES:
         camera.write(switch, 1)
     camera.write(reg.TIMESTAMP_RESET, 1)
@@ -172,9 +189,9 @@ class Bench:
         return len(answer) if is_in else n
 
 
-def play(library: str, standin: str, seconds: float, rate: float) -> dict[str, float]:
+def play(library: str, standin: str, seconds: float, rate: float, pace: Pace) -> dict[str, float]:
     """What one library makes of it."""
-    stream = record(seconds, rate)
+    stream = record(seconds, rate, pace)
     bench = Bench(library, standin, stream)
     gc.collect()
     gc.freeze()  # as ``run`` does it
@@ -189,6 +206,8 @@ def play(library: str, standin: str, seconds: float, rate: float) -> dict[str, f
             if not taken:
                 begun_s, used_s = now_s, time.process_time()
                 begun_ns = bench.standin.standin_used()
+            if pace is REST:
+                source.attend(is_idle=True, wants_frames=False)
             taken.append((packet.t_end_us, now_s))
             n_events, n_frames = n_events + len(packet.events), n_frames + len(packet.frames)
             gap += packet.gap
@@ -221,8 +240,9 @@ def play(library: str, standin: str, seconds: float, rate: float) -> dict[str, f
 def main() -> None:
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 10.0
     rate = float(sys.argv[2]) if len(sys.argv) > 2 else 5.0
-    if len(sys.argv) > 3:
-        print(json.dumps(play(sys.argv[3], sys.argv[4], seconds, rate)))
+    pace = REST if "rest" in sys.argv[3:] else PLAY
+    if len(sys.argv) > 4:
+        print(json.dumps(play(sys.argv[4], sys.argv[5], seconds, rate, pace)))
         return
     with tempfile.TemporaryDirectory() as folder:
         standin = str(Path(folder) / "libusb-standin.so")
@@ -232,7 +252,13 @@ def main() -> None:
         subprocess.run(build, check=True)
         for library in ("libusb1", "pyusb"):
             command = [sys.executable, "-m", "tests.benchmarks.camera"]
-            command += [str(seconds), str(rate), library, standin]
+            command += [
+                str(seconds),
+                str(rate),
+                "rest" if pace is REST else "play",
+                library,
+                standin,
+            ]
             said = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
             print(library, said.strip())
 

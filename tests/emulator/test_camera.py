@@ -112,6 +112,17 @@ def test_events_and_frames_have_switches_of_their_own():
         assert bool(heard.frames) == (switch == (1, 3))
 
 
+def test_frames_switched_on_and_off_at_once_are_one_frame():
+    host = Host(make_scene())
+    host.switch_on(exclude=[(2, 4)])
+    for value in (0, 1, 0):
+        host.write(2, 4, value)
+    host.wait(400_000)
+    heard = host.listen()
+    assert heard.events
+    assert len(heard.frames) == 1
+
+
 def test_the_scene_stands_still_while_nobody_looks():
     scene = make_scene()
     host = Host(scene)

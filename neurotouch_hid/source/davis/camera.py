@@ -25,6 +25,9 @@ SETTLE_S: Final = 0.2
 READY_S: Final = 0.05
 """From the stream's start to the first events (libcaer)."""
 
+REST_DELAY_US: Final = 1_000
+"""How long data may wait for a full packet while nothing happens: what cameras power up with."""
+
 log = logging.getLogger(__name__)
 
 
@@ -87,6 +90,7 @@ class Camera:
         self._sleep_s = sleep_s
         self.transport = transport
         self.layout = Layout()
+        self._usb_mhz = 0.0
         self._dropped: dict[Register, int] = {}
 
     def identify(self) -> CameraVersions:
@@ -153,6 +157,20 @@ class Camera:
         self.write(r.DVS_RUN, 1)
         self.write(r.APS_RUN, int(config.frames))
         self._write_together((r.MUX_TIMESTAMP_RESET, 1), (r.MUX_TIMESTAMP_RESET, 0))
+
+    def rest(self, config: DavisConfig) -> None:
+        """Sends fuller packets, and no more frames but those asked for."""
+        delay = round(max(REST_DELAY_US, config.early_packet_delay_us) * self._usb_mhz)
+        self._write_together((r.APS_RUN, 0), (r.USB_EARLY_PACKET_DELAY, delay))
+
+    def wake(self, config: DavisConfig) -> None:
+        """Sends all it has been configured for, a frame at once."""
+        delay = round(config.early_packet_delay_us * self._usb_mhz)
+        self._write_together((r.APS_RUN, int(config.frames)), (r.USB_EARLY_PACKET_DELAY, delay))
+
+    def snap(self) -> None:
+        """Asks a camera that rests for one frame: what has begun is finished."""
+        self._write_together((r.APS_RUN, 1), (r.APS_RUN, 0))
 
     def stop(self) -> None:
         """Switches everything off, if the camera is still there."""
@@ -234,10 +252,11 @@ class Camera:
         yield from ((r.CHIP_GLOBAL_SHUTTER, shutter), (r.APS_GLOBAL_SHUTTER, shutter))
         roi = c.frames_roi
         yield from zip(r.APS_ROI, (roi.x_begin, roi.y_begin, roi.x_end, roi.y_end), strict=True)
-        adc_mhz, usb_mhz = self._read_clock(r.SYSINFO_ADC_MHZ), self._read_clock(r.SYSINFO_USB_MHZ)
+        adc_mhz = self._read_clock(r.SYSINFO_ADC_MHZ)
+        self._usb_mhz = self._read_clock(r.SYSINFO_USB_MHZ)
         yield r.APS_EXPOSURE, round(c.exposure_us * adc_mhz)
         yield r.APS_FRAME_INTERVAL, round(c.frame_interval_us * adc_mhz)
-        yield r.USB_EARLY_PACKET_DELAY, round(c.early_packet_delay_us * usb_mhz)
+        yield r.USB_EARLY_PACKET_DELAY, round(c.early_packet_delay_us * self._usb_mhz)
 
     def _list_filters(self, c: DavisConfig) -> Iterable[tuple[Register, int]]:
         """Filters that this camera's logic has."""

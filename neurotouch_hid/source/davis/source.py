@@ -115,6 +115,7 @@ class DavisSource:
         self._chosen = self._serial = serial
         self._slice_us = slice_us
         self._lull = Lull()
+        self._wants_frames = True
         self._outbox = Outbox(max(1, max_delay_us // slice_us))
         self._closing = threading.Event()
         self._thread: threading.Thread | None = None
@@ -144,9 +145,9 @@ class DavisSource:
         if not self._closing.is_set():
             raise CameraError("The camera's thread has ended; this is a bug of the driver.")
 
-    def attend(self, *, is_idle: bool) -> None:
+    def attend(self, *, is_idle: bool, wants_frames: bool = True) -> None:
         """From now on slices that hold nothing but noise may come as one, or heads in advance."""
-        self._lull.is_idle = is_idle
+        self._lull.is_idle, self._wants_frames = is_idle, wants_frames
 
     @property
     def is_blind(self) -> bool:
@@ -228,7 +229,12 @@ class DavisSource:
         self._camera = None
         try:
             self._stream = Stream(
-                camera, self._config, self._slice_us, self._hand_over, self._stream
+                camera,
+                self._config,
+                self._slice_us,
+                self._hand_over,
+                lambda: self._lull.is_calm and not self._wants_frames,
+                self._stream,
             )
             if self._trouble:
                 log.warning("The camera %s plays.", self._serial)

@@ -4,6 +4,7 @@ import threading
 import time
 
 from neurotouch_hid.device import MemoryDevice
+from neurotouch_hid.evaluation.load import load_scene, shift_packet
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile import load_profile
@@ -67,3 +68,33 @@ def test_a_push_is_felt_through_the_camera_and_again_after_it_was_pulled_out(pus
     times = [step.markers.t_us for step in player.seen]
     assert times == sorted(times)
     assert player.pad.states[-1].is_neutral
+
+
+def test_few_frames_come_while_nothing_happens_and_all_of_them_when_it_is_touched(push):
+    rest = load_scene("rest", 10_000, 2_500_000).packets
+    touched = (shift_packet(packet, 2_500_000) for packet in push.packets)
+    cable = Cable(emulate([*rest, *touched]))
+    line = Pipeline.build(load_profile("spacecraft"), GestureConfig(), live=True)
+    warm_up(Pipeline.build(load_profile("spacecraft"), GestureConfig(), live=True))
+    stop, seen, idle = threading.Event(), [], []
+
+    def look(step):
+        seen.append(step)
+        idle.append(line.is_at_rest)
+        if cable.camera.ended or step.packet.t_end_us > 60_000_000:
+            stop.set()
+
+    with DavisSource(cameras=cable, max_delay_us=60_000_000) as source:
+        run_line(source, line, MemoryDevice(), [look], stop=stop)
+    pushed = [k for k, step in enumerate(seen) if step.gesture.kind is GestureKind.PUSH]
+    rested = range(idle.index(True), pushed[0] - 5)
+    assert len(pushed) > 50
+    assert count_frames(seen, rested) < 8.0
+    assert count_frames(seen, pushed) > 20.0
+
+
+def count_frames(steps, chosen):
+    """Frames a second of the camera's time."""
+    packets = [steps[k].packet for k in chosen]
+    length_us = sum(packet.t_end_us - packet.t_begin_us for packet in packets)
+    return 1e6 * sum(len(packet.frames) for packet in packets) / length_us

@@ -6,7 +6,7 @@ import operator
 import threading
 import time
 from dataclasses import replace
-from itertools import pairwise
+from itertools import islice, pairwise
 
 import numpy as np
 import pytest
@@ -20,10 +20,11 @@ from neurotouch_hid.runtime import Pipeline, run_line
 from neurotouch_hid.source import LiveSource
 from neurotouch_hid.source.davis import Biases, DavisConfig, DavisSource, Roi
 from neurotouch_hid.source.davis.registers import CoarseFine
-from neurotouch_hid.source.davis.stream import AWAKE_US, MAX_FAULTS
+from neurotouch_hid.source.davis.stream import AWAKE_US, MAX_FAULTS, SNAP_S
 from neurotouch_hid.source.davis.transport import StreamHaltedError
 from neurotouch_hid.source.davis.usb import PatientWatch, Usb
 from tests.source.davis.camera import INFO, ScriptedCamera, gone, make_events
+from tests.source.davis.words import pack
 
 
 def open_camera(camera, *args, **options):
@@ -128,6 +129,70 @@ def test_a_line_that_has_said_nothing_gets_whole_slices():
     camera.at_reset.append([make_events(ms, ms + 2) for ms in range(0, 40, 2)])
     with open_camera(camera, slice_us=3_500) as source:
         assert not any(packet.is_head for packet in take(source, 10))
+
+
+REST = [(2, 4, 0), (9, 1, 80_640)]  # no more frames; data waits for 1 ms of 80.64 MHz
+SNAP = [(2, 4, 1), (2, 4, 0)]
+WAKE = [(2, 4, 1), (9, 1, 20_160)]
+BURST = pack("3005 " * 60)
+
+
+def noise():
+    """A stream of an event every ms, in pieces of 4 ms."""
+    stream = make_events(0, 60_000)
+    return (stream[k : k + 24] for k in range(0, len(stream), 24))
+
+
+def play_calm(camera, source, stream, until):
+    """Takes slices as an idle line does that has seen the gel at rest."""
+    deadline_s = time.monotonic() + 60.0
+    for packet in source.turns():
+        if packet is not None:
+            source.attend(is_idle=True, wants_frames=False)
+        if until():
+            return
+        assert time.monotonic() < deadline_s, asked(camera)
+        if not camera.script:
+            camera.script.append(next(stream))
+
+
+def asked(camera):
+    """What was written to it since its clock was reset."""
+    log = camera.log
+    return log[log.index((0, 2, 0)) + 1 :] if (0, 2, 0) in log else []
+
+
+def test_a_camera_rests_while_nothing_happens_and_wakes_up_at_the_first_motion():
+    camera, stream = ScriptedCamera(), noise()
+    with open_camera(camera, slice_us=4_000) as source:
+        play_calm(camera, source, stream, lambda: len(asked(camera)) >= 6)
+        assert asked(camera)[:6] == [*REST, *SNAP, *SNAP]
+        camera.script.append(BURST)
+        play_calm(camera, source, stream, lambda: WAKE[1] in asked(camera))
+        woke = asked(camera).index(WAKE[1])
+        assert asked(camera)[woke - 1 : woke + 1] == WAKE
+
+
+def test_a_camera_does_not_rest_while_its_frames_are_wanted():
+    camera = ScriptedCamera()
+    camera.at_reset.append(islice(noise(), 200))
+    with open_camera(camera, slice_us=4_000) as source:
+        for packet in source.turns():
+            source.attend(is_idle=True)
+            if packet is not None and packet.t_end_us > 500_000:
+                break
+        assert asked(camera) == []
+
+
+def test_a_camera_without_frames_rests_without_frames():
+    camera, stream = ScriptedCamera(), noise()
+    with open_camera(camera, config=DavisConfig(frames=False), slice_us=4_000) as source:
+        play_calm(camera, source, stream, lambda: len(asked(camera)) >= 2)
+        begun_s = time.monotonic()
+        play_calm(camera, source, stream, lambda: time.monotonic() > begun_s + 2 * SNAP_S)
+        camera.script.append(BURST)
+        play_calm(camera, source, stream, lambda: len(asked(camera)) >= 4)
+        assert asked(camera)[:4] == [*REST, (2, 4, 0), WAKE[1]]
 
 
 def test_transfers_are_queued_before_anything_runs_and_the_clock_is_reset_last():
