@@ -70,8 +70,10 @@ def shift_packet(
     Args:
         packet: the slice.
         shift_us: what to add to its stamps.
-        events: what it then holds; a copy of its own without.
+        events: what it then holds; its own without.
     """
+    if events is None and not shift_us:
+        return packet
     if events is None:
         events = packet.events.view(_BLOCK).copy().view(EVENT_DTYPE)
         events["t"] += shift_us

@@ -13,7 +13,7 @@ from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector
 
 IDLE_US: Final = 500_000
 """How long nothing must have been done before the line counts as idle."""
-IDLE_FRAME_US: Final = 200_000
+IDLE_FRAME_US: Final = 240_000
 """How often an idle line looks at a frame of a gel that was at rest in the one before."""
 
 
