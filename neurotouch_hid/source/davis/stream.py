@@ -31,8 +31,7 @@ CALM_REST_US: Final = 8_000
 """The same while nothing happens: it saves half of the driver's work, and the first motion is seen
 4 ms later on average. At 12 million events/s this fills half of the transfers."""
 SNAP_S: Final = 0.25
-"""How often a camera that rests is asked for a frame: more seldom than an idle line looks at one, or
-those that come a little too soon would be passed over."""
+"""How often a camera that rests is asked for a frame: so seldom that an idle line looks at each."""
 COUNT_S: Final = 1.0
 """How often the camera is asked how much it has dropped."""
 SILENCE_S: Final = 2.0
