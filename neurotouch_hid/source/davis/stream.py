@@ -28,8 +28,8 @@ makes the slice as much later as the line is quicker with it."""
 MOST_REST_US: Final = 4_000
 """At 70 MB/s, 12 million events/s, this fills a fourth of the transfers."""
 CALM_REST_US: Final = 8_000
-"""The same while nothing happens: it saves half of the driver's work, and the first motion is seen
-4 ms later on average. At 12 million events/s this fills half of the transfers."""
+"""The same while nothing happens: this saves a third of its work, and the first motion is seen
+4 ms later on average. At 12 million events/s it fills half of the transfers."""
 SNAP_S: Final = 0.25
 """How often a camera that rests is asked for a frame: so seldom that an idle line looks at each."""
 COUNT_S: Final = 1.0
