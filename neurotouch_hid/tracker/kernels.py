@@ -31,6 +31,8 @@ SLOW_PX_S = 60.0  # direction and sides of a slower marker are not known for sur
 SEEN_HZ = 100.0  # two events within ``rate_us`` beyond the noise: a lost marker makes some again
 SETTLED_PX = 1.5  # nearer to where its neighbours, who agree as well as that, expect it
 FRAMELESS_US = 500_000  # without a frame for so long, events have to find lost markers
+FEW = 6  # events of a marker: a whole pixel of motion makes more
+STILL_US = 8_000  # a gel without motion is checked as often as that
 SECOND = 1e-6  # in µs
 
 
@@ -241,6 +243,23 @@ def shift(markers: NDArray[np.intp], by_px: NDArray[np.float64], tracks: Tracks)
     list_markers(tracks.aim_px, tracks.near, tracks.n_near, tracks.listed)
 
 
+@njit(cache=True, nogil=True, inline="always")
+def _last_check_us(tracks: Tracks) -> int:
+    return tracks.past_us[(tracks.clock[1] - 1) % len(tracks.past_us)]
+
+
+@njit(cache=True, nogil=True)
+def _may_wait(t_us: int, tracks: Tracks) -> bool:
+    """Since the last check, which was not long ago, no marker can have moved by a pixel."""
+    last_us = _last_check_us(tracks)
+    if last_us < 0 or t_us - last_us >= STILL_US:
+        return False
+    most = 0
+    for i in range(len(tracks.n_new)):
+        most = max(most, tracks.n_new[i])
+    return most <= FEW
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     """How far the events of each marker are to be believed, and on which side they lie.
@@ -250,8 +269,9 @@ def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     marker that moves brightens the pixels ahead of it and darkens those behind it.
     """
     state, rate, n_new = tracks.state, tracks.rate_hz, tracks.n_new
-    n, dt = len(state), tuning.check_us * SECOND
-    share = dt / tuning.rate_s
+    n, last_us = len(state), _last_check_us(tracks)
+    dt = SECOND * (t_us - last_us if last_us >= 0 else tuning.check_us)
+    share = -math.expm1(-dt / tuning.rate_s)
     for i in range(n):
         rate[i] += share * (n_new[i] / dt - rate[i])
         n_new[i] = 0
@@ -372,7 +392,8 @@ def advance(
     clock = tracks.clock
     while clock[0] <= until_us:
         start = filter_events(events, start, clock[0], tracks, tuning)
-        check(clock[0], tracks, tuning)
+        if not _may_wait(clock[0], tracks):
+            check(clock[0], tracks, tuning)
         clock[0] += tuning.check_us
     start = filter_events(events, start, until_us, tracks, tuning)
     now_px = np.empty(position_px.shape)

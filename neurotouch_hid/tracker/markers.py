@@ -14,7 +14,7 @@ from neurotouch_hid.tracker.correction import kernels as correction
 from neurotouch_hid.tracker.image import BlobFinder, Blobs
 from neurotouch_hid.tracker.nearest import kernels as nearest
 
-_PAST = 64  # checks remembered: 128 ms, longer than any exposure and its way to us
+_PAST = 64  # checks remembered: at least 128 ms, longer than any exposure and its way to us
 _MAX_DRIFT_PX = 1.0  # a marker farther off its rest position is being pushed
 _TOUCH_PX = 0.2  # farther off than the rest of the gel: a soft touch that passes for rest
 _DRIFT_US = 20e6  # time in which the rest position follows: a rig drifts over minutes ...
@@ -39,7 +39,8 @@ class TrackerConfig:
         q_v: growth of a velocity's variance, px²/s³.
         memory_us: a velocity fades within this time when a marker makes no events.
         quiet_us: events that come in longer intervals than this are more and more likely noise.
-        check_us: time between two checks; the neighbours are looked at every second time.
+        check_us: time between two checks, up to 8 ms while nothing moves; the neighbours are looked
+            at every second time.
         max_stray_px: a marker may be off the median of its neighbours' displacements by this ...
         max_stray_ratio: ... plus so many times the spread of these displacements: near the edge
             of a finger they differ by many pixels.

@@ -74,10 +74,13 @@ def tear(positions, usable, rest, neighbours, least):
     return torn
 
 
-def weigh(t, motion, count, rate, noise, neighbours, n_checks, tuning):
-    """Rates, noise, variances and leads of all markers; ``motion`` rows vx, vy, since."""
-    dt = tuning.check_us * SECOND
-    share = dt / tuning.rate_s
+def weigh(t, motion, count, rate, noise, neighbours, n_checks, last, tuning):
+    """Rates, noise, variances and leads of all markers; ``motion`` rows vx, vy, since.
+
+    ``last`` is the moment of the last check.
+    """
+    dt = (t - last) * SECOND
+    share = 1 - math.exp(-dt / tuning.rate_s)
     rate = [(1 - share) * r + share * n / dt for r, n in zip(rate, count, strict=True)]
     quiet = sorted(rate)[len(rate) // 4]
     noise += (quiet - noise) * dt / (0.1 if quiet < noise else min(5.0, dt * (n_checks + 1)))

@@ -50,12 +50,16 @@ def test_the_past_is_remembered_between_checks_and_no_longer_than_the_ring():
     for t_us in range(0, 200_000, 2_000):
         kernels.check(t_us, tracks, TUNING)
         tracks.clock[0] += 2_000
-    assert recall(197_000, 2_000, tracks, out)
+    assert recall(197_000, tracks, out)
     ring = tracks.past_px[(tracks.clock[1] - 1) % 64]
     np.testing.assert_allclose(out, ring, atol=1e-9)
-    assert recall(198_500, 2_000, tracks, out)  # after the last check
-    assert not recall(70_000, 2_000, tracks, out)
-    assert not recall(260_000, 2_000, tracks, out)
+    assert recall(198_500, tracks, out)  # after the last check
+    assert not recall(70_000, tracks, out)
+    assert not recall(260_000, tracks, out)
+    kernels.check(206_000, tracks, TUNING)  # it had waited
+    assert recall(204_000, tracks, out)
+    before, after = (tracks.past_px[(tracks.clock[1] - k) % 64] for k in (2, 1))
+    np.testing.assert_allclose(out, before + 0.75 * (after - before), atol=1e-9)
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.01, 3.0))

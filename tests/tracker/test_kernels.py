@@ -181,9 +181,13 @@ def test_a_marker_that_follows_its_neighbour_is_not_valid():
     np.testing.assert_allclose(tracks.state[88, :2], REST_PX[88], atol=0.5)
 
 
-@given(st.integers(0, 2**32 - 1), st.sampled_from([0, 30, 100_000]))
+@given(
+    st.integers(0, 2**32 - 1),
+    st.sampled_from([0, 30, 100_000]),
+    st.sampled_from([2_000, 4_000, 8_000]),
+)
 @settings(max_examples=20, deadline=None)
-def test_weights_are_those_of_the_plain_twin(seed, n_checks):
+def test_weights_are_those_of_the_plain_twin(seed, n_checks, elapsed_us):
     rng = np.random.default_rng(seed)
     tracks = make_tracks(REST_PX)
     tracks.state[:, kernels.VX : kernels.VY + 1] = rng.normal(0, 200, (177, 2))
@@ -193,16 +197,34 @@ def test_weights_are_those_of_the_plain_twin(seed, n_checks):
     tracks.noise_hz[0] = rng.uniform(0, 2000)
     tracks.clock[1] = n_checks
     twin = reference.weigh(
-        2_000, tracks.state[:, [2, 3, 7]].tolist(), tracks.n_new.tolist(),
-        tracks.rate_hz.tolist(), float(tracks.noise_hz[0]), NEIGHBOURS.tolist(), n_checks, TUNING,
+        10_000, tracks.state[:, [2, 3, 7]].tolist(), tracks.n_new.tolist(), tracks.rate_hz.tolist(),
+        float(tracks.noise_hz[0]), NEIGHBOURS.tolist(), n_checks, 10_000 - elapsed_us, TUNING,
     )  # fmt: skip
-    kernels.weigh(2_000, tracks, TUNING)
+    tracks.past_us[(n_checks - 1) % len(tracks.past_us)] = 10_000 - elapsed_us
+    kernels.weigh(10_000, tracks, TUNING)
     rate, noise, r_px2, lead_px = twin
     np.testing.assert_allclose(tracks.rate_hz, rate)
     np.testing.assert_allclose(tracks.noise_hz[0], noise)
     np.testing.assert_allclose(tracks.r_px2, r_px2)
     np.testing.assert_allclose(tracks.state[:, kernels.LEAD_X : kernels.LEAD_Y + 1], lead_px)
     assert not tracks.n_new.any()
+
+
+@pytest.mark.parametrize(("n_events", "n_checks"), [(0, 13), (1, 13), (3, 17), (9, 50)])
+def test_a_gel_without_motion_is_checked_less_often(n_events, n_checks):
+    tracks = make_tracks(REST_PX)
+    kernels.place(np.arange(177), REST_PX, 1.0, 0.0, tracks, TUNING)
+    tracks.clock[0] = 2_000
+    events = np.zeros(50 * n_events, EVENT_DTYPE)  # in each 2 ms some of one marker
+    events["t"] = np.repeat(1_000 + 2_000 * np.arange(50), n_events)
+    events["x"], events["y"] = REST_PX[80].round()
+    field, valid = np.empty((177, 2), np.float32), np.empty(177, np.bool_)
+    kernels.advance(events, 0, 100_000, tracks, TUNING, field, valid)
+    assert tracks.clock[1] == n_checks
+    checked_us = tracks.past_us[:n_checks]
+    assert checked_us[0] == 2_000
+    assert np.diff(checked_us).max() <= kernels.STILL_US
+    assert not (checked_us % TUNING.check_us).any()
 
 
 def test_noise_is_not_believed_and_motion_is():

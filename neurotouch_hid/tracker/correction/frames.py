@@ -46,7 +46,7 @@ class FrameCorrection:
         neighbour: it is put where its own neighbours say that it is now.
         """
         then_px = np.empty((N_MARKERS, 2))
-        if not correction.recall(rest.t_us, self._tuning.check_us, self._tracks, then_px):
+        if not correction.recall(rest.t_us, self._tracks, then_px):
             return
         tracks = self._tracks
         error = rest.position_px - then_px

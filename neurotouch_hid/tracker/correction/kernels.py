@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from neurotouch_hid.tracker.kernels import Tracks, Tuning
+from neurotouch_hid.tracker.kernels import STILL_US, Tracks, Tuning
 from neurotouch_hid.tracker.matching.kernels import match_points
 from neurotouch_hid.tracker.neighbours.kernels import expect, strays
 
@@ -18,23 +18,19 @@ MIN_MATCHED = 60  # a third; with fewer the picture or all tracks are wrong
 
 
 @njit(cache=True, nogil=True)
-def _find_check(t_us: int, check_us: int, tracks: Tracks) -> int:
-    """Where the positions at one check lie in the ring, -1 if they do not."""
-    n = len(tracks.past_us)
-    slot = (tracks.clock[1] - (tracks.clock[0] - t_us) // check_us) % n
-    return slot if tracks.past_us[slot] == t_us else -1
-
-
-@njit(cache=True, nogil=True)
-def recall(t_us: int, check_us: int, tracks: Tracks, out_px: NDArray[np.float64]) -> bool:
+def recall(t_us: int, tracks: Tracks, out_px: NDArray[np.float64]) -> bool:
     """All positions at a past moment: out (n, 2), filled in; False if nobody remembers it."""
-    part = t_us % check_us / check_us
-    before = _find_check(t_us // check_us * check_us, check_us, tracks)
-    after = _find_check(-(-t_us // check_us) * check_us, check_us, tracks)
-    if before < 0:
-        return False
-    if after < 0:  # the moment is after the last check
+    past_us, n_checks = tracks.past_us, tracks.clock[1]
+    before = after = (n_checks - 1) % len(past_us)
+    for back in range(len(past_us)):
+        before = (n_checks - 1 - back) % len(past_us)
+        if past_us[before] <= t_us:
+            break
         after = before
+    elapsed_us, span_us = t_us - past_us[before], past_us[after] - past_us[before]
+    if past_us[before] < 0 or elapsed_us < 0 or elapsed_us > STILL_US:
+        return False
+    part = elapsed_us / span_us if span_us else 0.0  # the moment is after the last check
     for i in range(len(out_px)):
         for axis in range(2):
             one, other = tracks.past_px[before, i, axis], tracks.past_px[after, i, axis]
@@ -139,9 +135,9 @@ def correct(
     begin_px, then_px, end_px = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2))
     if not (
         len(points_px) >= MIN_MATCHED
-        and recall(begin_us, tuning.check_us, tracks, begin_px)
-        and recall(t_us, tuning.check_us, tracks, then_px)
-        and recall(end_us, tuning.check_us, tracks, end_px)
+        and recall(begin_us, tracks, begin_px)
+        and recall(t_us, tracks, then_px)
+        and recall(end_us, tracks, end_px)
     ):
         return nobody, nowhere
     sharp, blob = np.empty(n, np.bool_), np.empty(n, np.int32)
