@@ -245,7 +245,7 @@ def shift(markers: NDArray[np.intp], by_px: NDArray[np.float64], tracks: Tracks)
 
 @njit(cache=True, nogil=True, inline="always")
 def _last_check_us(tracks: Tracks) -> int:
-    return tracks.past_us[(tracks.clock[1] - 1) % len(tracks.past_us)]
+    return int(tracks.past_us[(tracks.clock[1] - 1) % len(tracks.past_us)])
 
 
 @njit(cache=True, nogil=True)
