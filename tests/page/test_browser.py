@@ -17,10 +17,13 @@ WIDTHS = {"desk": (1280, 1000), "phone": (360, 740)}
 
 
 def wait_for_say(page, words: str) -> str:
-    page.wait_for_function(
-        "words => document.getElementById('say').textContent.startsWith(words)", arg=words
+    """What it said then: a moment later it may say something else."""
+    said = page.wait_for_function(
+        "words => { const said = document.getElementById('say').textContent;"
+        " return said.startsWith(words) && said; }",
+        arg=words,
     )
-    return page.inner_text("#say")
+    return said.json_value()
 
 
 def wait_on(page, happened) -> None:
