@@ -243,26 +243,27 @@ class _Progress:
         before = self._recorder.stats()
         while not self._done.wait(period_s):
             now = self._recorder.stats()
-            line = self._describe(before, now, period_s)
+            line = self._describe(before, now)
             click.echo(line if self._plain else f"\r\x1b[K{line}", err=True, nl=self._plain)
             before = now
         if not self._plain:
             click.echo("\r\x1b[K", err=True, nl=False)
 
-    def _describe(self, before: "RecorderStats", now: "RecorderStats", period_s: float) -> str:
+    def _describe(self, before: "RecorderStats", now: "RecorderStats") -> str:
+        """Rates are per second of the source, which may be quicker or slower than ours."""
         free = shutil.disk_usage(self._folder).free
-        events_hz = (now.events - before.events) / period_s
+        seconds = max(now.seconds - before.seconds, 1e-6)
         parts = [
             f"{now.seconds:.0f} s",
-            f"{events_hz:,.0f} events/s",
-            f"{(now.frames - before.frames) / period_s:.0f} frames/s",
+            f"{(now.events - before.events) / seconds:,.0f} events/s",
+            f"{(now.frames - before.frames) / seconds:.0f} frames/s",
             f"{now.lost_before + now.lost_here:,} events lost",
             f"{now.size_bytes / 1e6:,.0f} MB",
             f"{free / 1e9:,.1f} GB free",
         ]
         grown = now.size_bytes - before.size_bytes
         if grown:
-            parts.append(f"room for {free / grown * period_s / 60:,.0f} min")
+            parts.append(f"room for {free / grown * seconds / 60:,.0f} min")
         else:
             parts.append("WARNING nothing comes from the source")
         return ", ".join(parts)
