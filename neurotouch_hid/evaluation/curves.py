@@ -28,6 +28,7 @@ from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline, warm_up
 from neurotouch_hid.tracker import TrackerConfig, kernels
 from neurotouch_hid.tracker.markers import make_tracks
+from neurotouch_hid.tracker.tracks import kernels as track_kernels
 
 RATES: Final = (0.1e6, 0.3e6, 1e6, 3e6, 6e6, 12e6)
 """Events a second: a slow push to the sensor's ceiling."""
@@ -93,7 +94,7 @@ def measure_markers(n: int) -> float:
     config = TrackerConfig()
     tracks, tuning = make_tracks(neighbours, config), config.tuning()
     tracks.rest_px[:] = rest_px
-    kernels.place(np.arange(n), rest_px, 1.0, 0.0, tracks, tuning)
+    track_kernels.place(np.arange(n), rest_px, 1.0, 0.0, tracks, tuning)
     events = _swing(rest_px)
     half = len(events) // 2
     where = np.empty((n, 2), np.float32), np.empty(n, np.bool_)

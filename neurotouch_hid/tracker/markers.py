@@ -13,6 +13,7 @@ from neurotouch_hid.tracker.correction import FrameCorrection
 from neurotouch_hid.tracker.correction import kernels as correction
 from neurotouch_hid.tracker.image import BlobFinder, Blobs
 from neurotouch_hid.tracker.nearest import kernels as nearest
+from neurotouch_hid.tracker.tracks import kernels as track_kernels
 
 _PAST = 64  # checks remembered: at least 128 ms, longer than any exposure and its way to us
 _MAX_DRIFT_PX = 1.0  # a marker farther off its rest position is being pushed
@@ -67,20 +68,20 @@ class TrackerConfig:
     lead_px: float = 1.0
     search: Literal["tiles", "all"] = "tiles"
 
-    def tuning(self) -> kernels.Tuning:
+    def tuning(self) -> track_kernels.Tuning:
         """The same as the kernels take it."""
-        return kernels.Tuning(
+        return track_kernels.Tuning(
             self.gate_px,
             self.r_px2,
             self.spread_px,
             self.q_x,
             self.q_v,
-            self.memory_us * kernels.SECOND,
-            self.quiet_us * kernels.SECOND,
+            self.memory_us * track_kernels.SECOND,
+            self.quiet_us * track_kernels.SECOND,
             self.check_us,
             self.max_stray_px,
             self.max_stray_ratio,
-            self.rate_us * kernels.SECOND,
+            self.rate_us * track_kernels.SECOND,
             self.n_sigma,
             self.lead_px,
             self.search == "all",
@@ -106,7 +107,7 @@ class TrackerStats:
     n_valid: int
 
 
-def make_tracks(neighbours: NDArray[np.intp], config: TrackerConfig) -> kernels.Tracks:
+def make_tracks(neighbours: NDArray[np.intp], config: TrackerConfig) -> track_kernels.Tracks:
     """Tracks of n markers that are nowhere yet.
 
     Args:
@@ -114,8 +115,8 @@ def make_tracks(neighbours: NDArray[np.intp], config: TrackerConfig) -> kernels.
         config: how events will move them.
     """
     n, n_tiles = len(neighbours), nearest.ROWS * nearest.COLUMNS
-    return kernels.Tracks(
-        state=np.zeros((n, kernels.ROW)),
+    return track_kernels.Tracks(
+        state=np.zeros((n, track_kernels.ROW)),
         aim_px=np.zeros((n, 4)),
         near=np.zeros((nearest.CAPACITY, n_tiles), np.uint16),
         n_near=np.zeros(n_tiles, np.uint8),
@@ -171,7 +172,7 @@ class MarkerTracker:
             tracks.rest_px[:] = measured
             if not self._anchored:
                 t_us = float(rest.t_us if self._end_us is None else self._end_us)
-                kernels.place(np.arange(N_MARKERS), measured, 1.0, t_us, tracks, self._tuning)
+                track_kernels.place(np.arange(N_MARKERS), measured, 1.0, t_us, tracks, self._tuning)
                 self._restart(int(t_us))
                 self._anchored = True
         else:
@@ -244,11 +245,11 @@ class MarkerTracker:
     def _restart(self, t_us: int) -> None:
         """Events are missing: forget velocities and the past, keep positions."""
         tracks = self._tracks
-        tracks.state[:, kernels.VX : kernels.VY + 1] = 0.0
-        tracks.state[:, kernels.A : kernels.C + 1] = (1.0, 0.0, 100.0)
-        tracks.state[:, kernels.T] = t_us
-        tracks.state[:, kernels.LEAD_X :] = 0.0
-        kernels.aim(float(t_us), tracks, self._tuning)
+        tracks.state[:, track_kernels.VX : track_kernels.VY + 1] = 0.0
+        tracks.state[:, track_kernels.A : track_kernels.C + 1] = (1.0, 0.0, 100.0)
+        tracks.state[:, track_kernels.T] = t_us
+        tracks.state[:, track_kernels.LEAD_X :] = 0.0
+        track_kernels.aim(float(t_us), tracks, self._tuning)
         tracks.n_new[:] = 0
         tracks.past_us[:] = -1
         tracks.clock[0] = -(-t_us // self._config.check_us) * self._config.check_us

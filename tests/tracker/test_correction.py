@@ -8,6 +8,7 @@ from neurotouch_hid.geometry import LATTICE_MM, NEIGHBOURS, Rig
 from neurotouch_hid.tracker import TrackerConfig, kernels
 from neurotouch_hid.tracker.correction.kernels import assign_blobs, drift, median_size, recall
 from neurotouch_hid.tracker.markers import make_tracks
+from neurotouch_hid.tracker.tracks import kernels as track_kernels
 from tests.reference import tracker as reference
 
 REST_PX = Rig((172.0, 130.0), 2.5, 0.1).to_px(LATTICE_MM)
@@ -44,8 +45,8 @@ def test_blobs_are_those_of_the_plain_twin(seed, share):
 def test_the_past_is_remembered_between_checks_and_no_longer_than_the_ring():
     tracks = make_tracks(NEIGHBOURS, TrackerConfig())
     tracks.rest_px[:] = REST_PX
-    kernels.place(np.arange(177), REST_PX, 1.0, 0.0, tracks, TUNING)
-    tracks.state[:, kernels.VX] = 100.0
+    track_kernels.place(np.arange(177), REST_PX, 1.0, 0.0, tracks, TUNING)
+    tracks.state[:, track_kernels.VX] = 100.0
     out = np.empty((177, 2))
     for t_us in range(0, 200_000, 2_000):
         kernels.check(t_us, tracks, TUNING)

@@ -11,6 +11,7 @@ from neurotouch_hid.tracker import TrackerConfig, kernels
 from neurotouch_hid.tracker.markers import make_tracks as make_empty_tracks
 from neurotouch_hid.tracker.nearest import kernels as nearest_kernels
 from neurotouch_hid.tracker.neighbours.kernels import collide, expect, tear
+from neurotouch_hid.tracker.tracks import kernels as track_kernels
 from tests.reference import tracker as reference
 
 REST_PX = Rig((172.0, 130.0), 2.5, 0.1).to_px(LATTICE_MM)
@@ -27,7 +28,7 @@ def make_tracks(position_px, search="tiles"):
 
 def put(tracks, markers, at_px, t_us=0.0):
     at_px = np.array(at_px, np.float64).reshape(-1, 2)
-    kernels.place(np.array(markers, np.intp), at_px, 1.0, t_us, tracks, TUNING)
+    track_kernels.place(np.array(markers, np.intp), at_px, 1.0, t_us, tracks, TUNING)
 
 
 def find_nearest(x, y, on, gate_px, tracks):
@@ -56,9 +57,11 @@ def test_filter_equals_a_matrix_filter_with_a_search_of_all(seed, scatter, searc
     near = rng.integers(0, len(position), 600)  # most events lie around a marker
     events["x"][:500] = np.clip(position[near, 0] + rng.normal(0, 2, 600), 0, 345)[:500]
     events["y"][:500] = np.clip(position[near, 1] + rng.normal(0, 2, 600), 0, 259)[:500]
-    tracks.state[:, kernels.LEAD_X : kernels.LEAD_Y + 1] = rng.uniform(-0.7, 0.7, (177, 2))
+    tracks.state[:, track_kernels.LEAD_X : track_kernels.LEAD_Y + 1] = rng.uniform(
+        -0.7, 0.7, (177, 2)
+    )
     tracks.r_px2[:] = rng.uniform(5, 50, 177)
-    kernels.aim(10_000.0, tracks, tuning)
+    track_kernels.aim(10_000.0, tracks, tuning)
     state, aim = tracks.state.tolist(), tracks.aim_px.tolist()
 
     assert kernels.filter_events(events, 0, 20_000, tracks, tuning) == 600
@@ -73,7 +76,7 @@ def test_filter_stops_at_the_moment_given():
     tracks = make_tracks(REST_PX)
     cut = kernels.filter_events(events, 0, 9_000, tracks, TUNING)
     assert cut == (events["t"] < 9_000).sum()
-    assert tracks.state[:, kernels.T].max() < 9_000
+    assert tracks.state[:, track_kernels.T].max() < 9_000
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -84,8 +87,8 @@ def test_lists_hide_no_marker_wherever_they_wander(seed):
     for i in rng.integers(0, 177, 20):
         put(tracks, [i], rng.uniform((-900, -900), (900, 900)))
     lead_px = rng.uniform(-0.7, 0.7, (177, 2))
-    tracks.state[:, kernels.LEAD_X : kernels.LEAD_Y + 1] = lead_px
-    kernels.aim(0.0, tracks, TUNING)
+    tracks.state[:, track_kernels.LEAD_X : track_kernels.LEAD_Y + 1] = lead_px
+    track_kernels.aim(0.0, tracks, TUNING)
     for on in (True, False):
         expected = (tracks.state[:, :2] + (lead_px if on else -lead_px)).tolist()
         for x, y in rng.integers(0, (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX), (100, 2)).tolist():
@@ -190,8 +193,8 @@ def test_a_marker_that_follows_its_neighbour_is_not_valid():
 def test_weights_are_those_of_the_plain_twin(seed, n_checks, elapsed_us):
     rng = np.random.default_rng(seed)
     tracks = make_tracks(REST_PX)
-    tracks.state[:, kernels.VX : kernels.VY + 1] = rng.normal(0, 200, (177, 2))
-    tracks.state[:, kernels.T] = rng.uniform(-30_000, 2_000, 177)
+    tracks.state[:, track_kernels.VX : track_kernels.VY + 1] = rng.normal(0, 200, (177, 2))
+    tracks.state[:, track_kernels.T] = rng.uniform(-30_000, 2_000, 177)
     tracks.rate_hz[:] = rng.uniform(0, 2000, 177)
     tracks.n_new[:] = rng.integers(0, 20, 177)
     tracks.noise_hz[0] = rng.uniform(0, 2000)
@@ -206,14 +209,16 @@ def test_weights_are_those_of_the_plain_twin(seed, n_checks, elapsed_us):
     np.testing.assert_allclose(tracks.rate_hz, rate)
     np.testing.assert_allclose(tracks.noise_hz[0], noise)
     np.testing.assert_allclose(tracks.r_px2, r_px2)
-    np.testing.assert_allclose(tracks.state[:, kernels.LEAD_X : kernels.LEAD_Y + 1], lead_px)
+    np.testing.assert_allclose(
+        tracks.state[:, track_kernels.LEAD_X : track_kernels.LEAD_Y + 1], lead_px
+    )
     assert not tracks.n_new.any()
 
 
 @pytest.mark.parametrize(("n_events", "n_checks"), [(0, 13), (1, 13), (3, 17), (9, 50)])
 def test_a_gel_without_motion_is_checked_less_often(n_events, n_checks):
     tracks = make_tracks(REST_PX)
-    kernels.place(np.arange(177), REST_PX, 1.0, 0.0, tracks, TUNING)
+    track_kernels.place(np.arange(177), REST_PX, 1.0, 0.0, tracks, TUNING)
     tracks.clock[0] = 2_000
     events = np.zeros(50 * n_events, EVENT_DTYPE)  # in each 2 ms some of one marker
     events["t"] = np.repeat(1_000 + 2_000 * np.arange(50), n_events)
@@ -241,11 +246,11 @@ def test_noise_is_not_believed_and_motion_is():
 
 def test_prediction_goes_on_for_a_while_and_then_stops():
     tracks = make_tracks(REST_PX[:1])
-    tracks.state[0, kernels.VX] = 100.0
+    tracks.state[0, track_kernels.VX] = 100.0
     out = np.empty((1, 2))
 
     def travelled(t_us):
-        kernels.predict(t_us, 0.02, tracks, out)
+        track_kernels.predict(t_us, 0.02, tracks, out)
         return out[0, 0] - REST_PX[0, 0]
 
     assert travelled(1_000.0) == pytest.approx(0.1 * (1 - 0.025))
@@ -269,7 +274,7 @@ def test_slices_do_not_change_what_advance_does():
 def test_shift_moves_the_past_too():
     tracks = make_tracks(REST_PX)
     kernels.check(2_000, tracks, TUNING)
-    kernels.shift(np.array([5]), np.array([[30.0, -20.0]]), tracks)
+    track_kernels.shift(np.array([5]), np.array([[30.0, -20.0]]), tracks)
     np.testing.assert_allclose(tracks.past_px[0, 5], REST_PX[5] + (30.0, -20.0))
     x, y = np.rint(REST_PX[5] + (30.0, -20.0)).astype(int)
     assert find_nearest(int(x), int(y), True, 1.0, tracks) == 5

@@ -11,7 +11,8 @@ from neurotouch_hid.source.simulator import Simulator, SimulatorConfig
 from neurotouch_hid.source.simulator.optics import CameraConfig
 from neurotouch_hid.source.simulator.script import Finger, Stroke, sequence
 from neurotouch_hid.source.simulator.sensor import SensorConfig
-from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector, TrackerConfig, kernels
+from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector, TrackerConfig
+from neurotouch_hid.tracker.tracks import kernels as track_kernels
 
 REST_PX = Rig((172.0, 130.0), 2.5).to_px(LATTICE_MM).astype(np.float32)
 
@@ -316,7 +317,7 @@ def test_what_was_put_in_place_is_not_moved_again_by_the_same_frame(gestures):
     tracker, detector = MarkerTracker(), RestDetector()
     follow(packets[:10], tracker, detector=detector)
     tracks, lagging = tracker._tracks, np.arange(0, 177, 8)
-    kernels.shift(lagging, np.full((len(lagging), 2), 1.6), tracks)
+    track_kernels.shift(lagging, np.full((len(lagging), 2), 1.6), tracks)
     fields = follow(packets[10:20], tracker, detector=detector)
     frame = next(k for k, p in enumerate(packets[10:20]) if p.frames)
     assert (errors(fields, truth[10:20])[frame:] < 1.0).all()

@@ -5,10 +5,10 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import N_MARKERS
 from neurotouch_hid.messages import Frame, RestField
-from neurotouch_hid.tracker import kernels
 from neurotouch_hid.tracker.correction import kernels as correction
 from neurotouch_hid.tracker.image import Blobs
 from neurotouch_hid.tracker.neighbours import kernels as neighbour_kernels
+from neurotouch_hid.tracker.tracks import kernels as track_kernels
 
 _MIN_EXPOSURE_US = 5_000  # assumed where a recording does not say
 _MAX_ASTRAY_PX = 2.0  # at rest no track that follows its own marker is farther off
@@ -17,7 +17,7 @@ _MAX_ASTRAY_PX = 2.0  # at rest no track that follows its own marker is farther 
 class FrameCorrection:
     """Moves tracks to the blobs of a frame, as they lay in the middle of its exposure."""
 
-    def __init__(self, tracks: kernels.Tracks, tuning: kernels.Tuning) -> None:
+    def __init__(self, tracks: track_kernels.Tracks, tuning: track_kernels.Tuning) -> None:
         self._tracks, self._tuning = tracks, tuning
         self._expected_px = np.empty((N_MARKERS, 2))
         self._spread_px = np.empty(N_MARKERS)
@@ -37,7 +37,7 @@ class FrameCorrection:
             self._tuning,
         )
         if len(seen):
-            kernels.shift(seen, by_px, self._tracks)
+            track_kernels.shift(seen, by_px, self._tracks)
 
     def anchor(self, rest: RestField) -> None:
         """Correct all tracks by a frame that shows the gel at rest, however late that is known.
@@ -51,16 +51,16 @@ class FrameCorrection:
         tracks = self._tracks
         error = rest.position_px - then_px
         astray = np.hypot(*error.T) > _MAX_ASTRAY_PX
-        kernels.shift(np.flatnonzero(~astray), error[~astray], tracks)
+        track_kernels.shift(np.flatnonzero(~astray), error[~astray], tracks)
         tracks.lost[~astray & (self._missed < correction.MAX_MISSED)] = False
         if not astray.any():
             return
-        t_us = float(tracks.state[:, kernels.T].max())
+        t_us = float(tracks.state[:, track_kernels.T].max())
         now_px = tracks.state[:, :2].copy()
         self._expect(now_px, ~astray)
         unknown = ~np.isfinite(self._expected_px)
         self._expected_px[unknown] = rest.position_px[unknown]
-        kernels.place(
+        track_kernels.place(
             np.flatnonzero(astray), self._expected_px[astray], 1.0, t_us, tracks, self._tuning
         )
         tracks.lost[astray] = True

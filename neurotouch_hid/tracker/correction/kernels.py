@@ -6,9 +6,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from neurotouch_hid.tracker.kernels import STILL_US, Tracks, Tuning
+from neurotouch_hid.tracker.kernels import STILL_US
 from neurotouch_hid.tracker.matching.kernels import match_points
 from neurotouch_hid.tracker.neighbours.kernels import expect, strays
+from neurotouch_hid.tracker.tracks.kernels import Tracks, Tuning
 
 GATE_PX = 3.5  # a third of the pitch: nobody else's blob
 MAX_BLUR_PX = 2.0  # smeared markers merge with their neighbours
