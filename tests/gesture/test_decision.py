@@ -1,7 +1,10 @@
 """When a gesture begins and ends."""
 
+import numpy as np
+import pytest
+
 from neurotouch_hid.gesture.elastic.decision import Decision
-from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.messages import GestureKind, Phase
 
 
 def test_no_gesture_begins_while_everything_sways():
@@ -46,3 +49,19 @@ def test_a_gesture_ends_the_later_the_smaller_it_was():
 
     assert least(0.4) < 0.2  # it trembles, or has just begun
     assert 0.25 < least(6.0) < 0.28  # the gel creeps back from it
+
+
+@pytest.mark.parametrize(("left_mm", "phase"), [(4.5, Phase.HOLD), (2.0, Phase.RELEASE)])
+def test_who_has_let_go_a_little_and_keeps_still_holds_again(left_mm, phase):
+    def play(size_mm):
+        decision.update(10_000, size_mm, [0.0, size_mm, 0.0, 0.0, 0.0, 0.0], 1, 0.05)
+
+    decision = Decision()
+    for size_mm in (2.0, 4.0, 6.0, 6.0, *np.linspace(6.0, left_mm, 10)):
+        play(size_mm)
+    assert decision.is_falling
+    assert decision.phase is Phase.RELEASE
+    for _ in range(12):
+        play(left_mm)
+    assert not decision.is_falling
+    assert decision.phase is phase

@@ -39,6 +39,18 @@ def test_two_fingers_are_followed():
     np.testing.assert_allclose(drags, [4.0, -4.0], atol=0.5)
 
 
+@pytest.mark.parametrize("falling", [True, False])
+def test_no_finger_joins_those_that_let_go(falling):
+    hand = Hand()
+    hand.place(REST_PX, RIG)
+    for size_mm in (1.0, 2.0, 3.0, 4.0):
+        push = field(PLACES[:1], np.array([[size_mm, 0.0]]))
+        assert hand.update(push, SEES_ALL, 0.05, forming=False).n_fingers == 1
+    late = field(PLACES, np.array([[3.0, 0.0], [0.0, 1.5]]))
+    motion = hand.update(late, SEES_ALL, 0.05, forming=False, falling=falling)
+    assert motion.n_fingers == (1 if falling else 2)
+
+
 def test_fingers_that_ran_into_each_other_are_looked_for_anew():
     hand = Hand()
     hand.place(REST_PX, RIG)

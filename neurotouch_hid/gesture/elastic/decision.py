@@ -92,6 +92,11 @@ class Decision:
         """The gesture may still turn out to be another one."""
         return self.kind is GestureKind.NONE or not self.is_latched
 
+    @property
+    def is_falling(self) -> bool:
+        """The fingers let go."""
+        return self.speed_mm_s < -self._config.moving_mm_s
+
     def update(
         self,
         step_us: int,
@@ -177,9 +182,9 @@ class Decision:
         self._size_mm = size_mm
         if self.speed_mm_s > self._config.moving_mm_s:
             self.phase = Phase.ATTACK
-        elif self.speed_mm_s < -self._config.moving_mm_s:
+        elif self.is_falling:
             self.phase = Phase.RELEASE
-        elif self.phase is not Phase.RELEASE:
+        elif self.phase is not Phase.RELEASE or size_mm > 0.5 * self._most_mm:
             self.phase = Phase.HOLD if self.age_us > 60_000 else Phase.ATTACK
 
     def _weigh(self, step_us: int, size_mm: float, parts_mm: Sequence[float]) -> None:

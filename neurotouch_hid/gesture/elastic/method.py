@@ -62,7 +62,12 @@ class ElasticMethod:
             self._rest_px = rest_px
             hand.place(rest_px, rig)
         motion = hand.update(
-            moved_px, use, self._noise_mm, step_us=step_us, forming=decision.is_forming
+            moved_px,
+            use,
+            self._noise_mm,
+            step_us=step_us,
+            forming=decision.is_forming,
+            falling=decision.is_falling,
         )
         decision.update(
             step_us,

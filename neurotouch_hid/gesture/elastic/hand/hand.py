@@ -229,6 +229,7 @@ class Hand:
         *,
         step_us: int = TURN_US,
         forming: bool,
+        falling: bool = False,
     ) -> Motion:
         """Fit the fingers to the displacements of one slice.
 
@@ -238,6 +239,7 @@ class Hand:
             noise_mm: error of a marker, one axis.
             step_us: time since the slice before.
             forming: the gesture has just begun: look at everything afresh.
+            falling: the fingers let go, so that none joins them.
 
         Returns:
             What they do together.
@@ -252,6 +254,7 @@ class Hand:
             noise_mm,
             step_us,
             forming,
+            falling,
         )
         return Motion._make((*told, self._parts.tolist()))
 

@@ -49,6 +49,7 @@ def follow(
     noise_mm: float,
     step_us: int,
     forming: bool,
+    falling: bool,
 ) -> tuple[int, float, float, float, float, float, float, float]:
     """Fits the fingers to the displacements of one slice.
 
@@ -62,6 +63,7 @@ def follow(
         noise_mm: error of a marker, one axis.
         step_us: time since the slice before.
         forming: the gesture has just begun: look at everything afresh.
+        falling: the fingers let go, so that none joins them.
 
     Returns:
         The number of fingers that take part; their largest motion, how far everything moved
@@ -82,7 +84,8 @@ def follow(
         may_doubt = me.unsought_us >= TURN_US or not math.isfinite(fits[WARM].cost)
         is_warm = not (may_doubt and _is_lost(fits[WARM], me, rules, total, field))
     if is_warm and is_due:
-        _extend(fits, me, gel[0], rules)
+        if not falling:  # what fingers leave behind, as the gel follows late, looks like one more
+            _extend(fits, me, gel[0], rules)
         if me.turn % 2 == 0:
             _reduce(fits, me, gel[0], rules)
     me.turn += is_due
