@@ -65,3 +65,15 @@ def test_who_has_let_go_a_little_and_keeps_still_holds_again(left_mm, phase):
         play(left_mm)
     assert not decision.is_falling
     assert decision.phase is phase
+
+
+@pytest.mark.parametrize(
+    ("largest_mm", "pause_us", "begins"),
+    [(8.0, 20_000, False), (8.0, 200_000, True), (1.0, 20_000, True)],
+)
+def test_the_swing_of_a_gel_that_was_let_go_is_no_gesture(largest_mm, pause_us, begins):
+    decision = Decision()
+    swing = [*[largest_mm] * 10, *[0.0] * (pause_us // 10_000), 0.6, 0.6]
+    for size_mm in swing:
+        decision.update(10_000, size_mm, [0.0, size_mm, 0.0, 0.0, 0.0, 0.0], 1, 0.05)
+    assert (decision.kind is GestureKind.PUSH) == begins

@@ -16,6 +16,9 @@ class DecisionConfig:
         on_noise: the same in errors of a marker.
         again_mm: how much more than the least since the last one begins the next: the gel creeps
             back for a while.
+        swing: how much more at first, as a share of the largest motion of the last one: a gel that
+            is let go swings, ...
+        swing_us: ... but not for long: time constant in which that is forgotten.
         sway_gain: how much more than the greatest motion of everything of late: the tracker follows
             no knock exactly.
         still_mm: such a motion of everything doubles ``on_us``: a knock may just begin.
@@ -45,6 +48,8 @@ class DecisionConfig:
     on_mm: float = 0.26
     on_noise: float = 2.0
     again_mm: float = 0.1
+    swing: float = 0.1
+    swing_us: int = 60_000
     sway_gain: float = 2.0
     still_mm: float = 0.05
     sway_us: int = 100_000
@@ -71,7 +76,7 @@ class Decision:
 
     def __init__(self, config: DecisionConfig | None = None) -> None:
         self._config = config or DecisionConfig()
-        self._least_mm = self._sway_mm = 0.0
+        self._least_mm = self._sway_mm = self._swing_mm = 0.0
         self.reset()
 
     def reset(self) -> None:
@@ -120,6 +125,7 @@ class Decision:
         """
         config = self._config
         self._sway_mm = max(sway_mm, math.exp(-step_us / config.sway_us) * self._sway_mm)
+        self._swing_mm *= math.exp(-step_us / config.swing_us)
         if self.kind is GestureKind.NONE:
             self._least_mm = min(self._least_mm, size_mm)
         begins = size_mm >= self._find_on(noise_mm) and not self._is_knock(
@@ -134,6 +140,7 @@ class Decision:
             self.confidence = 1.0 - self._believe(size_mm)
             return
         if self.kind is not GestureKind.NONE and self._below_us >= config.off_us:
+            self._swing_mm = max(self._swing_mm, config.swing * self._most_mm)
             self.reset()
             self._least_mm = size_mm
             self.confidence = 1.0 - self._believe(size_mm)
@@ -152,7 +159,7 @@ class Decision:
         """Motion of a finger that begins a gesture now."""
         config = self._config
         on_mm = max(config.on_mm, config.on_noise * noise_mm, self._least_mm + config.again_mm)
-        return on_mm + config.sway_gain * self._sway_mm
+        return on_mm + config.sway_gain * self._sway_mm + self._swing_mm
 
     def _is_knock(self, size_mm: float, noise_mm: float, error_mm: float) -> bool:
         """True if everything moves and fingers do not explain what remains."""
