@@ -52,6 +52,12 @@ VARIANTS = {
     "all gestures end at one size": (
         ("elastic/decision.py", "least_off_mm: float = 0.18", "least_off_mm: float = 0.28"),
     ),
+    "fingers join those that let go": (
+        ("elastic/hand/kernels.py", "if not falling:", "if True:"),
+    ),
+    "gel that was let go is still": (
+        ("elastic/decision.py", "swing: float = 0.1", "swing: float = 0.0"),
+    ),
     "one finger at most": (("elastic/hand/hand.py", "most: int = MOST", "most: int = 1"),),
     "method: paper": (("config.py", 'method: Method = "neurotouch"', 'method: Method = "paper"'),),
 }  # fmt: skip
