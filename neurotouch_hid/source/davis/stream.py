@@ -88,7 +88,7 @@ class Stream:
         self._decoder = Decoder(layout, origin_us=self.end_us)
         self._slicer = Slicer(slice_us, self.end_us)
         self._rests = False
-        self._snapped_s = 0.0
+        self._paced_s = self._deaf_until_s = 0.0
         self._n_resets = 0
         self._head_us = -1
         self._faults_s: deque[float] = deque(maxlen=MAX_FAULTS)
@@ -133,17 +133,27 @@ class Stream:
         self._gap += dropped
 
     def _pace_camera(self, now_s: float) -> None:
-        """Lets the camera rest while nothing happens, and wakes it as soon as something does."""
+        """Lets the camera rest while nothing happens, and wakes it as soon as something does.
+
+        One that does not answer but goes on sending is asked later again.
+        """
         may_rest = self._may_rest()
-        if may_rest and not self._rests:
-            self._camera.rest(self._config)
-            self._snapped_s = now_s
-        elif self._rests and not may_rest:
-            self._camera.wake(self._config)
-        elif may_rest and self._config.frames and now_s - self._snapped_s >= SNAP_S:
-            self._camera.snap()
-            self._snapped_s = now_s
-        self._rests = may_rest
+        is_due = may_rest and self._config.frames and now_s - self._paced_s >= SNAP_S
+        if now_s < self._deaf_until_s or (may_rest == self._rests and not is_due):
+            return
+        try:
+            if may_rest == self._rests:
+                self._camera.snap()
+            elif may_rest:
+                self._camera.rest(self._config)
+            else:
+                self._camera.wake(self._config)
+        except CameraGoneError:
+            raise
+        except CameraError:
+            self._deaf_until_s = now_s + SNAP_S
+            return
+        self._rests, self._paced_s = may_rest, now_s
 
     def _find_rest_s(self) -> float:
         """How long after the last word nothing is needed."""

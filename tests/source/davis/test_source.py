@@ -173,6 +173,24 @@ def test_a_camera_rests_while_nothing_happens_and_wakes_up_at_the_first_motion()
         assert asked(camera)[woke - 1 : woke + 1] == WAKE
 
 
+def test_a_resting_camera_that_does_not_answer_but_sends_is_asked_again():
+    camera, stream = ScriptedCamera(), noise()
+
+    def fail_once():
+        camera.fail_at[camera.n_requests + 1] = CameraError("The camera does not answer.")
+
+    with open_camera(camera, slice_us=4_000) as source:
+        play_calm(camera, source, stream, lambda: asked(camera))
+        fail_once()
+        play_calm(camera, source, stream, lambda: len(asked(camera)) >= 4)
+        assert asked(camera)[:4] == [*REST, *SNAP]
+        fail_once()
+        motion = (noise + BURST for noise in stream)
+        play_calm(camera, source, motion, lambda: WAKE[1] in asked(camera))
+        assert min(camera.fail_at) < max(camera.fail_at) < camera.n_requests
+        assert (camera.n_opened, source.stats().trouble) == (1, "")
+
+
 def test_a_camera_does_not_rest_while_its_frames_are_wanted():
     camera = ScriptedCamera()
     camera.at_reset.append(islice(noise(), 200))
