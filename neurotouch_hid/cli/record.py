@@ -252,20 +252,20 @@ class _Progress:
     def _describe(self, before: "RecorderStats", now: "RecorderStats") -> str:
         """Rates are per second of the source, which may be quicker or slower than ours."""
         free = shutil.disk_usage(self._folder).free
-        seconds = max(now.seconds - before.seconds, 1e-6)
+        seconds, grown = now.seconds - before.seconds, now.size_bytes - before.size_bytes
+        per_second = 1.0 / seconds if seconds else 0.0
         parts = [
             f"{now.seconds:.0f} s",
-            f"{(now.events - before.events) / seconds:,.0f} events/s",
-            f"{(now.frames - before.frames) / seconds:.0f} frames/s",
+            f"{(now.events - before.events) * per_second:,.0f} events/s",
+            f"{(now.frames - before.frames) * per_second:.0f} frames/s",
             f"{now.lost_before + now.lost_here:,} events lost",
             f"{now.size_bytes / 1e6:,.0f} MB",
             f"{free / 1e9:,.1f} GB free",
         ]
-        grown = now.size_bytes - before.size_bytes
-        if grown:
-            parts.append(f"room for {free / grown * seconds / 60:,.0f} min")
-        else:
+        if not seconds:
             parts.append("WARNING nothing comes from the source")
+        elif grown:
+            parts.append(f"room for {free / grown * seconds / 60:,.0f} min")
         return ", ".join(parts)
 
 
