@@ -13,7 +13,7 @@ from neurotouch_hid.profile import UserSettings, load_profile
 from neurotouch_hid.runtime import Pipeline, run_line
 from neurotouch_hid.source.simulator import Simulator
 from neurotouch_hid.source.simulator.gel.motion import KNOT_US
-from neurotouch_hid.source.simulator.hand import LedHand, Wish
+from neurotouch_hid.source.simulator.hand_model import LedHand, Wish
 from neurotouch_hid.source.simulator.script import Finger, Stroke, sequence
 
 RIGHT, LEFT = Finger((9.0, 0.0)), Finger((-9.0, 0.0))

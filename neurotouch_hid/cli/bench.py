@@ -7,12 +7,26 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from neurotouch_hid.cli import curves, latency, pointing, soak, steadiness
-from neurotouch_hid.cli.options import method_option
+from neurotouch_hid.cli.ui.group import LazyGroup
+from neurotouch_hid.cli.ui.options import method_option
 
 if TYPE_CHECKING:
     from neurotouch_hid.gesture import Method
 
+_SUMMARIES: Final = {
+    "pointing": "Measure how well you point (ISO 9241-411).",
+    "profile": "Measure what the tremor filters do, and what a profile costs.",
+    "latency": "Measure from the last event of a slice to another program.",
+    "curves": "Draw latency over the rate of events, and cost over the number of markers.",
+    "soak": "Watch the memory over hours of play.",
+}
+_PLACES: Final = {
+    "pointing": ("neurotouch_hid.cli.pointing", "command"),
+    "profile": ("neurotouch_devtools.cli.steadiness", "command"),
+    "latency": ("neurotouch_devtools.cli.latency", "command"),
+    "curves": ("neurotouch_devtools.cli.curves", "command"),
+    "soak": ("neurotouch_devtools.cli.soak", "command"),
+}
 _ROWS: Final = (
     (
         "camera, bytes to events",
@@ -43,6 +57,9 @@ _RANKS = ("median", "p99", "p99.9")
 
 
 @click.group(
+    cls=LazyGroup,
+    places=_PLACES,
+    summaries=_SUMMARIES,
     invoke_without_command=True,
     epilog="\b\nExamples:\n"
     "  neurotouch bench\n"
@@ -66,7 +83,7 @@ def command(ctx: click.Context, method: "Method", json_path: Path | None, long: 
     """
     if ctx.invoked_subcommand is not None:
         return
-    from neurotouch_hid.evaluation.benchmark import run_benchmark
+    from neurotouch_hid.evaluation.speed.benchmark import run_benchmark
 
     result = run_benchmark(method, lambda text: click.echo(f"{text} ...", err=True), long=long)
     click.echo(_format(result))
@@ -118,10 +135,3 @@ def _line(
     reached = all(v <= g if most else v >= g for v, g in aims)
     verdict = ("  OK" if reached else "  short") if aims else ""
     return f"{name:<30}{shown}  {unit:<18}{goal:>12}{verdict}".rstrip()
-
-
-command.add_command(pointing.command)
-command.add_command(steadiness.command)
-command.add_command(latency.command)
-command.add_command(curves.command)
-command.add_command(soak.command)

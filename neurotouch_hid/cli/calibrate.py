@@ -5,20 +5,20 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from neurotouch_hid.cli.options import (
+from neurotouch_hid.cli.follow import is_guided, read_steps
+from neurotouch_hid.cli.ui.options import (
     method_option,
     seconds_option,
     seed_option,
     source_option,
     speed_option,
 )
-from neurotouch_hid.cli.output import json_option, plain_option
-from neurotouch_hid.cli.steps import is_guided, read_steps
-from neurotouch_hid.profile.movements import MOVEMENTS
+from neurotouch_hid.cli.ui.output import json_option, plain_option
+from neurotouch_hid.profile.schema.movements import MOVEMENTS
 
 if TYPE_CHECKING:
-    from neurotouch_hid.cli.keyboard import Keyboard
-    from neurotouch_hid.cli.voice import Voice
+    from neurotouch_hid.cli.ui.keyboard import Keyboard
+    from neurotouch_hid.cli.ui.voice import Voice
     from neurotouch_hid.messages import Gesture
     from neurotouch_hid.profile.calibration import Repetition, Session
 
@@ -60,9 +60,9 @@ def command(
     comfortable movement. GESTURE: only these. With --json what you are asked goes to the standard
     error, and nothing is saved without --yes.
     """
-    from neurotouch_hid.cli.conclusion import conclude, undo_calibration
-    from neurotouch_hid.cli.keyboard import Keyboard
-    from neurotouch_hid.cli.voice import Voice
+    from neurotouch_hid.cli.calibrate_result import conclude, undo_calibration
+    from neurotouch_hid.cli.ui.keyboard import Keyboard
+    from neurotouch_hid.cli.ui.voice import Voice
     from neurotouch_hid.profile import load_user
     from neurotouch_hid.profile.calibration import Session
 

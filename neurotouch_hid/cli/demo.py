@@ -4,7 +4,7 @@ from contextlib import ExitStack
 
 import click
 
-from neurotouch_hid.cli.options import seconds_option
+from neurotouch_hid.cli.ui.options import seconds_option
 
 
 @click.command(
@@ -33,22 +33,19 @@ def command(
 
     Where this machine allows it, the pad is a real game controller that every program sees.
     """
-    from neurotouch_hid.cli.companion import open_page
-    from neurotouch_hid.cli.live import Live, take_control
+    from neurotouch_hid.cli.demo_page import open_page
     from neurotouch_hid.cli.play import play, prepare_kernels
+    from neurotouch_hid.client import find_runtime_folder
     from neurotouch_hid.device import Device, open_device
-    from neurotouch_hid.driver import find_runtime_folder
+    from neurotouch_hid.driver.extra_devices import find_companions
+    from neurotouch_hid.driver.settings import load_driver_settings
+    from neurotouch_hid.driver.wiring import Live, take_control
     from neurotouch_hid.errors import DeviceError
     from neurotouch_hid.gesture import GestureConfig
     from neurotouch_hid.profile import load_profile, load_user
-    from neurotouch_hid.runtime import (
-        Pipeline,
-        Stopwatch,
-        find_companions,
-        load_driver_settings,
-    )
+    from neurotouch_hid.runtime import Pipeline, Stopwatch
     from neurotouch_hid.source import Source, open_source
-    from neurotouch_hid.source.hand import HandSource
+    from neurotouch_hid.source.mouse import HandSource
 
     if mouse and not page:
         raise click.UsageError("--mouse needs the page")

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from neurotouch_hid.cli.output import json_option, print_json
+from neurotouch_hid.cli.ui.output import json_option, print_json
 from neurotouch_hid.errors import CameraError
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def command(watch: bool, as_json: bool) -> None:
     A camera that nobody uses is opened for a moment to read its versions; one in use is left alone.
     """
     if watch:
-        from neurotouch_hid.cli.watching import watch_pad
+        from neurotouch_hid.cli.watch_reports import watch_pad
 
         watch_pad(as_json=as_json)
         return

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from neurotouch_hid.cli.output import json_option
+from neurotouch_hid.cli.ui.output import json_option
 from neurotouch_hid.errors import NeuroTouchError
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.output import json_option, paint, plain_option, print_json
+from neurotouch_hid.cli.ui.output import json_option, paint, plain_option, print_json
 
 if TYPE_CHECKING:
     from neurotouch_hid.doctor import Finding

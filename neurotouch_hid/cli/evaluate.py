@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from neurotouch_hid.cli.options import METHODS, rate_option
+from neurotouch_hid.cli.ui.options import METHODS, rate_option
 
 if TYPE_CHECKING:
     from neurotouch_hid.gesture import Method
@@ -63,11 +63,16 @@ def command(
     jobs: int,
 ) -> None:
     """Play each FILE.aedat4 and compare what is recognised with FILE.labels.csv beside it."""
-    from neurotouch_hid.evaluation import Evaluation, combine_reports, evaluate_files, format_table
+    from neurotouch_hid.evaluation.accuracy import (
+        Evaluation,
+        combine_reports,
+        evaluate_files,
+        format_table,
+    )
     from neurotouch_hid.gesture import GestureConfig
 
     if report_path is not None:
-        from neurotouch_hid.evaluation.report import check_folder, write_report
+        from neurotouch_hid.evaluation.accuracy.report import check_folder, write_report
 
         check_folder(report_path)
     methods = tuple(dict.fromkeys(methods))

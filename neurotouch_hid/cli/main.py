@@ -9,9 +9,9 @@ import sys
 import click
 
 from neurotouch_hid import __version__
-from neurotouch_hid.cli.group import LazyGroup
-from neurotouch_hid.cli.interrupt import EXIT_INTERRUPTED, heed_interrupts
+from neurotouch_hid.cli.ui.group import LazyGroup
 from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.process.interrupts import EXIT_INTERRUPTED, heed_interrupts
 
 _SUMMARIES = {
     "run": "Drive the virtual gamepad from a camera, a recording or the simulator.",
@@ -45,7 +45,10 @@ _SUMMARIES = {
 @click.group(
     cls=LazyGroup,
     invoke_without_command=True,
-    places={name: (f"neurotouch_hid.cli.{name}", "command") for name in _SUMMARIES},
+    places={
+        name: (f"neurotouch_{'devtools' if name == 'emulate' else 'hid'}.cli.{name}", "command")
+        for name in _SUMMARIES
+    },
     summaries=_SUMMARIES,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog="\b\nExamples:\n"
@@ -63,7 +66,7 @@ def cli(ctx: click.Context) -> None:
     runs or another program has the camera, 130 interrupted.
     """
     if ctx.invoked_subcommand is None:
-        from neurotouch_hid.cli.welcome import welcome
+        from neurotouch_hid.cli.ui.welcome import welcome
 
         welcome()
 

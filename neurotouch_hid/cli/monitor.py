@@ -2,7 +2,7 @@
 
 import click
 
-from neurotouch_hid.cli.output import plain_option
+from neurotouch_hid.cli.ui.output import plain_option
 
 PICTURE_HZ = 12
 
@@ -28,8 +28,8 @@ def command(plain: bool, as_json: bool, seconds: float | None) -> None:
     import time
 
     from neurotouch_hid.errors import NotRunningError
-    from neurotouch_hid.page.lines import LineWriter, draw_picture
-    from neurotouch_hid.page.listener import Listener, read_head
+    from neurotouch_hid.page.subscriber import Listener, read_head
+    from neurotouch_hid.page.text_view import LineWriter, draw_picture
 
     listener = Listener()
     listener.want(PICTURE_HZ)

@@ -6,7 +6,7 @@ Nothing but the standard library is imported on the way here, not even the comma
 import json
 import sys
 
-from neurotouch_hid.driver import ask, list_players
+from neurotouch_hid.client import ask, list_players
 from neurotouch_hid.errors import DriverError, NotRunningError
 
 ORDERS = ("pause", "resume", "panic")

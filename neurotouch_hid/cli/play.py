@@ -9,13 +9,15 @@ from pathlib import Path
 
 import click
 
-from neurotouch_hid.cli.live import Live
 from neurotouch_hid.device import Device
+from neurotouch_hid.driver.signals import stop_on_signals
+from neurotouch_hid.driver.wiring import Live
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.monitor import LinesMonitor, PictureMonitor, TraceWriter
+from neurotouch_hid.process.realtime import hurry
 from neurotouch_hid.profile import Profile
-from neurotouch_hid.runtime import Pipeline, Tap, hurry, run_line, stop_on_signals, warm_up
+from neurotouch_hid.runtime import Pipeline, Tap, run_line, warm_up
 from neurotouch_hid.source import Source, open_source
 
 _PATIENCE_S = 1.0

@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from neurotouch_hid.cli.options import (
+from neurotouch_hid.cli.follow import is_guided, read_steps
+from neurotouch_hid.cli.ui.options import (
     method_option,
     profile_option,
     seed_option,
     source_option,
     speed_option,
 )
-from neurotouch_hid.cli.steps import is_guided, read_steps
 
 if TYPE_CHECKING:
-    from neurotouch_hid.evaluation.pointing import Pointing
-    from neurotouch_hid.evaluation.throughput import Trial
+    from neurotouch_hid.evaluation.people.pointing import Pointing
+    from neurotouch_hid.evaluation.people.throughput import Trial
     from neurotouch_hid.messages import GamepadState
 
 _TOLD_US = 1_000_000
@@ -80,9 +80,13 @@ def command(
     Nothing hurries you: Enter begins a trial, its time begins with your first movement. Pushes move
     the pointer as the profile moves the left stick or the mouse.
     """
-    from neurotouch_hid.evaluation.pointing import Pointing
-    from neurotouch_hid.evaluation.subject import perform_pointing
-    from neurotouch_hid.evaluation.throughput import compare_results, measure_pointing, read_result
+    from neurotouch_hid.evaluation.people.pointing import Pointing
+    from neurotouch_hid.evaluation.people.subject import perform_pointing
+    from neurotouch_hid.evaluation.people.throughput import (
+        compare_results,
+        measure_pointing,
+        read_result,
+    )
     from neurotouch_hid.profile import Mapping, load_profile, load_user
 
     if simulated and select == "button":
@@ -118,7 +122,7 @@ def command(
 
 def _play(test: "Pointing", pads: Iterator["GamepadState"], *, guided: bool) -> None:
     """Trial after trial until all are done or the source ends."""
-    from neurotouch_hid.cli.keyboard import Keyboard
+    from neurotouch_hid.cli.ui.keyboard import Keyboard
 
     keyboard = Keyboard() if guided else None
     if guided:
@@ -152,14 +156,14 @@ def _ask(test: "Pointing") -> str:
 
 
 def _tell_next(test: "Pointing") -> str:
-    from neurotouch_hid.evaluation.pointing import name_way
+    from neurotouch_hid.evaluation.people.pointing import name_way
 
     begin, end = test.start_px, test.target[1]
     return f"{name_way(begin, end)}, {_measure(begin, end):.0f} away"
 
 
 def _tell_way(test: "Pointing") -> str:
-    from neurotouch_hid.evaluation.pointing import name_way
+    from neurotouch_hid.evaluation.people.pointing import name_way
 
     width_px, end = test.target
     left_px = _measure(test.pointer_px, end)

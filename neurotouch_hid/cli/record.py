@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import click
 
-from neurotouch_hid.cli.output import json_option, plain_option, print_json, say
+from neurotouch_hid.cli.ui.output import json_option, plain_option, print_json, say
 from neurotouch_hid.errors import NeuroTouchError, NotRunningError, RecordingError, SourceError
 
 if TYPE_CHECKING:
@@ -127,9 +127,9 @@ def _require_place(out: Path, source: str | None, *, force: bool) -> None:
 
 
 def _open(stack: ExitStack, source: str | None, speed: "Speed", seed: int) -> _Opened:
-    from neurotouch_hid.driver import open_stream
+    from neurotouch_hid.client import open_stream
+    from neurotouch_hid.driver.camera_settings import load_camera_config
     from neurotouch_hid.recording.wire import receive_packets
-    from neurotouch_hid.runtime import load_camera_config
     from neurotouch_hid.source import open_source
 
     if source is None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from neurotouch_hid.cli.options import (
+from neurotouch_hid.cli.ui.options import (
     method_option,
     profile_option,
     rate_option,
@@ -90,19 +90,16 @@ def command(
     show: str,
 ) -> None:
     """Drive the virtual gamepad from the gel until the source ends or Ctrl-C."""
-    from neurotouch_hid.cli.live import Live, take_control
     from neurotouch_hid.cli.play import play, prepare_kernels
+    from neurotouch_hid.client import PLAYER
     from neurotouch_hid.device import check_device
-    from neurotouch_hid.driver import PLAYER
+    from neurotouch_hid.driver.extra_devices import find_companions
+    from neurotouch_hid.driver.pad import open_pad
+    from neurotouch_hid.driver.settings import load_driver_settings
+    from neurotouch_hid.driver.wiring import Live, take_control
     from neurotouch_hid.gesture import GestureConfig
     from neurotouch_hid.profile import load_profile, load_user
-    from neurotouch_hid.runtime import (
-        Pipeline,
-        Stopwatch,
-        find_companions,
-        load_driver_settings,
-        open_pad,
-    )
+    from neurotouch_hid.runtime import Pipeline, Stopwatch
 
     os.environ[PLAYER] = str(player)
     user, settings = load_user(), load_driver_settings()
@@ -165,9 +162,9 @@ def _open_source(
         AlreadyRunningError: the service has the camera.
         NeuroTouchError: as ``open_source``.
     """
-    from neurotouch_hid.driver import is_service_running
+    from neurotouch_hid.client import is_service_running
+    from neurotouch_hid.driver.camera_settings import load_camera_config
     from neurotouch_hid.errors import AlreadyRunningError, CameraError
-    from neurotouch_hid.runtime import load_camera_config
     from neurotouch_hid.source import open_source
 
     slice_us = None if rate_hz is None else round(1e6 / rate_hz)

@@ -2,7 +2,7 @@
 
 import click
 
-from neurotouch_hid.cli.output import print_json
+from neurotouch_hid.cli.ui.output import print_json
 
 
 @click.command(
@@ -16,9 +16,9 @@ from neurotouch_hid.cli.output import print_json
 def command(what: str, line: bool) -> None:
     """Print the JSON Schema of a profile, or of your own values (user)."""
     from neurotouch_hid.profile import profile_schema, user_schema
-    from neurotouch_hid.profile.editing.desk import find_schema
+    from neurotouch_hid.profile.editing.drafts import find_schema
     from neurotouch_hid.profile.editing.revision import MODELINE
-    from neurotouch_hid.profile.library import find_user_file, find_user_folder
+    from neurotouch_hid.profile.reading.library import find_user_file, find_user_folder
 
     if line:
         path = find_user_file() if what == "user" else find_user_folder() / "any.yaml"

@@ -10,9 +10,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from neurotouch_hid.device import Companion, Device
-    from neurotouch_hid.device.identity import PadKind
-    from neurotouch_hid.device.rumble import HearRumble
-    from neurotouch_hid.runtime import Supervisor
+    from neurotouch_hid.device.outputs.identity import PadKind
+    from neurotouch_hid.device.outputs.rumble import HearRumble
+    from neurotouch_hid.driver.systemd import Supervisor
     from neurotouch_hid.source import Source
 
 
@@ -36,27 +36,23 @@ def command(source: str | None, only_compile: bool) -> None:
     Profile and camera are chosen in /etc/neurotouch/service.yaml; a person's own values lie beside
     it, in user.yaml. Another player's service is neurotouch@2, its folder /etc/neurotouch/player-2.
     """
-    from neurotouch_hid.cli.live import Live
     from neurotouch_hid.cli.play import prepare_kernels
-    from neurotouch_hid.driver import find_player, find_runtime_folder
+    from neurotouch_hid.client import find_player, find_runtime_folder
+    from neurotouch_hid.driver.camera_settings import load_camera_config
+    from neurotouch_hid.driver.control import ControlSocket
+    from neurotouch_hid.driver.extra_devices import find_companions
+    from neurotouch_hid.driver.pad import open_pad
+    from neurotouch_hid.driver.seat import find_seated_users
+    from neurotouch_hid.driver.service_settings import load_service_settings
+    from neurotouch_hid.driver.settings import load_driver_settings
+    from neurotouch_hid.driver.signals import stop_on_signals
+    from neurotouch_hid.driver.systemd import Supervisor
+    from neurotouch_hid.driver.watchdog import Lookout
+    from neurotouch_hid.driver.wiring import Live
     from neurotouch_hid.gesture import GestureConfig
+    from neurotouch_hid.process.realtime import hurry
     from neurotouch_hid.profile import load_profile, load_user
-    from neurotouch_hid.runtime import (
-        ControlSocket,
-        Lookout,
-        Pipeline,
-        Stopwatch,
-        Supervisor,
-        find_companions,
-        find_seated_users,
-        hurry,
-        load_camera_config,
-        load_driver_settings,
-        load_service_settings,
-        open_pad,
-        run_line,
-        stop_on_signals,
-    )
+    from neurotouch_hid.runtime import Pipeline, Stopwatch, run_line
     from neurotouch_hid.source import open_source
 
     supervisor = Supervisor()
@@ -145,8 +141,8 @@ def _make_pad(
         DeviceError: the kernel's node cannot be used.
     """
     from neurotouch_hid.device import Companion, CompositeDevice
-    from neurotouch_hid.device.identity import choose_identity
-    from neurotouch_hid.device.uinput import open_uinput
+    from neurotouch_hid.device.outputs.identity import choose_identity
+    from neurotouch_hid.device.outputs.uinput import open_uinput
 
     spare = [supervisor.take_descriptor("uinput") or open_uinput() for _ in ("pad", *Companion)]
     return CompositeDevice(

@@ -34,7 +34,7 @@ def command(as_json: bool) -> None:
 
     Exit code 0 if a driver runs, 8 if none does.
     """
-    from neurotouch_hid.driver import ask
+    from neurotouch_hid.client import ask
 
     status = ask("status")
     if as_json:

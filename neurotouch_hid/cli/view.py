@@ -80,7 +80,7 @@ def serve_page(
     import signal
     import sys
 
-    from neurotouch_hid.cli.output import make_stamp
+    from neurotouch_hid.cli.ui.output import make_stamp
     from neurotouch_hid.page.address import (
         Address,
         forget_address,

@@ -3,16 +3,16 @@
 Where a profile asks for them, a keyboard and a mouse stand beside it.
 """
 
-from neurotouch_hid.device.candidates import find_copilot
-from neurotouch_hid.device.chord import ChordReader, explain_keyboards, find_keyboards
-from neurotouch_hid.device.claim import Companion
-from neurotouch_hid.device.composite import CompositeDevice
-from neurotouch_hid.device.copilot import Copilot
 from neurotouch_hid.device.device import Device, check_device, open_device, shows_change
-from neurotouch_hid.device.inputs import is_input_name
-from neurotouch_hid.device.memory import MemoryDevice
-from neurotouch_hid.device.rumbleboard import RumbleBoard
-from neurotouch_hid.device.shared import SharedDevice
+from neurotouch_hid.device.inputs.copilot import Copilot
+from neurotouch_hid.device.inputs.discovery import find_copilot
+from neurotouch_hid.device.inputs.hotkeys import ChordReader, explain_keyboards, find_keyboards
+from neurotouch_hid.device.inputs.merge import SharedDevice
+from neurotouch_hid.device.inputs.nodes import is_input_name
+from neurotouch_hid.device.outputs.composite import CompositeDevice
+from neurotouch_hid.device.outputs.memory import MemoryDevice
+from neurotouch_hid.device.outputs.rumbleboard import RumbleBoard
+from neurotouch_hid.device.outputs.spec import Companion
 
 __all__ = [
     "ChordReader",

@@ -5,13 +5,13 @@ from collections.abc import Iterable
 from types import TracebackType
 from typing import Protocol, Self
 
-from neurotouch_hid.device.claim import Companion
-from neurotouch_hid.device.composite import CompositeDevice
-from neurotouch_hid.device.identity import choose_identity, load_identities
-from neurotouch_hid.device.memory import MemoryDevice
-from neurotouch_hid.device.rumble import HearRumble
-from neurotouch_hid.device.uhid import open_uhid
-from neurotouch_hid.device.uinput import open_uinput
+from neurotouch_hid.device.outputs.composite import CompositeDevice
+from neurotouch_hid.device.outputs.identity import choose_identity, load_identities
+from neurotouch_hid.device.outputs.memory import MemoryDevice
+from neurotouch_hid.device.outputs.rumble import HearRumble
+from neurotouch_hid.device.outputs.spec import Companion
+from neurotouch_hid.device.outputs.uhid import open_uhid
+from neurotouch_hid.device.outputs.uinput import open_uinput
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import GamepadState
 

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid import driver
+from neurotouch_hid import client as driver
 from neurotouch_hid.doctor.finding import Verdict, approve, fail, skip, warn
 from neurotouch_hid.errors import NotRunningError
 from neurotouch_hid.geometry import N_MARKERS, fit_rig
@@ -21,8 +21,8 @@ from neurotouch_hid.recording.wire import receive_packets
 from neurotouch_hid.source import open_source
 from neurotouch_hid.source.davis import find_cameras
 from neurotouch_hid.tracker import RestConfig, RestDetector
-from neurotouch_hid.tracker.image import BlobFinder
-from neurotouch_hid.tracker.image.lattice import LatticeConfig, find_lattice
+from neurotouch_hid.tracker.blobs import BlobFinder
+from neurotouch_hid.tracker.lattice import LatticeConfig, find_lattice
 
 LOOK_S: Final = 5.0
 FRAMES_HZ: Final = 25.0

@@ -10,8 +10,8 @@ from typing import Final
 
 from neurotouch_hid.doctor.finding import Verdict, approve, fail, skip
 from neurotouch_hid.doctor.rights import SERVICE_RULE, install_rule
-from neurotouch_hid.profile.load import load_settings
-from neurotouch_hid.runtime.service import ServiceSettings, find_service_file
+from neurotouch_hid.driver.service_settings import ServiceSettings, find_service_file
+from neurotouch_hid.profile.reading.load import load_settings
 
 _NODE: Final = Path("/dev/uhid")
 _LOADED: Final = Path("/sys/class/misc/uhid")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from neurotouch_hid import driver
+from neurotouch_hid import client as driver
 from neurotouch_hid.errors import DriverError
 
 OURS: Final = "neurotouch/"

@@ -11,10 +11,10 @@ from typing import Final
 
 from neurotouch_hid.device import ChordReader, explain_keyboards, find_keyboards
 from neurotouch_hid.doctor.finding import Verdict, approve, fail, skip, warn
+from neurotouch_hid.driver.settings import load_driver_settings
 from neurotouch_hid.monitor.player import PLAYERS
 from neurotouch_hid.profile import list_profiles, load_profile, load_user
-from neurotouch_hid.profile.library import find_user_file, find_user_folder
-from neurotouch_hid.runtime import load_driver_settings
+from neurotouch_hid.profile.reading.library import find_user_file, find_user_folder
 
 _CALIBRATED: Final = re.compile(r"^# Calibrated (\d{4}-\d{2}-\d{2})\.", re.MULTILINE)
 _OLD_DAYS: Final = 180

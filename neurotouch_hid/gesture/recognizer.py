@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 from neurotouch_hid.geometry import Rig, fit_rig
 from neurotouch_hid.gesture.config import GestureConfig, NeutralPose
 from neurotouch_hid.gesture.elastic import ElasticMethod
-from neurotouch_hid.gesture.kernels import displace
 from neurotouch_hid.gesture.neutral import Neutral
+from neurotouch_hid.gesture.paper.kernels import displace
 from neurotouch_hid.messages import Gesture, GestureKind, MarkerField, no_gesture
 
 if TYPE_CHECKING:
-    from neurotouch_hid.gesture.paper import PaperMethod
+    from neurotouch_hid.gesture.paper.method import PaperMethod
 
 FIRST_STEP_US = 10_000  # the length of a slice [NT, "Results"], until two have been seen
 
@@ -81,7 +81,7 @@ class GestureRecognizer:
 def _make_method(config: GestureConfig) -> "PaperMethod | ElasticMethod":
     if config.method == "paper":
         # With OpenCV, which takes 60 MB and a twentieth of every start.
-        from neurotouch_hid.gesture.paper import PaperMethod  # noqa: PLC0415
+        from neurotouch_hid.gesture.paper.method import PaperMethod  # noqa: PLC0415
 
         return PaperMethod(config)
     return ElasticMethod(config)

@@ -9,7 +9,7 @@ import numpy as np
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import GestureKind, Step
 from neurotouch_hid.profile import Decision, Mapping, UserSettings
-from neurotouch_hid.profile.timing import resolve_times
+from neurotouch_hid.profile.schema.timing import resolve_times
 
 ACCEPT_VOLUME: Final = 60
 """In percent, where the person has chosen none and has to wait for a gesture to act."""

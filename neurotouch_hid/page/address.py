@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from neurotouch_hid.driver import find_runtime_folder
+from neurotouch_hid.client import find_runtime_folder
 
 FILE: Final = "page.json"
 

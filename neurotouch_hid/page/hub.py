@@ -10,14 +10,14 @@ from typing import Any, Final
 from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 
-from neurotouch_hid.driver import ask, find_runtime_folder
+from neurotouch_hid.client import ask, find_runtime_folder
 from neurotouch_hid.errors import NeuroTouchError
-from neurotouch_hid.page.about import describe_profile
-from neurotouch_hid.page.changes import Changes
+from neurotouch_hid.ipc import HAND, connect_to
+from neurotouch_hid.page.edits import Changes
 from neurotouch_hid.page.guard import Rate
-from neurotouch_hid.page.listener import Listener, read_head
-from neurotouch_hid.peers import HAND, connect_to
-from neurotouch_hid.profile.library import find_user_file
+from neurotouch_hid.page.profile_view import describe_profile
+from neurotouch_hid.page.subscriber import Listener, read_head
+from neurotouch_hid.profile.reading.library import find_user_file
 
 LOOK_S: Final = 0.5
 """How often a driver is looked for, and its profile's file for changes."""
@@ -245,7 +245,7 @@ def _measure(trials: Any) -> dict[str, Any]:
         NeuroTouchError: they are none.
     """
     # Imports numpy, which the page needs for nothing else.
-    from neurotouch_hid.evaluation.throughput import (  # noqa: PLC0415
+    from neurotouch_hid.evaluation.people.throughput import (  # noqa: PLC0415
         Trial,
         measure_pointing,
     )

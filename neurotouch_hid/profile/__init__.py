@@ -4,10 +4,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from neurotouch_hid.profile.codes import explain
     from neurotouch_hid.profile.decision import Decision
-    from neurotouch_hid.profile.library import list_profiles
-    from neurotouch_hid.profile.load import (
+    from neurotouch_hid.profile.diagnostics.codes import explain
+    from neurotouch_hid.profile.mapping import Mapping
+    from neurotouch_hid.profile.reading.library import list_profiles
+    from neurotouch_hid.profile.reading.load import (
         Checked,
         check_content,
         check_profile,
@@ -16,11 +17,10 @@ if TYPE_CHECKING:
         load_unused,
         load_user,
     )
-    from neurotouch_hid.profile.mapping import Mapping
-    from neurotouch_hid.profile.rehearsal import rehearse
-    from neurotouch_hid.profile.schema import Profile, profile_schema
-    from neurotouch_hid.profile.timeline import Moment, perform
-    from neurotouch_hid.profile.user import UserSettings, user_schema
+    from neurotouch_hid.profile.rehearsal.script import rehearse
+    from neurotouch_hid.profile.rehearsal.timeline import Moment, perform
+    from neurotouch_hid.profile.schema.profile import Profile, profile_schema
+    from neurotouch_hid.profile.schema.user import UserSettings, user_schema
 
 __all__ = [
     "Checked",
@@ -44,24 +44,24 @@ __all__ = [
 ]
 
 _MODULES = {
-    "Checked": "load",
+    "Checked": "reading.load",
     "Decision": "decision",
     "Mapping": "mapping",
-    "Moment": "timeline",
-    "Profile": "schema",
-    "UserSettings": "user",
-    "check_content": "load",
-    "check_profile": "load",
-    "check_user": "load",
-    "explain": "codes",
-    "list_profiles": "library",
-    "load_profile": "load",
-    "load_unused": "load",
-    "load_user": "load",
-    "perform": "timeline",
-    "profile_schema": "schema",
-    "rehearse": "rehearsal",
-    "user_schema": "user",
+    "Moment": "rehearsal.timeline",
+    "Profile": "schema.profile",
+    "UserSettings": "schema.user",
+    "check_content": "reading.load",
+    "check_profile": "reading.load",
+    "check_user": "reading.load",
+    "explain": "diagnostics.codes",
+    "list_profiles": "reading.library",
+    "load_profile": "reading.load",
+    "load_unused": "reading.load",
+    "load_user": "reading.load",
+    "perform": "rehearsal.timeline",
+    "profile_schema": "schema.profile",
+    "rehearse": "rehearsal.script",
+    "user_schema": "schema.user",
 }
 """Where the names come from; each is loaded when it is first asked for. The engine needs numpy,
 whose import costs more than reading and checking a profile; the names of the profiles and the

@@ -14,10 +14,10 @@ from neurotouch_hid.profile.engine.output import Outputs
 from neurotouch_hid.profile.engine.reader import Reader
 from neurotouch_hid.profile.engine.reading import Reading
 from neurotouch_hid.profile.engine.tiredness import Tiredness
-from neurotouch_hid.profile.schema import Binding, Profile, SafetyGesture
-from neurotouch_hid.profile.targets import CommandName, CommandTarget
-from neurotouch_hid.profile.timing import PRESETS, FilterName, resolve_times
-from neurotouch_hid.profile.user import UserSettings
+from neurotouch_hid.profile.schema.profile import Binding, Profile, SafetyGesture
+from neurotouch_hid.profile.schema.targets import CommandName, CommandTarget
+from neurotouch_hid.profile.schema.timing import PRESETS, FilterName, resolve_times
+from neurotouch_hid.profile.schema.user import UserSettings
 
 State = Literal["running", "paused", "panic"]
 

@@ -7,7 +7,7 @@ from neurotouch_hid.geometry import Rig
 from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
 from neurotouch_hid.messages import EventPacket, GestureKind, RestField, Step
 from neurotouch_hid.profile import Mapping, Profile, UserSettings
-from neurotouch_hid.runtime.stopwatch import Stopwatch
+from neurotouch_hid.runtime.timing import Stopwatch
 from neurotouch_hid.runtime.worker import InlineRest, RestExchange, ThreadedRest
 from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector
 

@@ -9,10 +9,10 @@ from typing import Any, Final
 
 from neurotouch_hid.messages import Button, Step
 from neurotouch_hid.profile import Mapping, Profile, UserSettings
+from neurotouch_hid.runtime.command_queue import Letter, Mailbox, Order
 from neurotouch_hid.runtime.loop import STALL_S
-from neurotouch_hid.runtime.mailbox import Letter, Mailbox, Order
 from neurotouch_hid.runtime.pipeline import Pipeline
-from neurotouch_hid.runtime.stopwatch import Stopwatch
+from neurotouch_hid.runtime.timing import Stopwatch
 
 KEPT_ERRORS: Final = 5
 WINDOW_S: Final = 1.0

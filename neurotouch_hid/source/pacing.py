@@ -6,8 +6,8 @@ from types import TracebackType
 from typing import Self
 
 from neurotouch_hid.messages import EventPacket
-from neurotouch_hid.source.head import LEAD_US, cut_head
-from neurotouch_hid.source.lull import Lull
+from neurotouch_hid.source.idle import Lull
+from neurotouch_hid.source.partial import LEAD_US, cut_head
 from neurotouch_hid.source.protocol import Source
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
-from neurotouch_hid.source.head import cut
+from neurotouch_hid.source.partial import cut
 
 MAX_SILENCE_US = 10_000_000
 """Longer times without any event are skipped instead of filled with empty slices: a camera has

@@ -1,6 +1,6 @@
 """Stage 2: where the markers are, from events and frames."""
 
-from neurotouch_hid.tracker.image import BlobFinder, Blobs
+from neurotouch_hid.tracker.blobs import BlobFinder, Blobs
 from neurotouch_hid.tracker.markers import MarkerTracker, TrackerConfig, TrackerStats
 from neurotouch_hid.tracker.rest import RestConfig, RestDetector, RestStats
 

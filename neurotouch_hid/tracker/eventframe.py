@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import N_MARKERS, Rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, EventPacket, RestField
-from neurotouch_hid.tracker.image import BlobFinder
-from neurotouch_hid.tracker.image.lattice import Lattice, LatticeConfig, find_lattice
+from neurotouch_hid.tracker.blobs import BlobFinder
+from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig, find_lattice
 
 _FADE_US = 300_000.0  # events older than a touch-down are forgotten
 _SEARCH_US = 40_000  # as often as frames would come

@@ -8,12 +8,11 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import N_MARKERS, NEIGHBOURS
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, MarkerField, RestField
-from neurotouch_hid.tracker import kernels
+from neurotouch_hid.tracker.blobs import BlobFinder, Blobs
 from neurotouch_hid.tracker.correction import FrameCorrection
-from neurotouch_hid.tracker.correction import kernels as correction
-from neurotouch_hid.tracker.image import BlobFinder, Blobs
-from neurotouch_hid.tracker.nearest import kernels as nearest
-from neurotouch_hid.tracker.tracks import kernels as track_kernels
+from neurotouch_hid.tracker.kernels import correction, nearest
+from neurotouch_hid.tracker.kernels import filter as kernels
+from neurotouch_hid.tracker.kernels import tracks as track_kernels
 
 _PAST = 64  # checks remembered: at least 128 ms, longer than any exposure and its way to us
 _MAX_DRIFT_PX = 1.0  # a marker farther off its rest position is being pushed

@@ -13,10 +13,11 @@ from neurotouch_hid.messages import (
     Frame,
     RestField,
 )
+from neurotouch_hid.tracker.blobs import BlobConfig, BlobFinder, Blobs
 from neurotouch_hid.tracker.eventframe import EventFrame
-from neurotouch_hid.tracker.image import BlobConfig, BlobFinder, Blobs, kernels
-from neurotouch_hid.tracker.image.lattice import Lattice, LatticeConfig, find_lattice
-from neurotouch_hid.tracker.matching import kernels as matching
+from neurotouch_hid.tracker.kernels import image as kernels
+from neurotouch_hid.tracker.kernels import matching
+from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig, find_lattice
 
 _SAME_BEND_PX = 0.1  # two pictures of one undeformed gel differ by less
 _STILL_GATE_PX = 2.0  # farther is no small motion

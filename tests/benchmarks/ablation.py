@@ -114,7 +114,7 @@ def _track(rest_px, truths, rng):
 
 def measure(scenes):
     """One row: type, type from 2.5 mm, count, distance, intensity error."""
-    from neurotouch_hid.evaluation import Tally, summarise
+    from neurotouch_hid.evaluation.accuracy import Tally, summarise
     from neurotouch_hid.geometry import fit_rig
     from neurotouch_hid.gesture import GestureRecognizer
     from neurotouch_hid.messages import MarkerField

@@ -22,11 +22,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera
+from neurotouch_devtools.emulator import registers as reg
+from neurotouch_devtools.emulator.requests import ControlEndpoint, Setup
+from neurotouch_devtools.emulator.transfers import DataEndpoint
 
-from neurotouch_hid.emulator import CameraConfig, EmulatedCamera
-from neurotouch_hid.emulator import registers as reg
-from neurotouch_hid.emulator.requests import ControlEndpoint, Setup
-from neurotouch_hid.emulator.transfers import DataEndpoint
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 from neurotouch_hid.source.davis import CameraInfo, DavisConfig, DavisSource
 from neurotouch_hid.source.davis.camera import REST_DELAY_US

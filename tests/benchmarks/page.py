@@ -15,8 +15,8 @@ import time
 from pathlib import Path
 
 from neurotouch_hid.gesture import GestureConfig
-from neurotouch_hid.page.feed import Feed
-from neurotouch_hid.page.observer import Observer
+from neurotouch_hid.monitor.encoder import Observer
+from neurotouch_hid.monitor.publisher import Feed
 from neurotouch_hid.profile import UserSettings, load_profile
 from neurotouch_hid.runtime import Pipeline, Session, Stopwatch
 from neurotouch_hid.source.simulator import Simulator, find_scene

@@ -19,12 +19,12 @@ from collections.abc import Callable
 import numpy as np
 
 from neurotouch_hid.device import open_device
-from neurotouch_hid.device import rumble as served
-from neurotouch_hid.evaluation.load import DenseSource, load_scene
+from neurotouch_hid.device.outputs import rumble as served
+from neurotouch_hid.evaluation.speed.workload import DenseSource, load_scene
 from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.process.realtime import SWITCH_S
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline, run_line, warm_up
-from neurotouch_hid.runtime.priority import SWITCH_S
 from neurotouch_hid.source.pacing import PacedSource
 
 EVENT = struct.Struct("@llHHi")

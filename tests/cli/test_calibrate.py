@@ -11,8 +11,8 @@ from neurotouch_hid.profile import load_user
 
 PLAYED = """
 import sys
-from neurotouch_hid.cli.conclusion import conclude
-from neurotouch_hid.cli.keyboard import Keyboard
+from neurotouch_hid.cli.calibrate_result import conclude
+from neurotouch_hid.cli.ui.keyboard import Keyboard
 from neurotouch_hid.profile import load_user, rehearse
 from neurotouch_hid.profile.calibration import Session
 

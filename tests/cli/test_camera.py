@@ -9,8 +9,8 @@ import subprocess
 import time
 
 import pytest
+from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera, Identity
 
-from neurotouch_hid.emulator import CameraConfig, EmulatedCamera, Identity
 from tests.cli.test_record import LIMIT_S, wait_for_size
 from tests.emulator.stage import SCENE, finish, plug_in, run, start
 from tests.recording.test_writer import count, count_with_the_maker

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from neurotouch_hid.driver import ask
+from neurotouch_hid.client import ask
 from neurotouch_hid.monitor.cue import CueKind
 from neurotouch_hid.monitor.tone import make_wave
-from neurotouch_hid.page.listener import Listener, read_head
+from neurotouch_hid.page.subscriber import Listener, read_head
 
 LIMIT_S = 180.0
 HEAVY = ("click", "numpy", "numba", "cv2", "pydantic", "ruamel", "evdev", "asyncio", "threading")

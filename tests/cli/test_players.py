@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from neurotouch_hid.driver import find_runtime_folder
+from neurotouch_hid.client import find_runtime_folder
 
 LIMIT_S = 180.0
 PROGRAM = [sys.executable, "-m", "neurotouch_hid"]

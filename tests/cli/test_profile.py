@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from neurotouch_hid.cli.main import cli
 from neurotouch_hid.errors import NeuroTouchError
-from neurotouch_hid.profile.library import find_shipped_folder
+from neurotouch_hid.profile.reading.library import find_shipped_folder
 
 SUBCOMMANDS = (
     *("list", "show", "check", "diff", "history", "test", "new", "set", "bind", "unbind"),

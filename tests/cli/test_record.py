@@ -14,10 +14,10 @@ from contextlib import contextmanager
 
 import pytest
 
+from neurotouch_hid.driver.control import STREAM, ControlSocket
 from neurotouch_hid.recording import Recording, RecordingWriter
 from neurotouch_hid.recording.wire import send_packet
-from neurotouch_hid.runtime.control import STREAM, ControlSocket
-from neurotouch_hid.source.lull import LONGEST_US
+from neurotouch_hid.source.idle import LONGEST_US
 from tests.recording.streams import make_packets
 from tests.recording.test_writer import count, count_with_the_maker
 

@@ -4,7 +4,7 @@ import errno
 import os
 import struct
 
-from neurotouch_hid.device.uinput import UI_DEV_SETUP
+from neurotouch_hid.device.outputs.uinput import UI_DEV_SETUP
 
 EVENT_BYTES = 24
 

@@ -12,7 +12,7 @@ from random import Random
 import pytest
 from evdev import ecodes
 
-from neurotouch_hid.device.chord import (
+from neurotouch_hid.device.inputs.hotkeys import (
     CHORDS,
     ChordReader,
     explain_keyboards,

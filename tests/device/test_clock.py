@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from neurotouch_hid.device.clock import SensorClock
+from neurotouch_hid.device.outputs.clock import SensorClock
 
 MS = 1_000_000
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from evdev import ecodes
 
-from neurotouch_hid.device import Copilot, copilot
-from neurotouch_hid.device.inputs import Input
+from neurotouch_hid.device import Copilot
+from neurotouch_hid.device.inputs.nodes import Input, copilot
 from neurotouch_hid.errors import DeviceError
 
 LIMIT_S = 60.0

@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from neurotouch_hid.device.descriptor import ReportFormat
-from neurotouch_hid.device.identity import load_identities
+from neurotouch_hid.device.outputs.descriptor import ReportFormat
+from neurotouch_hid.device.outputs.identity import load_identities
 from neurotouch_hid.messages import Axis, Button, GamepadState
 
 LAYOUT = load_identities()["own"].layout

@@ -5,8 +5,8 @@ import math
 import pytest
 from evdev import ecodes, ff
 
-from neurotouch_hid.device.effects import STILL, Effect, Effects, Rumble
-from neurotouch_hid.device.rumbleboard import RumbleBoard
+from neurotouch_hid.device.outputs.effects import STILL, Effect, Effects, Rumble
+from neurotouch_hid.device.outputs.rumbleboard import RumbleBoard
 
 HALF = Effect(0.5, 0.25, seconds=1.0, delay_s=0.0)
 

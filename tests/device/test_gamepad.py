@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from neurotouch_hid.device.claim import Control
-from neurotouch_hid.device.identity import load_identities
+from neurotouch_hid.device.outputs.identity import load_identities
+from neurotouch_hid.device.outputs.spec import Control
 from neurotouch_hid.messages import Axis, Button, GamepadState
 
 # From the kernel's xpad driver, as numbers: a second source beside the names in the module.

@@ -2,7 +2,7 @@
 
 import pytest
 
-from neurotouch_hid.device.identity import (
+from neurotouch_hid.device.outputs.identity import (
     Identity,
     check_identity,
     choose_identity,

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from neurotouch_hid.device import mouse
+from neurotouch_hid.device.outputs import mouse
 from neurotouch_hid.messages import GamepadState
 
 X, Y, WHEEL, FINE = 0, 1, 8, 11

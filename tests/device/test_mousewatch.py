@@ -7,9 +7,8 @@ from pathlib import Path
 import pytest
 from evdev import InputEvent, ecodes
 
-from neurotouch_hid.device import mousewatch
-from neurotouch_hid.device.inputs import Input
-from neurotouch_hid.device.mousewatch import MouseWatch
+from neurotouch_hid.device.inputs.mousewatch import MouseWatch
+from neurotouch_hid.device.inputs.nodes import Input, mousewatch
 
 LIMIT_S = 60.0
 ODD, PLAIN = (

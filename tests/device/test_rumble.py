@@ -8,8 +8,8 @@ import threading
 
 from evdev import ecodes, ff
 
-from neurotouch_hid.device.effects import Rumble
-from neurotouch_hid.device.rumble import RumbleServer
+from neurotouch_hid.device.outputs.effects import Rumble
+from neurotouch_hid.device.outputs.rumble import RumbleServer
 
 LIMIT_S = 60.0
 EVENT = struct.Struct("@llHHi")

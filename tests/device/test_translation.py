@@ -7,9 +7,9 @@ from evdev import ecodes
 from hypothesis import given
 from hypothesis import strategies as st
 
-from neurotouch_hid.device.inputs import Input
-from neurotouch_hid.device.share import Share, merge
-from neurotouch_hid.device.translation import Translation
+from neurotouch_hid.device.inputs.contribution import Share, merge
+from neurotouch_hid.device.inputs.nodes import Input
+from neurotouch_hid.device.inputs.translation import Translation
 from neurotouch_hid.messages import Axis, Button
 
 XBOX_RANGES = {

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from neurotouch_hid.device.identity import load_identities
-from neurotouch_hid.device.uhid import RULE, RULES_FILE, UhidNode, open_uhid
+from neurotouch_hid.device.outputs.identity import load_identities
+from neurotouch_hid.device.outputs.uhid import RULE, RULES_FILE, UhidNode, open_uhid
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import Button, GamepadState
 

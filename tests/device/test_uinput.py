@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 from evdev import ecodes
 
-from neurotouch_hid.device import keyboard, mouse
-from neurotouch_hid.device.claim import Claim
-from neurotouch_hid.device.identity import load_identities
-from neurotouch_hid.device.uinput import RULE, UinputNode, open_uinput
+from neurotouch_hid.device.outputs import keyboard, mouse
+from neurotouch_hid.device.outputs.identity import load_identities
+from neurotouch_hid.device.outputs.spec import Claim
+from neurotouch_hid.device.outputs.uinput import RULE, UinputNode, open_uinput
 from neurotouch_hid.errors import DeviceError
 from tests.device.kernel import FakeNode, Kernel
 

@@ -1,8 +1,8 @@
 """Emulated cameras that real libusb sees."""
 
 import pytest
+from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera
 
-from neurotouch_hid.emulator import CameraConfig, EmulatedCamera
 from tests.emulator.stage import SCENE, plug_in
 
 

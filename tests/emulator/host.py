@@ -1,10 +1,10 @@
 """A host on the other side of an emulated camera, with a clock of its own."""
 
 import numpy as np
+from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera
+from neurotouch_devtools.emulator.port import Port
+from neurotouch_devtools.emulator.requests import Setup
 
-from neurotouch_hid.emulator import CameraConfig, EmulatedCamera
-from neurotouch_hid.emulator.port import Port
-from neurotouch_hid.emulator.requests import Setup
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 from tests.emulator.listener import Listener
 

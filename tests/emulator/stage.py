@@ -6,8 +6,8 @@ import sys
 from pathlib import Path
 
 import pytest
+from neurotouch_devtools.emulator.umockdev import Umockdev
 
-from neurotouch_hid.emulator.umockdev import Umockdev
 from neurotouch_hid.errors import SourceError
 from tests.emulator.host import make_scene
 

@@ -3,8 +3,8 @@
 from itertools import pairwise
 
 import pytest
+from neurotouch_devtools.emulator import CameraConfig
 
-from neurotouch_hid.emulator import CameraConfig
 from neurotouch_hid.messages import EventPacket
 from tests.emulator.host import Host, list_events, make_scene
 

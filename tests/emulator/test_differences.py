@@ -5,8 +5,8 @@ import time
 
 import numpy as np
 import pytest
+from neurotouch_devtools.emulator import CameraConfig
 
-from neurotouch_hid.emulator import CameraConfig
 from tests.emulator.stage import finish, start
 
 pytestmark = pytest.mark.filterwarnings("ignore:DynamicImporter:ImportWarning")  # gi's own

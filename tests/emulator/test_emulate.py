@@ -4,9 +4,8 @@ import subprocess
 import sys
 
 import pytest
-
-from neurotouch_hid.emulator import FaultKind
-from neurotouch_hid.emulator.usbip import VHCI
+from neurotouch_devtools.emulator import FaultKind
+from neurotouch_devtools.emulator.usbip import VHCI
 
 
 def emulate(*arguments):

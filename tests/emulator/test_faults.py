@@ -4,9 +4,9 @@ import errno
 from itertools import pairwise
 
 import pytest
+from neurotouch_devtools.emulator import CameraConfig, Fault, FaultKind, Stage
+from neurotouch_devtools.emulator.port import UnpluggedError
 
-from neurotouch_hid.emulator import CameraConfig, Fault, FaultKind, Stage
-from neurotouch_hid.emulator.port import UnpluggedError
 from neurotouch_hid.errors import SourceError
 from tests.emulator.host import Host, list_events, make_scene
 

@@ -3,8 +3,8 @@
 import struct
 
 import pytest
+from neurotouch_devtools.emulator import CameraConfig, Identity
 
-from neurotouch_hid.emulator import CameraConfig, Identity
 from tests.emulator.host import IN, OUT, Host
 
 STALL = -32

@@ -3,10 +3,10 @@
 import threading
 
 import pytest
+from neurotouch_devtools.cli.emulate import _repeat
+from neurotouch_devtools.emulator import CameraConfig, Prefetch
+from neurotouch_devtools.emulator.prefetch import N_AHEAD
 
-from neurotouch_hid.cli.emulate import _repeat
-from neurotouch_hid.emulator import CameraConfig, Prefetch
-from neurotouch_hid.emulator.prefetch import N_AHEAD
 from neurotouch_hid.errors import RecordingError
 from tests.emulator.host import Host, list_events, make_scene
 

@@ -4,8 +4,8 @@ import time
 
 import numpy as np
 import pytest
+from neurotouch_devtools.emulator import CameraConfig, Fault, Identity
 
-from neurotouch_hid.emulator import CameraConfig, Fault, Identity
 from tests.emulator.comparison import assert_same
 from tests.emulator.host import make_scene
 from tests.emulator.stage import SCENE, finish, run, start

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from neurotouch_devtools.emulator import kernels
+from neurotouch_devtools.emulator.readout import Readout, Region, read_out
+from neurotouch_devtools.emulator.words import WordEncoder
 
-from neurotouch_hid.emulator import kernels
-from neurotouch_hid.emulator.readout import Readout, Region, read_out
-from neurotouch_hid.emulator.words import WordEncoder
 from neurotouch_hid.messages import EVENT_DTYPE, Frame
 from tests.emulator.listener import Listener
 from tests.reference.emulator import PlainEncoder

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neurotouch_hid.evaluation import Comparison, LabelTrack, summarise
+from neurotouch_hid.evaluation.accuracy import Comparison, LabelTrack, summarise
 from neurotouch_hid.geometry import LATTICE_MM, Rig
 from neurotouch_hid.messages import (
     EVENT_DTYPE,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from neurotouch_hid.evaluation import decoding
+from neurotouch_hid.evaluation.speed import decoding
 from neurotouch_hid.source.davis.decoder import Decoder, DecoderStats
 
 

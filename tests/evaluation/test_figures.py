@@ -4,16 +4,24 @@ import pytest
 from matplotlib.collections import PolyCollection
 from matplotlib.quiver import Quiver
 
-from neurotouch_hid.evaluation import Tally, summarise
-from neurotouch_hid.evaluation.moments import Moment
-from neurotouch_hid.evaluation.paper import COUNT_BY_INTENSITY, TYPE_BY_INTENSITY
-from neurotouch_hid.evaluation.report.bars import draw_errors, draw_summary, draw_type_metrics
-from neurotouch_hid.evaluation.report.curves import draw_confusion, draw_intensity, draw_times
-from neurotouch_hid.evaluation.report.gallery import Failure, draw_failure
-from neurotouch_hid.evaluation.report.labels import draw_classes, draw_contacts
-from neurotouch_hid.evaluation.report.style import apply_style
-from neurotouch_hid.evaluation.statistics import LabelStatistics
-from neurotouch_hid.evaluation.timing import Timing
+from neurotouch_hid.evaluation.accuracy import Tally, summarise
+from neurotouch_hid.evaluation.accuracy.moments import Moment
+from neurotouch_hid.evaluation.accuracy.paper import COUNT_BY_INTENSITY, TYPE_BY_INTENSITY
+from neurotouch_hid.evaluation.accuracy.report.bars import (
+    draw_errors,
+    draw_summary,
+    draw_type_metrics,
+)
+from neurotouch_hid.evaluation.accuracy.report.curves import (
+    draw_confusion,
+    draw_intensity,
+    draw_times,
+)
+from neurotouch_hid.evaluation.accuracy.report.gallery import Failure, draw_failure
+from neurotouch_hid.evaluation.accuracy.report.labels import draw_classes, draw_contacts
+from neurotouch_hid.evaluation.accuracy.report.style import apply_style
+from neurotouch_hid.evaluation.accuracy.statistics import LabelStatistics
+from neurotouch_hid.evaluation.accuracy.timing import Timing
 from neurotouch_hid.geometry import N_MARKERS
 from neurotouch_hid.messages import GestureKind
 from tests.evaluation.timelines import REST_PX, RIG, answer, label, markers

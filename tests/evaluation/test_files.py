@@ -7,7 +7,7 @@ from click.testing import CliRunner
 
 from neurotouch_hid.cli.evaluate import command
 from neurotouch_hid.errors import GelNotFoundError, NeuroTouchError, RecordingError
-from neurotouch_hid.evaluation import evaluate_files, format_table
+from neurotouch_hid.evaluation.accuracy import evaluate_files, format_table
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
 from neurotouch_hid.source.simulator import Simulator

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from neurotouch_hid.errors import RecordingError
-from neurotouch_hid.evaluation.labels import LabelTrack, pair_points
+from neurotouch_hid.evaluation.accuracy.labels import LabelTrack, pair_points
 from neurotouch_hid.messages import GestureKind, Truth
 
 

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from neurotouch_hid.evaluation.live import (
+from neurotouch_hid.evaluation.speed.pace import (
     LOST_US,
     Probe,
     measure_live,
     measure_machine,
     summarise_delays,
 )
-from neurotouch_hid.evaluation.load import DenseSource, load_scene
+from neurotouch_hid.evaluation.speed.workload import DenseSource, load_scene
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, GamepadState, Step
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neurotouch_hid.evaluation.load import DenseSource, Scene, load_scene
+from neurotouch_hid.evaluation.speed.workload import DenseSource, Scene, load_scene
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, GestureKind
 from neurotouch_hid.profile import load_profile

@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from neurotouch_hid.evaluation import Tally, format_table, summarise
-from neurotouch_hid.evaluation.metrics import balance
-from neurotouch_hid.evaluation.tally import measure_distances
+from neurotouch_hid.evaluation.accuracy import Tally, format_table, summarise
+from neurotouch_hid.evaluation.accuracy.metrics import balance
+from neurotouch_hid.evaluation.accuracy.tally import measure_distances
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import Gesture, GestureKind, Truth
 

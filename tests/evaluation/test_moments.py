@@ -2,7 +2,7 @@
 
 import pytest
 
-from neurotouch_hid.evaluation.moments import N_WORST, WorstMoments, measure_severity
+from neurotouch_hid.evaluation.accuracy.moments import N_WORST, WorstMoments, measure_severity
 from neurotouch_hid.messages import GestureKind
 from tests.evaluation.timelines import RIG, answer, label, markers
 

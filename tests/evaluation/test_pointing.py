@@ -5,9 +5,15 @@ from itertools import pairwise
 
 import pytest
 
-from neurotouch_hid.evaluation.pointing import DWELL_US, SPEED_PX_S, Pointing, lay_targets, name_way
-from neurotouch_hid.evaluation.subject import perform_pointing
-from neurotouch_hid.evaluation.throughput import Trial, measure_pointing
+from neurotouch_hid.evaluation.people.pointing import (
+    DWELL_US,
+    SPEED_PX_S,
+    Pointing,
+    lay_targets,
+    name_way,
+)
+from neurotouch_hid.evaluation.people.subject import perform_pointing
+from neurotouch_hid.evaluation.people.throughput import Trial, measure_pointing
 from neurotouch_hid.messages import Axis, Button, GamepadState
 from neurotouch_hid.profile import Mapping, UserSettings, load_profile
 

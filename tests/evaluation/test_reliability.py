@@ -2,7 +2,7 @@
 
 import pytest
 
-from neurotouch_hid.evaluation import Tally, summarise
+from neurotouch_hid.evaluation.accuracy import Tally, summarise
 from neurotouch_hid.messages import GestureKind
 from tests.evaluation.timelines import RIG, answer, label
 

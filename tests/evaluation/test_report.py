@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.errors import NeuroTouchError
-from neurotouch_hid.evaluation import Evaluation, LabelTrack, Tally, combine_reports
-from neurotouch_hid.evaluation.files import Played
-from neurotouch_hid.evaluation.moments import WorstMoments
-from neurotouch_hid.evaluation.report import check_folder, write_report
-from neurotouch_hid.evaluation.statistics import LabelStatistics
-from neurotouch_hid.evaluation.timing import Stopwatch
+from neurotouch_hid.evaluation.accuracy import Evaluation, LabelTrack, Tally, combine_reports
+from neurotouch_hid.evaluation.accuracy.files import Played
+from neurotouch_hid.evaluation.accuracy.moments import WorstMoments
+from neurotouch_hid.evaluation.accuracy.report import check_folder, write_report
+from neurotouch_hid.evaluation.accuracy.statistics import LabelStatistics
+from neurotouch_hid.evaluation.accuracy.timing import Stopwatch
 from neurotouch_hid.messages import GestureKind
 from tests.evaluation.timelines import RIG, answer, label, markers
 

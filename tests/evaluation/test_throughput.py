@@ -6,7 +6,7 @@ import math
 import pytest
 
 from neurotouch_hid.errors import NeuroTouchError
-from neurotouch_hid.evaluation.throughput import (
+from neurotouch_hid.evaluation.people.throughput import (
     Trial,
     compare_results,
     measure_block,

@@ -2,8 +2,8 @@
 
 import pytest
 
-from neurotouch_hid.evaluation import LabelTrack, Tally, summarise
-from neurotouch_hid.evaluation.timing import Stopwatch, Timing
+from neurotouch_hid.evaluation.accuracy import LabelTrack, Tally, summarise
+from neurotouch_hid.evaluation.accuracy.timing import Stopwatch, Timing
 from neurotouch_hid.messages import GestureKind
 from tests.evaluation.timelines import label
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from neurotouch_hid.gesture.contacts import find_outliers
+from neurotouch_hid.gesture.paper.contacts import find_outliers
 
 
 def test_outliers_are_the_markers_that_leave_the_pattern():

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from neurotouch_hid.geometry import LATTICE_MM
-from neurotouch_hid.gesture.elastic.field.kernels import (
+from neurotouch_hid.gesture.elastic.kernels.field import (
     bound_gain,
     couple,
     fill_responses,

@@ -6,8 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from neurotouch_hid.geometry import LATTICE_MM, Rig
-from neurotouch_hid.gesture.elastic.field.kernels import couple, rim_window
-from neurotouch_hid.gesture.elastic.fit.kernels import (
+from neurotouch_hid.gesture.elastic.fingers import FIT, Hand
+from neurotouch_hid.gesture.elastic.kernels.field import couple, rim_window
+from neurotouch_hid.gesture.elastic.kernels.fit import (
     accumulate,
     build_columns,
     build_slopes,
@@ -15,8 +16,6 @@ from neurotouch_hid.gesture.elastic.fit.kernels import (
     refine,
     solve,
 )
-from neurotouch_hid.gesture.elastic.hand import Hand
-from neurotouch_hid.gesture.elastic.hand.hand import FIT
 from tests.reference import gesture_elastic as reference
 
 WINDOW = np.array([rim_window(float(r2)) for r2 in (LATTICE_MM**2).sum(axis=1)])

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.geometry import LATTICE_MM, Rig
-from neurotouch_hid.gesture.elastic.field.kernels import fill_responses, find_site
-from neurotouch_hid.gesture.elastic.hand import Hand, HandConfig
-from neurotouch_hid.gesture.elastic.hand.kernels import NOW
+from neurotouch_hid.gesture.elastic.fingers import Hand, HandConfig
+from neurotouch_hid.gesture.elastic.kernels.field import fill_responses, find_site
+from neurotouch_hid.gesture.elastic.kernels.follow import NOW
 from tests.gesture.elastic import field
 
 SEES_ALL = np.ones(len(LATTICE_MM), np.bool_)

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from neurotouch_hid.gesture.kernels import (
+from neurotouch_hid.gesture.paper.kernels import (
     displace,
     find_near,
     find_peaks,

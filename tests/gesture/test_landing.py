@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from neurotouch_hid.geometry import LATTICE_MM, Rig
-from neurotouch_hid.gesture.elastic.hand import Hand
-from neurotouch_hid.gesture.elastic.hand.kernels import NOW
-from neurotouch_hid.gesture.elastic.motion.kernels import (
+from neurotouch_hid.gesture.elastic.fingers import Hand
+from neurotouch_hid.gesture.elastic.kernels.follow import NOW
+from neurotouch_hid.gesture.elastic.kernels.motion import (
     LANDING_MM,
     LANDING_SHARE,
     LANDING_US,

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from neurotouch_hid.gesture.elastic.markers.kernels import (
+from neurotouch_hid.gesture.elastic.kernels.markers import (
     find_common,
     measure_spread,
     measure_sway,

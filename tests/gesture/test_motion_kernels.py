@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from neurotouch_hid.gesture.elastic.motion.kernels import (
+from neurotouch_hid.gesture.elastic.kernels.motion import (
     choose_shown,
     locate,
     measure_motion,

@@ -4,8 +4,8 @@ import time
 from itertools import count
 
 import numpy as np
+from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera, Fault, Identity
 
-from neurotouch_hid.emulator import CameraConfig, EmulatedCamera, Fault, Identity
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 from neurotouch_hid.source.davis import DavisSource
 

@@ -4,7 +4,7 @@ import itertools
 
 import pytest
 
-from neurotouch_hid.device import keyboard, mouse
+from neurotouch_hid.device.outputs import keyboard, mouse
 
 SYN = [0, 0, 0]
 PAD, KEYBOARD, MOUSE = "neurotouch/pad0", "neurotouch/keyboard0", "neurotouch/mouse0"

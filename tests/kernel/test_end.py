@@ -2,7 +2,7 @@
 
 import pytest
 
-from neurotouch_hid.device.identity import load_identities
+from neurotouch_hid.device.outputs.identity import load_identities
 
 XBOX = load_identities()["xbox360"].layout
 KEY_RELEASES = {(1, control.code, 0) for control in XBOX.buttons.values()}

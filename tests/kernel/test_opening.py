@@ -2,7 +2,7 @@
 
 import pytest
 
-from neurotouch_hid.device import uhid, uinput
+from neurotouch_hid.device.outputs import uhid, uinput
 
 RULES = {"uinput": uinput.RULE, "uhid": uhid.RULE}
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from neurotouch_hid.device.descriptor import ReportFormat
-from neurotouch_hid.device.identity import load_identities
+from neurotouch_hid.device.outputs.descriptor import ReportFormat
+from neurotouch_hid.device.outputs.identity import load_identities
 from neurotouch_hid.messages import Axis, Button
 
 SDL_BUTTONS = {

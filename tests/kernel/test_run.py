@@ -5,7 +5,7 @@ from collections import Counter
 
 import pytest
 
-from neurotouch_hid.device.identity import load_identities
+from neurotouch_hid.device.outputs.identity import load_identities
 from neurotouch_hid.messages import Axis, Button, GamepadState
 
 XBOX = load_identities()["xbox360"].layout

@@ -5,7 +5,7 @@ import numpy as np
 from neurotouch_hid.geometry import LATTICE_MM, Rig
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Gesture, MarkerField, Step
 from neurotouch_hid.profile import Mapping, Profile
-from neurotouch_hid.profile.load import parse_profile
+from neurotouch_hid.profile.reading.load import parse_profile
 
 REST_PX = Rig((173.0, 130.0), 2.5).to_px(LATTICE_MM).astype(np.float32)
 

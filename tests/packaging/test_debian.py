@@ -95,7 +95,7 @@ def test_manual_pages_are_sound(which, tmp_path):
 
 
 def test_the_page_of_the_service_knows_every_choice():
-    from neurotouch_hid.runtime import ServiceSettings
+    from neurotouch_hid.driver.service_settings import ServiceSettings
 
     page = (ROOT / "packaging/man/neurotouch-service.7").read_text()
     for key in ServiceSettings.model_fields:

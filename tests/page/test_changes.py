@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.page.about import MOVEMENTS, describe_profile, is_editable, measure_lag
-from neurotouch_hid.page.changes import Changes
+from neurotouch_hid.page.edits import Changes
+from neurotouch_hid.page.profile_view import MOVEMENTS, describe_profile, is_editable, measure_lag
 from neurotouch_hid.profile import list_profiles, load_profile
-from neurotouch_hid.profile.library import find_shipped_folder, find_user_folder
+from neurotouch_hid.profile.reading.library import find_shipped_folder, find_user_folder
 
 LAYERS = """\
 version: 1

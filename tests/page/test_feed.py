@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.gesture import GestureConfig
-from neurotouch_hid.page.feed import MOST_HZ, MOST_LISTENERS, Feed
-from neurotouch_hid.page.lines import LineWriter, draw_picture
-from neurotouch_hid.page.listener import Listener, read_head
-from neurotouch_hid.page.observer import Observer
-from neurotouch_hid.peers import FEED, connect_to
+from neurotouch_hid.ipc import FEED, connect_to
+from neurotouch_hid.monitor.encoder import Observer
+from neurotouch_hid.monitor.publisher import MOST_HZ, MOST_LISTENERS, Feed
+from neurotouch_hid.page.subscriber import Listener, read_head
+from neurotouch_hid.page.text_view import LineWriter, draw_picture
 from neurotouch_hid.profile import UserSettings
-from neurotouch_hid.profile.load import parse_profile
+from neurotouch_hid.profile.reading.load import parse_profile
 from neurotouch_hid.runtime import Pipeline, Session, Stopwatch
 
 LIMIT_S = 60.0

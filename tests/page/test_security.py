@@ -16,6 +16,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 from neurotouch_hid.errors import PageError
+from neurotouch_hid.ipc import is_own_peer
 from neurotouch_hid.page import guard
 from neurotouch_hid.page.guard import (
     HEADERS,
@@ -28,7 +29,6 @@ from neurotouch_hid.page.guard import (
     make_token,
 )
 from neurotouch_hid.page.server import Server, open_sockets
-from neurotouch_hid.peers import is_own_peer
 from tests.page.processes import LIMIT_S, View
 
 STRANGERS = [

@@ -2,7 +2,7 @@
 
 from neurotouch_hid.messages import GamepadState, Gesture
 from neurotouch_hid.profile import Mapping, Profile, UserSettings, perform, rehearse
-from neurotouch_hid.profile.load import parse_profile
+from neurotouch_hid.profile.reading.load import parse_profile
 
 RAW = UserSettings(filter="none")
 

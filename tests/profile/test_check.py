@@ -8,9 +8,9 @@ import pytest
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.messages import Button
 from neurotouch_hid.profile import Mapping, check_content, check_profile, explain, load_profile
-from neurotouch_hid.profile.codes import CODES
-from neurotouch_hid.profile.description import describe_target
-from neurotouch_hid.profile.keys import KEYS, parse_chord
+from neurotouch_hid.profile.diagnostics.codes import CODES
+from neurotouch_hid.profile.diagnostics.description import describe_target
+from neurotouch_hid.profile.schema.keys import KEYS, parse_chord
 from tests.profile.stage import RAW, run
 
 HEAD = "version: 1\nname: x\n"

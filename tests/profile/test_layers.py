@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from neurotouch_hid.messages import Button, GamepadState
 from neurotouch_hid.profile import Mapping, Profile, UserSettings, load_profile, rehearse
-from neurotouch_hid.profile.library import list_profiles
-from neurotouch_hid.profile.load import parse_profile
+from neurotouch_hid.profile.reading.library import list_profiles
+from neurotouch_hid.profile.reading.load import parse_profile
 from tests.profile.stage import RAW, make_profile, run, tell
 
 LAYERS = """

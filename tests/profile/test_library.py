@@ -6,7 +6,7 @@ import pytest
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.profile import list_profiles, load_profile
-from neurotouch_hid.profile.library import (
+from neurotouch_hid.profile.reading.library import (
     find_profile,
     find_shipped_folder,
     find_user_file,

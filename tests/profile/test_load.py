@@ -7,7 +7,7 @@ import textwrap
 import pytest
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.load import MAX_BYTES, load_profile, parse_profile
+from neurotouch_hid.profile.reading.load import MAX_BYTES, load_profile, parse_profile
 
 CODE = re.compile(r": error\[NT1\d\d\]: ")
 HEAD = "version: 1\nname: x\nbindings:\n"

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from neurotouch_hid.messages import Axis, Button, GamepadState, Gesture, GestureKind
 from neurotouch_hid.profile import Mapping, Profile, UserSettings, list_profiles, load_profile
-from neurotouch_hid.profile.load import parse_profile
+from neurotouch_hid.profile.reading.load import parse_profile
 
 SLICE_US = 10_000
 RAW = UserSettings(filter="none")

@@ -9,7 +9,7 @@ from neurotouch_hid.profile import Mapping
 from neurotouch_hid.profile.decision import Journal
 from neurotouch_hid.profile.engine.output import Outputs
 from neurotouch_hid.profile.engine.pointer import PointerCare
-from neurotouch_hid.profile.targets import MouseMotionTarget
+from neurotouch_hid.profile.schema.targets import MouseMotionTarget
 from tests.profile.stage import RAW, make_profile, run
 
 MOTION = "when: push, do: {mouse: motion, range_mm: [0, 10], deadzone: 0, speed_px_s: 500%s}"

@@ -8,8 +8,8 @@ import pytest
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile import Mapping, load_profile, perform, rehearse
-from neurotouch_hid.profile.library import find_shipped_folder
-from neurotouch_hid.profile.rehearsal import parse_script
+from neurotouch_hid.profile.reading.library import find_shipped_folder
+from neurotouch_hid.profile.rehearsal.script import parse_script
 
 
 def test_a_push_rises_holds_and_falls() -> None:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import CubicHermiteSpline
 
 from neurotouch_hid.profile.engine.response import make_bend, make_response
-from neurotouch_hid.profile.shaping import Curve, Expo, Points, Power, Shaped
+from neurotouch_hid.profile.schema.shaping import Curve, Expo, Points, Power, Shaped
 
 curves = st.one_of(
     st.just("linear"),

@@ -7,9 +7,9 @@ from pydantic import TypeAdapter
 
 from neurotouch_hid.messages import Button, GestureKind
 from neurotouch_hid.profile import profile_schema, user_schema
-from neurotouch_hid.profile.conditions import GestureName
-from neurotouch_hid.profile.library import find_shipped_folder
-from neurotouch_hid.profile.shaping import Curve
+from neurotouch_hid.profile.reading.library import find_shipped_folder
+from neurotouch_hid.profile.schema.conditions import GestureName
+from neurotouch_hid.profile.schema.shaping import Curve
 
 SCHEMA = profile_schema()
 USER = user_schema()

@@ -8,15 +8,15 @@ import pytest
 
 from neurotouch_hid.messages import Axis, Button, GamepadState, Gesture, GestureKind
 from neurotouch_hid.profile import Mapping, UserSettings, check_profile, load_profile
-from neurotouch_hid.profile.conditions import Sequence
-from neurotouch_hid.profile.description import describe_target
+from neurotouch_hid.profile.diagnostics.description import describe_target
 from neurotouch_hid.profile.engine.output import STICK_AXES, TRIGGER_AXES
 from neurotouch_hid.profile.engine.regions import FOUR_WAYS
-from neurotouch_hid.profile.keys import MOUSE_BUTTONS
-from neurotouch_hid.profile.layering import merge_bindings
-from neurotouch_hid.profile.library import find_shipped_folder
-from neurotouch_hid.profile.schema import Binding
-from neurotouch_hid.profile.targets import (
+from neurotouch_hid.profile.reading.layering import merge_bindings
+from neurotouch_hid.profile.reading.library import find_shipped_folder
+from neurotouch_hid.profile.schema.conditions import Sequence
+from neurotouch_hid.profile.schema.keys import MOUSE_BUTTONS
+from neurotouch_hid.profile.schema.profile import Binding
+from neurotouch_hid.profile.schema.targets import (
     AxisTarget,
     ButtonTarget,
     CommandTarget,
@@ -29,7 +29,7 @@ from neurotouch_hid.profile.targets import (
     StickTarget,
     TriggerTarget,
 )
-from neurotouch_hid.profile.timing import Times, resolve_times
+from neurotouch_hid.profile.schema.timing import Times, resolve_times
 from tests.profile.stage import run
 
 NAMES = sorted(path.stem for path in find_shipped_folder().glob("*.yaml"))

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from neurotouch_devtools.bench.steadiness import DESIGN, measure_filter
 from scipy import signal
 
-from neurotouch_hid.evaluation.steadiness import DESIGN, measure_filter
 from neurotouch_hid.messages import Axis, Gesture, GestureKind
 from neurotouch_hid.profile import Mapping, UserSettings
 from neurotouch_hid.profile.engine.notch import QUALITY, Notch, TremorWatch

@@ -5,9 +5,9 @@ import pytest
 from neurotouch_hid.messages import Axis
 from neurotouch_hid.profile import Mapping, UserSettings, check_content, rehearse
 from neurotouch_hid.profile.calibration import Session, write_ranges
-from neurotouch_hid.profile.load import check_user, parse_profile
-from neurotouch_hid.profile.movements import MOVEMENTS
-from neurotouch_hid.profile.user import Range
+from neurotouch_hid.profile.reading.load import check_user, parse_profile
+from neurotouch_hid.profile.schema.movements import MOVEMENTS
+from neurotouch_hid.profile.schema.user import Range
 
 PROFILE = """\
 version: 1

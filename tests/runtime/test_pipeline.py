@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from neurotouch_hid.evaluation.load import load_scene
+from neurotouch_hid.evaluation.speed.workload import load_scene
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline
 from neurotouch_hid.runtime.pipeline import IDLE_FRAME_US, IDLE_US
-from neurotouch_hid.source.head import cut_head
+from neurotouch_hid.source.partial import cut_head
 
 
 def wait_for(condition):

@@ -10,7 +10,7 @@ from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import Button
 from neurotouch_hid.profile import UserSettings, load_profile, rehearse
 from neurotouch_hid.runtime import Pipeline, Session, Stopwatch, run_line
-from neurotouch_hid.runtime.mailbox import CAPACITY, Letter, Mailbox
+from neurotouch_hid.runtime.command_queue import CAPACITY, Letter, Mailbox
 
 
 class Line:

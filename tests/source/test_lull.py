@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
-from neurotouch_hid.source.lull import CALM_US, LONGEST_US, MOST_EVENTS, MOST_PER_US, Lull
+from neurotouch_hid.source.idle import CALM_US, LONGEST_US, MOST_EVENTS, MOST_PER_US, Lull
 
 SLICE_US = 4_000
 N_CALM = CALM_US // SLICE_US

@@ -3,8 +3,8 @@
 import numpy as np
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket
-from neurotouch_hid.source.head import LEAD_US, SHORTEST_US
 from neurotouch_hid.source.pacing import PacedSource
+from neurotouch_hid.source.partial import LEAD_US, SHORTEST_US
 
 NO_EVENTS = np.empty(0, EVENT_DTYPE)
 

@@ -5,10 +5,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from neurotouch_hid.geometry import LATTICE_MM, NEIGHBOURS, Rig
-from neurotouch_hid.tracker import TrackerConfig, kernels
-from neurotouch_hid.tracker.correction.kernels import assign_blobs, drift, median_size, recall
+from neurotouch_hid.tracker import TrackerConfig
+from neurotouch_hid.tracker.kernels import filter as kernels
+from neurotouch_hid.tracker.kernels import tracks as track_kernels
+from neurotouch_hid.tracker.kernels.correction import assign_blobs, drift, median_size, recall
 from neurotouch_hid.tracker.markers import make_tracks
-from neurotouch_hid.tracker.tracks import kernels as track_kernels
 from tests.reference import tracker as reference
 
 REST_PX = Rig((172.0, 130.0), 2.5, 0.1).to_px(LATTICE_MM)

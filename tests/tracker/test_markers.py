@@ -12,7 +12,7 @@ from neurotouch_hid.source.simulator.optics import CameraConfig
 from neurotouch_hid.source.simulator.script import Finger, Stroke, sequence
 from neurotouch_hid.source.simulator.sensor import SensorConfig
 from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector, TrackerConfig
-from neurotouch_hid.tracker.tracks import kernels as track_kernels
+from neurotouch_hid.tracker.kernels import tracks as track_kernels
 
 REST_PX = Rig((172.0, 130.0), 2.5).to_px(LATTICE_MM).astype(np.float32)
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from neurotouch_hid.tracker.matching import kernels
+from neurotouch_hid.tracker.kernels import matching as kernels
 from tests.reference import tracker as reference
 
 

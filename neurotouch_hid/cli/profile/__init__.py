@@ -6,7 +6,7 @@ from types import ModuleType
 
 import click
 
-from neurotouch_hid.cli.group import LazyGroup
+from neurotouch_hid.cli.ui.group import LazyGroup
 
 _SUMMARIES = {
     "list": "Print every profile: yours and those shipped.",

@@ -2,10 +2,10 @@
 
 import click
 
-from neurotouch_hid.cli.completing import complete_key, complete_paper, complete_profile
-from neurotouch_hid.cli.outcome import Outcome
-from neurotouch_hid.cli.output import json_option, make_stamp, plain_option
 from neurotouch_hid.cli.profile.saving import save_paper
+from neurotouch_hid.cli.ui.completing import complete_key, complete_paper, complete_profile
+from neurotouch_hid.cli.ui.outcome import Outcome
+from neurotouch_hid.cli.ui.output import json_option, make_stamp, plain_option
 
 
 @click.command(
@@ -162,7 +162,7 @@ def upgrade(name: str, as_json: bool, plain: bool) -> None:
     """
     from neurotouch_hid.profile.editing import take_profile
     from neurotouch_hid.profile.editing import upgrade as upgrade_text
-    from neurotouch_hid.profile.editing.desk import find_schema
+    from neurotouch_hid.profile.editing.drafts import find_schema
 
     paper = take_profile(name, make_stamp)
     text = upgrade_text(paper.text, find_schema(paper.store.path))
@@ -182,12 +182,12 @@ def use(name: str, as_json: bool, plain: bool) -> None:
 
     A running driver switches to NAME, and NAME becomes the first of your favourites.
     """
-    from neurotouch_hid.driver import ask
+    from neurotouch_hid.client import ask
     from neurotouch_hid.errors import NotRunningError, ProfileError
     from neurotouch_hid.profile import load_profile, load_user
     from neurotouch_hid.profile.editing import compare, set_value, take_user
-    from neurotouch_hid.profile.library import find_profile, list_profiles
-    from neurotouch_hid.profile.user import UserSettings
+    from neurotouch_hid.profile.reading.library import find_profile, list_profiles
+    from neurotouch_hid.profile.schema.user import UserSettings
 
     load_profile(name)
     path = find_profile(name)

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from neurotouch_hid.cli.completing import complete_profile
-from neurotouch_hid.cli.outcome import report_faults, show_faults
-from neurotouch_hid.cli.output import json_option, plain_option, print_json, say
+from neurotouch_hid.cli.ui.completing import complete_profile
+from neurotouch_hid.cli.ui.outcome import report_faults, show_faults
+from neurotouch_hid.cli.ui.output import json_option, plain_option, print_json, say
 from neurotouch_hid.errors import NeuroTouchError, ProfileError
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def check(names: tuple[str, ...], as_json: bool, plain: bool) -> None:
     Without a NAME, all profiles that can be loaded by name are checked, and your own values.
     """
     from neurotouch_hid.profile import check_profile, list_profiles, load_unused
-    from neurotouch_hid.profile.library import OWN_VALUES, find_user_file
+    from neurotouch_hid.profile.reading.library import OWN_VALUES, find_user_file
 
     found: list[Checked[Any]] = []
     failures: list[NeuroTouchError] = []

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.output import say
+from neurotouch_hid.cli.ui.output import say
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile.editing import Paper

@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.completing import complete_paper
-from neurotouch_hid.cli.outcome import show_faults
-from neurotouch_hid.cli.output import choose, make_stamp, plain_option, say
 from neurotouch_hid.cli.profile.drafts import find_draft, save_draft
 from neurotouch_hid.cli.profile.guide import Guide
 from neurotouch_hid.cli.profile.saving import save_paper
 from neurotouch_hid.cli.profile.values import ask_values
+from neurotouch_hid.cli.ui.completing import complete_paper
+from neurotouch_hid.cli.ui.outcome import show_faults
+from neurotouch_hid.cli.ui.output import choose, make_stamp, plain_option, say
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile.editing import Paper

@@ -5,17 +5,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.outcome import show_faults
-from neurotouch_hid.cli.output import choose, is_plain, say, show_changes
 from neurotouch_hid.cli.profile.drafts import save_draft
 from neurotouch_hid.cli.profile.gel import see_gesture, try_on_gel
 from neurotouch_hid.cli.profile.saving import save_paper
+from neurotouch_hid.cli.ui.outcome import show_faults
+from neurotouch_hid.cli.ui.output import choose, is_plain, say, show_changes
 from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile import Profile
     from neurotouch_hid.profile.editing import Paper
-    from neurotouch_hid.profile.schema import Binding
+    from neurotouch_hid.profile.schema.profile import Binding
 
 
 class Guide:
@@ -65,7 +65,7 @@ class Guide:
 
     def _ask_what(self) -> bool:
         from neurotouch_hid.profile.editing.summary import summarize_binding
-        from neurotouch_hid.profile.schema import FIRST_LAYER
+        from neurotouch_hid.profile.schema.profile import FIRST_LAYER
 
         profile = self._load()
         layers = list(profile.all_layers)
@@ -179,7 +179,7 @@ class Guide:
         return find_bindings(read_layout(self._text, "the draft")[1], layer)
 
     def _path(self, layer: str) -> str:
-        from neurotouch_hid.profile.faults import format_path
+        from neurotouch_hid.profile.diagnostics.faults import format_path
 
         return format_path(self._find(layer))
 

@@ -2,9 +2,9 @@
 
 import click
 
-from neurotouch_hid.cli.completing import complete_profile
-from neurotouch_hid.cli.outcome import Outcome, report_lines
-from neurotouch_hid.cli.output import (
+from neurotouch_hid.cli.ui.completing import complete_profile
+from neurotouch_hid.cli.ui.outcome import Outcome, report_lines
+from neurotouch_hid.cli.ui.output import (
     json_option,
     make_stamp,
     plain_option,
@@ -31,8 +31,8 @@ def diff(name: str, other: str | None, last: bool, as_json: bool, plain: bool) -
     Without OTHER, your own NAME is compared with the shipped one.
     """
     from neurotouch_hid.profile.editing import Store, adopt, compare, read_text
-    from neurotouch_hid.profile.editing.desk import find_schema
-    from neurotouch_hid.profile.library import find_profile, find_shipped_folder
+    from neurotouch_hid.profile.editing.drafts import find_schema
+    from neurotouch_hid.profile.reading.library import find_profile, find_shipped_folder
 
     path = find_profile(name)
     shipped = find_shipped_folder() / path.name

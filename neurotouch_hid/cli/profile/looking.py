@@ -2,8 +2,8 @@
 
 import click
 
-from neurotouch_hid.cli.completing import complete_profile
-from neurotouch_hid.cli.output import json_option, plain_option, print_json, say
+from neurotouch_hid.cli.ui.completing import complete_profile
+from neurotouch_hid.cli.ui.output import json_option, plain_option, print_json, say
 
 
 @click.command(
@@ -15,7 +15,7 @@ from neurotouch_hid.cli.output import json_option, plain_option, print_json, say
 def list_command(as_json: bool, plain: bool) -> None:
     """Print every profile: yours and those shipped."""
     from neurotouch_hid.profile import check_profile, list_profiles, load_user
-    from neurotouch_hid.profile.library import find_shipped_folder
+    from neurotouch_hid.profile.reading.library import find_shipped_folder
 
     shipped = find_shipped_folder()
     favourites = load_user().slots
@@ -63,7 +63,7 @@ def show(name: str, effective: bool, as_json: bool, plain: bool) -> None:
     """Say in words what the profile NAME does."""
     from neurotouch_hid.profile import check_profile, load_user
     from neurotouch_hid.profile.editing.summary import summarize
-    from neurotouch_hid.profile.library import OWN_VALUES, find_profile
+    from neurotouch_hid.profile.reading.library import OWN_VALUES, find_profile
 
     if name == OWN_VALUES:
         _show_values(as_json=as_json)
@@ -86,7 +86,7 @@ def show(name: str, effective: bool, as_json: bool, plain: bool) -> None:
 def _show_values(*, as_json: bool) -> None:
     from neurotouch_hid.profile import load_user
     from neurotouch_hid.profile.editing.values import format_value
-    from neurotouch_hid.profile.library import find_user_file
+    from neurotouch_hid.profile.reading.library import find_user_file
 
     path = find_user_file()
     values = load_user().model_dump(mode="json", exclude_none=True)

@@ -3,7 +3,7 @@
 import sys
 from typing import TYPE_CHECKING
 
-from neurotouch_hid.cli.outcome import Outcome
+from neurotouch_hid.cli.ui.outcome import Outcome
 from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:

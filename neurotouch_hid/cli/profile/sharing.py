@@ -4,9 +4,9 @@ from pathlib import Path
 
 import click
 
-from neurotouch_hid.cli.completing import complete_profile
-from neurotouch_hid.cli.outcome import Outcome, confirm, show_faults
-from neurotouch_hid.cli.output import (
+from neurotouch_hid.cli.ui.completing import complete_profile
+from neurotouch_hid.cli.ui.outcome import Outcome, confirm, show_faults
+from neurotouch_hid.cli.ui.output import (
     json_option,
     make_stamp,
     plain_option,
@@ -43,7 +43,11 @@ def export(
     """
     from neurotouch_hid.profile import check_profile
     from neurotouch_hid.profile.editing import read_text
-    from neurotouch_hid.profile.library import find_profile, find_shipped_folder, find_user_file
+    from neurotouch_hid.profile.reading.library import (
+        find_profile,
+        find_shipped_folder,
+        find_user_file,
+    )
 
     path = find_profile(name)
     checked = check_profile(path)
@@ -117,11 +121,11 @@ def import_command(
 
 def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, plain: bool) -> None:
     from neurotouch_hid.profile import check_content, load_unused
+    from neurotouch_hid.profile.diagnostics.faults import make_printable
     from neurotouch_hid.profile.editing import Paper, Store, adopt, compare, find_own_path
-    from neurotouch_hid.profile.editing.desk import find_schema, read_text
+    from neurotouch_hid.profile.editing.drafts import find_schema, read_text
     from neurotouch_hid.profile.editing.summary import summarize
-    from neurotouch_hid.profile.faults import make_printable
-    from neurotouch_hid.profile.library import find_shipped_folder
+    from neurotouch_hid.profile.reading.library import find_shipped_folder
 
     text, content = read_text(file)
     checked = check_content(content, make_printable(str(file)), unused=load_unused())
@@ -165,9 +169,9 @@ def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, pla
 def _take_values(file: Path, *, yes: bool, as_json: bool, plain: bool) -> None:
     """The values of a person from a file that ``export --user`` wrote."""
     from neurotouch_hid.profile import check_user
+    from neurotouch_hid.profile.diagnostics.faults import make_printable
     from neurotouch_hid.profile.editing import adopt, compare, read_text, take_user
-    from neurotouch_hid.profile.editing.desk import find_schema
-    from neurotouch_hid.profile.faults import make_printable
+    from neurotouch_hid.profile.editing.drafts import find_schema
 
     text, content = read_text(file)
     check_user(content, make_printable(str(file))).require()

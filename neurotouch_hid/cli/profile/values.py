@@ -4,9 +4,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.outcome import show_faults
-from neurotouch_hid.cli.output import choose, say, show_changes
 from neurotouch_hid.cli.profile.saving import save_paper
+from neurotouch_hid.cli.ui.outcome import show_faults
+from neurotouch_hid.cli.ui.output import choose, say, show_changes
 from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
@@ -60,8 +60,8 @@ def _ask(paper: "Paper", text: str, key: str, *, plain: bool) -> str:
     from neurotouch_hid.profile import UserSettings
     from neurotouch_hid.profile.editing import compare, parse_value, reset_value, set_value
     from neurotouch_hid.profile.editing.questions import list_words
-    from neurotouch_hid.profile.feedback import Feedback
-    from neurotouch_hid.profile.timing import Timing
+    from neurotouch_hid.profile.schema.feedback import Feedback
+    from neurotouch_hid.profile.schema.timing import Timing
 
     fields = {
         **UserSettings.model_fields,

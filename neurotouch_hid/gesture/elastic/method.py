@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.gesture.config import GestureConfig
 from neurotouch_hid.gesture.elastic.decision import Decision, DecisionConfig
-from neurotouch_hid.gesture.elastic.hand import Hand, HandConfig
+from neurotouch_hid.gesture.elastic.fingers import Hand, HandConfig
 from neurotouch_hid.messages import Gesture, GestureKind, no_gesture
 
 Floats = NDArray[np.float64]

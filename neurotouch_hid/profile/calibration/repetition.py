@@ -6,7 +6,7 @@ from statistics import median
 from typing import Final
 
 from neurotouch_hid.profile.engine.reading import Reading
-from neurotouch_hid.profile.movements import name_movement
+from neurotouch_hid.profile.schema.movements import name_movement
 
 BEGIN_MM: Final = 1.5
 END_MM: Final = 1.0

@@ -10,9 +10,9 @@ from typing import Final
 from neurotouch_hid.profile.editing.layout import read_layout
 from neurotouch_hid.profile.editing.paths import find_way
 from neurotouch_hid.profile.editing.revision import reset_value, set_value
-from neurotouch_hid.profile.movements import MOVEMENTS
-from neurotouch_hid.profile.timing import FilterName
-from neurotouch_hid.profile.user import Range, Ranges, UserSettings
+from neurotouch_hid.profile.schema.movements import MOVEMENTS
+from neurotouch_hid.profile.schema.timing import FilterName
+from neurotouch_hid.profile.schema.user import Range, Ranges, UserSettings
 
 LEAST_PEAK_MM: Final = 2.5
 LEAST_PEAKS: Final = 2

@@ -11,9 +11,9 @@ from neurotouch_hid.profile.calibration.repetition import Repetition, Repetition
 from neurotouch_hid.profile.calibration.result import LEAST_PEAK_MM, measure_range, measure_rest
 from neurotouch_hid.profile.calibration.tremor import Tremor, choose_filter, find_tremor
 from neurotouch_hid.profile.engine.reader import Reader
-from neurotouch_hid.profile.movements import MOVEMENTS
-from neurotouch_hid.profile.timing import FilterName
-from neurotouch_hid.profile.user import Range, Ranges, UserSettings
+from neurotouch_hid.profile.schema.movements import MOVEMENTS
+from neurotouch_hid.profile.schema.timing import FilterName
+from neurotouch_hid.profile.schema.user import Range, Ranges, UserSettings
 from neurotouch_hid.vocabulary import GestureKind
 
 NEUTRAL: Final = "neutral"

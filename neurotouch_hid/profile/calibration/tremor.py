@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.profile.engine.one_euro import FILTERS, OneEuro
 from neurotouch_hid.profile.engine.spectrum import Tremor, find_tremor
-from neurotouch_hid.profile.timing import FilterName
+from neurotouch_hid.profile.schema.timing import FilterName
 
 __all__ = ["Tremor", "choose_filter", "find_tremor", "smooth"]
 

@@ -1,6 +1,6 @@
 """Editing profiles and the user's own values: one place changes, and all can be undone."""
 
-from neurotouch_hid.profile.editing.desk import (
+from neurotouch_hid.profile.editing.drafts import (
     Paper,
     compare,
     find_own_path,

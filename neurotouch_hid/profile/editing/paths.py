@@ -13,14 +13,14 @@ from typing import Any, Final
 from pydantic import BaseModel
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.conditions import Condition, Sequence, WeakRelease
-from neurotouch_hid.profile.faults import Keys, format_path, make_printable, suggest
-from neurotouch_hid.profile.feedback import Feedback, Volumes
-from neurotouch_hid.profile.schema import Layer, Profile, Safety, SafetyGesture
-from neurotouch_hid.profile.shaping import CURVES
-from neurotouch_hid.profile.targets import MICE, TARGETS, Repeat
-from neurotouch_hid.profile.timing import Timing
-from neurotouch_hid.profile.user import Range, Ranges
+from neurotouch_hid.profile.diagnostics.faults import Keys, format_path, make_printable, suggest
+from neurotouch_hid.profile.schema.conditions import Condition, Sequence, WeakRelease
+from neurotouch_hid.profile.schema.feedback import Feedback, Volumes
+from neurotouch_hid.profile.schema.profile import Layer, Profile, Safety, SafetyGesture
+from neurotouch_hid.profile.schema.shaping import CURVES
+from neurotouch_hid.profile.schema.targets import MICE, TARGETS, Repeat
+from neurotouch_hid.profile.schema.timing import Timing
+from neurotouch_hid.profile.schema.user import Range, Ranges
 
 _PART: Final = re.compile(r"\[(\d+)\]|([^.\[\]]+)")
 _PATH: Final = re.compile(r"[^.\[\]]+(\.[^.\[\]]+|\[\d+\])*")

@@ -12,10 +12,10 @@ import re
 from typing import Any, Final, get_args
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.conditions import GestureName, PressName, Zone
+from neurotouch_hid.profile.diagnostics.faults import make_printable, suggest
 from neurotouch_hid.profile.editing.values import parse_value
-from neurotouch_hid.profile.faults import make_printable, suggest
-from neurotouch_hid.profile.targets import TARGETS, CommandName, EightWay, ModeName
+from neurotouch_hid.profile.schema.conditions import GestureName, PressName, Zone
+from neurotouch_hid.profile.schema.targets import TARGETS, CommandName, EightWay, ModeName
 
 _GESTURES: Final = sorted(get_args(GestureName), key=len, reverse=True)
 _WAYS: Final = sorted(get_args(EightWay), key=len, reverse=True)

@@ -6,10 +6,10 @@ from typing import Any, Final, Literal, get_args, get_origin
 
 from pydantic import BaseModel
 
-from neurotouch_hid.profile.conditions import Condition, Sequence
 from neurotouch_hid.profile.engine.response import make_response
-from neurotouch_hid.profile.schema import Binding
-from neurotouch_hid.profile.shaping import Shaped
+from neurotouch_hid.profile.schema.conditions import Condition, Sequence
+from neurotouch_hid.profile.schema.profile import Binding
+from neurotouch_hid.profile.schema.shaping import Shaped
 from neurotouch_hid.vocabulary import Button, GestureKind
 
 GESTURES: Final = (

@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 from typing import Final
 
-from neurotouch_hid.profile.description import describe_binding, describe_condition
+from neurotouch_hid.profile.diagnostics.description import describe_binding, describe_condition
 from neurotouch_hid.profile.editing.values import format_value
-from neurotouch_hid.profile.layering import merge_bindings
-from neurotouch_hid.profile.movements import MOVEMENTS
-from neurotouch_hid.profile.schema import Binding, Layer, Profile
-from neurotouch_hid.profile.timing import resolve_times
-from neurotouch_hid.profile.user import UserSettings
+from neurotouch_hid.profile.reading.layering import merge_bindings
+from neurotouch_hid.profile.schema.movements import MOVEMENTS
+from neurotouch_hid.profile.schema.profile import Binding, Layer, Profile
+from neurotouch_hid.profile.schema.timing import resolve_times
+from neurotouch_hid.profile.schema.user import UserSettings
 
 TOUR: Final = "\n".join(
     f"{gesture} {amount} {way}; rest 1500ms"

@@ -4,8 +4,8 @@ import math
 from collections.abc import Callable
 
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.profile.schema import DEFAULT_FULL_MM, DEFAULT_REST_MM
-from neurotouch_hid.profile.user import Range, Ranges
+from neurotouch_hid.profile.schema.profile import DEFAULT_FULL_MM, DEFAULT_REST_MM
+from neurotouch_hid.profile.schema.user import Range, Ranges
 
 Vector = tuple[float, float]
 Convert = Callable[[GestureKind, float, Vector | None], float]

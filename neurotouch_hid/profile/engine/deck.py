@@ -4,15 +4,15 @@ from typing import Final
 
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.decision import Journal
-from neurotouch_hid.profile.description import describe_binding
+from neurotouch_hid.profile.diagnostics.description import describe_binding
 from neurotouch_hid.profile.engine.channel import Channel
 from neurotouch_hid.profile.engine.output import Outputs
 from neurotouch_hid.profile.engine.pointer import PointerCare
 from neurotouch_hid.profile.engine.reading import Reading
-from neurotouch_hid.profile.layering import merge_bindings
-from neurotouch_hid.profile.schema import Binding, Profile
-from neurotouch_hid.profile.targets import CommandTarget, LayerTarget, MouseMotionTarget
-from neurotouch_hid.profile.timing import Times
+from neurotouch_hid.profile.reading.layering import merge_bindings
+from neurotouch_hid.profile.schema.profile import Binding, Profile
+from neurotouch_hid.profile.schema.targets import CommandTarget, LayerTarget, MouseMotionTarget
+from neurotouch_hid.profile.schema.timing import Times
 
 _NONE: Final[frozenset[Channel]] = frozenset()
 

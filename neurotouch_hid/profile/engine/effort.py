@@ -10,9 +10,9 @@ from typing import Final
 
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.engine.reading import Reading
-from neurotouch_hid.profile.movements import name_movement
-from neurotouch_hid.profile.schema import DEFAULT_FULL_MM, DEFAULT_REST_MM
-from neurotouch_hid.profile.user import Ranges
+from neurotouch_hid.profile.schema.movements import name_movement
+from neurotouch_hid.profile.schema.profile import DEFAULT_FULL_MM, DEFAULT_REST_MM
+from neurotouch_hid.profile.schema.user import Ranges
 
 USES: Final = 50
 FADED: Final = 0.8

@@ -6,7 +6,7 @@
 import math
 from typing import Final
 
-from neurotouch_hid.profile.timing import FilterName
+from neurotouch_hid.profile.schema.timing import FilterName
 
 FILTERS: Final[dict[FilterName, tuple[float, float, float]]] = {
     "light": (3.0, 0.30, 1.0),

@@ -5,14 +5,14 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from neurotouch_hid.messages import Axis, Button, GestureKind
-from neurotouch_hid.profile.conditions import KINDS
 from neurotouch_hid.profile.engine.reading import Reading
 from neurotouch_hid.profile.engine.regions import EIGHT_WAYS
 from neurotouch_hid.profile.engine.response import Response, make_response
-from neurotouch_hid.profile.keys import MOUSE_BUTTONS
-from neurotouch_hid.profile.schema import Binding
-from neurotouch_hid.profile.shaping import Planar, Shaped
-from neurotouch_hid.profile.targets import (
+from neurotouch_hid.profile.schema.conditions import KINDS
+from neurotouch_hid.profile.schema.keys import MOUSE_BUTTONS
+from neurotouch_hid.profile.schema.profile import Binding
+from neurotouch_hid.profile.schema.shaping import Planar, Shaped
+from neurotouch_hid.profile.schema.targets import (
     AxisTarget,
     ButtonTarget,
     DpadTarget,

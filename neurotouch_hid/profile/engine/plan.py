@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from typing import Final
 
-from neurotouch_hid.profile.conditions import Condition, PressName, Sequence
 from neurotouch_hid.profile.engine.modes import Mode, make_mode
 from neurotouch_hid.profile.engine.press import (
     Double,
@@ -19,9 +18,10 @@ from neurotouch_hid.profile.engine.press import (
 )
 from neurotouch_hid.profile.engine.reading import Reading
 from neurotouch_hid.profile.engine.steps import Steps
-from neurotouch_hid.profile.schema import Binding
-from neurotouch_hid.profile.targets import Acting, LayerTarget
-from neurotouch_hid.profile.timing import Times
+from neurotouch_hid.profile.schema.conditions import Condition, PressName, Sequence
+from neurotouch_hid.profile.schema.profile import Binding
+from neurotouch_hid.profile.schema.targets import Acting, LayerTarget
+from neurotouch_hid.profile.schema.timing import Times
 
 WEAK_DROP: Final = 0.35
 """Share of the peak by which the intensity falls where a weak hand wants to let go."""

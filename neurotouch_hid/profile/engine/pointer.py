@@ -5,8 +5,8 @@ from typing import Final
 
 from neurotouch_hid.profile.decision import Journal
 from neurotouch_hid.profile.engine.output import Outputs
-from neurotouch_hid.profile.keys import MOUSE_BUTTONS
-from neurotouch_hid.profile.targets import MouseMotionTarget
+from neurotouch_hid.profile.schema.keys import MOUSE_BUTTONS
+from neurotouch_hid.profile.schema.targets import MouseMotionTarget
 
 FREEZE_PX: Final = 12.0
 """How far one must push while clicking before the pointer follows: a drag, not a tremor."""

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 from neurotouch_hid.messages import Button, GestureKind
-from neurotouch_hid.profile.conditions import Zone
 from neurotouch_hid.profile.engine.regions import Vector
-from neurotouch_hid.profile.targets import EightWay
+from neurotouch_hid.profile.schema.conditions import Zone
+from neurotouch_hid.profile.schema.targets import EightWay
 
 Phase = Literal["attack", "hold", "release"]
 

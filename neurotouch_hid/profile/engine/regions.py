@@ -4,8 +4,8 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
-from neurotouch_hid.profile.conditions import Zone
-from neurotouch_hid.profile.targets import EightWay
+from neurotouch_hid.profile.schema.conditions import Zone
+from neurotouch_hid.profile.schema.targets import EightWay
 
 Vector = tuple[float, float]
 

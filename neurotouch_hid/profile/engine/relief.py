@@ -7,8 +7,8 @@ from typing import Final
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.engine.effort import Exertion, find_kind
 from neurotouch_hid.profile.engine.reading import Reading
-from neurotouch_hid.profile.schema import DEFAULT_FULL_MM, DEFAULT_REST_MM
-from neurotouch_hid.profile.user import Range, Ranges
+from neurotouch_hid.profile.schema.profile import DEFAULT_FULL_MM, DEFAULT_REST_MM
+from neurotouch_hid.profile.schema.user import Range, Ranges
 
 STEP: Final = 0.01
 STEP_US: Final = 60_000_000

@@ -12,7 +12,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
-from neurotouch_hid.profile.shaping import Curve, Expo, Points, Power, Shaped
+from neurotouch_hid.profile.schema.shaping import Curve, Expo, Points, Power, Shaped
 
 Response = Callable[[float], float]
 

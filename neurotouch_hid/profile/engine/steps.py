@@ -3,11 +3,11 @@
 from collections import deque
 
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.profile.conditions import DEFAULT_ON_MM, OFF_SHARE, Condition, Sequence
 from neurotouch_hid.profile.engine.press import Say, Threshold
 from neurotouch_hid.profile.engine.reading import Reading
-from neurotouch_hid.profile.schema import make_step
-from neurotouch_hid.profile.targets import EightWay
+from neurotouch_hid.profile.schema.conditions import DEFAULT_ON_MM, OFF_SHARE, Condition, Sequence
+from neurotouch_hid.profile.schema.profile import make_step
+from neurotouch_hid.profile.schema.targets import EightWay
 
 Done = tuple[int, GestureKind, EightWay | None]
 

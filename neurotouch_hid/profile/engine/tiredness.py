@@ -7,7 +7,7 @@ from neurotouch_hid.profile.decision import Journal
 from neurotouch_hid.profile.engine.effort import Effort, Exertion
 from neurotouch_hid.profile.engine.reading import Reading
 from neurotouch_hid.profile.engine.relief import RESTED_US, Relief
-from neurotouch_hid.profile.user import UserSettings
+from neurotouch_hid.profile.schema.user import UserSettings
 
 
 class Tiredness:

@@ -16,11 +16,11 @@ from neurotouch_hid.source.davis.camera import Camera
 from neurotouch_hid.source.davis.config import DavisConfig
 from neurotouch_hid.source.davis.decoder import Decoder, DecoderStats
 from neurotouch_hid.source.davis.finding import CameraAbsentError, CameraInfo
-from neurotouch_hid.source.davis.outbox import Outbox
+from neurotouch_hid.source.davis.packet_queue import Outbox
 from neurotouch_hid.source.davis.stream import Stream
 from neurotouch_hid.source.davis.transport import CameraGoneError, Transport
 from neurotouch_hid.source.davis.usb import Usb, Watch
-from neurotouch_hid.source.lull import Lull
+from neurotouch_hid.source.idle import Lull
 
 MAX_DELAY_US: Final = 100_000
 TURN_S: Final = 0.05

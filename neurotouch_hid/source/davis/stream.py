@@ -13,7 +13,7 @@ from neurotouch_hid.source.davis.camera import Camera
 from neurotouch_hid.source.davis.config import DavisConfig
 from neurotouch_hid.source.davis.decoder import Decoder, DecoderStats
 from neurotouch_hid.source.davis.transport import CameraGoneError, StreamHaltedError
-from neurotouch_hid.source.head import SHORTEST_US
+from neurotouch_hid.source.partial import SHORTEST_US
 from neurotouch_hid.source.slicer import Slicer
 
 PUMP_S: Final = 0.05

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera, Identity, UsbIp
 
-from neurotouch_hid.emulator import CameraConfig, EmulatedCamera, Identity, UsbIp
 from tests.emulator import drivers
 from tests.emulator.host import make_scene
 

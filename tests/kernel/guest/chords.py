@@ -7,7 +7,7 @@ from typing import Any
 from evdev import UInput, ecodes
 
 from neurotouch_hid.device import ChordReader, Companion, find_keyboards, open_device
-from neurotouch_hid.device.chord import CHORDS
+from neurotouch_hid.device.inputs.hotkeys import CHORDS
 from neurotouch_hid.messages import GamepadState
 
 PATIENCE_S = 120.0

@@ -10,7 +10,8 @@ from typing import Any
 import evdev
 from evdev.ecodes import EV_KEY, EV_REL
 
-from neurotouch_hid.device import Companion, Device, keyboard, mouse, open_device
+from neurotouch_hid.device import Companion, Device, open_device
+from neurotouch_hid.device.outputs import keyboard, mouse
 from neurotouch_hid.messages import GamepadState
 from tests.kernel.guest.opening import properties, run
 from tests.kernel.guest.reader import Reader, find_node, list_nodes

@@ -10,12 +10,13 @@ from typing import Any
 from evdev import AbsInfo, InputDevice, UInput, ecodes
 
 from neurotouch_hid.device import Companion, Copilot, SharedDevice, find_copilot, open_device
-from neurotouch_hid.device.gamepad import PHYS
-from neurotouch_hid.device.mouse import PHYS as MOUSE_PHYS
-from neurotouch_hid.device.shaker import upload_effect
+from neurotouch_hid.device.inputs.shaker import upload_effect
+from neurotouch_hid.device.outputs.gamepad import PHYS
+from neurotouch_hid.device.outputs.mouse import PHYS as MOUSE_PHYS
+from neurotouch_hid.driver.pad import open_pad
+from neurotouch_hid.driver.settings import DriverSettings
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import Axis, Button, GamepadState
-from neurotouch_hid.runtime import DriverSettings, open_pad
 from tests.kernel.guest.opening import as_nobody, run
 from tests.kernel.guest.reader import Reader, find_node
 from tests.kernel.guest.rumble import erase_effect, make_effect, wait_for

@@ -14,7 +14,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from neurotouch_hid.emulator import EmulatedCamera, UsbIp
+from neurotouch_devtools.emulator import EmulatedCamera, UsbIp
+
 from neurotouch_hid.errors import CameraError
 from neurotouch_hid.source.davis import DavisSource, find_cameras, identify
 from neurotouch_hid.source.davis.pyusb import PyusbTransport

@@ -15,7 +15,7 @@ from evdev.ecodes import BTN_SOUTH, EV_KEY
 
 from neurotouch_hid.cli.main import main
 from neurotouch_hid.cli.play import prepare_kernels
-from neurotouch_hid.device.gamepad import PHYS
+from neurotouch_hid.device.outputs.gamepad import PHYS
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.profile import load_profile
 from tests.kernel.guest.companions import PLACES

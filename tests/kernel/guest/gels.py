@@ -11,8 +11,9 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-from neurotouch_hid.driver import ask
-from neurotouch_hid.emulator import CameraConfig, EmulatedCamera, Identity, UsbIp
+from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera, Identity, UsbIp
+
+from neurotouch_hid.client import ask
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.source import open_source

@@ -10,7 +10,7 @@ from typing import Any
 
 import hidraw
 
-from neurotouch_hid.device.identity import load_identities
+from neurotouch_hid.device.outputs.identity import load_identities
 from tests.kernel.guest.opening import properties
 
 OWN = load_identities()["own"]

@@ -7,7 +7,7 @@ from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
 
-from neurotouch_hid.cli.latency import command
+from neurotouch_devtools.cli.latency import command
 
 
 def measure(results: Path) -> dict[str, Any]:

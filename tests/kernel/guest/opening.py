@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from neurotouch_hid.device import uhid, uinput
+from neurotouch_hid.device.outputs import uhid, uinput
 from neurotouch_hid.errors import DeviceError
 
 RULES = (Path("udev/70-neurotouch-uinput.rules"), Path("udev/70-neurotouch-hid.rules"))

@@ -13,7 +13,7 @@ from typing import Any
 from evdev.ecodes import ABS_HAT0Y, EV_ABS, EV_KEY, EV_MSC
 
 from neurotouch_hid.device import Device, open_device
-from neurotouch_hid.device.gamepad import PHYS
+from neurotouch_hid.device.outputs.gamepad import PHYS
 from neurotouch_hid.messages import Axis, Button, GamepadState
 from tests.kernel.guest import hid
 from tests.kernel.guest.opening import properties, run

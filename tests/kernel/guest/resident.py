@@ -10,8 +10,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from neurotouch_hid.client import ask
 from neurotouch_hid.device import Copilot
-from neurotouch_hid.driver import ask
 from tests.kernel.guest.copilot import NAME, HelperPad, rumble, watched
 from tests.kernel.guest.opening import as_nobody
 from tests.kernel.guest.reader import Reader, find_node

@@ -12,9 +12,9 @@ from typing import Any
 from evdev import InputDevice, ecodes, ff
 
 from neurotouch_hid.device import open_device
-from neurotouch_hid.device.effects import Rumble
-from neurotouch_hid.device.gamepad import PHYS
-from neurotouch_hid.device.shaker import upload_effect
+from neurotouch_hid.device.inputs.shaker import upload_effect
+from neurotouch_hid.device.outputs.effects import Rumble
+from neurotouch_hid.device.outputs.gamepad import PHYS
 from tests.kernel.guest.opening import run
 from tests.kernel.guest.reader import find_node
 from tests.kernel.guest.sdl import look, open_games

@@ -15,8 +15,8 @@ from neurotouch_hid.profile.calibration import (
 from neurotouch_hid.profile.calibration.result import measure_range, measure_rest
 from neurotouch_hid.profile.calibration.tremor import choose_filter, find_tremor, smooth
 from neurotouch_hid.profile.engine.one_euro import FILTERS
-from neurotouch_hid.profile.movements import MOVEMENTS
-from neurotouch_hid.profile.user import Range, UserSettings
+from neurotouch_hid.profile.schema.movements import MOVEMENTS
+from neurotouch_hid.profile.schema.user import Range, UserSettings
 
 STEP_US = 10_000
 

@@ -6,16 +6,16 @@ import pytest
 from ruamel.yaml import YAML
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.document import parse_document
 from neurotouch_hid.profile.editing.changes import (
     append_item,
     insert_key,
     remove_value,
     replace_value,
 )
-from neurotouch_hid.profile.editing.desk import compare
+from neurotouch_hid.profile.editing.drafts import compare
 from neurotouch_hid.profile.editing.values import format_value, parse_value
-from neurotouch_hid.profile.library import find_shipped_folder
+from neurotouch_hid.profile.reading.document import parse_document
+from neurotouch_hid.profile.reading.library import find_shipped_folder
 
 SHIPPED = {
     name: (find_shipped_folder() / f"{name}.yaml").read_text(encoding="utf-8")

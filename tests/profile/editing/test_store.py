@@ -9,7 +9,7 @@ import pytest
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.profile.editing import Store, make_profile, take_profile, take_user
-from neurotouch_hid.profile.library import find_shipped_folder, find_user_folder
+from neurotouch_hid.profile.reading.library import find_shipped_folder, find_user_folder
 
 
 @pytest.fixture

@@ -3,10 +3,10 @@
 import pytest
 
 from neurotouch_hid.profile import Mapping, UserSettings, check_content, perform, rehearse
-from neurotouch_hid.profile.document import parse_document
 from neurotouch_hid.profile.editing import avoid, hand_over, list_wishes, make_when
-from neurotouch_hid.profile.library import find_shipped_folder
-from neurotouch_hid.profile.movements import MOVEMENTS
+from neurotouch_hid.profile.reading.document import parse_document
+from neurotouch_hid.profile.reading.library import find_shipped_folder
+from neurotouch_hid.profile.schema.movements import MOVEMENTS
 
 SHIPPED = sorted(path.stem for path in find_shipped_folder().glob("*.yaml"))
 MINE = """\

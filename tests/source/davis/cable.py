@@ -2,10 +2,11 @@
 
 import time
 
-from neurotouch_hid.emulator import CameraConfig, EmulatedCamera
-from neurotouch_hid.emulator.faults import FaultError, FaultKind
-from neurotouch_hid.emulator.requests import ControlEndpoint, Setup
-from neurotouch_hid.emulator.transfers import DataEndpoint
+from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera
+from neurotouch_devtools.emulator.faults import FaultError, FaultKind
+from neurotouch_devtools.emulator.requests import ControlEndpoint, Setup
+from neurotouch_devtools.emulator.transfers import DataEndpoint
+
 from neurotouch_hid.errors import CameraError
 from neurotouch_hid.source.davis.finding import CameraAbsentError, CameraInfo
 from neurotouch_hid.source.davis.transport import CameraGoneError, StreamHaltedError

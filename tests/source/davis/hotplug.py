@@ -11,8 +11,9 @@ import subprocess
 import sys
 import time
 
-from neurotouch_hid.emulator import EmulatedCamera
-from neurotouch_hid.emulator.umockdev import Umockdev
+from neurotouch_devtools.emulator import EmulatedCamera
+from neurotouch_devtools.emulator.umockdev import Umockdev
+
 from neurotouch_hid.source.davis.usb import Usb
 
 PATIENCE_S = 100.0

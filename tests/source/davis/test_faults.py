@@ -15,8 +15,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from neurotouch_devtools.emulator import Fault, Identity
 
-from neurotouch_hid.emulator import Fault, Identity
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 from neurotouch_hid.source.davis import DavisSource
 from tests.source.davis.cable import Cable, Clock, emulate

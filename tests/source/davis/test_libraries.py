@@ -7,9 +7,9 @@ import sys
 
 import numpy as np
 import pytest
+from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera, Fault
+from neurotouch_devtools.emulator.umockdev import PRELOAD
 
-from neurotouch_hid.emulator import CameraConfig, EmulatedCamera, Fault
-from neurotouch_hid.emulator.umockdev import PRELOAD
 from tests.emulator.stage import plug_in
 from tests.source.davis.player import fingerprint
 from tests.source.davis.test_faults import make_scene

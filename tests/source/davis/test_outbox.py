@@ -3,7 +3,7 @@
 import numpy as np
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket
-from neurotouch_hid.source.davis.outbox import Outbox
+from neurotouch_hid.source.davis.packet_queue import Outbox
 
 
 def make(k, *, is_head=False):

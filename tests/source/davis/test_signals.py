@@ -7,8 +7,8 @@ import sys
 import time
 
 import pytest
+from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera
 
-from neurotouch_hid.emulator import CameraConfig, EmulatedCamera
 from tests.emulator.stage import plug_in
 from tests.source.davis.test_faults import make_scene
 from tests.source.davis.test_source import wait_for

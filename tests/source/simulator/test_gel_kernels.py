@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from neurotouch_hid.geometry import LATTICE_MM, NEIGHBOURS
-from neurotouch_hid.source.simulator.gel import kernels
+from neurotouch_hid.source.simulator.kernels import gel as kernels
 from tests.reference import gel as reference
 
 MM = st.floats(-20, 20)

@@ -11,12 +11,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from neurotouch_hid.ipc import HAND, connect_to
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.peers import HAND, connect_to
-from neurotouch_hid.source.hand import HandSource
+from neurotouch_hid.source.mouse import HandSource
 from neurotouch_hid.source.simulator import Simulator
 from neurotouch_hid.source.simulator.gel.motion import KNOT_US
-from neurotouch_hid.source.simulator.hand import (
+from neurotouch_hid.source.simulator.hand_model import (
     PUSH_MM,
     SILENCE_KNOTS,
     SPEED_MM_S,

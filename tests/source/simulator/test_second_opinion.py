@@ -5,12 +5,12 @@ import pytest
 
 from neurotouch_hid.source.simulator import Simulator, SimulatorConfig, Timing, push, sequence
 from neurotouch_hid.source.simulator.gel import KNOT_US, GelConfig, Motion
+from neurotouch_hid.source.simulator.kernels import optics as kernels
 from neurotouch_hid.source.simulator.optics import (
     PROFILE_SCALE,
     Camera,
     CameraConfig,
     LightConfig,
-    kernels,
     marker_profile,
     paint,
 )

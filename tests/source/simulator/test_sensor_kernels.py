@@ -5,6 +5,8 @@ from hypothesis import strategies as st
 
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EVENT_DTYPE
+from neurotouch_hid.source.simulator.kernels import optics
+from neurotouch_hid.source.simulator.kernels import sensor as kernels
 from neurotouch_hid.source.simulator.optics import (
     PROFILE_SCALE,
     Camera,
@@ -13,9 +15,7 @@ from neurotouch_hid.source.simulator.optics import (
     marker_profile,
     paint,
 )
-from neurotouch_hid.source.simulator.optics import kernels as optics
-from neurotouch_hid.source.simulator.sensor import kernels
-from neurotouch_hid.source.simulator.sensor.pixel import response_tables
+from neurotouch_hid.source.simulator.sensor import response_tables
 from tests.reference import sensor as reference
 
 N_PIXELS = 346 * 260

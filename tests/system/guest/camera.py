@@ -14,8 +14,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from neurotouch_hid.emulator import CameraConfig, EmulatedCamera, Identity
-from neurotouch_hid.emulator.registers import (
+from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera, Identity
+from neurotouch_devtools.emulator.registers import (
     APS_RUN,
     CHIP_RUN,
     DVS_RUN,
@@ -24,7 +24,8 @@ from neurotouch_hid.emulator.registers import (
     TIMESTAMP_RUN,
     USB_RUN,
 )
-from neurotouch_hid.emulator.usbip import UsbIp
+from neurotouch_devtools.emulator.usbip import UsbIp
+
 from neurotouch_hid.messages import EventPacket, Frame
 from neurotouch_hid.source.replay import Replay
 

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from neurotouch_hid.tracker.image import BlobConfig, BlobFinder, kernels
+from neurotouch_hid.tracker.blobs import BlobConfig, BlobFinder
+from neurotouch_hid.tracker.kernels import image as kernels
 from tests.reference import tracker as reference
 
 BLOCK = kernels.BLOCK_PX

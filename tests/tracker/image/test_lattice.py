@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.geometry import LATTICE_MM, Rig
-from neurotouch_hid.tracker.image.lattice import LatticeConfig, find_lattice
+from neurotouch_hid.tracker.lattice import LatticeConfig, find_lattice
 
 CONFIG = LatticeConfig()
 

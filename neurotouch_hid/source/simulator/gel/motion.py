@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import GEL_RADIUS_MM, LATTICE_MM, N_MARKERS, NEIGHBOURS
 from neurotouch_hid.messages import GestureKind, Truth
-from neurotouch_hid.source.simulator.gel import kernels, solid
+from neurotouch_hid.source.simulator.gel import solid
+from neurotouch_hid.source.simulator.kernels import gel as kernels
 from neurotouch_hid.source.simulator.optics import Camera
 from neurotouch_hid.source.simulator.script import Grasp, Play
 

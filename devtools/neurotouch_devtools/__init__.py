@@ -1,0 +1,1 @@
+"""The emulated camera and the long benchmarks of neurotouch_hid."""

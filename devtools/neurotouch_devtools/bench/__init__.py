@@ -1,0 +1,1 @@
+"""Long benchmarks, which a player never needs."""

@@ -1,0 +1,121 @@
+"""What the memory does over hours of play, as fast as it can be played."""
+
+import os
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from neurotouch_hid.device import MemoryDevice
+from neurotouch_hid.evaluation.speed.workload import TOUR_US, load_scene, shift_packet
+from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.messages import EventPacket, Step
+from neurotouch_hid.process.gc_freeze import short_collections
+from neurotouch_hid.profile import load_profile
+from neurotouch_hid.recording import RecordingWriter
+from neurotouch_hid.runtime import Pipeline, run_line, warm_up
+from neurotouch_hid.source import open_source
+
+SLICE_US: Final = 10_000
+WARM_SHARE: Final = 0.2
+"""Caches and allocators fill up at first; only what comes after it tells of a leak."""
+
+_PAGE_MB: Final = os.sysconf("SC_PAGE_SIZE") / 2**20
+
+
+def measure_soak(
+    config: GestureConfig,
+    minutes: float,
+    progress: Callable[[str], None],
+    length_us: int = TOUR_US,
+) -> dict[str, Any]:
+    """Plays all gestures again and again, and weighs the process every minute of sensor time.
+
+    They come from a recording that another process has made, so that what is weighed is a driver.
+    It also compiles what has not been compiled yet, which takes 0.3 GB.
+
+    Args:
+        config: how gestures are recognised.
+        minutes: of sensor time.
+        progress: called after each.
+        length_us: of the recording, which is played in turn.
+
+    Returns:
+        ``minutes``; ``rss_mb``, resident memory after each of them; ``kb_per_hour``, its growth
+        after the first fifth, by least squares; and ``realtime_factor``.
+    """
+    with tempfile.TemporaryDirectory() as folder, MemoryDevice() as pad:
+        path = Path(folder) / "soak.aedat4"
+        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+            pool.submit(_prepare, path, length_us, config).result()
+        profile = load_profile("default")
+        warm_up(Pipeline.build(profile, config))
+        scale = Scale(progress)
+        begun_s = time.perf_counter()
+        with short_collections():
+            run_line(_repeat(path, minutes), Pipeline.build(profile, config), pad, [scale])
+        took_s = time.perf_counter() - begun_s
+    return {
+        "minutes": minutes,
+        "rss_mb": scale.rss_mb,
+        "kb_per_hour": measure_growth(scale.rss_mb),
+        "realtime_factor": minutes * 60.0 / took_s,
+    }
+
+
+def _prepare(path: Path, length_us: int, config: GestureConfig) -> None:
+    warm_up(Pipeline.build(load_profile("default"), config))
+    with RecordingWriter(path) as writer:
+        for packet in load_scene("tour", SLICE_US, length_us).packets:
+            writer.write(packet)
+
+
+def _repeat(path: Path, minutes: float) -> Iterator[EventPacket]:
+    """The recording in turn; the gel is at rest where it ends and where it begins."""
+    now_us, end_us = 0, round(minutes * 60e6)
+    while now_us < end_us:
+        with open_source(f"file:{path}", slice_us=SLICE_US, speed="max") as source:
+            for packet in source:
+                yield shift_packet(packet, now_us - packet.t_begin_us)
+                now_us += SLICE_US
+
+
+class Scale:
+    """A tap that weighs the process after every minute of sensor time.
+
+    Args:
+        progress: called with each weight in words.
+        weigh_mb: resident memory.
+    """
+
+    def __init__(
+        self, progress: Callable[[str], None], weigh_mb: Callable[[], float] | None = None
+    ) -> None:
+        self.rss_mb: list[float] = []
+        self._progress, self._weigh_mb = progress, weigh_mb or _weigh_mb
+        self._begin_us: int | None = None
+
+    def __call__(self, step: Step) -> None:
+        """Weighs when a minute is over."""
+        if self._begin_us is None:
+            self._begin_us = step.packet.t_begin_us
+        if step.packet.t_end_us - self._begin_us >= (len(self.rss_mb) + 1) * 60_000_000:
+            self.rss_mb.append(self._weigh_mb())
+            self._progress(f"{len(self.rss_mb)} min: {self.rss_mb[-1]:.1f} MB")
+
+
+def measure_growth(rss_mb: list[float]) -> float:
+    """Growth in kB an hour of a weight taken every minute; 0 of fewer than three that count."""
+    settled = rss_mb[int(WARM_SHARE * len(rss_mb)) :]
+    if len(settled) < 3:  # two points are no trend
+        return 0.0
+    return float(np.polyfit(np.arange(len(settled)), settled, 1)[0]) * 60.0 * 1024.0
+
+
+def _weigh_mb() -> float:
+    return int(Path("/proc/self/statm").read_text().split()[1]) * _PAGE_MB

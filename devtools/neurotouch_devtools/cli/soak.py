@@ -1,0 +1,44 @@
+"""``neurotouch bench soak``: whether memory stays flat over hours of play."""
+
+from typing import TYPE_CHECKING
+
+import click
+
+from neurotouch_hid.cli.ui.options import method_option
+from neurotouch_hid.cli.ui.output import json_option, print_json
+
+if TYPE_CHECKING:
+    from neurotouch_hid.gesture import Method
+
+
+@click.command(
+    "soak",
+    epilog="\b\nExamples:\n"
+    "  neurotouch bench soak\n"
+    "  neurotouch bench soak --minutes 480              a working day, in about half an hour",
+)
+@click.option(
+    "--minutes",
+    type=click.FloatRange(min=1.0),
+    default=30.0,
+    show_default=True,
+    help="Of sensor time; it is played as fast as this machine can.",
+)
+@method_option
+@json_option
+def command(minutes: float, method: "Method", as_json: bool) -> None:
+    """Play all gestures again and again through the whole line, and watch the memory."""
+    from neurotouch_devtools.bench.soak import measure_soak
+    from neurotouch_hid.gesture import GestureConfig
+
+    result = measure_soak(
+        GestureConfig(method=method), minutes, lambda text: click.echo(text, err=True)
+    )
+    if as_json:
+        print_json(result)
+    else:
+        click.echo(
+            f"{minutes:g} min at {result['realtime_factor']:.1f} times real time, "
+            f"{result['rss_mb'][-1]:.1f} MB at the end, "
+            f"growth {result['kb_per_hour']:+.0f} kB an hour"
+        )

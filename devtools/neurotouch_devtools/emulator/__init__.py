@@ -1,0 +1,19 @@
+"""An emulated DAVIS-346: what a driver sees of the camera, for tests and for those without one."""
+
+from neurotouch_devtools.emulator.camera import CameraConfig, EmulatedCamera
+from neurotouch_devtools.emulator.descriptors import Identity
+from neurotouch_devtools.emulator.faults import Fault, FaultKind, Stage
+from neurotouch_devtools.emulator.prefetch import Prefetch
+from neurotouch_devtools.emulator.usbip import UsbIp, find_port
+
+__all__ = [
+    "CameraConfig",
+    "EmulatedCamera",
+    "Fault",
+    "FaultKind",
+    "Identity",
+    "Prefetch",
+    "Stage",
+    "UsbIp",
+    "find_port",
+]

@@ -1,0 +1,36 @@
+"""The event filters of the camera's logic that a driver may rely on: region and single pixels."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_devtools.emulator import registers as reg
+from neurotouch_devtools.emulator.registers import Registers
+
+
+class EventFilter:
+    """Takes away the events that the camera does not send; the order is that of the logic.
+
+    Args:
+        registers: where the limits are, in image pixels, and where the losses are counted.
+    """
+
+    def __init__(self, registers: Registers) -> None:
+        self._registers = registers
+
+    def keep(self, events: NDArray[np.void]) -> NDArray[np.void]:
+        """The events that pass: (n,) EVENT_DTYPE."""
+        registers = self._registers
+        x, y = events["x"], events["y"]
+        limits = [registers[address] for address in reg.DVS_REGION]
+        if limits != reg.FULL_REGION:
+            left, top, right, bottom = limits
+            events = events[(x >= left) & (x <= right) & (y >= top) & (y <= bottom)]
+        silenced = [
+            (registers[reg.Module.DVS, 12 + 2 * k], registers[reg.Module.DVS, 11 + 2 * k])
+            for k in range(reg.N_PIXEL_FILTERS)
+        ]
+        for column, row in set(silenced) - {reg.NO_PIXEL}:
+            passes = (events["x"] != column) | (events["y"] != row)
+            registers.count(reg.DVS_FILTERED_PIXELS, int(len(events) - passes.sum()))
+            events = events[passes]
+        return events

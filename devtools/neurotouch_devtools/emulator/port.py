@@ -1,0 +1,141 @@
+"""The port a camera is plugged into: transfers in, their ends out, whatever carries them."""
+
+import errno
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from neurotouch_devtools.emulator.camera import EmulatedCamera
+from neurotouch_devtools.emulator.descriptors import DATA_ENDPOINT
+from neurotouch_devtools.emulator.faults import FaultError, FaultKind
+from neurotouch_devtools.emulator.requests import ControlEndpoint, Setup
+from neurotouch_devtools.emulator.transfers import DataEndpoint
+
+_STATUS = {
+    FaultKind.STALL: -errno.EPIPE,
+    FaultKind.PROTOCOL: -errno.EPROTO,
+    FaultKind.BABBLE: -errno.EOVERFLOW,
+}
+_SETTLE_NS = 100_000_000
+"""At the start, data waits until the host has queued no more transfers for so long: a driver that
+queues them after it has switched the stream on would get the first ones in disorder."""
+
+
+class UnpluggedError(Exception):
+    """The camera has gone."""
+
+
+@dataclass(frozen=True, slots=True)
+class Completion:
+    """The end of a transfer.
+
+    Attributes:
+        number: the host's name for it.
+        status: 0 or a negative errno.
+        data: what the host gets.
+        length: bytes transferred, in whichever direction.
+    """
+
+    number: int
+    status: int
+    data: bytes
+    length: int
+
+
+class Port:
+    """Takes the host's transfers and ends them, in the order of each endpoint.
+
+    Args:
+        camera: what is plugged in.
+        clock_ns: host time.
+    """
+
+    def __init__(
+        self, camera: EmulatedCamera, clock_ns: Callable[[], int] = time.monotonic_ns
+    ) -> None:
+        self._camera, self._clock_ns = camera, clock_ns
+        self._data = DataEndpoint(camera)
+        self._control = ControlEndpoint(camera, self._data)
+        self._waiting: dict[int, int] = {}  # number: length, oldest first
+        self._hanging: set[int] = set()  # will never end by themselves
+        self._lost: set[int] = set()  # will never end
+        self._settled = False
+        self._last_submit_ns = 0
+
+    @property
+    def patience_s(self) -> float | None:
+        """How long one may wait before asking for completions again; None: until a transfer."""
+        return self._camera.patience_us / 1e6 if self._camera.streaming else None
+
+    def submit(self, number: int, endpoint: int, length: int) -> None:
+        """Queue a transfer from an endpoint; the debug endpoint never has anything to say."""
+        if endpoint != DATA_ENDPOINT:
+            self._hanging.add(number)
+            return
+        self._last_submit_ns = self._clock_ns()
+        self._waiting[number] = length
+
+    def control(self, number: int, setup: Setup, data: bytes) -> Completion | None:
+        """Answer a control transfer; None if it hangs.
+
+        Raises:
+            UnpluggedError: a fault has struck.
+        """
+        try:
+            answer = self._control.answer(setup, data)
+        except FaultError as fault:
+            return self._end(number, fault.kind)
+        length = len(answer) if setup.is_in else len(data)
+        return Completion(number, 0, answer, length)
+
+    def cancel(self, number: int) -> bool | None:
+        """Forget a transfer; False if it has ended already, None if the host gets no answer."""
+        if number in self._lost:
+            return None
+        waited = number in self._hanging or number in self._waiting
+        self._hanging.discard(number)
+        self._waiting.pop(number, None)
+        return waited
+
+    def clear_halt(self) -> None:
+        """End the stall of the data endpoint."""
+        self._data.clear_halt()
+
+    def completions(self) -> Iterator[Completion]:
+        """The transfers that end now; call it again after ``patience_s``.
+
+        Raises:
+            UnpluggedError: a fault has struck.
+        """
+        self._camera.advance()
+        if not self._ready():
+            return
+        while self._waiting:
+            number, length = next(iter(self._waiting.items()))
+            try:
+                data = self._data.answer(length)
+            except FaultError as fault:
+                del self._waiting[number]
+                failed = self._end(number, fault.kind)
+                if failed:
+                    yield failed
+                continue
+            if data is None:
+                return
+            del self._waiting[number]
+            yield Completion(number, 0, data, len(data))
+
+    def _ready(self) -> bool:
+        if not self._camera.streaming:
+            self._settled = False
+        elif self._waiting and self._clock_ns() - self._last_submit_ns >= _SETTLE_NS:
+            self._settled = True
+        return self._settled
+
+    def _end(self, number: int, kind: FaultKind) -> Completion | None:
+        if kind is FaultKind.UNPLUG:
+            raise UnpluggedError
+        if kind in {FaultKind.TIMEOUT, FaultKind.LOST}:
+            (self._hanging if kind is FaultKind.TIMEOUT else self._lost).add(number)
+            return None
+        return Completion(number, _STATUS[kind], b"", 0)

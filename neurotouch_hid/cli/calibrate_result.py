@@ -1,0 +1,214 @@
+"""What a calibration ends with: said, saved if the person wants it, weak sides relieved."""
+
+import time
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from neurotouch_hid.cli.profile.saving import save_paper
+from neurotouch_hid.cli.ui.outcome import Outcome
+from neurotouch_hid.cli.ui.output import make_stamp, print_json, say, show_changes
+from neurotouch_hid.profile.schema.movements import MOVEMENTS
+
+if TYPE_CHECKING:
+    from neurotouch_hid.cli.ui.keyboard import Keyboard
+    from neurotouch_hid.profile import UserSettings
+    from neurotouch_hid.profile.calibration import Session, WeakSide
+    from neurotouch_hid.profile.schema.timing import FilterName
+    from neurotouch_hid.profile.schema.user import Range
+
+_SIDES = ["left", "right", "up", "down"]
+
+
+def conclude(
+    session: "Session",
+    keyboard: "Keyboard | None",
+    *,
+    yes: bool,
+    plain: bool,
+    as_json: bool = False,
+) -> None:
+    """Says what came out, saves it, offers relief.
+
+    Args:
+        session: what was measured.
+        keyboard: who is asked; None if nobody can be.
+        yes: save without asking.
+        plain: one fact a line.
+        as_json: print one JSON object; then nothing is asked.
+    """
+    from neurotouch_hid.profile import load_user
+    from neurotouch_hid.profile.calibration import find_weak_sides, write_ranges
+    from neurotouch_hid.profile.editing import compare, take_user
+
+    before, calm, paper = load_user(), session.tremor_filter, take_user(make_stamp)
+    asks = keyboard is not None and not yes and not as_json
+    if not as_json:
+        _say_findings(session, before)
+    if not any(session.ranges.values()):
+        outcome = Outcome(
+            "No movement was made twice and far enough; nothing was saved.", "WARNING"
+        )
+        _tell(outcome, session, before, plain=plain, as_json=as_json)
+        return
+    wanted: FilterName | None = calm if calm != before.filter else None
+    tremor_hz: float | None = None
+    if asks and keyboard is not None:
+        wanted, tremor_hz = _ask_filter(session, before, keyboard)
+    date = time.strftime("%Y-%m-%d")
+    text = write_ranges(paper.text, session.ranges, date, wanted, tremor_hz)
+    lines = compare(paper.text if paper.content is not None else "", text)
+    path = paper.store.path
+    if not as_json:
+        show_changes(lines, plain=plain)
+    saves = yes
+    if asks and keyboard is not None:
+        saves = keyboard.choose("Save this?", ["Save", "Save nothing"]) == 0
+    if not saves:
+        outcome = Outcome("Nothing was saved.", file=path, lines=lines if as_json else ())
+        _tell(outcome, session, before, plain=plain, as_json=as_json)
+        return
+    paper.save(text)
+    outcome = Outcome(
+        f"Saved {path}",
+        file=path,
+        changed=True,
+        lines=lines if as_json else (),
+        notes=("Back to the one before: neurotouch calibrate --undo",),
+    )
+    _tell(outcome, session, before, plain=plain, as_json=as_json)
+    for side in find_weak_sides(session.ranges) if not as_json else ():
+        _relieve(side, keyboard if asks else None, plain=plain)
+
+
+def undo_calibration(*, plain: bool, as_json: bool) -> None:
+    """Takes back the last calibration."""
+    from neurotouch_hid.profile.editing import compare, read_text, take_user
+
+    paper = take_user(make_stamp)
+    paper.store.undo()
+    path = paper.store.path
+    lines = compare(paper.text, read_text(path)[0])
+    message = "Your values are as before the last calibration."
+    outcome = Outcome(message, file=path, changed=bool(lines), lines=lines)
+    outcome.tell(plain=plain, as_json=as_json)
+
+
+def _say_findings(session: "Session", before: "UserSettings") -> None:
+    click.echo(f"Noise at rest: below {session.rest_mm:g} mm")
+    tremor = session.tremor
+    if tremor is not None:
+        click.echo(f"Tremor: {tremor.frequency_hz:.1f} Hz, {tremor.amplitude_mm:.1f} mm")
+    elif session.tremor_filter is not None:
+        click.echo("Tremor: none")
+    for name, range_ in session.ranges.items():
+        old = getattr(before.range, name)
+        was = f"{old.rest:g} to {old.full:g} mm" if old is not None else "a usual hand's"
+        if name in before.unused:
+            was = "not used"
+        now = f"{range_.rest:g} to {range_.full:g} mm" if range_ is not None else "not used"
+        click.echo(f"{MOVEMENTS[name].words}: was {was}, now {now}")
+
+
+def _tell(
+    outcome: Outcome, session: "Session", before: "UserSettings", *, plain: bool, as_json: bool
+) -> None:
+    if as_json:
+        print_json({**outcome.report(), **_report(session, before)})
+    else:
+        outcome.tell(plain=plain, as_json=False)
+
+
+def _report(session: "Session", before: "UserSettings") -> dict[str, Any]:
+    """What came out, as plain values."""
+    from neurotouch_hid.profile.calibration import find_weak_sides
+
+    tremor = session.tremor
+    return {
+        "rest_mm": session.rest_mm,
+        "tremor": None
+        if tremor is None
+        else {"frequency_hz": tremor.frequency_hz, "amplitude_mm": tremor.amplitude_mm},
+        "filter": session.tremor_filter,
+        "movements": [
+            {
+                "movement": name,
+                "was": _report_range(getattr(before.range, name)),
+                "now": _report_range(range_),
+                "used": range_ is not None,
+                "peaks_mm": session.peaks_mm.get(name, []),
+            }
+            for name, range_ in session.ranges.items()
+        ],
+        "weak": [
+            {"weak": side.weak, "strong": side.strong, "share": side.share}
+            for side in find_weak_sides(session.ranges)
+        ],
+    }
+
+
+def _report_range(range_: "Range | None") -> dict[str, float] | None:
+    return None if range_ is None else {"rest": range_.rest, "full": range_.full}
+
+
+def _ask_filter(
+    session: "Session", before: "UserSettings", keyboard: "Keyboard"
+) -> "tuple[FilterName | None, float | None]":
+    """The filter and the frequency to be set, each None if that stays as it is."""
+    calm, tremor = session.tremor_filter, session.tremor
+    wanted = calm if calm != before.filter else None
+    hz = tremor.frequency_hz if tremor is not None and calm not in (None, "none") else None
+    if wanted is None and (hz is None or before.tremor_hz is not None):
+        return None, None
+    question = f"The filter '{calm}' is calm enough for you. Your hand holds more exactly "
+    question += "the stronger it is, and everything comes a little later."
+    answers = [f"Leave it as it is ({before.filter or 'the profile decides'})"]
+    if wanted is not None:
+        answers.insert(0, f"Set it to {wanted}")
+    if hz is not None:
+        more = f"Use {calm}, and take out your own tremor of {hz:.1f} Hz: calmer still, 45 ms later"
+        answers.append(more)
+    answer = answers[keyboard.choose(question, answers)]
+    if answer.startswith("Leave"):
+        return None, None
+    return wanted, hz if answer.startswith("Use") else None
+
+
+def _relieve(side: "WeakSide", keyboard: "Keyboard | None", *, plain: bool) -> None:
+    """Offers the three assists for a weak side; without a keyboard it only names them."""
+    from neurotouch_hid.profile import load_user
+    from neurotouch_hid.profile.editing import hand_over, list_wishes, make_when, take_profile
+
+    weak, strong = MOVEMENTS[side.weak].words, MOVEMENTS[side.strong].words
+    user = load_user()
+    profile = user.slots[0]
+    size = f"goes {100 * side.share:.0f} % as far as" if side.share else "is not used, unlike"
+    small = "Keep it: with its own range, a small movement counts as a whole one"
+    ways = [
+        small if side.share else "Keep it: nothing you play will need it if you bind nothing to it",
+        f"Let a long {strong} do what {weak} does in the profile '{profile}'; two short ones turn "
+        "round a stick, the pointer or the wheel",
+        f"Let a short push do what {weak} does in the profile '{profile}', or turn that round",
+    ]
+    if keyboard is None:
+        click.echo(f"{weak} {size} {strong}.")
+        return
+    choice = keyboard.choose(f"{weak} {size} {strong}. What shall be done?", ways)
+    if choice == 0:
+        return
+    wishes = list_wishes(side.weak, user.unused)
+    if choice == 2:
+        way = _SIDES[keyboard.choose("Which way?", _SIDES)]
+        pushes = [make_when(f"push_{way}", press) for press in ("tap", "double", "hold")]
+        wishes = [*pushes, *wishes]
+    paper = take_profile(profile, make_stamp)
+    paper.check(paper.text).require()
+    done = hand_over(paper.text, side.weak, wishes)
+    for what in done.moved:
+        click.echo(f"For you: {what}")
+    for what in done.left:
+        say("WARNING", f"No other gesture is free for: {what}", plain=plain)
+    if done.moved:
+        save_paper(paper, done.text, plain=plain)
+    else:
+        say("OK", f"{weak} does nothing else in '{profile}', nothing has changed.", plain=plain)

@@ -1,0 +1,114 @@
+"""What came of a command that changes something, told to people or, by ``--json``, to programs."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import click
+
+from neurotouch_hid.cli.ui.output import print_json, say, show_changes
+
+if TYPE_CHECKING:
+    from neurotouch_hid.profile import Checked
+    from neurotouch_hid.profile.diagnostics.faults import Mark
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What has been done; every command that changes something gives the same keys as JSON.
+
+    Attributes:
+        message: in a sentence.
+        status: whether it was done.
+        file: the file it was done to, if it was one.
+        changed: whether anything is different now.
+        lines: which lines, as ``compare`` gives them.
+        checked: the file as it is now, or as it was refused; its faults are told.
+        notes: what else is good to know, a sentence each.
+        fix: the way out if it was not done.
+    """
+
+    message: str
+    status: Literal["OK", "WARNING", "FAILED"] = "OK"
+    file: Path | None = None
+    changed: bool = False
+    lines: Sequence[tuple[str, int, str]] = ()
+    checked: "Checked[Any] | None" = None
+    notes: tuple[str, ...] = ()
+    fix: str = ""
+
+    def tell(self, *, plain: bool, as_json: bool) -> None:
+        """Prints it; warnings last, for they may be many."""
+        if as_json:
+            print_json(self.report())
+            return
+        show_changes(self.lines, plain=plain)
+        say(self.status, self.message, self.fix, plain=plain)
+        for note in self.notes:
+            click.echo(note)
+        if self.checked is not None:
+            show_faults(self.checked, plain=plain)
+
+    def report(self) -> dict[str, Any]:
+        """The same as plain values."""
+        return {
+            "status": self.status,
+            "message": self.message,
+            "file": None if self.file is None else str(self.file),
+            "changed": self.changed,
+            "lines": report_lines(self.lines),
+            "faults": [] if self.checked is None else report_faults(self.checked),
+            "notes": list(self.notes),
+            "fix": self.fix or None,
+        }
+
+
+def report_lines(lines: Sequence[tuple[str, int, str]]) -> list[dict[str, Any]]:
+    """Lines that differ, as plain values."""
+    return [{"verb": verb, "line": number, "text": text} for verb, number, text in lines]
+
+
+def report_faults(checked: "Checked[Any]") -> list[dict[str, Any]]:
+    """The faults of something that was read, as plain values."""
+    lines = checked.text.splitlines()
+    return [
+        {
+            "file": checked.name,
+            "line": fault.mark.line + 1,
+            "col": fault.mark.column + 1,
+            "end": _find_end(fault.mark, lines),
+            "code": fault.code,
+            "severity": fault.severity,
+            "path": fault.path,
+            "message": fault.sentence,
+            "fix": fault.hint or None,
+        }
+        for fault in checked.faults
+    ]
+
+
+def _find_end(mark: "Mark", lines: list[str]) -> int:
+    """The column after the last one, from 1 on; a mark may say "to the end of the line"."""
+    length = len(lines[mark.line]) if mark.line < len(lines) else 0
+    return 1 + max(mark.column + 1, min(mark.column + mark.length, length))
+
+
+def show_faults(checked: "Checked[Any]", *, plain: bool) -> None:
+    """The faults of something that was read, one a line in plain output."""
+    if not plain:
+        if checked.faults:
+            click.echo(checked.format())
+        return
+    for fault in checked.faults:
+        status = "WARNING" if fault.severity == "warning" else "FAILED"
+        place = f"{checked.name}:{fault.mark.line + 1}:{fault.mark.column + 1}"
+        path = f"{fault.path}: " if fault.path else ""
+        say(status, f"{place}: {path}{fault.sentence} [{fault.code}]", fault.hint)
+
+
+def confirm(question: str, *, yes: bool, as_json: bool) -> bool:
+    """True if the person agrees, now or with ``--yes``; a program is never asked."""
+    if yes or as_json:
+        return yes
+    return click.confirm(question, default=False)

@@ -1,0 +1,45 @@
+"""``neurotouch devices --watch``: what the reports of a pad say, as they come."""
+
+import json
+
+import click
+
+from neurotouch_hid.device.outputs.hidpad import HidPad, Report, find_hid_pads, read_reports
+from neurotouch_hid.errors import DeviceError
+
+
+def watch_pad(*, as_json: bool) -> None:
+    """Prints each report of the first HID pad of ours, one line each, until it goes or Ctrl-C.
+
+    Raises:
+        DeviceError: there is none, or it cannot be read.
+    """
+    pads = find_hid_pads()
+    if not pads:
+        raise DeviceError(
+            "There is no HID pad of ours here.",
+            hint="Make one: neurotouch run --device hid",
+        )
+    pad = pads[0]
+    reports = read_reports(pad)
+    click.echo(f"Reports of {pad.name} ({pad.node}). Ctrl-C ends.", err=True)
+    for report in reports:
+        if report is not None:
+            click.echo(json.dumps(_tabulate(pad, report)) if as_json else _describe(report))
+    click.echo(f"{pad.name} is gone.", err=True)
+
+
+def _tabulate(pad: HidPad, report: Report) -> dict[str, object]:
+    return {
+        "pad": pad.place,
+        "buttons": sorted(report.buttons),
+        "axes": {axis: round(value, 5) for axis, value in report.axes.items()},
+    }
+
+
+def _describe(report: Report) -> str:
+    parts = [
+        *sorted(report.buttons),
+        *(f"{axis} {value:+.3f}" for axis, value in report.axes.items()),
+    ]
+    return "  ".join(parts) or "at rest"

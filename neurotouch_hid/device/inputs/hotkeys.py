@@ -1,0 +1,204 @@
+"""Keys held together on a real keyboard stop the driver, whatever a profile or a remapper does.
+
+The kernel's event nodes are read beside whoever else reads them. A remapper that has taken a
+keyboard for itself is the only reader of it; then the keyboard it makes instead is what is read
+here. Our own keyboard never is.
+"""
+
+import os
+import selectors
+import struct
+import threading
+import time
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from evdev import ecodes
+
+from neurotouch_hid.device.inputs.nodes import NODES, OURS, SYSTEM, parse_bits
+
+CHORDS: Final = {
+    "panic": ("KEY_BACKSPACE", "KEY_ESC", "KEY_ENTER"),
+    "pause": ("KEY_BACKSPACE", "KEY_ESC", "KEY_SPACE"),
+}
+"""Keys that no program wants together; keyd ends itself at the first of these."""
+
+RULE: Final = 'KERNEL=="event*", SUBSYSTEM=="input", ENV{ID_INPUT_KEYBOARD}=="1", TAG+="uaccess"'
+"""The udev rule that lets whoever sits at the machine read its keyboards, in any program."""
+
+_USUAL: Final = [ecodes.ecodes[name] for name in ("KEY_ESC", "KEY_ENTER", "KEY_SPACE")]
+"""What has one of these is a keyboard to us; a box with two switches may be one."""
+
+_INPUT_EVENT: Final = struct.Struct("@llHHi")  # seconds, microseconds, type, code, value
+_SEARCH_S: Final = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class Keyboard:
+    """A keyboard the kernel knows.
+
+    Attributes:
+        node: its event node.
+        name: what it calls itself.
+        readable: we may read it.
+    """
+
+    node: Path
+    name: str
+    readable: bool
+
+
+def find_keyboards(nodes: Path = NODES, system: Path = SYSTEM) -> list[Keyboard]:
+    """Return all keyboards but our own, without opening one."""
+    found = []
+    for entry in sorted(system.glob("event*")):
+        device, node = entry / "device", nodes / entry.name
+        try:
+            keys = parse_bits((device / "capabilities" / "key").read_text())
+            phys, name = (
+                # Devices say what they like; a name goes to a terminal.
+                (device / file).read_text(errors="replace").strip()
+                for file in ("phys", "name")
+            )
+        except OSError:
+            continue  # gone while we look
+        if phys.startswith(OURS) or not any(keys >> code & 1 for code in _USUAL):
+            continue
+        if node.exists():
+            name = "".join(char for char in name if char.isprintable())
+            found.append(Keyboard(node, name, os.access(node, os.R_OK)))
+    return found
+
+
+def explain_keyboards(keyboards: list[Keyboard]) -> tuple[str, str | None]:
+    """Return a sentence on whether chords can be heard, and the way out if they cannot."""
+    readable = [keyboard.name for keyboard in keyboards if keyboard.readable]
+    if readable:
+        return f"chords are heard on {', '.join(readable)}", None
+    if not keyboards:
+        return "no keyboard is plugged in, so no chord can be heard", None
+    return (
+        f"chords cannot be heard: this user may not read {keyboards[0].node} ({keyboards[0].name})",
+        "Allow it for whoever sits at the machine, but mind that every program of theirs can then "
+        "see what is typed:\n"
+        f"  echo '{RULE}' | sudo tee /etc/udev/rules.d/70-neurotouch-keyboard.rules\n"
+        "  sudo udevadm control --reload && sudo udevadm trigger --subsystem-match=input",
+    )
+
+
+class ChordReader:
+    """Calls back when all keys of a chord are down, on one keyboard or several.
+
+    Keyboards that come later are found within two seconds.
+
+    Args:
+        chords: the names of the keys of each chord.
+        hear: is told the name of a chord; must return at once.
+        nodes: the folder of the event nodes.
+        system: what the kernel tells about them.
+    """
+
+    def __init__(
+        self,
+        hear: Callable[[str], object],
+        chords: Mapping[str, tuple[str, ...]] = CHORDS,
+        *,
+        nodes: Path = NODES,
+        system: Path = SYSTEM,
+    ) -> None:
+        self._chords = {
+            name: frozenset(ecodes.ecodes[key] for key in keys) for name, keys in chords.items()
+        }
+        self._hear = hear
+        self._nodes, self._system = nodes, system
+        self._keyboards: list[Keyboard] = []
+        self._down: dict[int, set[int]] = {}  # by descriptor
+        self._open: dict[Path, int] = {}
+        self._held: set[str] = set()
+        self._selector = selectors.DefaultSelector()
+        self._wake_read, self._wake_write = os.pipe2(os.O_CLOEXEC | os.O_NONBLOCK)
+        self._selector.register(self._wake_read, selectors.EVENT_READ)
+        self._find_new()
+        self._thread = threading.Thread(target=self._read_on, name="chords", daemon=True)
+        self._thread.start()
+
+    def describe(self) -> str:
+        """Return whether chords can be heard, and the way out if not."""
+        return ". ".join(filter(None, explain_keyboards(self._keyboards)))
+
+    def close(self) -> None:
+        """End the thread and let go of the keyboards. Harmless when repeated."""
+        if not self._thread.is_alive():
+            return
+        os.write(self._wake_write, b"x")
+        self._thread.join()
+        for descriptor in (*self._open.values(), self._wake_read, self._wake_write):
+            os.close(descriptor)
+        self._open.clear()
+        self._selector.close()
+
+    def _read_on(self) -> None:
+        due = time.monotonic() + _SEARCH_S
+        while True:
+            for key, _ in self._selector.select(max(due - time.monotonic(), 0.0)):
+                if key.fd == self._wake_read:
+                    return
+                self._read(key.fd)
+            if time.monotonic() >= due:
+                self._find_new()
+                due = time.monotonic() + _SEARCH_S
+
+    def _find_new(self) -> None:
+        self._keyboards = find_keyboards(self._nodes, self._system)
+        for keyboard in self._keyboards:
+            if not keyboard.readable or keyboard.node in self._open:
+                continue
+            with suppress(OSError):  # gone again, or its rights are; the next search tells
+                flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY
+                descriptor = os.open(keyboard.node, flags)
+                self._open[keyboard.node] = descriptor
+                self._down[descriptor] = set()
+                self._selector.register(descriptor, selectors.EVENT_READ)
+
+    def _read(self, descriptor: int) -> None:
+        try:
+            data = os.read(descriptor, 64 * _INPUT_EVENT.size)
+        except BlockingIOError:
+            return
+        except OSError:
+            data = b""
+        if not data:
+            self._drop(descriptor)
+            return
+        down = self._down[descriptor]
+        whole = len(data) - len(data) % _INPUT_EVENT.size
+        for *_, kind, code, value in _INPUT_EVENT.iter_unpack(data[:whole]):
+            if kind == ecodes.EV_SYN and code == ecodes.SYN_DROPPED:
+                down.clear()  # releases may be lost; a chord is pressed again
+            elif kind == ecodes.EV_KEY and value == 0:
+                down.discard(code)
+                self._compare()
+            elif kind == ecodes.EV_KEY:
+                down.add(code)
+                self._compare()
+
+    def _compare(self) -> None:
+        """Tells of each chord once, until one of its keys is let go."""
+        down = frozenset().union(*self._down.values())
+        for name, keys in self._chords.items():
+            if not keys <= down:
+                self._held.discard(name)
+            elif name not in self._held:
+                self._held.add(name)
+                self._hear(name)
+
+    def _drop(self, descriptor: int) -> None:
+        """The keyboard is gone, and with it whatever was down on it."""
+        self._selector.unregister(descriptor)
+        os.close(descriptor)
+        del self._down[descriptor]
+        self._open = {node: fd for node, fd in self._open.items() if fd != descriptor}
+        self._compare()

@@ -1,0 +1,142 @@
+"""One virtual pad for two: the gel and whoever helps on a physical device."""
+
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import replace
+from threading import Lock
+from types import TracebackType
+from typing import Self
+
+from neurotouch_hid.device.device import Device
+from neurotouch_hid.device.inputs.contribution import Priority, Share, merge
+from neurotouch_hid.device.inputs.copilot import Copilot
+from neurotouch_hid.device.inputs.mousewatch import MouseWatch
+from neurotouch_hid.device.outputs.spec import Companion
+from neurotouch_hid.errors import DeviceError
+from neurotouch_hid.messages import Button, GamepadState
+
+YIELD_TO_MOUSE_S = 1.5
+"""How long the mouse must be quiet before the gel moves the pointer again."""
+
+
+class SharedDevice:
+    """Shows on a device what the gel and a co-pilot do together; the pointer yields to the mouse.
+
+    A fault of the gel's (``neutral``) releases the gel's share only: the helper, who has noticed,
+    may be holding the aeroplane. What unplugs releases the helper's.
+
+    Args:
+        device: what is shown on; closed with this one.
+        copilot: the helper's device, if there is one; closed with this one.
+        priority: who decides about a stick or trigger that both move; ``equal``: who moves it
+            further.
+        yield_to_mouse_s: how long the real mouse must be quiet before our pointer moves; 0: it
+            never waits.
+    """
+
+    def __init__(
+        self,
+        device: Device,
+        copilot: Copilot | None = None,
+        *,
+        priority: Priority = "equal",
+        yield_to_mouse_s: float = YIELD_TO_MOUSE_S,
+    ) -> None:
+        self._device = device
+        self._copilot = copilot
+        self._priority = priority
+        self._yield_s = yield_to_mouse_s
+        self._mice: MouseWatch | None = None
+        self._gel = GamepadState(0)
+        self._helper = Share()
+        self._lock = Lock()
+        if copilot is not None:
+            copilot.start(self._take)
+
+    @property
+    def name(self) -> str:
+        """What the user is told it is."""
+        return self._device.name
+
+    @property
+    def helper_buttons(self) -> frozenset[Button]:
+        """The buttons that the helper holds now."""
+        return self._helper.buttons
+
+    def describe_mouse(self) -> str:
+        """Return whether the pointer yields to the mouse."""
+        return "nothing moves the pointer" if self._mice is None else self._mice.describe()
+
+    def prepare(self, companions: Iterable[Companion]) -> None:
+        """Make those of the companions that are missing.
+
+        Raises:
+            DeviceError: they cannot be made.
+        """
+        companions = frozenset(companions)
+        self._device.prepare(companions)
+        if Companion.MOUSE in companions and self._yield_s and self._mice is None:
+            self._mice = MouseWatch()
+
+    def write(self, state: GamepadState) -> None:
+        """Show this state of the gel, and with it what the helper does.
+
+        Raises:
+            DeviceError: the state cannot be written.
+        """
+        with self._lock:
+            self._gel = self._yield_to_mouse(state)
+            self._device.write(self._unite())
+
+    def neutral(self) -> None:
+        """Release what the gel holds; the helper's share stays.
+
+        Raises:
+            DeviceError: the kernel does not take it.
+        """
+        with self._lock:
+            self._gel = GamepadState(self._gel.t_us)
+            if self._helper.buttons or self._helper.axes:
+                self._device.write(self._unite())
+            else:
+                self._device.neutral()
+
+    def close(self) -> None:
+        """Give the helper's device back, release everything and take the pad away."""
+        if self._copilot is not None:  # its thread may wait for the lock
+            self._copilot.close()
+        if self._mice is not None:
+            self._mice.close()
+        with self._lock:
+            self._device.close()
+
+    def __enter__(self) -> Self:
+        """Return the device itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close the device."""
+        self.close()
+
+    def _take(self, share: Share) -> None:
+        """Show a change of the helper's, in the co-pilot's thread."""
+        with self._lock, suppress(DeviceError):  # the line's own next write meets and reports it
+            self._helper = share
+            self._device.write(self._unite())
+
+    def _unite(self) -> GamepadState:
+        if not (self._helper.buttons or self._helper.axes):
+            return self._gel
+        both = merge(Share(self._gel.buttons, self._gel.axes), self._helper, self._priority)
+        return replace(self._gel, buttons=both.buttons, axes=both.axes)
+
+    def _yield_to_mouse(self, state: GamepadState) -> GamepadState:
+        mice = self._mice
+        if mice is None or mice.quiet_s >= self._yield_s:
+            return state
+        return replace(state, pointer=(0.0, 0.0), wheel=0.0)

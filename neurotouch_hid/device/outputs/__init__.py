@@ -1,0 +1,1 @@
+"""Virtual devices: what the pipeline writes and every program reads."""

@@ -1,0 +1,196 @@
+"""The pad with a keyboard and a mouse beside it: what the line writes to, one state for all."""
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from threading import Lock
+from types import TracebackType
+from typing import Self
+
+from neurotouch_hid.device.outputs import keyboard, mouse
+from neurotouch_hid.device.outputs.clock import SensorClock
+from neurotouch_hid.device.outputs.identity import Identity, PadKind, load_identities
+from neurotouch_hid.device.outputs.rumble import HearRumble
+from neurotouch_hid.device.outputs.spec import Companion, Node, Steps, find_needed
+from neurotouch_hid.device.outputs.uhid import UhidNode, open_uhid
+from neurotouch_hid.device.outputs.uinput import Ioctl, UinputNode, call_kernel, open_uinput
+from neurotouch_hid.errors import DeviceError
+from neurotouch_hid.messages import GamepadState
+
+_CLAIMS = {Companion.KEYBOARD: keyboard.CLAIM, Companion.MOUSE: mouse.CLAIM}
+
+_PARTING_S = 0.05
+"""Time for readers to take the last frame: what is unread when a node goes away is lost to them."""
+
+
+class CompositeDevice:
+    """One to three nodes of the kernel that act as one device.
+
+    The pad is always there: games look for it when they start, and one that comes later takes
+    another place among the players. Keyboard and mouse come with the first profile that uses them,
+    and stay to the end.
+
+    One lock guards all nodes, so that a watchdog's thread may call ``neutral`` while the line
+    writes.
+    """
+
+    def __init__(
+        self,
+        companions: Iterable[Companion] = (),
+        *,
+        kind: PadKind = "uinput",
+        identity: Identity | None = None,
+        player: int = 1,
+        hear_rumble: HearRumble | None = None,
+        open_descriptor: Callable[[], int] = open_uinput,
+        ioctl: Ioctl = call_kernel,
+    ) -> None:
+        """Create the nodes, at rest.
+
+        Args:
+            companions: what to make beside the pad.
+            kind: how the pad is made; the others are always made through ``/dev/uinput``.
+            identity: what the pad claims to be; an Xbox 360 pad without.
+            player: whose nodes these are, from 1 on; it stands in the place where they claim to be
+                plugged in.
+            hear_rumble: is told how games shake the pad; without, it does not claim to rumble.
+            open_descriptor: gives ``/dev/uinput``, opened anew for each node; a service manager may
+                have opened it.
+            ioctl: the system call; tests record it.
+
+        Raises:
+            DeviceError: ``/dev/uinput`` or ``/dev/uhid`` cannot be used, or the kernel refuses a
+                node.
+        """
+        self._open_descriptor = open_descriptor
+        self._ioctl = ioctl
+        self._player = player
+        self._identity = identity or load_identities()["xbox360"]
+        self._layout = self._identity.layout
+        self._clock = SensorClock()
+        self._pad = self._make_pad(kind, hear_rumble)
+        self._companions: dict[Companion, UinputNode] = {}
+        self._motion = mouse.Motion()
+        self._mouse_buttons: frozenset[str] = frozenset()
+        self._closed = False
+        self._lock = Lock()
+        try:
+            self.prepare(companions)
+        except DeviceError:
+            self.close()
+            raise
+
+    @property
+    def name(self) -> str:
+        """What the user is told it is: the nodes, as other programs show them."""
+        names = (claim.name for key, claim in _CLAIMS.items() if key in self._companions)
+        return " + ".join((self._identity.name, *names))
+
+    def prepare(self, companions: Iterable[Companion]) -> None:
+        """Make those of the nodes that are missing.
+
+        A desktop takes a moment to notice a node and misses what is written until then, so this is
+        better called with a profile than left to the first press.
+
+        Raises:
+            DeviceError: the device is closed, ``/dev/uinput`` cannot be used, or the kernel
+                refuses a node.
+        """
+        with self._lock:
+            self._require_open()
+            self._add(companions)
+
+    def write(self, state: GamepadState) -> None:
+        """Show everything in this state: one write for each node on which something changed.
+
+        A node that the state needs and nobody has prepared is made.
+
+        Raises:
+            DeviceError: the kernel does not take it, or the device is closed.
+        """
+        with self._lock:
+            self._require_open()
+            self._add(find_needed(state))
+            self._show(state, self._motion.advance(state), self._clock.stamp(state.t_us))
+
+    def neutral(self) -> None:
+        """Release everything on all nodes now; one that fails does not keep the others from it.
+
+        Raises:
+            DeviceError: the kernel does not take it.
+        """
+        with self._lock:
+            if not self._closed:
+                self._release()
+
+    def close(self) -> None:
+        """Release everything and remove the nodes, the pad last."""
+        with self._lock:
+            if self._closed:
+                return
+            self._closed = True
+            try:
+                self._release()
+            except DeviceError:
+                pass  # a node is gone already, which has released its keys
+            finally:
+                time.sleep(_PARTING_S)
+                for node in (*self._companions.values(), self._pad):
+                    node.close()
+
+    def __enter__(self) -> Self:
+        """Return the device itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close the device."""
+        self.close()
+
+    def _make_pad(self, kind: PadKind, hear: HearRumble | None) -> Node:
+        if kind == "hid":  # Linux has no simple rumble for pads of no known maker
+            return UhidNode(open_uhid(), self._identity.make_claim(self._player))
+        claim = self._identity.make_claim(self._player, rumbles=hear is not None)
+        return UinputNode(self._open_descriptor(), claim, ioctl=self._ioctl, hear=hear)
+
+    def _make_companion(self, companion: Companion) -> UinputNode:
+        claim = replace(_CLAIMS[companion], phys=f"neurotouch/{companion}{self._player - 1}")
+        return UinputNode(self._open_descriptor(), claim, ioctl=self._ioctl)
+
+    def _require_open(self) -> None:
+        if self._closed:
+            raise DeviceError("The virtual gamepad is already closed.")
+
+    def _add(self, companions: Iterable[Companion]) -> None:
+        for companion in companions:
+            if companion not in self._companions:
+                self._companions[companion] = self._make_companion(companion)
+
+    def _release(self) -> None:
+        self._motion = mouse.Motion()  # the time until the next state does not count
+        self._show(GamepadState(0), (), self._clock.now())
+
+    def _show(self, state: GamepadState, steps: Steps, stamp_ns: int) -> None:
+        """Write to every node, whatever happens at the others; raise the first failure."""
+        reports: list[tuple[Node | None, tuple[int, ...], Steps]] = [
+            (self._pad, self._layout.encode(state), ()),
+            (self._companions.get(Companion.KEYBOARD), keyboard.encode(state), ()),
+            (self._companions.get(Companion.MOUSE), mouse.encode(state), steps),
+        ]
+        if self._mouse_buttons - state.mouse_buttons:
+            # A ctrl+click is one to the end only if its button comes up before ctrl does.
+            reports.reverse()
+        self._mouse_buttons = state.mouse_buttons
+        failures = []
+        for node, report, motion in reports:
+            if node is not None:
+                try:
+                    node.show(report, motion, stamp_ns)
+                except DeviceError as error:
+                    failures.append(error)
+        if failures:
+            raise failures[0]

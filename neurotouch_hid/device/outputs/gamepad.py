@@ -1,0 +1,102 @@
+"""The controls of a pad: their codes and ranges, and from a state to their values.
+
+SDL, Steam, Wine, browsers and RetroArch recognise a pad by its ids and map it by the *order* of its
+codes, so a layout is data (``identities.toml``) and tests pin it.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from evdev import ecodes
+
+from neurotouch_hid.device.outputs.spec import Control, make_key
+from neurotouch_hid.messages import Axis, Button, GamepadState
+
+PHYS = "neurotouch/pad0"
+"""Where the pad of the first player claims to be plugged in; we find our own devices by it."""
+
+_TO_BOTH_SIDES = {Axis.LEFT_X, Axis.LEFT_Y, Axis.RIGHT_X, Axis.RIGHT_Y, Axis.DPAD_X, Axis.DPAD_Y}
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Which control of the kernel each control of the pad is.
+
+    Attributes:
+        buttons: the buttons, in the order of the report.
+        trigger_buttons: buttons that are down as soon as a trigger is pulled; after the buttons.
+        axes: the axes, last.
+    """
+
+    buttons: Mapping[Button, Control]
+    trigger_buttons: Mapping[Axis, Control]
+    axes: Mapping[Axis, Control]
+
+    @classmethod
+    def parse(cls, table: Mapping[str, Mapping[str, object]]) -> "Layout":
+        """Return the layout that a table of ``identities.toml`` describes."""
+        return cls(
+            {Button(name): _make_key(code) for name, code in table["buttons"].items()},
+            {
+                Axis(name): _make_key(code)
+                for name, code in table.get("trigger_buttons", {}).items()
+            },
+            {Axis(name): _make_axis(axis) for name, axis in table["axes"].items()},
+        )
+
+    @property
+    def controls(self) -> tuple[Control, ...]:
+        """What a report gives the values of, in this order."""
+        return (*self.buttons.values(), *self.trigger_buttons.values(), *self.axes.values())
+
+    def encode(self, state: GamepadState) -> tuple[int, ...]:
+        """Return the report of a state: the value of every control, in order."""
+        buttons, axes = state.buttons, state.axes
+        levels = {
+            axis: _scale(axes[axis], control, signed=axis in _TO_BOTH_SIDES)
+            if axis in axes
+            else control.rest
+            for axis, control in self.axes.items()
+        }
+        return (
+            *[int(button in buttons) for button in self.buttons],
+            *[int(levels[axis] != self.axes[axis].rest) for axis in self.trigger_buttons],
+            *levels.values(),
+        )
+
+    def decode(self, report: tuple[int, ...]) -> tuple[frozenset[Button], dict[Axis, float]]:
+        """Return what a report says: the buttons that are down, and the axes off their rest."""
+        n_keys = len(self.buttons) + len(self.trigger_buttons)
+        down = zip(self.buttons, report, strict=False)
+        moved = zip(self.axes.items(), report[n_keys:], strict=True)
+        return (
+            frozenset(button for button, value in down if value),
+            {
+                axis: (value - control.rest) / (control.maximum - control.rest)
+                for (axis, control), value in moved
+                if value != control.rest
+            },
+        )
+
+
+def _make_key(code: object) -> Control:
+    return make_key(ecodes.ecodes[code])
+
+
+def _make_axis(axis: object) -> Control:
+    assert isinstance(axis, dict)  # noqa: S101  # our own file
+    code = ecodes.ecodes[axis["code"]]
+    return Control(ecodes.EV_ABS, code, axis["minimum"], axis["maximum"], axis.get("rest", 0))
+
+
+def _scale(value: float, control: Control, *, signed: bool) -> int:
+    """Scale -1..1 or 0..1 to the control's integers, the same to both sides; NaN is at rest.
+
+    The kernel does not clamp, so a value out of range would reach the games.
+    """
+    if math.isnan(value):
+        return control.rest
+    lowest = -1.0 if signed else 0.0
+    reach = control.maximum - control.rest
+    return control.rest + round(min(max(value, lowest), 1.0) * reach)

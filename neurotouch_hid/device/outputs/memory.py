@@ -1,0 +1,108 @@
+"""A device that nobody sees: it remembers what was written, for tests and dry runs."""
+
+from collections import Counter, deque
+from collections.abc import Iterable
+from threading import Lock
+from types import TracebackType
+from typing import Self
+
+from neurotouch_hid.device.outputs import keyboard, mouse
+from neurotouch_hid.device.outputs.identity import load_identities
+from neurotouch_hid.device.outputs.spec import Companion, find_needed
+from neurotouch_hid.errors import DeviceError
+from neurotouch_hid.messages import GamepadState
+
+_Report = tuple[int, ...]
+
+_LAYOUT = load_identities()["xbox360"].layout
+
+
+class MemoryDevice:
+    """Keeps the states that real nodes would have shown as a change, oldest first.
+
+    Attributes:
+        name: what the user is told it is.
+        states: the changes; the newest 1000 (10 s of ceaseless motion), so that a dry run of
+            days does not grow. The mouse's moving and its stopping are changes too.
+        companions: the nodes that would stand beside the pad.
+        travel: how far the mouse went in all, in steps, by EV_REL code.
+    """
+
+    name = "memory"
+
+    def __init__(self, companions: Iterable[Companion] = ()) -> None:
+        self.states: deque[GamepadState] = deque(maxlen=1_000)
+        self.companions = set(companions)
+        self.travel: Counter[int] = Counter()
+        self._motion = mouse.Motion()
+        self._reports = _encode(GamepadState(0))
+        self._t_us = 0
+        self._closed = False
+        self._lock = Lock()
+
+    def prepare(self, companions: Iterable[Companion]) -> None:
+        """Count these to the nodes.
+
+        Raises:
+            DeviceError: the device is closed.
+        """
+        with self._lock:
+            self._require_open()
+            self.companions.update(companions)
+
+    def write(self, state: GamepadState) -> None:
+        """Keep the state if it changes anything.
+
+        Raises:
+            DeviceError: the device is closed.
+        """
+        with self._lock:
+            self._require_open()
+            self.companions |= find_needed(state)
+            steps = self._motion.advance(state)
+            if steps:
+                self.travel.update(dict(steps))
+            self._show(state, moved=bool(steps))
+
+    def neutral(self) -> None:
+        """Release everything, at the moment of the state before."""
+        with self._lock:
+            if not self._closed:
+                self._motion = mouse.Motion()
+                self._show(GamepadState(self._t_us), moved=False)
+
+    def close(self) -> None:
+        """Release everything and accept nothing more."""
+        self.neutral()
+        with self._lock:
+            self._closed = True
+
+    def __enter__(self) -> Self:
+        """Return the device itself."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Close the device."""
+        self.close()
+
+    def _require_open(self) -> None:
+        if self._closed:
+            raise DeviceError("The virtual gamepad is already closed.")
+
+    def _show(self, state: GamepadState, *, moved: bool) -> None:
+        self._t_us = state.t_us
+        reports = _encode(state)
+        if moved or reports != self._reports:
+            self._reports = reports
+            self.states.append(state)
+
+
+def _encode(state: GamepadState) -> tuple[_Report, _Report, _Report, bool]:
+    """The three reports, and whether the mouse moves: its stopping is kept too."""
+    moves = any(state.pointer) or state.wheel != 0.0
+    return _LAYOUT.encode(state), keyboard.encode(state), mouse.encode(state), moves

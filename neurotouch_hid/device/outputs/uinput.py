@@ -1,0 +1,194 @@
+"""Nodes made by the Linux kernel through ``/dev/uinput``.
+
+Own ioctls instead of evdev's ``UInput``: that one cannot use a descriptor handed over by systemd,
+wants to read the new event node (and waits 2 s when it may not), writes every event by itself, and
+can leave a ghost pad behind when its constructor fails.
+"""
+
+import fcntl
+import os
+import struct
+from collections.abc import Callable
+from pathlib import Path
+
+from evdev import ecodes
+
+from neurotouch_hid.device.outputs.opening import Maker
+from neurotouch_hid.device.outputs.rumble import EFFECT_CODES, N_EFFECTS, HearRumble, RumbleServer
+from neurotouch_hid.device.outputs.spec import Claim, Steps
+from neurotouch_hid.errors import DeviceError
+
+NODE = Path("/dev/uinput")
+
+RULE = 'KERNEL=="uinput", SUBSYSTEM=="misc", TAG+="uaccess", OPTIONS+="static_node=uinput"'
+"""The udev rule of ``udev/70-neurotouch-uinput.rules``."""
+
+_MAKER = Maker(NODE, "uinput", RULE, "70-neurotouch-uinput.rules")
+
+# linux/uinput.h and linux/input.h
+_INPUT_EVENT = struct.Struct("@llHHi")  # seconds, microseconds, type, code, value
+_SETUP = struct.Struct("@HHHH80sI")  # bus, vendor, product, version, name, ff_effects_max
+_ABS_SETUP = struct.Struct("@H2x6i")  # code, value, minimum, maximum, fuzz, flat, resolution
+
+
+def _write_request(number: int, size: int) -> int:
+    """Return the number of an ioctl that hands ``size`` bytes to uinput: ``_IOW('U', …)``."""
+    return 1 << 30 | size << 16 | ord("U") << 8 | number
+
+
+UI_DEV_CREATE = ord("U") << 8 | 1
+UI_DEV_DESTROY = ord("U") << 8 | 2
+UI_DEV_SETUP = _write_request(3, _SETUP.size)
+UI_ABS_SETUP = _write_request(4, _ABS_SETUP.size)
+UI_SET_EVBIT = _write_request(100, struct.calcsize("@i"))
+UI_SET_KEYBIT = _write_request(101, struct.calcsize("@i"))
+UI_SET_RELBIT = _write_request(102, struct.calcsize("@i"))
+UI_SET_FFBIT = _write_request(107, struct.calcsize("@i"))
+UI_SET_PHYS = _write_request(108, struct.calcsize("@P"))
+
+Ioctl = Callable[[int, int, int | bytes], None]
+
+
+def call_kernel(descriptor: int, request: int, argument: int | bytes) -> None:
+    """Make the system call; uinput takes numbers by value and structures by their bytes."""
+    fcntl.ioctl(descriptor, request, argument)
+
+
+def open_uinput(node: Path = NODE) -> int:
+    """Return an open descriptor of the node.
+
+    Raises:
+        DeviceError: there is no node, no module behind it, or no right to use it.
+    """
+    return _MAKER.open(node)
+
+
+class UinputNode:
+    """One device of the kernel, visible to all programs at once; at rest when it is made.
+
+    If the process dies, the kernel releases the pressed keys and removes the node. The caller sees
+    to it that two threads do not write at once.
+
+    Force feedback is declared only if somebody hears of it: a pad that declares it and does not
+    answer freezes games for a minute.
+    """
+
+    def __init__(
+        self,
+        descriptor: int,
+        claim: Claim,
+        *,
+        ioctl: Ioctl = call_kernel,
+        hear: HearRumble | None = None,
+    ) -> None:
+        """Create the node.
+
+        Args:
+            descriptor: ``/dev/uinput`` opened by ``open_uinput`` or by the service manager, for
+                writing, and for reading too if the claim rumbles. The node owns it from here on,
+                also when this call fails.
+            claim: what it claims to be.
+            ioctl: the system call; tests record it.
+            hear: is told how games shake it; needed if the claim rumbles.
+
+        Raises:
+            DeviceError: the kernel refuses it.
+        """
+        self._descriptor = descriptor
+        self._claim = claim
+        self._ioctl = ioctl
+        self._report = claim.neutral
+        # It must run before games can see the pad.
+        self._rumble = RumbleServer(descriptor, hear) if claim.rumbles and hear else None
+        try:
+            self._create()
+        except OSError as error:
+            self._end_rumble()
+            os.close(descriptor)
+            raise DeviceError(
+                f"The kernel refuses to create the {claim.name}: {error.strerror}."
+            ) from error
+
+    def show(self, report: tuple[int, ...], steps: Steps = (), stamp_ns: int = 0) -> None:
+        """Write one frame with all that changed, in one write; nothing if nothing did.
+
+        Steps come first, so that a click is where the pointer then is. What is released comes
+        before what is pressed, and in the opposite order: the letter of a chord before its ctrl.
+
+        A failure means that the node is gone, so it is not hidden by a new one, which games would
+        take for another player's: the program ends, and the service manager starts it again. A
+        caller that goes on all the same loses no press or release, the next call sends what is
+        still unsent.
+
+        Args:
+            report: the value of every control of the claim, in its order.
+            steps: how far the claim's motions go now, as (code, steps).
+            stamp_ns: when it happened, on CLOCK_MONOTONIC; 0 lets the kernel take its own time, as
+                do kernels before 6.8 in any case.
+
+        Raises:
+            DeviceError: the kernel does not take it.
+        """
+        changes = [
+            (control.type, control.code, value)
+            for control, old, value in zip(self._claim.controls, self._report, report, strict=True)
+            if value != old
+        ]
+        frame = [
+            *((ecodes.EV_REL, code, n_steps) for code, n_steps in steps),
+            *(change for change in reversed(changes) if change[2] == 0),
+            *(change for change in changes if change[2] != 0),
+        ]
+        if not frame:
+            return
+        frame.append((ecodes.EV_SYN, ecodes.SYN_REPORT, 0))
+        try:
+            at = stamp_ns // 1_000_000_000, stamp_ns // 1_000 % 1_000_000
+            os.write(self._descriptor, b"".join(_INPUT_EVENT.pack(*at, *event) for event in frame))
+        except OSError as error:
+            raise DeviceError(
+                f"The kernel no longer takes input for the {self._claim.name}: {error.strerror}.",
+                hint="Start the program again; it will make a new one.",
+            ) from error
+        self._report = report
+
+    def close(self) -> None:
+        """Remove the node."""
+        self._end_rumble()
+        try:
+            self._ioctl(self._descriptor, UI_DEV_DESTROY, 0)
+        except OSError:
+            pass  # it is gone already; closing the descriptor removes whatever is left
+        finally:
+            os.close(self._descriptor)
+
+    def _create(self) -> None:
+        for type_ in sorted({control.type for control in self._claim.controls}):
+            self._set(UI_SET_EVBIT, type_)
+        if self._rumble is not None:
+            self._set(UI_SET_EVBIT, ecodes.EV_FF)
+            for code in EFFECT_CODES:
+                self._set(UI_SET_FFBIT, code)
+        for control in self._claim.controls:
+            if control.type == ecodes.EV_KEY:
+                self._set(UI_SET_KEYBIT, control.code)
+            else:
+                # Fuzz, flat and resolution are 0. Fuzz as the real pad declares it would keep a
+                # released stick off its centre.
+                range_ = (control.rest, control.minimum, control.maximum)
+                self._set(UI_ABS_SETUP, _ABS_SETUP.pack(control.code, *range_, 0, 0, 0))
+        if self._claim.motions:
+            self._set(UI_SET_EVBIT, ecodes.EV_REL)
+        for motion in self._claim.motions:
+            self._set(UI_SET_RELBIT, motion)
+        self._set(UI_SET_PHYS, self._claim.phys.encode() + b"\0")
+        n_effects = N_EFFECTS if self._rumble is not None else 0
+        self._set(UI_DEV_SETUP, _SETUP.pack(*self._claim.ids, self._claim.name.encode(), n_effects))
+        self._set(UI_DEV_CREATE, 0)
+
+    def _end_rumble(self) -> None:
+        if self._rumble is not None:
+            self._rumble.close()
+
+    def _set(self, request: int, argument: int | bytes) -> None:
+        self._ioctl(self._descriptor, request, argument)

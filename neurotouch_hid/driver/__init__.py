@@ -1,0 +1,1 @@
+"""The running driver: source, pipeline and pad, and everything around them."""

@@ -1,0 +1,115 @@
+"""How a person's camera is set up: the file ``camera.yaml`` beside the person's own values."""
+
+from pathlib import Path
+from typing import Annotated, Any, Final
+
+from pydantic import AfterValidator, Field
+from pydantic_core import PydanticCustomError
+
+from neurotouch_hid.profile.reading.library import find_user_file
+from neurotouch_hid.profile.reading.load import load_settings
+from neurotouch_hid.profile.schema.profile import check_version
+from neurotouch_hid.profile.schema.strict import Strict, give_unit
+from neurotouch_hid.source.davis.config import Biases, DavisConfig
+from neurotouch_hid.source.davis.registers import CoarseFine
+
+FILE: Final = "camera.yaml"
+_USUAL: Final = DavisConfig()
+
+
+def _check_current(value: list[int]) -> list[int]:
+    if not (0 <= value[0] <= 7 and 0 <= value[1] <= 255):
+        raise PydanticCustomError("bias", "[coarse, fine], with coarse 0 to 7 and fine 0 to 255")
+    return value
+
+
+Current = Annotated[list[int], Field(min_length=2, max_length=2), AfterValidator(_check_current)]
+Pixel = Annotated[list[Annotated[int, Field(ge=0, le=345)]], Field(min_length=2, max_length=2)]
+
+
+def _current(name: str, description: str) -> Any:
+    value = list(getattr(_USUAL.biases, name))
+    return Field(default=value, description=f"{description} Default: {value}.")
+
+
+class BiasSettings(Strict):
+    """Currents of the sensor, [coarse 0-7, fine 0-255], by the vendor's names."""
+
+    DiffBn: Current = _current("DiffBn", "What OnBn and OffBn are compared with.")
+    OnBn: Current = _current("OnBn", "More: fewer ON events.")
+    OffBn: Current = _current("OffBn", "Less: fewer OFF events.")
+    PrBp: Current = _current("PrBp", "More: follows fast motion in dim light, with more noise.")
+    PrSFBp: Current = _current("PrSFBp", "The same for the stage behind it.")
+    RefrBp: Current = _current("RefrBp", "More: a pixel rests for a shorter time.")
+
+
+class CameraSettings(Strict):
+    """The file ``camera.yaml``."""
+
+    version: Annotated[int, AfterValidator(check_version)] = Field(
+        default=1,
+        description="The version of this format: 1. Default: 1.",
+        json_schema_extra={"const": 1},
+    )
+    exposure_us: Annotated[int, Field(ge=10, le=1_000_000)] = Field(
+        default=_USUAL.exposure_us,
+        description="Exposure of a frame: more if frames are dark. Default: 4000.",
+        json_schema_extra=give_unit("us"),
+    )
+    frame_interval_us: Annotated[int, Field(ge=0, le=1_000_000)] = Field(
+        default=_USUAL.frame_interval_us,
+        description="Time from frame to frame. Default: 40000.",
+        json_schema_extra=give_unit("us"),
+    )
+    activity_filter_us: Annotated[int, Field(ge=0, le=1_000_000)] = Field(
+        default=_USUAL.activity_filter_us,
+        description="An event needs a neighbour's within this time; 0: off. Default: 2000.",
+        json_schema_extra=give_unit("us"),
+    )
+    early_packet_delay_us: Annotated[int, Field(ge=125, le=10_000)] = Field(
+        default=_USUAL.early_packet_delay_us,
+        description="Data waits so long for a full USB packet; more: less work. Default: 250.",
+        json_schema_extra=give_unit("us"),
+    )
+    hot_pixels: Annotated[list[Pixel], Field(max_length=8)] = Field(
+        default=[], description="Pixels [x, y] that never stop firing. Default: none."
+    )
+    mirrored: bool = Field(
+        default=False, description="The camera sees the gel mirrored. Default: false."
+    )
+    biases: BiasSettings = Field(
+        default_factory=BiasSettings, description="For another light. Default: see there."
+    )
+
+    @property
+    def config(self) -> DavisConfig:
+        """The same as the driver takes it.
+
+        Raises:
+            CameraError: a pixel lies outside.
+        """
+        biases = {name: CoarseFine(*value) for name, value in self.biases}
+        return DavisConfig(
+            exposure_us=self.exposure_us,
+            frame_interval_us=self.frame_interval_us,
+            activity_filter_us=self.activity_filter_us,
+            early_packet_delay_us=self.early_packet_delay_us,
+            hot_pixels=tuple((x, y) for x, y in self.hot_pixels),
+            mirrored=self.mirrored,
+            biases=Biases(**biases),
+        )
+
+
+def find_camera_file() -> Path:
+    """The file of these settings; it need not exist."""
+    return find_user_file().with_name(FILE)
+
+
+def load_camera_config() -> DavisConfig:
+    """The settings; the defaults if there is no file.
+
+    Raises:
+        ProfileError: the file says something we cannot do; every mistake has line and column.
+        CameraError: a pixel lies outside.
+    """
+    return load_settings(find_camera_file(), CameraSettings).config

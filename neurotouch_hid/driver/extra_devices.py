@@ -1,0 +1,22 @@
+"""What a profile needs beside the pad."""
+
+from neurotouch_hid.device import Companion
+from neurotouch_hid.profile import Profile
+from neurotouch_hid.profile.schema.targets import (
+    KeyTarget,
+    MouseButtonTarget,
+    MouseMotionTarget,
+    MouseWheelTarget,
+)
+
+
+def find_companions(profile: Profile) -> frozenset[Companion]:
+    """Returns the nodes that any binding in any layer of the profile can use."""
+    targets = [binding.do for layer in profile.all_layers for binding in layer.bindings]
+    found = set()
+    if any(isinstance(target, KeyTarget) for target in targets):
+        found.add(Companion.KEYBOARD)
+    mice = MouseButtonTarget | MouseMotionTarget | MouseWheelTarget
+    if any(isinstance(target, mice) for target in targets):
+        found.add(Companion.MOUSE)
+    return frozenset(found)

@@ -1,0 +1,66 @@
+"""What an administrator chooses for the service: the file ``/etc/neurotouch/service.yaml``."""
+
+from pathlib import Path
+from typing import Annotated, Final, Literal
+
+from pydantic import AfterValidator, Field
+
+from neurotouch_hid.profile.reading.library import NAME_PATTERN, find_user_file
+from neurotouch_hid.profile.reading.load import load_settings
+from neurotouch_hid.profile.schema.profile import check_version
+from neurotouch_hid.profile.schema.strict import Strict, make_optional
+
+FILE: Final = "service.yaml"
+
+
+class ServiceSettings(Strict):
+    """The choices of the service; whose hand it is stands beside it, in ``user.yaml``."""
+
+    version: Annotated[int, AfterValidator(check_version)] = Field(
+        default=1,
+        description="The version of this format: 1. Default: 1.",
+        json_schema_extra={"const": 1},
+    )
+    profile: Annotated[str, Field(pattern=NAME_PATTERN)] | None = Field(
+        default=None,
+        description="The profile at the start. Default: the first of the favourites, slots in "
+        "user.yaml.",
+        json_schema_extra=make_optional(),
+    )
+    camera: Annotated[str, Field(pattern=r"^[A-Za-z0-9._-]{1,64}$")] | None = Field(
+        default=None,
+        description="The serial number of the camera, as text in quotes; 'neurotouch devices' "
+        "shows it. Default: the first that is found.",
+        json_schema_extra=make_optional(),
+    )
+
+    device: Literal["uinput", "hid"] = Field(
+        default="uinput",
+        description="How the pad is made: uinput, or hid for a true HID device, which needs "
+        "/dev/uhid (see neurotouch-service(7)). Default: uinput.",
+    )
+    identity: Annotated[str, Field(min_length=1, max_length=256)] | None = Field(
+        default=None,
+        description="What the pad claims to be: the name of an identity, or the path of a file. "
+        "Default: that of the kind of device.",
+        json_schema_extra=make_optional(),
+    )
+
+    @property
+    def source(self) -> str:
+        """The source to open."""
+        return f"davis:{self.camera or ''}"
+
+
+def find_service_file() -> Path:
+    """The file of these choices; it need not exist."""
+    return find_user_file().with_name(FILE)
+
+
+def load_service_settings() -> ServiceSettings:
+    """The choices; the defaults if there is no file.
+
+    Raises:
+        ProfileError: the file says something we cannot do; every mistake has line and column.
+    """
+    return load_settings(find_service_file(), ServiceSettings)

@@ -1,0 +1,124 @@
+"""The page of a report: one file that needs nothing else, no script, no network."""
+
+import base64
+from collections.abc import Callable, Mapping, Sequence
+from html import escape
+from importlib.resources import files
+from string import Template
+from typing import Any
+
+from neurotouch_hid.evaluation.accuracy.report import tables
+from neurotouch_hid.evaluation.accuracy.report.bars import Reports
+from neurotouch_hid.evaluation.accuracy.report.pictures import Picture
+
+_SECTIONS = (
+    ("table", "The paper’s table"),
+    ("types", "Types and contact counts"),
+    ("intensity", "Accuracy over intensity"),
+    ("errors", "Contact distance and intensity error"),
+    ("confusion", "Confusion matrix"),
+    ("timing", "Time, changes of mind and rest"),
+    ("confidence", "Confidence"),
+    ("labels", "The labels"),
+    ("failures", "The worst moments"),
+    ("recordings", "Each recording"),
+)
+
+
+def build_page(reports: Reports, pictures: Sequence[Picture], version: str) -> str:
+    """The whole page.
+
+    Args:
+        reports: figures by method.
+        pictures: all figures in order; the first word of a name says its section.
+        version: of this program.
+    """
+    contents = "".join(f'<li><a href="#{key}">{title}</a></li>' for key, title in _SECTIONS)
+    sections = "".join(
+        f'<section id="{key}" aria-labelledby="{key}-title">\n<h2 id="{key}-title">{title}</h2>\n'
+        f"{_build_section(key, reports, pictures)}</section>\n"
+        for key, title in _SECTIONS
+    )
+    template = Template(files(__package__).joinpath("page.html").read_text(encoding="utf-8"))
+    return template.substitute(
+        version=escape(version),
+        introduction=_introduce(reports),
+        contents=contents,
+        sections=sections,
+    )
+
+
+def _introduce(reports: Reports) -> str:
+    first = next(iter(reports.values()))
+    methods = " and ".join(f"<strong>{escape(name)}</strong>" for name in reports)
+    n_files = len(first["files"])
+    slices, frames, events = (
+        f"{first[key]:,}".replace(",", "\u202f") for key in ("observations", "frames", "events")
+    )
+    return (
+        f"{n_files} recording{'s' if n_files > 1 else ''}, {slices} slices of 10 ms compared with "
+        f"labels, {frames} frames, {events} events; method {methods}."
+    )
+
+
+def _build_section(key: str, reports: Reports, pictures: Sequence[Picture]) -> str:
+    shown = [picture for picture in pictures if picture.name.split("-")[0] == key]
+    if key == "failures":
+        return _build_gallery(list(reports), shown)
+    drawn = "".join(_build_picture(picture) for picture in shown)
+    if key == "table":
+        return tables.build_summary(reports) + drawn
+    if key == "timing":
+        return _EXPLAIN_TIMING + tables.build_beyond(reports) + drawn
+    if key == "recordings":
+        return tables.build_files(reports)
+    return drawn + _build_numbers(_NUMBERS.get(key), reports)
+
+
+_NUMBERS: Mapping[str, Callable[[Mapping[str, Any]], str]] = {
+    "types": tables.build_types,
+    "intensity": tables.build_intensity,
+    "errors": tables.build_errors,
+    "confusion": tables.build_confusion,
+    "confidence": tables.build_reliability,
+}
+_EXPLAIN_TIMING = """<p>Time: from the moment the labelled intensity reaches 2.5 mm to the first
+slice with the labelled type; a gesture that never gets it counts as infinitely late. A gesture
+changes type if another one is recognised after that, or none while the labelled intensity is still
+2.5 mm or more. At rest: no gesture is labelled within half a second.</p>
+"""
+
+
+def _build_numbers(build: Callable[[Mapping[str, Any]], str] | None, reports: Reports) -> str:
+    if build is None:
+        return ""
+    return "".join(
+        f"<details><summary>The numbers of method {escape(name)}</summary>\n{build(report)}"
+        "</details>\n"
+        for name, report in reports.items()
+    )
+
+
+def _build_gallery(methods: Sequence[str], pictures: Sequence[Picture]) -> str:
+    parts = [
+        "<p>The worst moment of each labelled gesture and each rest, and of those the worst ten. "
+        "Rings are labelled contacts, crosses recognised ones; arrows lead from where a marker "
+        "rests to where it is; hollow markers are guessed from their neighbours. Severity: the "
+        "error of the intensity, plus the larger of both intensities times the sum of 1 for a "
+        "wrong type, the share of contacts too many or too few, and the mean contact distance over "
+        "a fingertip’s radius of 12 mm, at most 1.</p>\n"
+    ]
+    for method in methods:
+        shown = [p for p in pictures if p.name.rpartition("-")[0] == f"failures-{method}"]
+        drawn = "".join(_build_picture(picture) for picture in shown) or "<p>Nothing is wrong.</p>"
+        parts.append(f'<h3>Method {escape(method)}</h3>\n<div class="gallery">{drawn}</div>\n')
+    return "".join(parts)
+
+
+def _build_picture(picture: Picture) -> str:
+    data = base64.b64encode(picture.svg.encode()).decode()
+    return (
+        f'<figure><div class="wide"><img id="{escape(picture.name)}" alt="{escape(picture.alt)}" '
+        f'src="data:image/svg+xml;base64,{data}"></div>\n'
+        f"<figcaption>{escape(picture.caption)}</figcaption></figure>\n"
+    )

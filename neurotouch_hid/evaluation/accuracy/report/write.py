@@ -1,0 +1,36 @@
+"""Writes a report: all or nothing."""
+
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from neurotouch_hid import __version__
+from neurotouch_hid.evaluation.accuracy.files import Evaluation, combine_reports
+from neurotouch_hid.evaluation.accuracy.report.folder import FIGURES, NUMBERS, PAGE, fill_folder
+from neurotouch_hid.evaluation.accuracy.report.page import build_page
+from neurotouch_hid.evaluation.accuracy.report.pictures import draw_pictures
+
+
+def write_report(
+    folder: Path,
+    evaluations: Mapping[str, Evaluation],
+    progress: Callable[[str], None] = lambda _: None,
+) -> None:
+    """Writes ``report.html``, ``report.json`` and ``figures/*.svg``.
+
+    Args:
+        folder: made; an empty one or an older report is replaced.
+        evaluations: by method, of the same recordings; at least one.
+        progress: called with what is being done.
+
+    Raises:
+        NeuroTouchError: the folder cannot be written or holds something else.
+    """
+    reports = {method: evaluation.report() for method, evaluation in evaluations.items()}
+    with fill_folder(folder) as new:
+        pictures = list(draw_pictures(evaluations, reports, progress))
+        for picture in pictures:
+            (new / FIGURES / f"{picture.name}.svg").write_text(picture.svg, encoding="utf-8")
+        numbers = json.dumps(combine_reports(reports), indent=2) + "\n"
+        (new / NUMBERS).write_text(numbers, encoding="utf-8")
+        (new / PAGE).write_text(build_page(reports, pictures, __version__), encoding="utf-8")

@@ -1,0 +1,1 @@
+"""How well a person points with the gel."""

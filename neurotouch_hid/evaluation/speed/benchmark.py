@@ -1,0 +1,252 @@
+"""How fast the line is on this machine, stage by stage and as a whole."""
+
+import gc
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.evaluation.accuracy.files import evaluate_files
+from neurotouch_hid.evaluation.speed.decoding import measure_decoding
+from neurotouch_hid.evaluation.speed.pace import run_live_benchmark
+from neurotouch_hid.gesture import GestureConfig, GestureRecognizer, Method
+from neurotouch_hid.messages import EventPacket, GestureKind, Truth
+from neurotouch_hid.profile import Mapping, load_profile
+from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
+from neurotouch_hid.runtime import Pipeline, warm_up
+from neurotouch_hid.source import open_source
+from neurotouch_hid.tracker import MarkerTracker, RestDetector, TrackerConfig
+
+SCENE = "random"
+"""All gestures of all kinds of users, with pauses between them."""
+FAST_SCENE = "fast"
+"""The paper's largest motions at its largest speeds, 18 mm at 210 mm/s: the most events."""
+PREPARED_S = 20.0
+"""Sensor time of what is played, at most."""
+_LABELLED_US = range(0, round(PREPARED_S * 1e6) + 1, 40_000)
+READY, PLAYED = "Gamepad ready", "Played "
+"""What ``neurotouch run`` prints when the pad is there, and when all is played."""
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """Median, 99th and 99.9th percentile. For a rate, what so many of the slices exceed."""
+
+    median: float
+    p99: float
+    p999: float
+
+    @classmethod
+    def of(cls, values: NDArray[np.float64], *, rate: bool = False) -> "Spread":
+        """The spread of measured values."""
+        ranks = (50.0, 1.0, 0.1) if rate else (50.0, 99.0, 99.9)
+        return cls(*(float(v) for v in np.percentile(values, ranks)))
+
+    def as_json(self) -> dict[str, float]:
+        """The same for programs."""
+        return {"median": self.median, "p99": self.p99, "p99.9": self.p999}
+
+
+def run_benchmark(
+    method: Method, progress: Callable[[str], None], *, long: bool = False
+) -> dict[str, Any]:
+    """Measures everything while nothing else runs.
+
+    Args:
+        method: how gestures are recognised.
+        progress: called with what is being done.
+        long: as long as it takes to be sure.
+
+    Returns:
+        Of each of these median, p99 and p99.9: ``davis_decode_events_per_s`` (bytes to events),
+        ``tracker_events_per_s`` (of the fast scene), ``rest_ms`` (per frame), ``tracker_ms``,
+        ``gesture_ms``, ``profile_ms`` and ``advance_ms`` (all together, per slice of 10 ms). And
+        ``tracker_ratio`` (how much longer it takes to look for the nearest marker among all),
+        ``events_per_s`` of the scene of the slices, ``realtime_factor`` of a recording
+        played through the whole line as fast as possible, ``startup_s`` (``help_cpu``: processor
+        time of ``neurotouch --help``; ``pad``: from the start of ``run`` to the pad) and
+        ``rss_mb``, the most memory that playing it took; ``evaluate_factor``, of recordings on
+        all cores; and ``live``, see ``run_live_benchmark``.
+    """
+    config = GestureConfig(method=method)
+    progress(f"Simulating {PREPARED_S:.0f} s of gestures")
+    packets = _simulate(SCENE)
+    fast = _simulate(FAST_SCENE)
+    warm_up(Pipeline.build(load_profile("default"), config))
+    gc.collect()
+    gc.freeze()  # as ``run`` does it
+    progress("Measuring the stages")
+    result: dict[str, Any] = {
+        "davis_decode_events_per_s": Spread.of(measure_decoding(), rate=True).as_json(),
+        **_measure_tracker(fast),
+        **_measure_stages(packets, config),
+    }
+    progress("Measuring the whole line")
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "bench.aedat4"
+        with RecordingWriter(path) as writer:
+            for packet in packets:
+                writer.write(packet)
+        result |= _measure_whole(path, method)
+        progress("Measuring the evaluation")
+        result["evaluate_factor"] = _measure_evaluation(path, config)
+    progress("Measuring the start")
+    result["startup_s"] = _measure_start(method)
+    result["live"] = run_live_benchmark(config, progress, long=long)
+    return result
+
+
+def _simulate(scene: str) -> list[EventPacket]:
+    packets = []
+    with open_source(f"sim:{scene}", speed="max") as source:
+        for packet in source:
+            packets.append(packet)
+            if packet.t_end_us >= PREPARED_S * 1e6:
+                break
+    return packets
+
+
+def _measure_tracker(packets: list[EventPacket]) -> dict[str, Any]:
+    """Events a second through the tracker, its checks and frames included.
+
+    ``tracker_ratio``: how much longer it takes to look for the nearest marker among all.
+    """
+    rest = RestDetector()
+    trackers = MarkerTracker(), MarkerTracker(TrackerConfig(search="all"))
+    took_s: list[list[float]] = []
+    n_events = []
+    for packet in packets:
+        answers = [rest.update(frame) for frame in packet.frames]
+        each = []
+        for tracker in trackers:
+            if answers and answers[-1] is not None:
+                tracker.anchor(answers[-1])
+            begun = time.perf_counter()
+            tracker.update(packet)
+            each.append(time.perf_counter() - begun)
+        if len(packet.events) >= 2_000:  # a slice with little in it measures the call, not the loop
+            took_s.append(each)
+            n_events.append(len(packet.events))
+    ours, full = np.array(took_s[1:]).T  # the first one may have been compiled
+    rate = Spread.of(np.array(n_events[1:]) / ours, rate=True)
+    return {"tracker_events_per_s": rate.as_json(), "tracker_ratio": float(np.median(full / ours))}
+
+
+def _measure_stages(packets: list[EventPacket], config: GestureConfig) -> dict[str, Any]:
+    """Each stage alone on what the stage before gave, then all together."""
+    took_ms: dict[str, list[float]] = {}
+
+    def measure(stage: str, call: Callable[[Any], Any], argument: object) -> Any:
+        begun = time.perf_counter()
+        result = call(argument)
+        took_ms.setdefault(stage, []).append((time.perf_counter() - begun) * 1e3)
+        return result
+
+    profile = load_profile("default")
+    rest, tracker = RestDetector(), MarkerTracker()
+    recognizer, mapping = GestureRecognizer(config), Mapping(profile)
+    for packet in packets:
+        answers = [measure("rest", rest.update, frame) for frame in packet.frames]
+        if answers and answers[-1] is not None:
+            tracker.anchor(answers[-1])
+        markers = measure("tracker", tracker.update, packet)
+        measure("profile", mapping.update, measure("gesture", recognizer.update, markers))
+    line = Pipeline.build(profile, config)
+    for packet in packets:
+        measure("advance", line.advance, packet)
+    spreads = {f"{stage}_ms": Spread.of(np.array(ms)).as_json() for stage, ms in took_ms.items()}
+    return {**spreads, "events_per_s": sum(len(packet.events) for packet in packets) / PREPARED_S}
+
+
+def _measure_whole(path: Path, method: str) -> dict[str, float]:
+    """Plays a recording in a process of its own: its pace without the start, and its memory."""
+    _reap(_start_run(f"file:{path}", method))  # compiles what a file needs beyond the simulator
+    process = _start_run(f"file:{path}", method)
+    _wait_for(READY, process)
+    ready = time.perf_counter()
+    _wait_for(PLAYED, process)
+    took_s = time.perf_counter() - ready
+    rss_mb = _read_peak_mb(process.pid)  # it still has to tidy up
+    _reap(process)
+    return {"realtime_factor": PREPARED_S / took_s, "rss_mb": rss_mb}
+
+
+def _measure_evaluation(path: Path, config: GestureConfig) -> float:
+    """Sensor time over time, of as many recordings at once as there are cores."""
+    paths = []
+    for k in range(os.cpu_count() or 1):
+        paths.append(path.with_stem(f"{path.stem}{k}"))
+        paths[-1].hardlink_to(path)
+        nothing = [Truth(t, GestureKind.NONE, np.zeros((0, 2)), 0.0) for t in _LABELLED_US]
+        write_labels(labels_path(paths[-1]), nothing)
+    played = evaluate_files(paths, config, jobs=len(paths)).files.values()
+    return sum(each.tally.sensor_s / each.tally.host_s for each in played)
+
+
+def _read_peak_mb(pid: int) -> float:
+    """The most memory a process had so far, 0 once it has ended.
+
+    Not ``ru_maxrss``, which begins with the memory of the process that started it.
+    """
+    for line in Path(f"/proc/{pid}/status").read_text().splitlines():
+        if line.startswith("VmHWM"):
+            return int(line.split()[1]) / 1024
+    return 0.0
+
+
+def _measure_start(method: str) -> dict[str, float]:
+    help_cpu, pad = [], []
+    for _ in range(5):
+        usage = _reap(_start(["--help"]))
+        help_cpu.append(usage.ru_utime + usage.ru_stime)
+        begun = time.perf_counter()
+        process = _start_run("sim:rest", method)
+        _wait_for(READY, process)
+        pad.append(time.perf_counter() - begun)
+        process.terminate()
+        _reap(process)
+    return {"help_cpu": float(np.median(help_cpu)), "pad": float(np.median(pad))}
+
+
+def _start_run(source: str, method: str) -> subprocess.Popen[str]:
+    options = ["--source", source, "--speed", "max", "--device", "memory", "--method", method]
+    return _start(["run", "--show", "nothing", *options])
+
+
+def _start(arguments: list[str]) -> subprocess.Popen[str]:
+    command = [sys.executable, "-m", "neurotouch_hid", *arguments]
+    # With its modules compiled, as installing does it: it is the warm start that counts.
+    environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
+    return subprocess.Popen(  # noqa: S603  # our own command
+        command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    )
+
+
+def _wait_for(words: str, process: subprocess.Popen[str]) -> None:
+    for line in process.stderr or ():
+        if line.startswith(words):
+            return
+
+
+def _reap(process: subprocess.Popen[str]) -> resource.struct_rusage:
+    """Waits for the end of a process and returns what it used.
+
+    Raises:
+        NeuroTouchError: it did not end well, so its figures would mean nothing.
+    """
+    said = "".join(process.stderr or ())
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        raise NeuroTouchError(f"A measured process failed: {said.strip()}")
+    return usage

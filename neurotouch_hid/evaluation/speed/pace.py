@@ -1,0 +1,215 @@
+"""How the line keeps pace: latency, late slices and cost, in the time of the sensor."""
+
+import time
+from array import array
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from neurotouch_hid.device import check_device, open_device
+from neurotouch_hid.errors import DeviceError
+from neurotouch_hid.evaluation.speed.workload import DenseSource, load_scene
+from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.messages import Step
+from neurotouch_hid.process.realtime import hurry
+from neurotouch_hid.profile import load_profile
+from neurotouch_hid.runtime import Pipeline, run_line
+from neurotouch_hid.source.pacing import PacedSource
+
+LOST_US: Final = 100_000
+"""A slice that waits longer for the line is one that a camera's queue would have dropped."""
+WARM_S: Final = 1.0
+"""Until the caches are filled, the gel is found and a gel at rest counts as idle; not counted."""
+
+LONG_S: Final = 600.0
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """What is played.
+
+    Attributes:
+        name: of the figures.
+        scene: of the simulator, played in turn.
+        rate_hz: of the slices.
+        events_per_s: how many; as simulated without.
+        seconds: for how long.
+        sustained: longer than that in a long run.
+    """
+
+    name: str
+    scene: str
+    rate_hz: float
+    events_per_s: float | None
+    seconds: float
+    sustained: bool = False
+
+
+LOADS: Final = (
+    Load("at_1_khz", "tour", 1000.0, 1e6, 20.0, sustained=True),
+    Load("at_250_hz", "tour", 250.0, 1e6, 20.0, sustained=True),
+    Load("at_12_million", "tour", 250.0, 12e6, 10.0),
+    Load("idle", "rest", 250.0, None, 10.0),
+)
+
+
+def run_live_benchmark(
+    config: GestureConfig, progress: Callable[[str], None], *, long: bool
+) -> dict[str, Any]:
+    """The line at the rates and loads that matter, each in its own time.
+
+    Args:
+        config: how gestures are recognised.
+        progress: called with what is being done.
+        long: the sustained rates for ten minutes instead of twenty seconds.
+
+    Returns:
+        By name of the load what ``measure_live`` gives and ``machine``, what ``measure_machine``
+        does; and ``device``, its kind.
+    """
+    kind = choose_device()
+    result: dict[str, Any] = {"device": kind}
+    for load in LOADS:
+        seconds = LONG_S if long and load.sustained else load.seconds
+        progress(f"Playing {load.name}, {seconds:.0f} s")
+        slice_us = round(1e6 / load.rate_hz)
+        scene = load_scene(load.scene, slice_us)
+        alone = DenseSource(scene, load.seconds, load.events_per_s)
+        machine = measure_machine(alone, is_idle=load.scene == "rest")
+        dense = DenseSource(scene, seconds, load.events_per_s)
+        result[load.name] = {**measure_live(dense, config, kind), "machine": machine}
+    return result
+
+
+def choose_device() -> str:
+    """``uinput`` where this machine allows it, else ``memory``, which writes to nobody."""
+    try:
+        check_device("uinput")
+    except DeviceError:
+        return "memory"
+    return "uinput"
+
+
+def measure_live(source: DenseSource, config: GestureConfig, kind: str) -> dict[str, Any]:
+    """Plays a source in its own time through the line as ``run`` has it, to a real pad.
+
+    Args:
+        source: what to play.
+        config: how gestures are recognised.
+        kind: of device, see ``choose_device``.
+
+    Returns:
+        ``core``, the processor time of this process over the sensor's, and what
+        ``summarise_delays`` gives; of all that came after the first ``WARM_S``.
+    """
+    paced = PacedSource(source)
+    probe = Probe(paced)
+    line = Pipeline.build(load_profile("default"), config, live=True)
+    with open_device(kind) as device, hurry():
+        run_line(paced, line, device, [probe])
+        core = probe.measure_core()
+    return {**summarise_delays(probe.due_ns, probe.late_ns, probe.waited_ns), "core": core}
+
+
+def measure_machine(source: DenseSource, *, is_idle: bool) -> dict[str, Any]:
+    """How late slices are taken by a line that has nothing to do: no real one can be quicker.
+
+    Args:
+        source: what to play.
+        is_idle: slices that hold nothing but noise come as one; else the heads of others come.
+
+    Returns:
+        What ``summarise_delays`` gives, counted from the slices' ends; and ``core``, the processor
+        time of this process over the sensor's: what playing takes.
+    """
+    paced = PacedSource(source)
+    paced.attend(is_idle=is_idle)
+    due_ns, late_ns = array("q"), array("q")
+    with hurry():
+        begun_s = time.process_time()
+        for packet in paced:
+            if not packet.is_head:
+                late_ns.append(time.monotonic_ns() - paced.due_ns)
+                due_ns.append(paced.due_ns)
+        core = (time.process_time() - begun_s) / source.seconds
+    return {**summarise_delays(due_ns, late_ns, late_ns), "core": core}
+
+
+class Probe:
+    """A tap, which is called right after the pad was written: how late that was.
+
+    Args:
+        paced: what is played.
+        clock_ns: the host's.
+        cpu_s: processor time of this process.
+
+    Attributes:
+        due_ns: when each slice ended.
+        late_ns: of each, from its end to the write.
+        waited_ns: the same from its last event.
+    """
+
+    def __init__(
+        self,
+        paced: PacedSource,
+        clock_ns: Callable[[], int] = time.monotonic_ns,
+        cpu_s: Callable[[], float] = time.process_time,
+    ) -> None:
+        # Not objects, which Python would look through for garbage now and then.
+        self.due_ns, self.late_ns, self.waited_ns = array("q"), array("q"), array("q")
+        self._paced, self._clock_ns, self._cpu_s = paced, clock_ns, cpu_s
+        self._begin_us: int | None = None
+        self._warm: tuple[int, float] | None = None
+        self._now_us = 0
+
+    def __call__(self, step: Step) -> None:
+        """Notes the time since the slice's end and since its last event, once it is warm."""
+        late_ns = self._clock_ns() - self._paced.due_ns
+        packet = step.packet
+        last_us = int(packet.events["t"][-1]) if len(packet.events) else packet.t_end_us
+        self._now_us = packet.t_end_us
+        if self._begin_us is None:
+            self._begin_us = packet.t_begin_us
+        if self._now_us - self._begin_us < WARM_S * 1e6:
+            return
+        if self._warm is None:
+            self._warm = self._now_us, self._cpu_s()
+        self.due_ns.append(self._paced.due_ns)
+        self.late_ns.append(late_ns)
+        self.waited_ns.append(late_ns + (packet.t_end_us - last_us) * 1_000)
+
+    def measure_core(self) -> float:
+        """Processor time over sensor time since it is warm."""
+        if self._warm is None or self._warm[0] == self._now_us:
+            return 0.0
+        warm_us, warm_s = self._warm
+        return (self._cpu_s() - warm_s) / (self._now_us - warm_us) * 1e6
+
+
+def summarise_delays(
+    due_ns: Sequence[int], late_ns: Sequence[int], waited_ns: Sequence[int]
+) -> dict[str, Any]:
+    """What the delays of a run tell.
+
+    Args:
+        due_ns: when each slice ended.
+        late_ns: of each, from its end to the write.
+        waited_ns: the same from its last event.
+
+    Returns:
+        ``latency_ms`` (p50, p99, p99.9 since the last event), ``slices``, ``late`` (ready only
+        after the next one was due), ``lost`` (a camera's queue would have dropped them) and
+        ``backlog_ms``: by how much the last tenth was later than the first, in the median.
+    """
+    due, late, waited = (np.array(ns) / 1e6 for ns in (due_ns, late_ns, waited_ns))
+    tenth = -(-len(late) // 10)
+    p50, p99, p999 = (float(value) for value in np.percentile(waited, [50, 99, 99.9]))
+    return {
+        "latency_ms": {"p50": p50, "p99": p99, "p99.9": p999},
+        "slices": len(late),
+        "late": int((late[:-1] > np.diff(due)).sum()),
+        "lost": int((late > LOST_US / 1e3).sum()),
+        "backlog_ms": float(np.median(late[-tenth:]) - np.median(late[:tenth])),
+    }

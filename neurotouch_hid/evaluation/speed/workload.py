@@ -1,0 +1,165 @@
+"""What the live line is measured with: a simulated hand, and as many events as wanted."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from itertools import takewhile
+from types import TracebackType
+from typing import Final, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.evaluation.speed.kernels import fill_slice
+from neurotouch_hid.geometry import Rig
+from neurotouch_hid.messages import (
+    EVENT_DTYPE,
+    SENSOR_HEIGHT_PX,
+    SENSOR_WIDTH_PX,
+    EventPacket,
+    Frame,
+)
+from neurotouch_hid.source.simulator import Simulator, find_scene, scene_config
+
+TOUR_US: Final = 18_860_000
+"""One tour of all gestures, from rest to rest."""
+SPREAD_PX: Final = 1.2
+"""Of the events about a marker, one axis."""
+
+_BLOCK: Final = np.dtype(("V", EVENT_DTYPE.itemsize))  # numpy copies records field by field
+_POOL: Final = 1 << 14  # numbers that are drawn once and used in turn
+_MARGIN_PX: Final = 5.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """Slices of one length in a row, at the end of which the gel is as at the begin.
+
+    Attributes:
+        packets: n slices.
+        markers_px: (n, m, 2) float32, where the markers truly are in the middle of each.
+    """
+
+    packets: tuple[EventPacket, ...]
+    markers_px: NDArray[np.float32]
+
+
+@cache
+def load_scene(name: str, slice_us: int, length_us: int = TOUR_US) -> Scene:
+    """The first slices of a scene of the simulator.
+
+    Args:
+        name: of the scene.
+        slice_us: length of a slice.
+        length_us: of all together.
+    """
+    packets, markers = [], []
+    with Simulator(find_scene(name), scene_config(name), slice_us=slice_us) as simulator:
+        for packet in takewhile(lambda packet: packet.t_end_us <= length_us, simulator):
+            packets.append(packet)
+            markers.append(simulator.truth(packet.t_begin_us + slice_us // 2).markers_px)
+    return Scene(tuple(packets), np.array(markers, np.float32))
+
+
+def shift_packet(
+    packet: EventPacket, shift_us: int, events: NDArray[np.void] | None = None
+) -> EventPacket:
+    """A slice at another time.
+
+    Args:
+        packet: the slice.
+        shift_us: what to add to its stamps.
+        events: what it then holds; its own without.
+    """
+    if events is None and not shift_us:
+        return packet
+    if events is None:
+        events = packet.events.view(_BLOCK).copy().view(EVENT_DTYPE)
+        events["t"] += shift_us
+    frames = tuple(
+        Frame(f.pixels, f.exposure_begin_us + shift_us, f.exposure_end_us + shift_us)
+        for f in packet.frames
+    )
+    return EventPacket(
+        packet.t_begin_us + shift_us, packet.t_end_us + shift_us, events, frames, packet.gap
+    )
+
+
+class DenseSource:
+    """A scene played in turn for as long as wanted, with as many events as wanted.
+
+    Each slice is made when it is asked for. It has its own events, in their order; what is missing
+    to the wanted number lies about the markers, in no order, which is the hardest for the caches,
+    and evenly on all sides of each, which draws it nowhere.
+
+    Args:
+        scene: what is played.
+        seconds: of sensor time.
+        events_per_s: how many; as they are without.
+        seed: of what is drawn.
+
+    Attributes:
+        seconds: of sensor time.
+        slice_us: length of a slice.
+    """
+
+    name = "dense"
+    rig: Rig | None = None
+
+    def __init__(
+        self, scene: Scene, seconds: float, events_per_s: float | None = None, seed: int = 0
+    ) -> None:
+        self._packets = scene.packets
+        self.seconds = seconds
+        self.slice_us = scene.packets[0].t_end_us - scene.packets[0].t_begin_us
+        self._n = math.ceil(seconds * 1e6 / self.slice_us)
+        self._n_events = 0
+        if events_per_s is not None:
+            self._n_events = round(events_per_s * self.slice_us / 1e6)
+            most_px = np.array([SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX]) - _MARGIN_PX
+            self._markers_px = np.clip(scene.markers_px, _MARGIN_PX, most_px).astype(np.float32)
+            rng = np.random.default_rng(seed)
+            self._marker = rng.integers(scene.markers_px.shape[1], size=_POOL, dtype=np.int32)
+            off_px = rng.normal(0.0, SPREAD_PX, (_POOL, 2)).clip(1.0 - _MARGIN_PX, _MARGIN_PX - 1.0)
+            self._off_px = (off_px + 0.5).astype(np.float32)  # what is cut off then is rounded
+            self._is_on = rng.random(_POOL) < 0.5
+            self._make(0, self._packets[0], 0)  # which compiles, or loads what is compiled
+
+    def __iter__(self) -> Iterator[EventPacket]:
+        for k in range(self._n):
+            packet = self._packets[k % len(self._packets)]
+            begin_us = self._packets[0].t_begin_us + k * self.slice_us
+            shift_us = begin_us - packet.t_begin_us
+            events = self._make(k, packet, shift_us) if self._n_events else None
+            yield shift_packet(packet, shift_us, events)
+
+    def _make(self, k: int, packet: EventPacket, shift_us: int) -> NDArray[np.void]:
+        events = np.empty(self._n_events, EVENT_DTYPE)
+        fill_slice(
+            packet.events,
+            shift_us,
+            packet.t_begin_us + shift_us,
+            self.slice_us,
+            self._markers_px[k % len(self._packets)],
+            self._marker,
+            self._off_px,
+            self._is_on,
+            k * self._n_events,
+            events,
+        )
+        return events
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()

@@ -1,1 +1,0 @@
-"""The field of displacements that sticking fingers cause on the dome."""

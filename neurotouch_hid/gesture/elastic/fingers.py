@@ -1,0 +1,288 @@
+"""The fingers on the gel, followed from slice to slice by fitting the field they cause."""
+
+import math
+from dataclasses import astuple, dataclass, fields
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.geometry import LATTICE_MM, N_MARKERS, PITCH_MM, Rig
+from neurotouch_hid.gesture.elastic.kernels.field import fill_responses, rim_window
+from neurotouch_hid.gesture.elastic.kernels.follow import N_FITS, TURN_US, follow, show
+from neurotouch_hid.gesture.elastic.kernels.markers import measure_spread
+from neurotouch_hid.messages import GestureKind
+
+Floats = NDArray[np.float64]
+
+MOST: Final = 3
+"""Fingers of a gesture [NT, "Creation of the Gesture Detection Dataset"]."""
+
+
+@dataclass(frozen=True, slots=True)
+class HandConfig:
+    """How fingers are found in the field.
+
+    Attributes:
+        radius_mm: of a fingertip's contact patch, to begin with.
+        reach_mm: no finger's middle is further from the gel's centre.
+        spacing_mm: two fingertips cannot be nearer.
+        fresh_mm: a new finger is looked for no nearer to a known one, which may have been fitted
+            to the middle of both.
+        most: fingers that are looked for, ``MOST`` or less.
+        noise_gain: sum of squares, in noise variances, that a finger must explain.
+        field_gain: the same, in squares of the largest motion. For one finger, finite elements and
+            the closed form differ by 0.2 (nine in ten); a second finger brings 0.7 where both push
+            side by side and 1.3 to 10 elsewhere. With 0.3, still fingers are found more often, also
+            those of a hand that rests, beside which a push then passes for a pinch.
+        keep: share of the above that a finger must go on explaining.
+        model_error: rms difference of the gel and the closed form, share of the largest motion.
+        outlier: residual of a marker, in standard errors, that halves its weight.
+        most_unexplained: share of the field's squares; where the followed fingers leave more, and
+            more than one finger must explain, they are looked for anew.
+        still_share: a finger that moves by less than this share of the largest motion is no part of
+            the gesture. 0 makes a pinch of a finger that drags towards one that holds; of a hand
+            that rests, such a finger only lies there.
+        least_mm: a motion below this is no finger yet.
+        least_noise_mm: the least error of a tracked marker, one axis.
+        sure: share of what a finger must explain: where the field has less, no site need be asked;
+            the rest is for rounding.
+    """
+
+    radius_mm: float = 6.5
+    reach_mm: float = 26.5
+    spacing_mm: float = 8.5
+    fresh_mm: float = 5.0
+    most: int = MOST
+    noise_gain: float = 40.0
+    field_gain: float = 0.45
+    keep: float = 0.6
+    model_error: float = 0.05
+    outlier: float = 8.0
+    most_unexplained: float = 0.4
+    still_share: float = 0.0
+    least_mm: float = 0.2
+    least_noise_mm: float = 0.06
+    sure: float = 0.999
+
+
+CONFIG: Final = np.dtype([(f.name, "i8" if f.name == "most" else "f8") for f in fields(HandConfig)])
+"""A ``HandConfig`` for kernels."""
+
+FIT: Final = np.dtype(
+    [
+        ("count", "i8"),
+        ("ids", "i8", MOST),
+        ("trust", "f8", MOST),
+        ("shown", "i8", MOST),
+        ("landed", "f8", (MOST, 3)),
+        ("landed_us", "i8", MOST),
+        ("centres", "f8", (MOST, 2)),
+        ("radii", "f8", MOST),
+        ("motions", "f8", (MOST, 3)),
+        ("press", "f8", MOST),
+        ("offset", "f8", 3),
+        ("residual", "f8", (N_MARKERS, 2)),
+        ("cost", "f8"),
+        ("largest_mm", "f8"),
+    ],
+    align=True,
+)
+"""Fingers that explain one field: how many; names that stay with them; how surely earlier slices
+know their centres, 1/mm²; whether each is shown as a contact; how it landed, see
+``subtract_landing``; centres on the gel at rest and radii, mm; motions (drag x, drag y in mm, sine
+of the turn) and presses, mm; what everything moved by (mm, mm, rad); what each marker moved beside
+that, mm; the weighted sum of its squares, mm²; the largest motion of a finger, mm."""
+
+HAND: Final = np.dtype(
+    [
+        ("next_id", "i8"),
+        ("turn", "i8"),
+        ("since_us", "i8"),
+        ("unsought_us", "i8"),
+        ("n_searches", "i8"),
+        ("n_asked", "i8"),
+        ("noise_mm", "f8"),
+        ("sway_mm", "f8"),
+        ("moved", "f8", (N_MARKERS, 2)),
+        ("weight", "f8", N_MARKERS),
+        ("since", "f8", (MOST, 3)),
+        ("parts", "f8", len(GestureKind)),
+    ],
+    align=True,
+)
+"""What else is remembered: the next free name; turns so far; time since the last turn and since
+fingers were last looked for; how often they were, and how often all sites were asked; error of a
+marker, mm; how far everything had moved together when fingers were last looked for, mm; how far
+each marker moved, mm; trust in each; motions of the fingers since they landed; what speaks for each
+type, see ``measure_motion``."""
+
+
+class Motion(NamedTuple):
+    """What the fingers do together.
+
+    Attributes:
+        n_fingers: how many take part; without one only ``sway_mm`` means anything, the rest is 0,
+            scale 1.
+        largest_mm: the largest motion of a finger.
+        sway_mm: how far everything moved together.
+        error_mm: rms of what the fingers leave unexplained, one axis.
+        x_mm: translation of the fingers' mean position.
+        y_mm: the same.
+        rotation_rad: about it, clockwise for the user positive.
+        scale: about it, 1 at rest.
+        parts_mm: what speaks for each GestureKind, as a motion of the fingers since they landed;
+            NONE has 0.
+    """
+
+    n_fingers: int
+    largest_mm: float
+    sway_mm: float
+    error_mm: float
+    x_mm: float
+    y_mm: float
+    rotation_rad: float
+    scale: float
+    parts_mm: list[float]
+
+
+class Contacts(NamedTuple):
+    """What is shown of the fingers.
+
+    Attributes:
+        mm: (k, 2), gel coordinates.
+        px: (k, 2), the same in the image.
+        drags_mm: (k, 2), how far each has dragged the gel.
+        names: (k,), see ``Gesture.finger_ids``.
+        intensity_mm: the mean length of the drags.
+    """
+
+    mm: Floats
+    px: Floats
+    drags_mm: Floats
+    names: tuple[int, ...]
+    intensity_mm: float
+
+
+class Hand:
+    """Follows up to three fingers; keeps where each one stuck to the gel.
+
+    Attributes:
+        fits: (N_FITS,) ``FIT``, in ``NOW`` the fingers that are believed.
+        state: (1,) ``HAND``.
+        gel: (1,), the markers at rest, see ``_lay_out_gel``.
+    """
+
+    def __init__(self, config: HandConfig | None = None) -> None:
+        self.config = config or HandConfig()
+        self.fits = np.zeros(N_FITS, FIT)
+        self._rules = np.array([astuple(self.config)], CONFIG)
+        self.state = np.zeros(1, HAND)
+        self._parts: Floats = self.state["parts"][0]
+        sites = LATTICE_MM[np.hypot(*LATTICE_MM.T) <= self.config.reach_mm]
+        is_between = (sites % (2.0 * PITCH_MM)).any(axis=1)
+        self.gel = np.zeros(1, _lay_out_gel(len(sites)))
+        self.gel["sites"] = sites[np.argsort(is_between, kind="stable")]
+        self.gel["n_coarse"] = np.count_nonzero(~is_between)
+        self._built: Floats = np.full(LATTICE_MM.shape, np.inf)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all fingers."""
+        self.fits["count"] = 0
+        self.fits["trust"] = 0.0
+        self.state[0] = 0
+        self.state["unsought_us"] = TURN_US
+
+    def measure_noise(self) -> float:
+        """How far the markers of the last slice lie about their common motion, mm an axis."""
+        return float(measure_spread(self.state["moved"][0], self.state["weight"][0]))
+
+    def place(self, rest_px: NDArray[np.float32], rig: Rig) -> None:
+        """Take new positions (177, 2) px of the markers at rest."""
+        gel = self.gel[0]
+        gel["rig"] = (
+            *rig.centre_px,
+            rig.px_per_mm * math.cos(rig.rotation_rad),
+            rig.px_per_mm * math.sin(rig.rotation_rad),
+        )
+        points_mm = rig.to_mm(rest_px)
+        gel["points"] = points_mm.T
+        gel["window"] = [rim_window(float(r2)) for r2 in (points_mm**2).sum(axis=1)]
+        if np.abs(points_mm - self._built).max() < 0.4:
+            return
+        self._built = points_mm
+        count = len(gel["sites"])
+        atoms = np.empty((len(points_mm) * 2, count * 3))
+        fill_responses(points_mm, gel["sites"], self.config.radius_mm, atoms)
+        gel["atoms"] = atoms
+        rows = atoms.reshape(-1, count, 3)
+        gel["inverse"] = np.linalg.inv(
+            np.einsum("nsa,nsb->sab", rows, rows) + np.diag([1e-6, 1e-6, 1e-2])
+        )
+
+    def update(
+        self,
+        moved_px: Floats,
+        use: NDArray[np.bool_],
+        noise_mm: float,
+        *,
+        step_us: int = TURN_US,
+        forming: bool,
+        falling: bool = False,
+    ) -> Motion:
+        """Fit the fingers to the displacements of one slice.
+
+        Args:
+            moved_px: (177, 2) px.
+            use: (177,), measured markers.
+            noise_mm: error of a marker, one axis.
+            step_us: time since the slice before.
+            forming: the gesture has just begun: look at everything afresh.
+            falling: the fingers let go, so that none joins them.
+
+        Returns:
+            What they do together.
+        """
+        told = follow(
+            self.state,
+            self.fits,
+            self.gel,
+            self._rules,
+            moved_px,
+            use,
+            noise_mm,
+            step_us,
+            forming,
+            falling,
+        )
+        return Motion._make((*told, self._parts.tolist()))
+
+    def show(self, least: int = 1) -> Contacts:
+        """The contacts of the fingers found in the last slice.
+
+        Args:
+            least: so many are shown even if they hardly move.
+        """
+        mm, px, drags, names, intensity_mm = show(self.fits, self.gel, self._rules, least)
+        return Contacts(mm, px, drags, tuple(names.tolist()), intensity_mm)
+
+
+def _lay_out_gel(n_sites: int) -> np.dtype[np.void]:
+    """The markers at rest, mm, with ``rim_window`` there, and the sites where fingers are sought.
+
+    ``rig``: its centre in px, and px per mm along and across. ``n_coarse``: the first sites, every
+    fourth, lie all over the gel. ``atoms`` are float32, half as much to read for each slice.
+    """
+    return np.dtype(
+        [
+            ("rig", "f8", 4),
+            ("points", "f8", (2, N_MARKERS)),
+            ("window", "f8", N_MARKERS),
+            ("sites", "f8", (n_sites, 2)),
+            ("n_coarse", "i8"),
+            ("inverse", "f8", (n_sites, 3, 3)),
+            ("atoms", "f4", (2 * N_MARKERS, 3 * n_sites)),
+        ],
+        align=True,
+    )

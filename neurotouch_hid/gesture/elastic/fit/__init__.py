@@ -1,1 +1,0 @@
-"""The least squares that finds the fingers in a field."""

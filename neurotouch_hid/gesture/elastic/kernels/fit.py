@@ -1,0 +1,366 @@
+"""Compiled loops of the fit: linearised model, normal equations, Gauss-Newton."""
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from neurotouch_hid.gesture.elastic.kernels.field import VIEW_MM, couple, respond_along
+from neurotouch_hid.gesture.elastic.kernels.motion import measure_size
+
+Floats = NDArray[np.float64]
+
+GRADIENT_MM = 0.8  # step of the differences; the pitch is 4 mm, so the patch's edge is blurred
+DRAG_MM = 20.0  # prior width of a drag: hardly any
+TURN_RAD = 0.4  # prior width of a finger's turn about itself
+PRESS_MM = 1.5  # prior width of a press
+HEIGHT_MM = 20.0  # of the gel under a finger: what is pressed down flows aside
+OFFSET_MM = 0.2  # prior width of a motion of the whole gel: a knock at the table
+SWAY_RAD = 0.01  # prior width of a turn of the whole gel under the camera
+RADIUS_MM = 0.8  # prior width of the radius of a contact patch
+LEAST_RADIUS_MM, MOST_RADIUS_MM = 4.5, 9.0
+STEP_MM = 2.0  # longest step of a centre
+REACH_MM = 27.0  # no finger's middle is further out
+NEAR_MM = 9.0  # beyond a patch's edge where shifting it changes little
+
+
+@njit(cache=True, nogil=True, inline="always")
+def solve(matrix: Floats, vector: Floats) -> bool:
+    """Solves the symmetric positive system in place (Cholesky); False if it is singular.
+
+    Args:
+        matrix: (n, n) float64; its lower half becomes the factor.
+        vector: (n, k) float64; becomes the answer.
+    """
+    n = len(matrix)
+    for i in range(n):
+        for j in range(i + 1):
+            s = matrix[i, j]
+            for k in range(j):
+                s -= matrix[i, k] * matrix[j, k]
+            if i == j:
+                if s <= 0.0:
+                    return False
+                matrix[i, i] = math.sqrt(s)
+            else:
+                matrix[i, j] = s / matrix[j, j]
+    for c in range(vector.shape[1]):
+        for i in range(n):
+            s = vector[i, c]
+            for k in range(i):
+                s -= matrix[i, k] * vector[k, c]
+            vector[i, c] = s / matrix[i, i]
+        for i in range(n - 1, -1, -1):
+            s = vector[i, c]
+            for k in range(i + 1, n):
+                s -= matrix[k, i] * vector[k, c]
+            vector[i, c] = s / matrix[i, i]
+    return True
+
+
+@njit(cache=True, nogil=True, inline="always")
+def invert(matrix: Floats) -> None:
+    """Inverts a general matrix (n, n) with dominant diagonal in place (Gauss-Jordan, pivoting)."""
+    n = len(matrix)
+    work = np.zeros((n, 2 * n))
+    for i in range(n):
+        work[i, n + i] = 1.0
+        for j in range(n):
+            work[i, j] = matrix[i, j]
+    for i in range(n):
+        best = i
+        for j in range(i + 1, n):
+            if abs(work[j, i]) > abs(work[best, i]):
+                best = j
+        if best != i:
+            for k in range(2 * n):
+                work[i, k], work[best, k] = work[best, k], work[i, k]
+        pivot = work[i, i]
+        if abs(pivot) < 1e-9:
+            pivot = 1e-9
+        for k in range(2 * n):
+            work[i, k] /= pivot
+        for j in range(n):
+            if j != i:
+                factor = work[j, i]
+                if factor != 0.0:
+                    for k in range(2 * n):
+                        work[j, k] -= factor * work[i, k]
+    for i in range(n):
+        for j in range(n):
+            matrix[i, j] = work[i, n + j]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def build_columns(
+    points: Floats,
+    window: Floats,
+    centres: Floats,
+    radii: Floats,
+    motions: Floats,
+    inverse: Floats,
+    columns: Floats,
+    bent: Floats,
+) -> None:
+    """Columns of the linearised model: how each marker moves with each unknown.
+
+    Under a finger markers move as the finger; elsewhere every finger pulls with the load that makes
+    it move so although the others pull at it.
+
+    Args:
+        points: (2, n) mm, markers at rest.
+        window: (n,), ``rim_window`` there.
+        centres: (k, 2) mm.
+        radii: (k,) mm.
+        motions: (k, 3): drag x, drag y in mm, sine of the turn.
+        inverse: (3 k, 3 k), of ``couple``.
+        columns: (4 k + 3 or more, 2, n), written: motions, presses, offset (x, y, turn) of
+            everything. The rest is left as it is. Markers come last, so that a processor takes
+            several at once.
+        bent: (2, n) mm, written: what a finite turn adds to the linear one.
+    """
+    k, n = len(centres), len(window)
+    x, y = points[0], points[1]
+    holder = np.empty(n, np.int64)
+    alone, answer = np.empty((3 * k, 2, n)), np.empty((7, n))
+    for i in range(n):
+        holder[i] = -1
+        bent[0, i] = bent[1, i] = 0.0
+        columns[4 * k, 0, i], columns[4 * k, 1, i] = 1.0, 0.0
+        columns[4 * k + 1, 0, i], columns[4 * k + 1, 1, i] = 0.0, 1.0
+        columns[4 * k + 2, 0, i], columns[4 * k + 2, 1, i] = -y[i], x[i]
+    for j in range(k):
+        cx, cy, a = centres[j, 0], centres[j, 1], radii[j]
+        respond_along(x, y, window, cx, cy, a, answer)
+        for i in range(n):
+            alone[3 * j, 0, i], alone[3 * j, 1, i] = answer[0, i], answer[1, i]
+            alone[3 * j + 1, 0, i], alone[3 * j + 1, 1, i] = answer[1, i], answer[2, i]
+            alone[3 * j + 2, 0, i], alone[3 * j + 2, 1, i] = answer[3, i], answer[4, i]
+        tx, ty, ratio = answer[3], answer[4], answer[5]
+        bend = math.sqrt(max(1.0 - motions[j, 2] ** 2, 0.0)) - 1.0
+        press = columns[3 * k + j]
+        for i in range(n):
+            dx, dy = x[i] - cx, y[i] - cy
+            r2 = dx * dx + dy * dy
+            if r2 <= a * a:
+                holder[i] = j
+                bent[0, i], bent[1, i] = bend * ty[i], -bend * tx[i]
+            elif holder[i] < 0:
+                bent[0, i] += bend * ty[i]
+                bent[1, i] -= bend * tx[i]
+        for i in range(n):
+            dx, dy = x[i] - cx, y[i] - cy
+            r2 = dx * dx + dy * dy
+            far = 0.5 * ratio[i] * math.sqrt(ratio[i])
+            depth = 1.0 - 0.5 * r2 / (a * a) if r2 < a * a else far
+            flow = a * a / (2.0 * HEIGHT_MM * (a * a + r2))
+            press[0, i] = depth / VIEW_MM * x[i] + flow * dx
+            press[1, i] = depth / VIEW_MM * y[i] + flow * dy
+    for b in range(3 * k):
+        for axis in range(2):
+            column = columns[b, axis]
+            for i in range(n):
+                column[i] = 0.0
+            for a in range(3 * k):
+                share, part = inverse[a, b], alone[a, axis]
+                for i in range(n):
+                    column[i] += part[i] * share
+            own = alone[b, axis]
+            for i in range(n):
+                if holder[i] >= 0:
+                    column[i] = own[i] if holder[i] == b // 3 else 0.0
+
+
+@njit(cache=True, nogil=True, inline="always")
+def build_slopes(
+    points: Floats,
+    window: Floats,
+    centres: Floats,
+    radii: Floats,
+    motions: Floats,
+    inverse: Floats,
+    columns: Floats,
+) -> None:
+    """How each marker moves as the fingers' places and sizes change, by differences.
+
+    Args:
+        points: (2, n) mm, markers at rest.
+        window: (n,), ``rim_window`` there.
+        centres: (k, 2) mm.
+        radii: (k,) mm.
+        motions: (k, 3): drag x, drag y in mm, sine of the turn.
+        inverse: (3 k, 3 k), of ``couple``.
+        columns: (3 k, 2, n), written: x, y and radius of each finger.
+    """
+    k, n = len(centres), len(window)
+    near, place = np.empty(n, np.int64), np.empty((3, n))
+    more, less = np.empty((7, n)), np.empty((7, n))
+    h = 0.5 / GRADIENT_MM
+    for b in range(3 * k):
+        for i in range(n):
+            columns[b, 0, i] = columns[b, 1, i] = 0.0
+    for j in range(k):
+        cx, cy, a = centres[j, 0], centres[j, 1], radii[j]
+        m = 0
+        for i in range(n):
+            x, y = points[0, i], points[1, i]
+            if (x - cx) ** 2 + (y - cy) ** 2 <= (a + NEAR_MM) ** 2:
+                near[m], place[0, m], place[1, m], place[2, m] = i, x, y, window[i]
+                m += 1
+        qx = qy = qt = 0.0
+        for b in range(3 * k):
+            motion = motions[b // 3, b % 3]
+            qx += inverse[3 * j, b] * motion
+            qy += inverse[3 * j + 1, b] * motion
+            qt += inverse[3 * j + 2, b] * motion
+        xs, ys, free = place[0, :m], place[1, :m], place[2, :m]
+        for p in range(3):
+            column = columns[3 * j + p]
+            for answer, step in ((more, GRADIENT_MM), (less, -GRADIENT_MM)):
+                sx, sy, sa = step * (p == 0), step * (p == 1), step * (p == 2)
+                respond_along(xs, ys, free, cx + sx, cy + sy, a + sa, answer)
+            for i in range(m):
+                xx, xy = more[0, i] - less[0, i], more[1, i] - less[1, i]
+                yy, tx, ty = (
+                    more[2, i] - less[2, i],
+                    more[3, i] - less[3, i],
+                    more[4, i] - less[4, i],
+                )
+                column[0, near[i]] = h * (xx * qx + xy * qy + tx * qt)
+                column[1, near[i]] = h * (xy * qx + yy * qy + ty * qt)
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+def accumulate(
+    columns: Floats, target: Floats, weight: Floats, normal: Floats, right: Floats
+) -> None:
+    """Normal equations of the weighted least squares, lower half.
+
+    Sums are taken in any order, so that a processor adds several products at once.
+
+    Args:
+        columns: (m or more, 2, n).
+        target: (2, n) mm, displacements.
+        weight: (n,).
+        normal: (m, m), its lower half is written.
+        right: (m, 1), written.
+    """
+    m, n = len(normal), len(weight)
+    x, y = np.empty(n), np.empty(n)
+    for a in range(m):
+        value = 0.0
+        for i in range(n):
+            x[i], y[i] = weight[i] * columns[a, 0, i], weight[i] * columns[a, 1, i]
+            value += x[i] * target[0, i] + y[i] * target[1, i]
+        right[a, 0] = value
+        for b in range(a + 1):
+            value = 0.0
+            for i in range(n):
+                value += x[i] * columns[b, 0, i] + y[i] * columns[b, 1, i]
+            normal[a, b] = value
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def refine(
+    gel: Any,
+    fit: Any,
+    moved: Floats,
+    weight: Floats,
+    usual_radius: float,
+    trust: Floats,
+    noise_mm: float,
+    model_error: float,
+    n_steps: int,
+) -> None:
+    """Fits fingers to displacements: Gauss-Newton, then one linear solve for the motions alone.
+
+    Args:
+        gel: of a ``GEL`` (1,).
+        fit: of ``FIT``; updated. Its cost is infinite where the fingers cannot be told apart, and
+            then nothing else there means anything.
+        moved: (n, 2) mm, the displacement of the markers.
+        weight: (n,) 0..1, trust in each marker.
+        usual_radius: mm, what radii are pulled to.
+        trust: (k or more,) 1/mm², how surely earlier slices know the centres.
+        noise_mm: of a marker, one axis.
+        model_error: of the field, rms share of the largest motion.
+        n_steps: of Gauss-Newton; 0 keeps centres and radii.
+    """
+    n, k, window = len(weight), fit.count, gel.window[:]
+    centres, radii, motions = fit.centres[:k], fit.radii[:k], fit.motions[:k]
+    known = np.empty((k, 2))
+    for j in range(k):
+        known[j, 0], known[j, 1] = centres[j, 0], centres[j, 1]
+    columns, bent = np.empty((7 * k + 3, 2, n)), np.empty((2, n))
+    target = np.empty((2, n))
+    for step in range(n_steps + 1):
+        is_last = step == n_steps
+        m = 4 * k + 3 if is_last else 7 * k + 3
+        inverse = couple(centres, radii)
+        invert(inverse)
+        build_columns(gel.points, window, centres, radii, motions, inverse, columns, bent)
+        if not is_last:
+            slopes = columns[4 * k + 3 :]
+            build_slopes(gel.points, window, centres, radii, motions, inverse, slopes)
+        for i in range(n):
+            target[0, i], target[1, i] = moved[i, 0] - bent[0, i], moved[i, 1] - bent[1, i]
+        normal, right = np.empty((m, m)), np.empty((m, 1))
+        accumulate(columns, target, weight[:], normal, right)
+        largest2 = 0.0
+        for j in range(k):
+            largest2 = max(largest2, motions[j, 0] ** 2 + motions[j, 1] ** 2)
+        variance = noise_mm * noise_mm + model_error * model_error * largest2
+        for j in range(k):
+            normal[3 * j, 3 * j] += variance / DRAG_MM**2
+            normal[3 * j + 1, 3 * j + 1] += variance / DRAG_MM**2
+            normal[3 * j + 2, 3 * j + 2] += variance / TURN_RAD**2
+            normal[3 * k + j, 3 * k + j] += variance / PRESS_MM**2
+            if not is_last:
+                at = 4 * k + 3 + 3 * j
+                for p in range(2):
+                    normal[at + p, at + p] += variance * (trust[j] + 1.0 / STEP_MM**2)
+                    right[at + p, 0] += variance * trust[j] * (known[j, p] - centres[j, p])
+                normal[at + 2, at + 2] += variance / RADIUS_MM**2
+                right[at + 2, 0] += variance / RADIUS_MM**2 * (usual_radius - radii[j])
+        for p in range(2):
+            normal[4 * k + p, 4 * k + p] += variance / OFFSET_MM**2
+        normal[4 * k + 2, 4 * k + 2] += variance / SWAY_RAD**2
+        if not solve(normal, right):
+            fit.cost = np.inf
+            for i in range(n):
+                fit.residual[i, 0] = fit.residual[i, 1] = 0.0
+            return
+        for j in range(k):
+            for p in range(3):
+                motions[j, p] = right[3 * j + p, 0]
+            motions[j, 2] = min(max(motions[j, 2], -0.95), 0.95)
+            fit.press[j] = right[3 * k + j, 0]
+        for p in range(3):
+            fit.offset[p] = right[4 * k + p, 0]
+        if is_last:
+            break
+        for j in range(k):
+            at = 4 * k + 3 + 3 * j
+            for p in range(2):
+                centres[j, p] += min(max(right[at + p, 0], -STEP_MM), STEP_MM)
+            far = math.hypot(centres[j, 0], centres[j, 1])
+            if far > REACH_MM:
+                centres[j, 0] *= REACH_MM / far
+                centres[j, 1] *= REACH_MM / far
+            radius = radii[j] + min(max(right[at + 2, 0], -1.0), 1.0)
+            radii[j] = min(max(radius, LEAST_RADIUS_MM), MOST_RADIUS_MM)
+    for a in range(4 * k + 3):
+        for axis in range(2):
+            for i in range(n):
+                target[axis, i] -= columns[a, axis, i] * right[a, 0]
+    fit.cost = 0.0
+    for i in range(n):
+        x, y = target[0, i], target[1, i]
+        fit.residual[i, 0], fit.residual[i, 1] = x, y
+        fit.cost += weight[i] * x * x
+        fit.cost += weight[i] * y * y
+    fit.largest_mm = 0.0
+    for j in range(k):
+        fit.largest_mm = max(fit.largest_mm, measure_size(motions[j], radii[j]))

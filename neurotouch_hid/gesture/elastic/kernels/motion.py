@@ -1,0 +1,189 @@
+"""Compiled loops of the motion: a similarity of all fingers, its parts, and the contacts shown."""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from neurotouch_hid.gesture.elastic.kernels.field import VIEW_MM
+from neurotouch_hid.vocabulary import GestureKind
+
+Floats = NDArray[np.float64]
+
+COMMON_GAIN = 1.6
+"""How much the common motion must exceed the relative one to be a push. One finger that drags
+beside one that only holds gives 1, two that push together with strengths 1 and 0.45 give 2.6: this
+lies between. So a pinch is a pinch while its second finger still holds on."""
+LEVER = 0.7
+"""rms distance of a disc's points from its centre, share of its radius."""
+TURN_GAIN = 2.0
+"""How much more a lone finger must turn than drag to be a twist: as it drags, its tip turns too."""
+
+LANDING_US = 60_000  # of a finger's first motions, which its landing is the mean of
+LANDING_MM = 0.5  # no finger lands with a longer drag; more is the beginning of a quick gesture
+LANDING_SHARE = 0.8
+"""Of the landing that is no part of the gesture: the rest speaks while there is nothing else."""
+SHOWN_MM = 0.3  # people label a contact from about this motion on
+HIDDEN_SHARE = 5 / 6  # of it, below which no longer; the difference is what noise does to it
+
+_PUSH, _PINCH, _ZOOM = int(GestureKind.PUSH), int(GestureKind.PINCH), int(GestureKind.ZOOM)
+_CW, _CCW = int(GestureKind.TWIST_CW), int(GestureKind.TWIST_CCW)
+
+
+@njit(cache=True, nogil=True)
+def measure_size(motion: Floats, radius: float) -> float:
+    """How far a finger moves the gel under it, mm: rms over its patch; no press counts.
+
+    Args:
+        motion: (3,) drag x, drag y in mm, sine of the turn.
+        radius: mm.
+    """
+    x, y, turn = motion[0], motion[1], motion[2]
+    return math.sqrt(x * x + y * y + 0.5 * (turn * radius) ** 2)
+
+
+@njit(cache=True, nogil=True)
+def measure_motion(
+    centres: Floats, radii: Floats, motions: Floats, parts: Floats
+) -> tuple[float, float, float, float]:
+    """The similarity of k >= 1 fingers about their mean position.
+
+    Args:
+        centres: (k, 2) mm, where they stick to the gel at rest.
+        radii: (k,) mm.
+        motions: (k, 3): drag x, drag y in mm, sine of the turn.
+        parts: (6,) written: what speaks for each GestureKind, as a motion of the fingers in mm;
+            NONE has 0.
+
+    Returns:
+        Translation of the mean, x and y in mm; rotation in rad, clockwise for the user positive;
+        scale, 1 at rest.
+    """
+    parts[:] = 0.0
+    n = len(centres)
+    x = y = dx = dy = 0.0
+    for j in range(n):
+        x, y = x + centres[j, 0], y + centres[j, 1]
+        dx, dy = dx + motions[j, 0], dy + motions[j, 1]
+    x, y, dx, dy = x / n, y / n, dx / n, dy / n
+    if n == 1:
+        rotation, scale = math.asin(min(max(motions[0, 2], -1.0), 1.0)), 1.0
+        turn = abs(rotation) * LEVER * radii[0] / TURN_GAIN
+        parts[_PUSH] = math.hypot(dx, dy)
+    else:
+        inertia = along = across = 0.0
+        for j in range(n):
+            ax, ay = centres[j, 0] - x, centres[j, 1] - y
+            inertia += ax * ax + ay * ay
+            along += ax * motions[j, 0] + ay * motions[j, 1]
+            across += ax * motions[j, 1] - ay * motions[j, 0]
+        along, across = 1.0 + along / inertia, across / inertia
+        rotation, scale = math.atan2(across, along), math.hypot(along, across)
+        reach = math.sqrt(inertia / n)
+        turn, spread = abs(rotation) * reach, abs(scale - 1.0) * reach
+        parts[_ZOOM if scale > 1.0 else _PINCH] = spread
+        parts[_PUSH] = math.hypot(dx, dy) / COMMON_GAIN
+    parts[_CW if rotation > 0 else _CCW] = turn
+    return dx, dy, rotation, scale
+
+
+@njit(cache=True, nogil=True)
+def subtract_landing(
+    motions: Floats, step_us: int, landed: Floats, landed_us: NDArray[np.int64], since: Floats
+) -> None:
+    """Motions of the fingers without how they landed: a hand comes down with a tremble.
+
+    What a finger does as it touches down is not yet what the hand is going to do: where the motions
+    of all fingers are known, types taken from all of the motion are right in 95.3 % of slices, from
+    the motion since a tenth of a second after the touch in 96.1 %.
+
+    Args:
+        motions: (k, 3): drag x, drag y in mm, sine of the turn.
+        step_us: time since the slice before.
+        landed: (k, 3), the sum of each finger's first motions times their µs; updated.
+        landed_us: (k,), for how long, 0 for a new finger; updated.
+        since: (k, 3), written.
+    """
+    for j in range(len(motions)):
+        if landed_us[j] < LANDING_US:
+            for p in range(3):
+                before = landed[j, p] if landed_us[j] > 0 else 0.0
+                landed[j, p] = before + step_us * motions[j, p]
+            landed_us[j] += step_us
+        us = max(landed_us[j], 1)
+        drag_mm = math.hypot(landed[j, 0] / us, landed[j, 1] / us)
+        share = LANDING_SHARE * LANDING_MM / max(drag_mm, LANDING_MM)
+        for p in range(3):
+            since[j, p] = motions[j, p] - share * (landed[j, p] / us)
+
+
+@njit(cache=True, nogil=True)
+def locate(
+    centre: Floats, radius: float, motion: Floats, press: float
+) -> tuple[float, float, float, float]:
+    """Where a finger deforms the gel, and how far it drags it.
+
+    The place is the mean of its patch, weighted by the square of the motion. A finger that drags
+    moves all of its patch alike; one that turns with the hand moves the outer side more, and there
+    people see the deformation [NT, "Contact Point Detection"].
+
+    The drag is that of the finger's middle. Of the place it would be up to a quarter more in a
+    twist, and the paper's own method, which averages over 12 mm about a contact, would then be off
+    by far more than it is on real hands [NT, "Results"]; what bends a turn wrongly counts twice.
+
+    Args:
+        centre: (2,) mm, on the gel at rest.
+        radius: mm.
+        motion: (3,) drag x, drag y in mm, sine of the turn.
+        press: mm; what is pressed down grows, so the patch is seen to move outwards as well.
+
+    Returns:
+        The place (x, y) mm as it lies now, and the drag (x, y) mm.
+    """
+    cx, cy, turn = centre[0], centre[1], motion[2]
+    dx, dy = motion[0] + press / VIEW_MM * cx, motion[1] + press / VIEW_MM * cy
+    square = dx * dx + dy * dy + 0.5 * (turn * radius) ** 2
+    shift = 0.5 * turn * radius * radius / max(square, 1e-6)
+    sx, sy = shift * dy, -shift * dx
+    keep = math.sqrt(1.0 - turn * turn)
+    return cx + dx + keep * sx - turn * sy, cy + dy + keep * sy + turn * sx, dx, dy
+
+
+@njit(cache=True, nogil=True)
+def choose_shown(
+    radii: Floats,
+    motions: Floats,
+    still_mm: float,
+    shown: NDArray[np.int64],
+    least: int,
+    chosen: NDArray[np.bool_],
+) -> int:
+    """Which fingers are contacts: those that move enough, and in any case those that move most.
+
+    Args:
+        radii: (k,) mm, k >= 1.
+        motions: (k, 3).
+        still_mm: a smaller motion takes no part in the gesture.
+        shown: (k,), 1 for those that moved enough before, else 0; updated.
+        least: so many are contacts in any case, if there are as many.
+        chosen: (k,), written.
+
+    Returns:
+        The number of contacts.
+    """
+    n, count = len(radii), 0
+    size_mm, on_mm = np.empty(n), max(SHOWN_MM, still_mm)
+    for j in range(n):
+        size_mm[j] = measure_size(motions[j], radii[j])
+        shown[j] = size_mm[j] >= (HIDDEN_SHARE * on_mm if shown[j] else on_mm)
+        chosen[j] = shown[j] > 0
+        count += shown[j]
+    while count < min(least, n):
+        most = -1
+        for j in range(n):
+            if not chosen[j] and (most < 0 or size_mm[j] > size_mm[most]):
+                most = j
+        chosen[most] = True
+        count += 1
+    return count

@@ -1,1 +1,0 @@
-"""What the markers tell before any finger is fitted."""

@@ -1,1 +1,0 @@
-"""What the fingers do together, and where they are seen to be."""

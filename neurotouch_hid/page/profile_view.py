@@ -1,0 +1,182 @@
+"""What the page shows of a profile: its bindings, where their marks lie, what may be changed."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, get_args
+
+from neurotouch_hid.profile import UserSettings, check_profile, load_user
+from neurotouch_hid.profile.diagnostics.description import describe_target, describe_when
+from neurotouch_hid.profile.editing import name_bindings
+from neurotouch_hid.profile.engine.one_euro import FILTERS, OneEuro
+from neurotouch_hid.profile.engine.response import make_response
+from neurotouch_hid.profile.reading.layering import merge_bindings
+from neurotouch_hid.profile.reading.library import find_shipped_folder, find_user_folder
+from neurotouch_hid.profile.schema.movements import MovementName
+from neurotouch_hid.profile.schema.profile import FIRST_LAYER, Binding, Profile
+from neurotouch_hid.profile.schema.shaping import Expo, Points, Power, Shaped
+from neurotouch_hid.profile.schema.timing import FilterName, resolve_times
+from neurotouch_hid.vocabulary import GestureKind
+
+MOVEMENTS: Final = get_args(MovementName)
+"""The eight bars, by the names the person's ranges have."""
+
+SAMPLES: Final = 33
+"""Points of a response curve."""
+
+PRESS_MM: Final = 5.0
+PRESS_MS: Final = 300
+"""The press whose delay stands for a filter's lag."""
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a binding stands in the profile's own file.
+
+    Attributes:
+        key: the way to it as ``set_value`` takes it, ``layers.menu.pinch``.
+        binding: what stands there.
+    """
+
+    key: str
+    binding: Binding
+
+
+def describe_profile(path: Path, *, edit: bool) -> dict[str, Any]:
+    """All the page shows of a profile, ready for JSON.
+
+    Args:
+        path: its file.
+        edit: whether changes are allowed.
+
+    Raises:
+        ProfileError: the file cannot be used; or the person's own.
+    """
+    user = load_user()
+    checked = check_profile(path)
+    profile = checked.require()
+    places = list_places(checked.written) if isinstance(checked.written, Profile) else []
+    filter_name = choose_filter(profile, user)
+    return {
+        "profile": profile.name,
+        "description": profile.description,
+        "shipped": path.parent == find_shipped_folder().resolve(),
+        "edit": edit and is_editable(path),
+        "filter": filter_name,
+        "filter_ms": measure_lag(filter_name),
+        "resting": user.neutral == "resting",
+        "ranges": user.range.model_dump(exclude_none=True),
+        "layers": [
+            {
+                "name": layer.name,
+                "bindings": [
+                    _describe_binding(binding, _find_key(binding, layer.name, places))
+                    for binding in merge_bindings(layer, profile.all_layers[0])
+                ],
+            }
+            for layer in profile.all_layers
+        ],
+    }
+
+
+def is_editable(path: Path) -> bool:
+    """True for profiles in the two folders that belong to the program; no other file is touched."""
+    folders = (find_user_folder(), find_shipped_folder())
+    return path.parent in {folder.resolve() for folder in folders} and path.suffix == ".yaml"
+
+
+def list_places(written: Profile) -> list[Place]:
+    """Every binding that stands in the profile's own file, and the way to it."""
+    places = []
+    for layer in written.all_layers:
+        documents = [binding.model_dump(exclude_unset=True) for binding in layer.bindings]
+        prefix = f"layers.{layer.name}."
+        if written.bindings is not None and layer.name == FIRST_LAYER:
+            prefix = ""
+        names = name_bindings(documents)
+        places += [
+            Place(prefix + name, binding)
+            for name, binding in zip(names, layer.bindings, strict=True)
+        ]
+    return places
+
+
+def choose_filter(profile: Profile, user: UserSettings) -> FilterName:
+    """The tremor filter that holds, chosen as the mapping does."""
+    own = user.filter
+    if own is None and user.timing is None:
+        own = profile.filter
+    return own or resolve_times(profile.timing, user.timing).filter
+
+
+def measure_lag(name: FilterName) -> float:
+    """By how much a filter delays the middle of a press of 5 mm in 300 ms, in ms."""
+    if name not in FILTERS:
+        return 0.0
+    smooth = OneEuro(*FILTERS[name])
+    before = 0.0
+    for t_ms in range(0, 4 * PRESS_MS, 10):
+        s = min(t_ms / PRESS_MS, 1.0)
+        value = smooth.update(PRESS_MM * s**3 * (10.0 - 15.0 * s + 6.0 * s * s), 10_000)
+        if value >= 0.5 * PRESS_MM:
+            crossed_ms = t_ms - 10.0 * (value - 0.5 * PRESS_MM) / (value - before)
+            return round(crossed_ms - 0.5 * PRESS_MS, 1)
+        before = value
+    return math.inf
+
+
+def _find_key(binding: Binding, layer: str, places: list[Place]) -> str | None:
+    """The way to a binding; None where it stands in a profile this one is built on."""
+    same = [place.key for place in places if place.binding == binding]
+    inside = [key for key in same if key.startswith(f"layers.{layer}.")]
+    return next(iter(inside or same), None)
+
+
+def _describe_binding(binding: Binding, key: str | None) -> dict[str, Any]:
+    condition = binding.condition
+    kinds = [kind.label for kind in condition.kinds]
+    about: dict[str, Any] = {
+        "key": key,
+        "when": describe_when(binding),
+        "do": describe_target(binding.do),
+        "movements": [
+            movement for movement in MOVEMENTS if _fits(movement, kinds, condition.direction)
+        ],
+    }
+    on_mm, off_mm = binding.thresholds_mm
+    if on_mm:
+        about |= {"on_mm": on_mm, "off_mm": round(off_mm, 2)}
+    if isinstance(binding.do, Shaped) and binding.is_followed:
+        about |= _describe_response(binding, condition.kinds[0], binding.do)
+    return about
+
+
+def _describe_response(binding: Binding, kind: GestureKind, do: Shaped) -> dict[str, Any]:
+    rest, full = binding.range_for(kind)
+    respond = make_response((rest, full), do)
+    most = 1.25 * full
+    about: dict[str, Any] = {
+        "unit": "mm/s" if getattr(do, "follow", "") == "speed" else "mm",
+        "rest": rest,
+        "full": full,
+        "most": round(most, 2),
+        "samples": [round(respond(most * i / (SAMPLES - 1)), 4) for i in range(SAMPLES)],
+    }
+    match do.curve:
+        case Expo(expo=expo):
+            about["curve"] = {"expo": expo}
+        case Power(power=power):
+            about["curve"] = {"power": power}
+        case Points(points=points):
+            about["curve"] = {"points": points}
+        case _:
+            about["curve"] = {"expo": 0.0}
+    return about
+
+
+def _fits(movement: str, kinds: list[str], direction: str | None) -> bool:
+    """True if the bar of a movement shows what a binding waits for; diagonals show in two."""
+    gesture = "push" if movement.startswith("push") else movement
+    if gesture not in kinds:
+        return False
+    return gesture != "push" or direction is None or movement.removeprefix("push_") in direction

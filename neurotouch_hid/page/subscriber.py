@@ -1,0 +1,73 @@
+"""The other end of the feed: the newest state of whatever driver runs, now or later."""
+
+import json
+import socket
+from contextlib import suppress
+from typing import Any, Final
+
+from neurotouch_hid.client import list_folders
+from neurotouch_hid.ipc import FEED, connect_to
+
+LARGEST_BYTES: Final = 64 * 1024
+
+
+class Listener:
+    """Connects to the running driver and gives its newest state; never waits.
+
+    Attributes:
+        peer: the connection, or None while no driver runs.
+    """
+
+    def __init__(self) -> None:
+        self.peer: socket.socket | None = None
+        self._hz = 0
+
+    def connect(self) -> socket.socket | None:
+        """Looks for a driver; the connection, or None if none runs."""
+        if self.peer is None:
+            for folder in list_folders():
+                with suppress(OSError):
+                    self.peer = connect_to(folder / FEED)
+                    self._tell()
+                    break
+        return self.peer
+
+    def want(self, hz: int) -> None:
+        """Asks for so many states a second; 0 for none."""
+        if hz != self._hz:
+            self._hz = hz
+            self._tell()
+
+    def take(self) -> bytes | None:
+        """The newest state that has arrived since the last call, or None."""
+        newest = None
+        while self.peer is not None:
+            try:
+                state = self.peer.recv(LARGEST_BYTES)
+            except BlockingIOError:
+                return newest
+            except OSError:
+                state = b""
+            if not state:  # the driver has ended
+                self.close()
+                return newest
+            newest = state
+        return newest
+
+    def close(self) -> None:
+        """Goes away; the driver then no longer sends."""
+        if self.peer is not None:
+            self.peer.close()
+            self.peer = None
+
+    def _tell(self) -> None:
+        if self.peer is not None:
+            with suppress(OSError):  # it has ended, which the next look will tell
+                self.peer.send(str(self._hz).encode())
+
+
+def read_head(state: bytes) -> dict[str, Any]:
+    """The head of a state, see ``snapshot``."""
+    length = int.from_bytes(state[:4], "little")
+    head: dict[str, Any] = json.loads(state[4 : 4 + length])
+    return head

@@ -1,0 +1,1 @@
+"""Start-up and interpreter tricks; each module says what breaks without it."""

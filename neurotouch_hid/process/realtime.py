@@ -1,0 +1,134 @@
+"""Lets the line's thread wake when it wants to, before others of its machine where permitted."""
+
+import ctypes
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from neurotouch_hid.process.gc_freeze import short_collections
+
+NICE = -10
+"""Before everything usual, behind sound. It counts only among what Linux shares the processor out
+to as one: the programs of one terminal or of one service."""
+PRIORITY = 1
+"""Of SCHED_RR, the lowest: before everything usual wherever that runs, behind sound."""
+MOST_BUSY_US = 100_000
+"""Whoever works for so long without once waiting does not keep up, or hangs, and goes back among
+the usual; so a line that hangs does not hold the machine up."""
+PAUSE_S = 1.0
+"""How long it then stays there. A line that was only held up for a moment must not be slow for the
+rest of the day; one that hangs takes a tenth of one core before others."""
+SLACK_NS = 1_000
+"""How late the kernel may wake us to save power; it takes 50 µs without being asked."""
+SWITCH_S = 0.0001
+"""How long a thread that computes in Python may keep the others from running. For Python's own 5 ms
+a slice would wait for the look at a frame, and a game that shakes the pad for its answer."""
+
+_PR_SET_TIMERSLACK = 29  # prctl(2)
+_RTKIT = "org.freedesktop.RealtimeKit1"
+_PATIENCE_S = 2.0
+
+
+@contextmanager
+def hurry() -> Iterator[None]:
+    """Prefers the calling thread meanwhile, as far as this machine permits; it works without.
+
+    By our own right with SCHED_RR, and the threads that it starts as well; else rtkit is asked,
+    which grants a better nice value to who sits at the machine. (It grants SCHED_RR too, but only
+    to who accepts to be killed for being busy for 0.2 s.) Only the main thread gets SCHED_RR, for
+    only there is heard that it has been busy for too long. Nor does it wait for long while Python
+    looks for garbage.
+    """
+    sys.setswitchinterval(SWITCH_S)
+    with suppress(OSError, AttributeError):  # no Linux, no prctl
+        ctypes.CDLL(None).prctl(_PR_SET_TIMERSLACK, SLACK_NS, 0, 0, 0)
+    thread = threading.get_native_id()
+    before = os.getpriority(os.PRIO_PROCESS, thread)
+    if before > NICE:  # else whoever started us has chosen
+        try:
+            os.setpriority(os.PRIO_PROCESS, thread, NICE)
+        except OSError:
+            _ask_rtkit(thread)
+    real_time = _RealTime()
+    if threading.current_thread() is threading.main_thread():
+        real_time.begin()
+    try:
+        with short_collections():
+            yield
+    finally:
+        real_time.end()
+        with suppress(OSError):
+            os.setpriority(os.PRIO_PROCESS, thread, before)
+
+
+class _RealTime:
+    """SCHED_RR for the main thread and those it starts, with a pause whenever they are too busy."""
+
+    def __init__(self) -> None:
+        self._again: threading.Timer | None = None
+
+    def begin(self) -> None:
+        """Prefers this thread, if that is permitted."""
+        with suppress(OSError, ValueError):  # a sandbox may forbid either
+            signal.signal(signal.SIGXCPU, self._pause)
+            self._prefer({threading.get_native_id()})
+
+    def end(self) -> None:
+        """All threads are among the usual for good."""
+        if self._again is not None:
+            self._again.cancel()
+            self._again.join()
+        _go_back()
+
+    def _pause(self, *_: object) -> None:
+        preferred = _go_back()
+        if preferred:
+            self._again = threading.Timer(PAUSE_S, self._prefer, (preferred,))
+            self._again.daemon = True
+            self._again.start()
+
+    def _prefer(self, threads: set[int]) -> None:
+        _, most = resource.getrlimit(resource.RLIMIT_RTTIME)
+        # Anew each time: the kernel raises it by a second whenever it is reached.
+        resource.setrlimit(resource.RLIMIT_RTTIME, (MOST_BUSY_US, most))
+        for thread in _list_threads() & threads:
+            with suppress(OSError):  # it may have ended
+                os.sched_setscheduler(thread, os.SCHED_RR, os.sched_param(PRIORITY))
+
+
+def _go_back() -> set[int]:
+    """The threads of this process that were preferred; the kernel does not say which was busy."""
+    preferred = set()
+    for thread in _list_threads():
+        with suppress(OSError):
+            if os.sched_getscheduler(thread) == os.SCHED_RR:
+                os.sched_setscheduler(thread, os.SCHED_OTHER, os.sched_param(0))
+                preferred.add(thread)
+    return preferred
+
+
+def _list_threads() -> set[int]:
+    return {int(task.name) for task in Path("/proc/self/task").iterdir()}
+
+
+def _ask_rtkit(thread: int) -> None:
+    busctl = shutil.which("busctl")
+    if busctl is None:
+        return
+    path = "/" + _RTKIT.replace(".", "/")
+    call = [_RTKIT, path, _RTKIT, "MakeThreadHighPriorityWithPID", "tti"]
+    numbers = [str(number) for number in (os.getpid(), thread, NICE)]
+    with suppress(OSError, subprocess.TimeoutExpired):
+        subprocess.run(  # noqa: S603  # our own command
+            [busctl, "--system", "call", *call, "--", *numbers],
+            capture_output=True,
+            timeout=_PATIENCE_S,
+            check=False,
+        )

@@ -1,0 +1,209 @@
+"""A profile or the user's file taken out to be edited, and put back only when it is right."""
+
+import os
+import re
+import stat
+from collections.abc import Callable
+from dataclasses import dataclass
+from difflib import unified_diff
+from pathlib import Path
+
+from pydantic import BaseModel
+
+from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.profile.diagnostics.faults import make_printable
+from neurotouch_hid.profile.editing.revision import MODELINE, adopt
+from neurotouch_hid.profile.editing.store import Store
+from neurotouch_hid.profile.reading.library import (
+    NAME_PATTERN,
+    OWN_VALUES,
+    find_profile,
+    find_shipped_folder,
+    find_user_file,
+    find_user_folder,
+    list_profiles,
+)
+from neurotouch_hid.profile.reading.load import (
+    MAX_BYTES,
+    Checked,
+    check_content,
+    check_user,
+    load_unused,
+)
+from neurotouch_hid.profile.schema.profile import Profile
+from neurotouch_hid.profile.schema.user import UserSettings
+
+Stamp = Callable[[], str]
+"""The present moment as letters, digits, ``-`` and ``_``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Paper:
+    """A file on the desk.
+
+    Attributes:
+        name: what people call it.
+        store: where it is saved to.
+        content: what stands there, or None if it does not exist.
+        text: what an edit begins with.
+        model: what it is: a profile or the user's own values.
+        shipped: true if saving makes the user's own copy of a shipped profile.
+    """
+
+    name: str
+    store: Store
+    content: bytes | None
+    text: str
+    model: type[BaseModel] = Profile
+    shipped: bool = False
+
+    def check(self, text: str) -> Checked[Profile] | Checked[UserSettings]:
+        """The text with all its faults, as it would be there."""
+        content, name = encode(text), make_printable(str(self.store.path))
+        if self.model is UserSettings:
+            return check_user(content, name)
+        path = self.store.path
+        if path.parent == find_user_folder():  # there it hides a shipped one of its name
+            path = list_profiles().get(path.stem, path)
+        return check_content(content, name, path, load_unused())
+
+    def save(self, text: str, *, keep: bool = True) -> None:
+        """Saves the text if it is right; what stood there becomes a version unless ``keep`` is not.
+
+        Raises:
+            ProfileError: there are errors, or it cannot be written; nothing has changed.
+        """
+        self.check(text).require()
+        if self.content is None and self.text:
+            self.store.keep(encode(self.text))
+        self.store.save(encode(text), over=self.content, keep=keep)
+
+
+def encode(text: str) -> bytes:
+    """The text as it stands in a file."""
+    return text.encode("utf-8", "surrogatepass")
+
+
+def take_profile(name_or_path: str, stamp: Stamp) -> Paper:
+    """A profile to be edited; of a shipped one, the copy that saving makes.
+
+    Raises:
+        ProfileError: there is none, or it cannot be read as text.
+    """
+    path = find_profile(name_or_path)
+    text, content = read_text(path)
+    if path.resolve().parent != find_shipped_folder().resolve():
+        return Paper(path.stem, Store(path, stamp), content, text)
+    own = find_user_folder() / path.name
+    if own.exists():  # named by its path
+        raise ProfileError(
+            f"{path} is shipped with the program and never changed",
+            hint=f"Edit your own copy: {own}",
+        )
+    return Paper(
+        path.stem, Store(own, stamp), None, adopt(text, path.stem, find_schema(own)), shipped=True
+    )
+
+
+def make_profile(name: str, template: str, stamp: Stamp) -> Paper:
+    """A new profile of the user's, begun as a copy of another.
+
+    Raises:
+        ProfileError: the name is taken or none, or there is no such template.
+    """
+    own = find_own_path(name)
+    if own.exists():
+        raise ProfileError(
+            f"you have a profile '{name}' already", hint=f"neurotouch profile edit {name}"
+        )
+    text, _ = read_text(find_profile(template))
+    return Paper(name, Store(own, stamp), None, adopt(text, name, find_schema(own)))
+
+
+def take_paper(name_or_path: str, stamp: Stamp) -> Paper:
+    """A profile to be edited, or for ``user`` the person's own values.
+
+    Raises:
+        ProfileError: as ``take_profile``.
+    """
+    own = name_or_path == OWN_VALUES
+    return take_user(stamp) if own else take_profile(name_or_path, stamp)
+
+
+def take_user(stamp: Stamp) -> Paper:
+    """The user's own values to be edited; a new file if there is none."""
+    path = find_user_file()
+    store = Store(path, stamp, kept=10)
+    if path.exists():
+        text, content = read_text(path)
+        return Paper("user", store, content, text, UserSettings)
+    schema = find_schema(path, "user-1.json")
+    text = f"{MODELINE}{schema}\n#\n# What belongs to you and holds in every profile.\nversion: 1\n"
+    return Paper("user", store, None, text, UserSettings)
+
+
+def find_own_path(name: str) -> Path:
+    """The path of the user's own profile of a name.
+
+    Raises:
+        ProfileError: that is no name.
+    """
+    if not re.fullmatch(NAME_PATTERN, name):
+        raise ProfileError(
+            f"'{make_printable(name[:80])}' is no name for a profile",
+            hint="A name has 1 to 64 small letters, digits, _ or -, and is never a path.",
+        )
+    if name == OWN_VALUES:
+        raise ProfileError(
+            f"'{name}' is what your own values are called", hint="Give the profile another name."
+        )
+    return find_user_folder() / f"{name}.yaml"
+
+
+def find_schema(path: Path, schema: str = "profile-1.json") -> str:
+    """The path of a shipped schema, for the schema line of a file."""
+    shipped = find_shipped_folder() / "schema" / schema
+    if path.parent.resolve() == find_shipped_folder().resolve():
+        return f"schema/{schema}"
+    return str(shipped)
+
+
+def read_text(path: Path) -> tuple[str, bytes]:
+    """The text of a file, with its own ends of lines, and its bytes.
+
+    Raises:
+        ProfileError: it is not a file, too large, or not UTF-8.
+    """
+    try:
+        if not stat.S_ISREG(path.stat().st_mode):
+            raise ProfileError(f"{make_printable(str(path))} is not a file")
+        with path.open("rb") as file:
+            content = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        reason = error.strerror or os.strerror(error.errno or 0)
+        raise ProfileError(f"{make_printable(str(path))} cannot be read: {reason}") from None
+    if len(content) > MAX_BYTES:
+        raise ProfileError(f"{make_printable(str(path))} is larger than {MAX_BYTES // 1024} kB")
+    try:
+        return content.decode("utf-8"), content
+    except UnicodeDecodeError:
+        raise ProfileError(f"{make_printable(str(path))} is not UTF-8 text") from None
+
+
+def compare(before: str, after: str) -> list[tuple[str, int, str]]:
+    """The lines that differ: ``removed`` or ``added``, the line's number, its text."""
+    found = []
+    old_line = new_line = 0
+    for line in unified_diff(before.splitlines(), after.splitlines(), n=0, lineterm=""):
+        hunk = re.match(r"@@ -(\d+)(?:,(\d+))? \+(\d+)(?:,(\d+))? @@", line)
+        if hunk is not None:
+            # a hunk of no lines is named by the line before it
+            old_line = int(hunk[1]) + (hunk[2] == "0")
+            new_line = int(hunk[3]) + (hunk[4] == "0")
+        elif old_line and line.startswith("-"):
+            found.append(("removed", old_line, line[1:]))
+            old_line += 1
+        elif new_line and line.startswith("+"):
+            found.append(("added", new_line, line[1:]))
+            new_line += 1
+    return found

@@ -1,0 +1,1 @@
+"""From a file's name to a checked profile."""

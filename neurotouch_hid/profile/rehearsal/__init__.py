@@ -1,0 +1,1 @@
+"""Gestures written as text, and what a profile does with them."""

@@ -1,0 +1,143 @@
+"""The simulator led by a mouse: another process says what the hand does, the gel obeys."""
+
+import socket
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Final, Self
+
+from neurotouch_hid.errors import SourceError
+from neurotouch_hid.geometry import Rig
+from neurotouch_hid.ipc import HAND, is_own_peer, listen_at
+from neurotouch_hid.messages import EventPacket, Step
+from neurotouch_hid.source.simulator.hand_model import LedHand, Wish, read_wish
+from neurotouch_hid.source.simulator.simulator import Simulator
+
+SLICE_US: Final = 4_000
+"""Shorter than a camera's: half of a slice is waited for on average, and there is time for it."""
+
+LATE_S: Final = 0.1
+"""A line that is later than this leaves the past alone: a hand that answers late is no hand."""
+
+LONGEST_BYTES: Final = 8 * 1024
+
+
+class HandSource:
+    """Packets of a gel under a hand that is led through a Unix socket; a source.
+
+    Every message is one wish, see ``simulator.hand.Wish``; the newest counts. Unlike a script, a
+    slice is computed when its time has come and not before.
+
+    Args:
+        folder: where the socket is made; the driver's own.
+
+    Raises:
+        SourceError: no socket can be made there.
+    """
+
+    rig: Rig | None = None
+
+    def __init__(self, folder: Path, *, slice_us: int = SLICE_US, seed: int = 0) -> None:
+        self.name = "sim:mouse"
+        self._path = folder / HAND
+        try:
+            self._listener = listen_at(self._path)
+        except OSError as error:
+            raise SourceError(
+                f"No mouse can lead the gel: {error.strerror} ({self._path})."
+            ) from error
+        self._peers: list[socket.socket] = []
+        self._slice_us = slice_us
+        self._pending: deque[tuple[int, float]] = deque(maxlen=1000)
+        self._late_s = 0.0
+        self._lags_ms: deque[float] = deque(maxlen=250)
+        self._simulator = Simulator(LedHand(self._ask, self._note), seed=seed, slice_us=slice_us)
+
+    def __iter__(self) -> Iterator[EventPacket]:
+        packets = iter(self._simulator)
+        due_s = time.monotonic()
+        while True:
+            due_s += 1e-6 * self._slice_us
+            wait_s = due_s - time.monotonic()
+            self._late_s = max(-wait_s, 0.0)
+            if wait_s > 0.0:
+                time.sleep(wait_s)
+            elif wait_s < -LATE_S:
+                due_s = time.monotonic()
+            yield next(packets)
+
+    def watch(self, step: Step) -> None:
+        """A tap: how long ago what the pad now shows was wished for."""
+        now_ms = 1e3 * time.time()
+        while self._pending and self._pending[0][0] <= step.packet.t_end_us:
+            _, at_ms = self._pending.popleft()
+            if 0.0 < now_ms - at_ms < 1e3:  # another machine's clock says something else
+                self._lags_ms.append(now_ms - at_ms)
+
+    def measure_lag(self) -> list[float] | None:
+        """Median and 95 % of the time from a wish to the pad, in ms; None before the first."""
+        lags = sorted(self._lags_ms)
+        if not lags:
+            return None
+        return [round(lags[len(lags) // 2], 1), round(lags[int(0.95 * len(lags))], 1)]
+
+    @property
+    def facts(self) -> dict[str, Callable[[], Any]]:
+        """What those who look on are told of it."""
+        return {"hand_ms": self.measure_lag, "backlog_ms": self.measure_backlog}
+
+    def measure_backlog(self) -> float:
+        """How late the newest slice was begun, in ms; time that was left alone is no backlog."""
+        return round(1e3 * self._late_s, 1)
+
+    def close(self) -> None:
+        """Takes the socket away."""
+        for each in (self._listener, *self._peers):
+            each.close()
+        self._path.unlink(missing_ok=True)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _ask(self) -> Wish | None:
+        """The newest wish that has arrived."""
+        with suppress(OSError):
+            peer, _ = self._listener.accept()
+            peer.setblocking(False)
+            if is_own_peer(peer):
+                self._peers.append(peer)
+            else:
+                peer.close()
+        newest = None
+        for peer in self._peers.copy():
+            newest = self._hear(peer) or newest
+        return newest
+
+    def _hear(self, peer: socket.socket) -> Wish | None:
+        newest = None
+        while True:
+            try:
+                text = peer.recv(LONGEST_BYTES)
+            except BlockingIOError:
+                return newest
+            except OSError:
+                text = b""
+            if not text:
+                self._peers.remove(peer)
+                peer.close()
+                return newest
+            newest = read_wish(text) or newest
+
+    def _note(self, wish: Wish, t_us: int) -> None:
+        self._pending.append((t_us, wish.at_ms))

@@ -1,0 +1,374 @@
+"""The compiled loops of the sensor: a moving picture to events."""
+
+import math
+
+import numba as nb
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.messages import SENSOR_WIDTH_PX
+from neurotouch_hid.source.simulator.kernels.optics import N_TOUCHED, draw, expose
+
+Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
+Records = NDArray[np.void]
+
+SETTLED = 1e-3  # log units: a pixel this close to its input rests
+LEVEL_SCALE = 8.0  # entries of the photoreceptor's tables per DN
+
+PIXEL_DTYPE = np.dtype(
+    [
+        ("signal", "<f4"),
+        ("reference", "<f4"),
+        ("on", "<f4"),
+        ("off", "<f4"),
+        ("leak", "<f4"),
+        ("is_active", "?"),
+        ("free_us", "<f8"),
+        ("seen_us", "<f8"),
+    ],
+    align=True,
+)
+"""One event pixel: ``signal`` log intensity behind the photoreceptor's low pass, ``reference`` at
+the last reset minus the leak up to ``seen_us``, thresholds ``on`` and ``off``, ``leak`` in log
+units per µs, ``is_active`` whether the signal may change, ``free_us`` end of the refractory
+period."""
+
+N_ACTIVE, N_EVENTS, N_LOST = 1, 2, 3  # places in ``counts``, beside N_TOUCHED
+
+
+@nb.njit(cache=True, nogil=True)
+def random_uniform(state: NDArray[np.uint64]) -> float:
+    """Next number in [0, 1) of the splitmix64 generator whose counter is ``state[0]``."""
+    state[0] += np.uint64(0x9E3779B97F4A7C15)
+    z = state[0]
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    z = z ^ (z >> np.uint64(31))
+    return float(z >> np.uint64(11)) / 9007199254740992.0
+
+
+@nb.njit(cache=True, nogil=True)
+def random_poisson(mean: float, state: NDArray[np.uint64]) -> int:
+    """A Poisson number, by counting exponential gaps."""
+    n = 0
+    total = -math.log(1.0 - random_uniform(state))
+    while total < mean:
+        n += 1
+        total -= math.log(1.0 - random_uniform(state))
+    return n
+
+
+@nb.njit(cache=True, nogil=True)
+def wake_touched(
+    touched: NDArray[np.int32],
+    pixels: Records,
+    active: NDArray[np.int32],
+    counts: NDArray[np.int64],
+) -> None:
+    """Make the pixels in ``touched`` active; arguments as in ``sense``."""
+    n = counts[N_ACTIVE]
+    for slot in range(counts[N_TOUCHED]):
+        pixel = pixels[touched[slot]]
+        if not pixel["is_active"]:
+            pixel["is_active"] = True
+            active[n] = touched[slot]
+            n += 1
+    counts[N_ACTIVE] = n
+
+
+@nb.njit(cache=True, nogil=True)
+def wake_leaking(
+    end_us: float, pixels: Records, active: NDArray[np.int32], counts: NDArray[np.int64]
+) -> None:
+    """Make every pixel active whose leak alone fires it before ``end_us``."""
+    n = counts[N_ACTIVE]
+    for i in range(len(pixels)):
+        pixel = pixels[i]
+        distance = pixel["signal"] - pixel["reference"]
+        distance += pixel["leak"] * (end_us - pixel["seen_us"])
+        if distance >= pixel["on"] and not pixel["is_active"]:
+            pixel["is_active"] = True
+            active[n] = i
+            n += 1
+    counts[N_ACTIVE] = n
+
+
+@nb.njit(cache=True, nogil=True)
+def _emit(t: float, i: int, polarity: bool, events: Records, counts: NDArray[np.int64]) -> None:
+    n = counts[N_EVENTS]
+    if n >= len(events):
+        counts[N_LOST] += 1
+        return
+    event = events[n]
+    event["t"], event["x"], event["y"] = int(t), i % SENSOR_WIDTH_PX, i // SENSOR_WIDTH_PX
+    event["p"] = polarity
+    counts[N_EVENTS] = n + 1
+
+
+@nb.njit(cache=True, nogil=True, error_model="numpy")
+def _fire(
+    i: int,
+    before: float,
+    after: float,
+    begin: float,
+    end: float,
+    refractory_us: float,
+    pixels: Records,
+    events: Records,
+    counts: NDArray[np.int64],
+) -> float:
+    """Let pixel ``i`` fire in a tick in which its signal runs from ``before`` to ``after``.
+
+    Returns:
+        How far the signal is above the reference at the end.
+    """
+    pixel = pixels[i]
+    on, off = float(pixel["on"]), float(pixel["off"])
+    slope = (after - before) / (end - begin) + pixel["leak"]
+    free, start = pixel["free_us"], begin
+    if free >= begin:
+        start, distance = free, 0.0
+    else:
+        distance = before - pixel["reference"] + pixel["leak"] * (begin - pixel["seen_us"])
+    while start < end:
+        final = distance + slope * (end - start)
+        if -off < final < on:
+            distance = final
+            break
+        wait = ((on if final > 0.0 else -off) - distance) / slope
+        moment = start + wait if wait > 0.0 else start
+        _emit(min(moment, end - 1.0), i, final > 0.0, events, counts)
+        free = start = moment + refractory_us
+        distance = 0.0
+    pixel["free_us"], pixel["reference"], pixel["seen_us"] = free, after - distance, end
+    return distance
+
+
+@nb.njit(cache=True, nogil=True)
+def sense(
+    t_us: int,
+    tick_us: int,
+    rest_us: int,
+    refractory_us: float,
+    levels: Singles,
+    gains: Singles,
+    canvas: Records,
+    pixels: Records,
+    active: NDArray[np.int32],
+    events: Records,
+    counts: NDArray[np.int64],
+) -> None:
+    """Let all active pixels see one tick of the picture and fire where they cross a threshold.
+
+    The signal runs linearly from its value at the begin of the tick to that at its end, so crossing
+    times are exact to the µs. In the refractory period the pixel is held in reset, as the circuit
+    does: its reference is the signal when the period ends. Pixels that have settled go to sleep.
+
+    Args:
+        t_us: begin of the tick.
+        tick_us: its length.
+        rest_us: a pixel stays active if its leak can fire it within this time.
+        refractory_us: dead time after an event.
+        levels: (m,) float32, lin-log of the intensity; index is DN times LEVEL_SCALE.
+        gains: (m,) float32, share of the way to its input that the low pass goes in one tick.
+        canvas: (n,) POINT_DTYPE, the picture at the end of the tick.
+        pixels: (n,) PIXEL_DTYPE, updated.
+        active: (n,) int32, the active pixels, updated.
+        events: (m,) EVENT_DTYPE, appended to, not sorted.
+        counts: (4,) int64, N_ACTIVE, N_EVENTS and N_LOST updated.
+    """
+    begin, end = float(t_us), float(t_us + tick_us)
+    n_kept = 0
+    for slot in range(counts[N_ACTIVE]):
+        i = active[slot]
+        pixel = pixels[i]
+        place = canvas[i]["image"] * LEVEL_SCALE
+        k = int(place)
+        goal = levels[k] + (place - k) * (levels[k + 1] - levels[k])
+        before = pixel["signal"]
+        after = before + gains[k] * (goal - before)
+        pixel["signal"] = after
+        distance = after - pixel["reference"] + pixel["leak"] * (end - pixel["seen_us"])
+        if pixel["free_us"] >= begin or not -pixel["off"] < distance < pixel["on"]:
+            distance = _fire(i, before, after, begin, end, refractory_us, pixels, events, counts)
+        if (
+            abs(goal - after) > SETTLED
+            or pixel["free_us"] >= end
+            or distance + pixel["leak"] * rest_us >= pixel["on"]
+        ):
+            active[n_kept] = i
+            n_kept += 1
+        else:
+            pixel["is_active"] = False
+    counts[N_ACTIVE] = n_kept
+
+
+@nb.njit(cache=True, nogil=True)
+def add_noise(
+    t_us: int,
+    tick_us: int,
+    shot_hz: float,
+    hot_hz: float,
+    refractory_us: float,
+    hot: NDArray[np.int32],
+    random: NDArray[np.uint64],
+    canvas: Records,
+    pixels: Records,
+    events: Records,
+    counts: NDArray[np.int64],
+) -> None:
+    """Add shot noise (full rate in the dark, a quarter at white) and hot pixels for one tick.
+
+    Args:
+        t_us: begin of the tick.
+        tick_us: its length.
+        shot_hz: rate of noise events of a dark pixel.
+        hot_hz: rate of noise events of a hot pixel.
+        refractory_us: dead time after an event.
+        hot: (h,) int32, the hot pixels.
+        random: (1,) uint64, counter of the random generator, updated.
+        canvas: (n,) POINT_DTYPE, the picture.
+        pixels: (n,) PIXEL_DTYPE, updated.
+        events: (m,) EVENT_DTYPE, appended to, not sorted.
+        counts: (4,) int64, N_EVENTS and N_LOST updated.
+    """
+    n_shot = random_poisson(shot_hz * len(pixels) * tick_us * 1e-6, random)
+    n_hot = random_poisson(hot_hz * len(hot) * tick_us * 1e-6, random)
+    for k in range(n_shot + n_hot):
+        t = t_us + random_uniform(random) * tick_us
+        polarity = random_uniform(random) < 0.5
+        if k < n_shot:
+            i = int(random_uniform(random) * len(pixels))
+            if random_uniform(random) < 0.75 / 255.0 * canvas[i]["image"]:
+                continue
+        else:
+            i = int(hot[int(random_uniform(random) * len(hot))])
+        pixel = pixels[i]
+        if t >= pixel["free_us"]:
+            _emit(t, i, polarity, events, counts)
+            pixel["free_us"] = t + refractory_us
+            pixel["reference"] = pixel["signal"]
+            pixel["seen_us"] = float(t_us + tick_us)
+
+
+@nb.njit(cache=True, nogil=True)
+def sort_tick(first: int, t_us: int, tick_us: int, row_us: int, events: Records, end: int) -> None:
+    """Sort the events from ``first`` to ``end``, all of one tick, by time (stable counting sort).
+
+    With ``row_us`` > 0 the events of a row wait for the row's turn, which comes every ``row_us``
+    µs, and share its stamp, as a row-wise readout does.
+    """
+    part = events[first:end].copy()
+    place = np.zeros(tick_us + 1, np.int64)
+    for i in range(len(part)):
+        event = part[i]
+        if row_us > 0:
+            phase = (event["y"] * 7) % row_us
+            turn = (event["t"] - phase + row_us - 1) // row_us * row_us + phase
+            event["t"] = min(turn, t_us + tick_us - 1)
+        place[event["t"] - t_us + 1] += 1
+    for k in range(tick_us):
+        place[k + 1] += place[k]
+    for i in range(len(part)):
+        k = part[i]["t"] - t_us
+        events[first + place[k]] = part[i]
+        place[k] += 1
+
+
+@nb.njit(cache=True, nogil=True)
+def advance(
+    knots: Floats,
+    moving: bool,
+    first_tick: int,
+    n_ticks: int,
+    ticks_per_knot: int,
+    t_us: int,
+    tick_us: int,
+    exposing: bool,
+    shot_hz: float,
+    hot_hz: float,
+    refractory_us: float,
+    row_us: int,
+    window_us: int,
+    profile: Singles,
+    profile_scale: float,
+    levels: Singles,
+    gains: Singles,
+    hot: NDArray[np.int32],
+    random: NDArray[np.uint64],
+    canvas: Records,
+    touched: NDArray[np.int32],
+    pixels: Records,
+    active: NDArray[np.int32],
+    events: Records,
+    counts: NDArray[np.int64],
+) -> None:
+    """Run picture and pixels for some ticks within one knot interval.
+
+    Args:
+        knots: (4, n, 6) float64, see ``draw``; the interval lies between the second and the third.
+        moving: whether any two knots differ.
+        first_tick: index of the first tick within the interval.
+        n_ticks: how many ticks to run.
+        ticks_per_knot: ticks of a whole interval.
+        t_us: begin of the first tick.
+        tick_us: length of a tick.
+        exposing: whether a frame is being exposed.
+        shot_hz: see ``add_noise``, as for the next.
+        hot_hz: rate of a hot pixel.
+        refractory_us: dead time of a pixel after an event.
+        row_us: see ``sort_tick``.
+        window_us: how often leaking pixels are looked for.
+        profile: see ``draw``, as for the next.
+        profile_scale: entries per unit.
+        levels: see ``sense``, as for the next.
+        gains: of the low pass.
+        hot: the hot pixels.
+        random: counter of the random generator, updated.
+        canvas: the picture, updated.
+        touched: pixels with a marker, updated.
+        pixels: event pixels, updated.
+        active: pixels whose signal may change, updated.
+        events: (m,) EVENT_DTYPE, appended to in order of time.
+        counts: (4,) int64, updated.
+    """
+    for tick in range(n_ticks):
+        begin = t_us + tick * tick_us
+        first = counts[N_EVENTS]
+        if begin % window_us == 0:
+            wake_leaking(float(begin + window_us), pixels, active, counts)
+        if moving:
+            wake_touched(touched, pixels, active, counts)
+            u = (first_tick + tick + 1) / ticks_per_knot
+            draw(knots, u, profile, profile_scale, canvas, touched, counts)
+            wake_touched(touched, pixels, active, counts)
+        sense(
+            begin,
+            tick_us,
+            window_us,
+            refractory_us,
+            levels,
+            gains,
+            canvas,
+            pixels,
+            active,
+            events,
+            counts,
+        )
+        add_noise(
+            begin,
+            tick_us,
+            shot_hz,
+            hot_hz,
+            refractory_us,
+            hot,
+            random,
+            canvas,
+            pixels,
+            events,
+            counts,
+        )
+        sort_tick(first, begin, tick_us, row_us, events, counts[N_EVENTS])
+        if exposing:
+            expose(canvas, touched, counts)

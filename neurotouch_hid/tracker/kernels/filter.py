@@ -1,0 +1,263 @@
+"""The compiled loops of the tracker: the event filter and what is checked between events."""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from neurotouch_hid.tracker.kernels.matching import select
+from neurotouch_hid.tracker.kernels.nearest import assign, find_event
+from neurotouch_hid.tracker.kernels.neighbours import collide, expect, strays, tear
+from neurotouch_hid.tracker.kernels.tracks import (
+    LEAD_X,
+    LEAD_Y,
+    SECOND,
+    VX,
+    VY,
+    A,
+    B,
+    C,
+    T,
+    Tracks,
+    Tuning,
+    X,
+    Y,
+    aim,
+    place,
+    predict,
+)
+
+BLOCK = 512  # events whose markers are looked for before they move these markers
+MIN_TRUST = 0.05  # a marker that seems to be at rest still follows, slowly
+NOISE_FALL_S = 0.1
+NOISE_RISE_S = 5.0  # motion passes for noise only if the whole gel moves for long
+SLOW_PX_S = 60.0  # direction and sides of a slower marker are not known for sure
+SEEN_HZ = 100.0  # two events within ``rate_us`` beyond the noise: a lost marker makes some again
+SETTLED_PX = 1.5  # nearer to where its neighbours, who agree as well as that, expect it
+FRAMELESS_US = 500_000  # without a frame for so long, events have to find lost markers
+FEW = 6  # events of a marker: a whole pixel of motion makes more
+STILL_US = 8_000  # a gel without motion is checked as often as that
+
+
+# Multiplied and added in one step, where the processor can: a tenth faster.
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def filter_events(
+    events: NDArray[np.void], start: int, until_us: int, tracks: Tracks, tuning: Tuning
+) -> int:
+    """Give each event before ``until_us`` to the nearest marker in the gate, one by one.
+
+    A linear Kalman filter with constant velocity [NT, "Marker Tracking"]. With isotropic noise the
+    two axes share one 2 x 2 covariance, so that an update needs a single division.
+
+    Returns:
+        The index of the first event at or after ``until_us``.
+    """
+    state, n_new, r_px2 = tracks.state, tracks.n_new, tracks.r_px2
+    taken, owner = np.empty(BLOCK, np.int64), np.empty(BLOCK, np.uint16)
+    forget, quiet_s2 = 1.0 / tuning.memory_s, tuning.quiet_s * tuning.quiet_s
+    tail = 1.0 / (tuning.spread_px * tuning.spread_px)
+    stop = find_event(events, start, until_us)
+    while start < stop:
+        end = min(start + BLOCK, stop)
+        n = assign(
+            events,
+            start,
+            end,
+            tuning.gate_px,
+            tuning.search_all,
+            tracks.aim_px,
+            tracks.near,
+            tracks.n_near,
+            taken,
+            owner,
+        )
+        start = end
+        for k in range(n):
+            # Unsigned: an index that may be negative would cost a test for each use.
+            e, i = events[np.uint64(taken[k])], np.uint64(owner[k])
+            s = state[i]
+            sign = 1.0 if e.p else -1.0
+            elapsed = max((e.t - s[T]) * SECOND, 0.0)
+            dt = min(elapsed, tuning.memory_s)
+            keep = 1.0 - dt * forget
+            step = 0.5 * dt * (1.0 + keep)
+            # What makes no events does not move, and a lone event is likely noise: uncertainty
+            # grows less, not more, when a marker has been quiet.
+            dt = elapsed * quiet_s2 / (quiet_s2 + elapsed * elapsed)
+            b = s[B] + dt * s[C]
+            a = s[A] + dt * (s[B] + b) + tuning.q_x * dt
+            c = s[C] + tuning.q_v * dt
+            px, py = s[X] + s[VX] * step, s[Y] + s[VY] * step
+            dx, dy = e.x - px - sign * s[LEAD_X], e.y - py - sign * s[LEAD_Y]
+            # Heavy-tailed noise: an event far from the marker is more likely to be nobody's.
+            far = (dx * dx + dy * dy) * tail
+            inverse = 1.0 / (a + r_px2[i] * (1.0 + far * far))
+            k1, k2 = a * inverse, b * inverse
+            s[X], s[Y] = px + k1 * dx, py + k1 * dy
+            s[VX], s[VY] = s[VX] * keep + k2 * dx, s[VY] * keep + k2 * dy
+            s[A], s[B], s[C] = a - k1 * a, b - k1 * b, c - k2 * b
+            s[T] = e.t
+            n_new[i] += 1
+    return int(stop)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _last_check_us(tracks: Tracks) -> int:
+    return int(tracks.past_us[(tracks.clock[1] - 1) % len(tracks.past_us)])
+
+
+@njit(cache=True, nogil=True)
+def _may_wait(t_us: int, tracks: Tracks) -> bool:
+    """Since the last check, which was not long ago, no marker can have moved by a pixel."""
+    last_us = _last_check_us(tracks)
+    if last_us < 0 or t_us - last_us >= STILL_US:
+        return False
+    most = 0
+    for i in range(len(tracks.n_new)):
+        most = max(most, tracks.n_new[i])
+    return most <= FEW
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
+    """How far the events of each marker are to be believed, and on which side they lie.
+
+    A marker at rest receives noise at a certain rate. What comes to it and its neighbours beyond
+    that is motion: ``r_px2`` is the smaller, the larger the share of motion in the events. A bright
+    marker that moves brightens the pixels ahead of it and darkens those behind it.
+    """
+    state, rate, n_new = tracks.state, tracks.rate_hz, tracks.n_new
+    n, last_us = len(state), _last_check_us(tracks)
+    dt = SECOND * (t_us - last_us if last_us >= 0 else tuning.check_us)
+    share = -math.expm1(-dt / tuning.rate_s)
+    for i in range(n):
+        rate[i] += share * (n_new[i] / dt - rate[i])
+        n_new[i] = 0
+    quiet = select(rate, n // 4)  # a quarter of the gel is at rest, now or soon
+    noise = tracks.noise_hz[0]
+    rise_s = min(NOISE_RISE_S, dt * (tracks.clock[1] + 1))  # fast at first
+    noise += (quiet - noise) * dt / (NOISE_FALL_S if quiet < noise else rise_s)
+    tracks.noise_hz[0] = noise
+    spread_hz = tuning.n_sigma * math.sqrt(noise / (2.0 * tuning.rate_s))
+    for i in range(n):
+        total, used = rate[i], 1
+        for k in range(8):
+            j = tracks.neighbours[i, k]
+            if j >= 0:
+                total += rate[j]
+                used += 1
+        # Of the mean of so many such rates ``spread_hz`` is the less certain part.
+        motion = total / used - noise - spread_hz / math.sqrt(used)
+        trust = motion / (motion + noise) if motion > 0.0 else 0.0
+        tracks.r_px2[i] = tuning.r_px2 / max(trust, MIN_TRUST)
+    _lead(t_us, tracks, tuning)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _lead(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
+    """How far events lie ahead of each marker."""
+    state = tracks.state
+    n = len(state)
+    v, per_speed = np.empty((2, n)), np.empty(n)
+    for i in range(n):
+        keep = 1.0 - min(max((t_us - state[i, T]) * SECOND / tuning.memory_s, 0.0), 1.0)
+        v[0, i], v[1, i] = state[i, VX] * keep, state[i, VY] * keep
+    for i in range(n):  # apart from what is around it, the processor does eight of these at once
+        square = v[0, i] * v[0, i] + v[1, i] * v[1, i] + SLOW_PX_S * SLOW_PX_S
+        per_speed[i] = tuning.lead_px / math.sqrt(square)
+    for i in range(n):
+        state[i, LEAD_X], state[i, LEAD_Y] = v[0, i] * per_speed[i], v[1, i] * per_speed[i]
+
+
+@njit(cache=True, nogil=True)
+def check_neighbours(
+    t_us: int, position_px: NDArray[np.float64], tracks: Tracks, tuning: Tuning
+) -> None:
+    """Place anew what is not where its neighbours say: ``position_px`` (n, 2) too is put right.
+
+    While there are no frames, a lost marker that moves with its neighbours again, by events of its
+    own, is lost no longer: nothing else finds it, and lost neighbours need its say.
+    """
+    n = len(position_px)
+    expected, spread, stray = np.empty((n, 2)), np.empty(n), np.empty(n, np.bool_)
+    rest_px, usable = tracks.rest_px, ~tracks.lost
+    expect(position_px, usable, rest_px, tracks.neighbours, expected, spread)
+    strays(position_px, expected, spread, tuning.max_stray_px, tuning.max_stray_ratio, stray)
+    collide(position_px, expected, tracks.neighbours, stray)
+    tear(position_px, usable, rest_px, tracks.neighbours, tuning.max_stray_px, stray)
+    astray = np.flatnonzero(stray & np.isfinite(expected[:, 0]))
+    if len(astray):
+        place(astray, expected[astray], 4.0, float(t_us), tracks, tuning)
+        for i in astray:
+            position_px[i] = expected[i]
+            tracks.lost[i] = True
+        tracks.clock[2] += len(astray)
+    if t_us - tracks.frame_us[0] < FRAMELESS_US:
+        return
+    noise = tracks.noise_hz[0]
+    least_hz = noise + tuning.n_sigma * math.sqrt(noise / (2.0 * tuning.rate_s)) + SEEN_HZ
+    for k in range(n):
+        if tracks.lost[k] and not stray[k] and tracks.rate_hz[k] > least_hz:
+            off_px = max(
+                abs(position_px[k, 0] - expected[k, 0]), abs(position_px[k, 1] - expected[k, 1])
+            )
+            tracks.lost[k] = not (off_px < SETTLED_PX and spread[k] < SETTLED_PX)  # NaN: lost
+
+
+@njit(cache=True, nogil=True)
+def check(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
+    """Note all positions at ``t_us``, weigh, aim; look at the neighbours at times.
+
+    The neighbours take half of the time and serve as well every second time.
+    """
+    slot = tracks.clock[1] % len(tracks.past_us)
+    position = tracks.past_px[slot]
+    predict(float(t_us), tuning.memory_s, tracks, position)
+    if tracks.clock[1] % 2 == 0:
+        check_neighbours(t_us, position, tracks, tuning)
+    weigh(t_us, tracks, tuning)
+    aim(float(t_us + tuning.check_us), tracks, tuning)
+    tracks.past_us[slot] = t_us
+    tracks.clock[1] += 1
+
+
+@njit(cache=True, nogil=True)
+def advance(
+    events: NDArray[np.void],
+    start: int,
+    until_us: int,
+    tracks: Tracks,
+    tuning: Tuning,
+    position_px: NDArray[np.float32],
+    valid: NDArray[np.bool_],
+) -> int:
+    """Filter the events before ``until_us``, and tell where the markers then are.
+
+    All tracks are checked at multiples of ``check_us``, however the stream is cut into slices.
+
+    Args:
+        events: (m,) EVENT_DTYPE.
+        start: the first of them.
+        until_us: the end of the slice, or of an exposure in it.
+        tracks: changed.
+        tuning: of the filter.
+        position_px: (n, 2) float32, filled in.
+        valid: (n,) bool, filled in: what is no guess.
+
+    Returns:
+        The index of the first event at or after ``until_us``.
+    """
+    clock = tracks.clock
+    while clock[0] <= until_us:
+        start = filter_events(events, start, clock[0], tracks, tuning)
+        if not _may_wait(clock[0], tracks):
+            check(clock[0], tracks, tuning)
+        clock[0] += tuning.check_us
+    start = filter_events(events, start, until_us, tracks, tuning)
+    now_px = np.empty(position_px.shape)
+    predict(float(until_us), tuning.memory_s, tracks, now_px)
+    for i in range(len(valid)):
+        position_px[i, 0], position_px[i, 1] = now_px[i, 0], now_px[i, 1]
+        valid[i] = not tracks.lost[i]
+    return int(start)

@@ -1,1 +1,0 @@
-"""Which marker an event belongs to."""

@@ -1,1 +1,0 @@
-"""What the neighbours of a marker say about where it is."""

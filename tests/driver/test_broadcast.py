@@ -1,0 +1,117 @@
+"""What the line sees, handed to others: they may be slow, gone or many; the line never waits."""
+
+import socket
+import threading
+import time
+
+import pytest
+
+from neurotouch_hid.driver.broadcast import MAX_LISTENERS, QUEUE_BYTES, Broadcast
+from neurotouch_hid.errors import DriverError
+from neurotouch_hid.messages import GamepadState, MarkerField, Step, no_gesture
+from neurotouch_hid.recording.wire import receive_packets
+from tests.recording.streams import make_packets
+
+LIMIT_S = 60.0
+
+
+def step_of(packet):
+    empty = MarkerField(0, None, None, None)
+    return Step(packet, None, empty, no_gesture(0), GamepadState(0))
+
+
+@pytest.fixture
+def broadcast():
+    broadcast = Broadcast()
+    yield broadcast
+    broadcast.close()
+
+
+def listen(broadcast):
+    """The far end of a line that is served."""
+    here, there = socket.socketpair()
+    there.settimeout(LIMIT_S)
+
+    def serve():
+        with here:
+            broadcast.serve(here)
+
+    before = len(broadcast._listeners)
+    thread = threading.Thread(target=serve, daemon=True)
+    thread.start()
+    wait_until(lambda: len(broadcast._listeners) > before)
+    return there, thread
+
+
+def wait_until(happened):
+    deadline = time.monotonic() + LIMIT_S
+    while not happened():
+        assert time.monotonic() < deadline
+        time.sleep(0.005)
+
+
+def test_listeners_get_every_packet_and_then_the_end(broadcast):
+    packets = make_packets(2_000)
+    (a, first), (b, second) = listen(broadcast), listen(broadcast)
+    got = {}
+    readers = [
+        threading.Thread(target=lambda n=n, line=line: got.update({n: list(receive_packets(line))}))
+        for n, line in enumerate((a, b))
+    ]
+    for reader in readers:
+        reader.start()
+    for packet in packets:
+        broadcast(step_of(packet))
+    broadcast.close()
+    for thread in (*readers, first, second):
+        thread.join(LIMIT_S)
+    for received in got.values():
+        assert [p.t_begin_us for p in received] == [p.t_begin_us for p in packets]
+        assert sum(len(p.events) for p in received) == 2_000
+        assert not any(p.gap for p in received)
+    a.close()
+    b.close()
+
+
+def test_a_listener_that_sleeps_loses_the_oldest_and_is_told_how_many(broadcast):
+    line, thread = listen(broadcast)
+    packets = make_packets(1_000_000)
+    assert sum(p.events.nbytes for p in packets) < QUEUE_BYTES  # so it is sent several times
+    rounds = 4
+    for _ in range(rounds):  # nobody reads: this must not wait
+        for packet in packets:
+            broadcast(step_of(packet))
+    received = []
+    reader = threading.Thread(target=lambda: received.extend(receive_packets(line)))
+    reader.start()
+    broadcast.close()
+    reader.join(LIMIT_S)
+    thread.join(LIMIT_S)
+    line.close()
+    arrived = sum(len(p.events) for p in received)
+    lost = sum(p.gap for p in received)
+    assert lost > 0
+    assert arrived + lost == rounds * 1_000_000
+    assert received[-1].t_begin_us == packets[-1].t_begin_us  # the newest is never lost
+
+
+def test_a_listener_that_leaves_is_forgotten(broadcast):
+    line, thread = listen(broadcast)
+    line.close()
+    packets = make_packets(1_000)
+    deadline = time.monotonic() + LIMIT_S
+    while thread.is_alive() and time.monotonic() < deadline:
+        broadcast(step_of(packets[0]))
+        time.sleep(0.005)
+    assert not thread.is_alive()
+    assert broadcast._listeners == ()
+
+
+def test_only_so_many_may_listen(broadcast):
+    lines = [listen(broadcast)[0] for _ in range(MAX_LISTENERS - 1)]
+    broadcast.require_place()
+    lines.append(listen(broadcast)[0])
+    with pytest.raises(DriverError, match="record or look on already"):
+        broadcast.require_place()
+    for line in lines:
+        line.close()

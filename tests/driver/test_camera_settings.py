@@ -1,0 +1,66 @@
+"""The file that sets up the camera."""
+
+import pytest
+
+from neurotouch_hid.driver.camera_settings import (
+    CameraSettings,
+    find_camera_file,
+    load_camera_config,
+)
+from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.source.davis import Biases, DavisConfig
+from neurotouch_hid.source.davis.registers import CoarseFine
+
+
+@pytest.fixture
+def file(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    path = find_camera_file()
+    path.parent.mkdir(parents=True)
+    return path
+
+
+def test_without_a_file_the_shipped_values_hold(file):
+    assert load_camera_config() == DavisConfig()
+
+
+def test_every_key_reaches_the_driver(file):
+    file.write_text(
+        "version: 1\nexposure_us: 8000\nframe_interval_us: 20000\nactivity_filter_us: 0\n"
+        "early_packet_delay_us: 1000\nmirrored: true\nhot_pixels: [[3, 4], [345, 259]]\n"
+        "biases:\n  OnBn: [6, 7]\n"
+    )
+    assert load_camera_config() == DavisConfig(
+        exposure_us=8000,
+        frame_interval_us=20_000,
+        activity_filter_us=0,
+        early_packet_delay_us=1000,
+        mirrored=True,
+        hot_pixels=((3, 4), (345, 259)),
+        biases=Biases(OnBn=CoarseFine(6, 7)),
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "place", "words"),
+    [
+        ("exposure_us: 0", ":1:14", "10"),
+        ("exposure: 4000", ":1:1", "exposure_us"),
+        ("biases:\n  OnBn: [8, 0]", ":2:3", "coarse 0 to 7"),
+        ("biases:\n  onbn: [5, 0]", ":2:3", "biases.onbn"),
+        ("mirrored: 1", ":1:11", "true or false"),
+    ],
+)
+def test_mistakes_are_told_with_their_place(file, text, place, words):
+    file.write_text(text)
+    with pytest.raises(ProfileError) as caught:
+        load_camera_config()
+    assert f"camera.yaml{place}" in caught.value.message
+    assert words in caught.value.message
+
+
+def test_the_words_name_the_values_that_hold():
+    for name, field in CameraSettings.model_fields.items():
+        default = field.default
+        if isinstance(default, int) and not isinstance(default, bool):
+            assert f"Default: {default}." in field.description, name

@@ -1,0 +1,157 @@
+"""What the questions mean; the line here stands still unless a test turns it."""
+
+import time
+from concurrent.futures import ThreadPoolExecutor, wait
+from threading import Event
+
+import pytest
+
+from neurotouch_hid.driver.commands import Commands
+from neurotouch_hid.driver.reload import ProfileWatch
+from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.profile import UserSettings, load_profile
+from neurotouch_hid.runtime import Pipeline, Session, Stopwatch
+
+PROFILE, USER = load_profile("default"), UserSettings()
+
+
+@pytest.fixture
+def session():
+    stopwatch = Stopwatch()
+    line = Pipeline.build(PROFILE, GestureConfig(), user=USER, stopwatch=stopwatch)
+    return Session(line, stopwatch, USER)
+
+
+@pytest.fixture
+def commands(session):
+    watch = ProfileWatch("default", PROFILE, USER, session, lambda said: None, lambda new: None)
+    yield Commands(session, watch, {"source": lambda: "sim:tour"})
+    watch.close()
+
+
+@pytest.fixture
+def patient(monkeypatch):
+    """A machine that stands still for a moment is no silent source."""
+    monkeypatch.setattr("neurotouch_hid.driver.commands._WAIT_S", 60.0)
+
+
+def test_order_to_a_silent_source_is_noted(commands):
+    answer = commands.answer({"command": "panic"})
+    assert answer["ok"]
+    assert answer["done"] is False
+    assert "silent" in answer["text"]
+
+
+@pytest.mark.parametrize(
+    ("orders", "words", "state"),
+    [
+        (["pause"], "Paused", "paused"),
+        (["pause", "pause"], "Paused", "paused"),
+        (["resume"], "Resumed", "running"),
+        (["panic"], "Stopped", "panic"),
+        (["pause", "panic"], "Stopped", "panic"),
+        (["panic", "pause"], "Stopped", "panic"),  # only resume ends a panic
+        (["panic", "pause", "resume", "pause"], "Paused", "paused"),
+    ],
+)
+def test_an_answer_says_what_holds_afterwards(commands, session, patient, orders, words, state):
+    with ThreadPoolExecutor(1) as asker:
+        for order in orders:
+            asked = asker.submit(commands.answer, {"command": order})
+            while not asked.done():  # the line takes its orders between two slices
+                session.obey()
+                time.sleep(0.001)
+    assert asked.result()["done"]
+    assert asked.result()["text"].startswith(words)
+    assert commands.answer({"command": "status"})["state"] == state
+
+
+def test_too_many_orders_are_refused_but_never_a_panic(commands, session):
+    for _ in range(64):
+        session.tell("pause")
+    refused = commands.answer({"command": "resume"})
+    assert (refused["ok"], "too many" in refused["error"]) == (False, True)
+    assert commands.answer({"command": "panic"})["ok"]
+    session.obey()
+    assert commands.answer({"command": "status"})["state"] == "panic"
+
+
+@pytest.mark.parametrize(
+    ("question", "sentence"),
+    [
+        ({"command": "fly"}, "no command 'fly'"),
+        ({"command": "\x1b[2J" * 100}, "no command '"),
+        ({"command": "use"}, "missing"),
+        ({"command": "use", "profile": 7}, "missing"),
+        ({"command": "use", "profile": "nine"}, "no profile is called 'nine'"),
+        ({"command": "use", "profile": "/dev/zero"}, "not a file"),
+        ({"command": "use", "profile": "/\0.yaml"}, "cannot be read"),
+        ({"command": "use", "profile": "x" * 60_000}, "no profile is called"),
+    ],
+)
+def test_what_cannot_be_done_is_said(commands, question, sentence):
+    answer = commands.answer(question)
+    assert answer["ok"] is False
+    assert sentence in answer["error"]
+    assert "\x1b" not in answer["error"]
+
+
+def test_status_tells_the_facts_too(commands):
+    status = commands.answer({"command": "status"})
+    assert (status["source"], status["version"], status["profile"]) == ("sim:tour", 1, "default")
+    assert status["silent_s"] >= 0.0
+
+
+@pytest.fixture
+def gate():
+    """Until it opens, each profile is still being loaded."""
+    return Event()
+
+
+@pytest.fixture
+def load_through(session, gate):
+    """Commands whose profiles wait at the gate, and then cannot be used if there is a fault."""
+    watches = []
+
+    def make(fault: NeuroTouchError | None = None) -> Commands:
+        def prepare(_new) -> None:
+            gate.wait()
+            if fault is not None:
+                raise fault
+
+        watches.append(ProfileWatch("default", PROFILE, USER, session, lambda said: None, prepare))
+        return Commands(session, watches[-1], {})
+
+    yield make
+    gate.set()
+    for watch in watches:
+        watch.close()
+
+
+@pytest.mark.parametrize(("command", "name"), [("reload", "default"), ("use", "racing")])
+@pytest.mark.parametrize("fault", [None, NeuroTouchError("It has an error.", hint="Mend it.")])
+def test_what_is_loaded_slowly_is_answered_in_the_end(load_through, gate, command, name, fault):
+    commands, question = load_through(fault), {"command": command, "profile": name}
+    with ThreadPoolExecutor(1) as asker:
+        asked = asker.submit(commands.answer, question)
+        assert not wait([asked], timeout=1.5).done
+        gate.set()
+    if fault is None:
+        assert asked.result() == {"ok": True, "done": True, "text": f"The profile '{name}' holds."}
+    else:
+        assert asked.result() == {"ok": False, "error": "It has an error.", "hint": "Mend it."}
+
+
+def test_what_is_not_loaded_in_time_is_no_success(load_through, monkeypatch):
+    monkeypatch.setattr("neurotouch_hid.driver.commands.LOADING_S", 0.1)
+    answer = load_through().answer({"command": "reload"})
+    assert answer["ok"] is False
+    assert answer["error"] == "The profile is still being loaded after 0.1 s."
+    assert "neurotouch status" in answer["hint"]
+
+
+def test_use_answers_with_the_profile_that_holds(commands, patient):
+    answer = commands.answer({"command": "use", "profile": "racing"})
+    assert answer["done"]
+    assert "'racing'" in answer["text"]

@@ -1,0 +1,103 @@
+"""Ctrl-C while a command is being loaded; each in a process of its own."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SWALLOWING = """
+import os, signal
+try:
+    os.kill(os.getpid(), signal.{name})
+    for _ in range(1000):
+        pass
+except BaseException:
+    pass
+"""
+"""Of a library: what comes while it is imported stays there."""
+LOADING = """
+import time
+from neurotouch_hid.process.interrupts import heed_interrupts
+heed_interrupts()
+try:
+    exec({code!r}, {{"__name__": {module!r}}})
+    time.sleep(60)
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+READ = "exec(open('swallowing.py').read(), {'__name__': __name__})"
+MORTAL = f"""
+class Mortal:
+    def __del__(self):
+        {READ}
+Mortal()
+"""
+STARTING = """
+import signal, sys
+from neurotouch_hid.__main__ import main
+sys.argv = ["neurotouch", "--version"]
+try:
+    main()
+except SystemExit:
+    print(signal.getsignal(signal.SIGINT) is signal.SIG_IGN)
+"""
+
+
+@pytest.fixture
+def python(tmp_path):
+    """Runs Python with what lies in ``tmp_path`` before everything else."""
+
+    def run(*arguments, ignores=False):
+        before = signal.signal(signal.SIGINT, signal.SIG_IGN if ignores else signal.SIG_DFL)
+        try:
+            return subprocess.run(
+                [sys.executable, *arguments],
+                cwd=tmp_path,
+                env=os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)])},
+                capture_output=True,
+                text=True,
+                timeout=300,
+                check=False,
+            )
+        finally:
+            signal.signal(signal.SIGINT, before)
+
+    return run
+
+
+def test_before_there_is_a_command_line_the_process_just_ends(python, tmp_path):
+    (tmp_path / "click.py").write_text(SWALLOWING.format(name="SIGINT"))
+    done = python("-m", "neurotouch_hid", "run")
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_while_a_command_imports_the_process_just_ends(python, tmp_path, name):
+    (tmp_path / "swallowing.py").write_text(SWALLOWING.format(name=name))
+    done = python("-c", LOADING.format(code="import swallowing", module="neurotouch_hid.cli.run"))
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "Stopped.\n")
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize(
+    ("code", "module"),
+    [
+        ("import swallowing", "neurotouch_hid.runtime.warmup"),
+        (READ, "pydantic.main"),
+        (MORTAL, "neurotouch_hid.cli.run"),
+    ],
+)
+def test_elsewhere_it_waits_until_nobody_can_swallow_it(python, tmp_path, name, code, module):
+    (tmp_path / "swallowing.py").write_text(SWALLOWING.format(name=name))
+    done = python("-c", LOADING.format(code=code, module=module))
+    assert (done.returncode, done.stdout, done.stderr) == (0, "interrupted\n", "")
+
+
+@pytest.mark.parametrize("ignores", [True, False])
+def test_who_ignores_it_goes_on_doing_so(python, ignores):
+    done = python("-c", STARTING, ignores=ignores)
+    assert done.stdout.splitlines()[-1] == str(ignores)
