@@ -20,45 +20,45 @@ ROOT = Path(__file__).resolve().parents[2]
 SLICE_US = 10_000
 VARIANTS = {
     "everything": (),
-    "no press": (("elastic/fit/kernels.py", "PRESS_MM = 1.5", "PRESS_MM = 1e-3"),),
+    "no press": (("elastic/kernels/fit.py", "PRESS_MM = 1.5", "PRESS_MM = 1e-3"),),
     "no motion of everything": (
-        ("elastic/fit/kernels.py", "OFFSET_MM = 0.2", "OFFSET_MM = 1e-4"),
-        ("elastic/fit/kernels.py", "SWAY_RAD = 0.01", "SWAY_RAD = 1e-6"),
+        ("elastic/kernels/fit.py", "OFFSET_MM = 0.2", "OFFSET_MM = 1e-4"),
+        ("elastic/kernels/fit.py", "SWAY_RAD = 0.01", "SWAY_RAD = 1e-6"),
     ),
     "no finite turns": (
-        ("elastic/fit/kernels.py", "bend = math.sqrt(", "bend = 0.0 * math.sqrt("),
-        ("elastic/fit/kernels.py", "2, 0.0)) - 1.0", "2, 0.0))"),
+        ("elastic/kernels/fit.py", "bend = math.sqrt(", "bend = 0.0 * math.sqrt("),
+        ("elastic/kernels/fit.py", "2, 0.0)) - 1.0", "2, 0.0))"),
     ),
     "contacts at lattice points": (
-        ("elastic/fit/kernels.py", "STEP_MM = 2.0", "STEP_MM = 1e-3"),
+        ("elastic/kernels/fit.py", "STEP_MM = 2.0", "STEP_MM = 1e-3"),
     ),
-    "one radius for all": (("elastic/fit/kernels.py", "RADIUS_MM = 0.8", "RADIUS_MM = 1e-3"),),
+    "one radius for all": (("elastic/kernels/fit.py", "RADIUS_MM = 0.8", "RADIUS_MM = 1e-3"),),
     "a finger once found stays": (
-        ("elastic/hand/hand.py", "keep: float = 0.6", "keep: float = -1e9"),
+        ("elastic/fingers.py", "keep: float = 0.6", "keep: float = -1e9"),
     ),
     "no second look while forming": (
-        ("elastic/hand/kernels.py", "is_warm or (is_due and forming", "is_warm or (False"),
+        ("elastic/kernels/follow.py", "is_warm or (is_due and forming", "is_warm or (False"),
     ),
     "push compared one to one": (
-        ("elastic/motion/kernels.py", "COMMON_GAIN = 1.6", "COMMON_GAIN = 1.0"),
+        ("elastic/kernels/motion.py", "COMMON_GAIN = 1.6", "COMMON_GAIN = 1.0"),
     ),
     "type of each slice alone": (
         ("elastic/decision.py", "memory_us: int = 60_000", "memory_us: int = 1"),
         ("elastic/decision.py", "latch_mm: float = 2.0", "latch_mm: float = 1e9"),
     ),
     "types from all of the motion": (
-        ("elastic/motion/kernels.py", "LANDING_SHARE = 0.8", "LANDING_SHARE = 0.0"),
+        ("elastic/kernels/motion.py", "LANDING_SHARE = 0.8", "LANDING_SHARE = 0.0"),
     ),
     "all gestures end at one size": (
         ("elastic/decision.py", "least_off_mm: float = 0.18", "least_off_mm: float = 0.28"),
     ),
     "fingers join those that let go": (
-        ("elastic/hand/kernels.py", "if not falling:", "if True:"),
+        ("elastic/kernels/follow.py", "if not falling:", "if True:"),
     ),
     "gel that was let go is still": (
         ("elastic/decision.py", "swing: float = 0.1", "swing: float = 0.0"),
     ),
-    "one finger at most": (("elastic/hand/hand.py", "most: int = MOST", "most: int = 1"),),
+    "one finger at most": (("elastic/fingers.py", "most: int = MOST", "most: int = 1"),),
     "method: paper": (("config.py", 'method: Method = "neurotouch"', 'method: Method = "paper"'),),
 }  # fmt: skip
 

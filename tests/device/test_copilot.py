@@ -9,7 +9,8 @@ import pytest
 from evdev import ecodes
 
 from neurotouch_hid.device import Copilot
-from neurotouch_hid.device.inputs.nodes import Input, copilot
+from neurotouch_hid.device.inputs import copilot
+from neurotouch_hid.device.inputs.nodes import Input
 from neurotouch_hid.errors import DeviceError
 
 LIMIT_S = 60.0

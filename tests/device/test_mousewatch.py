@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 from evdev import InputEvent, ecodes
 
+from neurotouch_hid.device.inputs import mousewatch
 from neurotouch_hid.device.inputs.mousewatch import MouseWatch
-from neurotouch_hid.device.inputs.nodes import Input, mousewatch
+from neurotouch_hid.device.inputs.nodes import Input
 
 LIMIT_S = 60.0
 ODD, PLAIN = (

@@ -22,10 +22,10 @@ from neurotouch_hid.client import (
     LIMIT_BYTES,
     REQUEST_S,
     ask,
-    control,
     find_runtime_folder,
     find_socket,
 )
+from neurotouch_hid.driver import control
 from neurotouch_hid.driver.control import MAX_CLIENTS, ControlSocket
 from neurotouch_hid.errors import AlreadyRunningError, DriverError, NotRunningError
 

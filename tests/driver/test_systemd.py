@@ -76,7 +76,7 @@ def test_handed_over_descriptors_are_given_out_once_each_by_name(tmp_path):
     """In a process of its own, for the numbers 3 to 5 are taken here."""
     program = (
         "import os\n"
-        "from neurotouch_hid.runtime import Supervisor\n"
+        "from neurotouch_hid.driver.systemd import Supervisor\n"
         f"for name in 'abc': os.open(r'{tmp_path}/' + name, os.O_RDWR | os.O_CREAT)\n"
         "os.environ |= dict(LISTEN_PID=str(os.getpid()), LISTEN_FDS='3',\n"
         "                   LISTEN_FDNAMES='uinput:other:uinput')\n"

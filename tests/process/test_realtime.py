@@ -9,7 +9,7 @@ import pytest
 
 SCRIPT = """
 import ctypes, json, os, sys, threading, time
-from neurotouch_hid.runtime import hurry
+from neurotouch_hid.process.realtime import hurry
 if sys.argv[1] == "user":
     os.setuid(65534)
 def look():
