@@ -37,9 +37,13 @@ _AGAIN_S: Final = 0.1
 Answer = dict[str, Any]
 
 
-def find_runtime_folder() -> Path:
-    """The folder a driver of this user keeps its socket in; it need not exist."""
-    return list_folders()[0]
+def find_runtime_folder(player: int | None = None) -> Path:
+    """Returns the folder a driver of this user keeps its sockets in; it need not exist.
+
+    Args:
+        player: the player number; None means the one of the environment.
+    """
+    return list_folders(player)[0]
 
 
 def find_socket(folder: Path) -> Path:

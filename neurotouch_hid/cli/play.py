@@ -1,77 +1,40 @@
-"""What ``run`` and ``demo`` share: prepare the line, play it, say what happened."""
+"""What ``run`` and ``demo`` share: play a driver, show what it does, say what happened."""
 
 import sys
-import threading
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
-from itertools import islice
+from contextlib import ExitStack, suppress
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.device import Device
 from neurotouch_hid.driver.signals import stop_on_signals
-from neurotouch_hid.driver.wiring import Live
-from neurotouch_hid.gesture import GestureConfig
-from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.monitor import LinesMonitor, PictureMonitor, TraceWriter
-from neurotouch_hid.process.realtime import hurry
-from neurotouch_hid.profile import Profile
-from neurotouch_hid.runtime import Pipeline, Tap, run_line, warm_up
-from neurotouch_hid.source import Source, open_source
 
-_PATIENCE_S = 1.0
-_WARM_SLICES = 5  # up to the first frame
-
-
-def prepare_kernels(profile: Profile, gesture: GestureConfig, source: str) -> None:
-    """Loads the compiled kernels of the line and of the source; says so if they must be compiled.
-
-    Of the sources only the simulator has kernels of its own that a first slice must not wait for.
-
-    Args:
-        profile: what the gestures mean.
-        gesture: how they are recognised.
-        source: what will be played, as the user wrote it.
-    """
-    with _notice("Loading (the first time compiles for this processor, half a minute) ..."):
-        warm_up(Pipeline.build(profile, gesture))
-        if source.startswith("sim:"):
-            with open_source(source, speed="max") as first_slices:
-                for _ in islice(first_slices, _WARM_SLICES):
-                    pass
+if TYPE_CHECKING:
+    from neurotouch_hid.driver import Driver
+    from neurotouch_hid.runtime import Tap
 
 
 def play(
-    source: Source,
-    pipeline: Pipeline,
-    device: Device,
-    *,
-    title: str,
-    show: str,
-    trace: Path | None = None,
-    seconds: float | None = None,
-    live: Live | None = None,
+    driver: "Driver", *, show: str, trace: Path | None = None, seconds: float | None = None
 ) -> None:
-    """Runs the line with the chosen taps until the source ends, a signal comes or time is up.
+    """Runs a driver with the chosen monitors until its source ends, a signal comes or time is up.
 
     Args:
-        source: what to play.
-        pipeline: the line.
-        device: the pad.
-        title: the first line of the picture.
+        driver: what to run; open.
         show: ``picture``, ``lines``, ``nothing``, or ``auto``: a picture on a terminal, else lines.
         trace: file for one JSON line per slice.
-        seconds: end after so much sensor time.
-        live: what the line listens to while it plays.
+        seconds: ends after so much sensor time.
     """
     if show == "auto":
         show = "picture" if sys.stdout.isatty() else "lines"
-    stop = stop_on_signals(live.reload if live is not None else None)
+    stop = stop_on_signals(driver.reload if driver.options.is_listening else None)
+    title = f"{driver.source.name} → {driver.device.name}, profile {driver.profile.name}"
+    if driver.source.is_simulated:
+        title = f"SIMULATED {title}"
     click.echo(f"Gamepad ready: {title}. Ctrl-C ends.", err=True)
-    packets = source if seconds is None else _for_seconds(source, seconds)
     with ExitStack() as stack:
-        taps: list[Tap] = [] if live is None else [*live.taps]
+        taps: list[Tap] = []
         if trace is not None:
             writer = TraceWriter(trace)
             stack.callback(writer.close)
@@ -82,11 +45,8 @@ def play(
             )
             stack.callback(monitor.close)
             taps.append(monitor)
-        session = live.session if live is not None else None
-        if live is not None:
-            stack.enter_context(hurry())
-        stats = run_line(packets, pipeline, device, taps, stop=stop, session=session)
-    seen = pipeline.rest.detector.stats()
+        stats = driver.run(taps, seconds=seconds, stop=stop)
+    seen = driver.pipeline.rest.detector.stats()
     if seen.n_references and not seen.n_frames:
         click.echo(f"Warning: the gel was {seen.reason}.", err=True)
     speed = f", {stats.sensor_s / stats.host_s:.1f} times real time" if stats.host_s else ""
@@ -97,21 +57,7 @@ def play(
     )
 
 
-def _for_seconds(packets: Source, seconds: float) -> Iterator[EventPacket]:
-    begin_us: int | None = None
-    for packet in packets:
-        begin_us = packet.t_begin_us if begin_us is None else begin_us
-        yield packet
-        if packet.t_end_us - begin_us >= seconds * 1e6:
-            return
-
-
-@contextmanager
-def _notice(text: str) -> Iterator[None]:
-    timer = threading.Timer(_PATIENCE_S, click.echo, (text,), {"err": True})
-    timer.daemon = True
-    timer.start()
-    try:
-        yield
-    finally:
-        timer.cancel()
+def announce(sentence: str) -> None:
+    """Tells the person a sentence on the standard error."""
+    with suppress(OSError):  # the terminal has gone, or the disk that keeps it is full
+        click.echo(sentence, err=True)

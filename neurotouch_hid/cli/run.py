@@ -1,7 +1,5 @@
-"""``neurotouch run``: the driver."""
+"""``neurotouch run``: drives the gamepad from a source."""
 
-import os
-from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -17,8 +15,8 @@ from neurotouch_hid.cli.ui.options import (
 )
 
 if TYPE_CHECKING:
+    from neurotouch_hid.driver import DeviceKind
     from neurotouch_hid.gesture import Method
-    from neurotouch_hid.source import Source
 
 
 @click.command(
@@ -77,7 +75,7 @@ if TYPE_CHECKING:
 def command(
     profile: str | None,
     source: str,
-    device: str,
+    device: "DeviceKind",
     identity: str | None,
     copilot: str | None,
     rumble: bool,
@@ -90,95 +88,21 @@ def command(
     show: str,
 ) -> None:
     """Drive the virtual gamepad from the gel until the source ends or Ctrl-C."""
-    from neurotouch_hid.cli.play import play, prepare_kernels
-    from neurotouch_hid.client import PLAYER
-    from neurotouch_hid.device import check_device
-    from neurotouch_hid.driver.extra_devices import find_companions
-    from neurotouch_hid.driver.pad import open_pad
-    from neurotouch_hid.driver.settings import load_driver_settings
-    from neurotouch_hid.driver.wiring import Live, take_control
-    from neurotouch_hid.gesture import GestureConfig
-    from neurotouch_hid.profile import load_profile, load_user
-    from neurotouch_hid.runtime import Pipeline, Stopwatch
+    from neurotouch_hid.cli.play import announce, play
+    from neurotouch_hid.driver import Driver, DriverOptions
 
-    os.environ[PLAYER] = str(player)
-    user, settings = load_user(), load_driver_settings()
-    profile = profile or user.slots[0]
-    mapping = load_profile(profile)
-    gesture = GestureConfig(method=method)
-    with ExitStack() as stack:
-        # One driver at a time. As fast as possible and without a pad is a computation beside it.
-        drives = speed == "recorded" or device != "memory"
-        control = take_control(stack) if drives else None
-        packets = stack.enter_context(_open_source(source, speed, rate_hz, seed))
-        check_device(device, identity)  # before the kernels compile, and again for real after it
-        prepare_kernels(mapping, gesture, source)
-        stopwatch = Stopwatch()
-        pipeline = Pipeline.build(
-            mapping,
-            gesture,
-            user=user,
-            rig=packets.rig,
-            live=speed == "recorded" and not packets.name.startswith("file:"),
-            stopwatch=stopwatch,
-        )
-        played = open_pad(
-            device,
-            find_companions(mapping),
-            settings,
-            identity=identity,
-            player=player,
-            copilot=copilot,
-            shows_rumble=rumble,
-        )
-        pad = stopwatch.watch("device", stack.enter_context(played.device), "write")
-        live = None
-        if drives:
-            live = stack.enter_context(
-                Live(
-                    control,
-                    pipeline,
-                    stopwatch,
-                    pad,
-                    name=profile,
-                    profile=mapping,
-                    user=user,
-                    settings=settings,
-                    source=packets.name,
-                    facts=played.facts,
-                    copilot=played.copilot,
-                )
-            )
-        title = f"{packets.name} → {pad.name}, profile {mapping.name}"
-        play(packets, pipeline, pad, title=title, show=show, trace=trace, live=live)
-
-
-def _open_source(
-    source: str, speed: Literal["recorded", "max"], rate_hz: float | None, seed: int
-) -> "Source":
-    """The source; a camera that cannot be had because the service has it is not a mystery.
-
-    Raises:
-        AlreadyRunningError: the service has the camera.
-        NeuroTouchError: as ``open_source``.
-    """
-    from neurotouch_hid.client import is_service_running
-    from neurotouch_hid.driver.camera_settings import load_camera_config
-    from neurotouch_hid.errors import AlreadyRunningError, CameraError
-    from neurotouch_hid.source import open_source
-
-    slice_us = None if rate_hz is None else round(1e6 / rate_hz)
-    try:
-        return open_source(
-            source, slice_us=slice_us, speed=speed, seed=seed, camera=load_camera_config()
-        )
-    except CameraError as error:
-        from neurotouch_hid.source.davis import find_cameras
-
-        if not (find_cameras() and is_service_running()):
-            raise
-        raise AlreadyRunningError(
-            "The neurotouch service plays already, and it has the camera.",
-            hint="See what it does: neurotouch status. To play without it: "
-            "sudo systemctl stop neurotouch",
-        ) from error
+    options = DriverOptions(
+        source=source,
+        profile=profile,
+        device=device,
+        identity=identity,
+        copilot=copilot,
+        player=player,
+        speed=speed,
+        rate_hz=rate_hz,
+        method=method,
+        seed=seed,
+        shows_rumble=rumble,
+    )
+    with Driver(options, announce=announce) as driver:
+        play(driver, show=show, trace=trace)

@@ -1,6 +1,5 @@
 """``neurotouch service``: the driver as systemd runs it, there as long as the machine is on."""
 
-from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -36,83 +35,52 @@ def command(source: str | None, only_compile: bool) -> None:
     Profile and camera are chosen in /etc/neurotouch/service.yaml; a person's own values lie beside
     it, in user.yaml. Another player's service is neurotouch@2, its folder /etc/neurotouch/player-2.
     """
-    from neurotouch_hid.cli.play import prepare_kernels
-    from neurotouch_hid.client import find_player, find_runtime_folder
-    from neurotouch_hid.driver.camera_settings import load_camera_config
-    from neurotouch_hid.driver.control import ControlSocket
-    from neurotouch_hid.driver.extra_devices import find_companions
-    from neurotouch_hid.driver.pad import open_pad
+    from neurotouch_hid.cli.play import announce
+    from neurotouch_hid.client import find_player
+    from neurotouch_hid.driver import Driver, DriverOptions
     from neurotouch_hid.driver.seat import find_seated_users
     from neurotouch_hid.driver.service_settings import load_service_settings
-    from neurotouch_hid.driver.settings import load_driver_settings
     from neurotouch_hid.driver.signals import stop_on_signals
     from neurotouch_hid.driver.systemd import Supervisor
     from neurotouch_hid.driver.watchdog import Lookout
-    from neurotouch_hid.driver.wiring import Live
-    from neurotouch_hid.gesture import GestureConfig
-    from neurotouch_hid.process.realtime import hurry
-    from neurotouch_hid.profile import load_profile, load_user
-    from neurotouch_hid.runtime import Pipeline, Stopwatch, run_line
-    from neurotouch_hid.source import open_source
 
     supervisor = Supervisor()
-    choices, user, settings = load_service_settings(), load_user(), load_driver_settings()
-    name = choices.profile or user.slots[0]
-    profile, gesture = load_profile(name), GestureConfig()
-    source = source or choices.source
+    choices = load_service_settings()
+    options = DriverOptions(
+        source=source or choices.source,
+        profile=choices.profile,
+        device=choices.device,
+        identity=choices.identity,
+        player=find_player(),
+        wait=True,
+    )
+    driver = Driver(
+        options,
+        announce=announce,
+        make_device=partial(_make_pad, supervisor),
+        guests=find_seated_users,
+        facts={
+            "source": lambda: _describe(driver.source),
+            "keyboard": lambda: "the service may not read keyboards, so none stops it",
+        },
+    )
     if only_compile:
-        prepare_kernels(profile, gesture, source)
-        open_source(source, wait=True).close()  # which compiles what reads the camera
+        driver.compile()
         return
-    with ExitStack() as stack:
-        control = stack.enter_context(ControlSocket(find_runtime_folder(), find_seated_users))
-        supervisor.report_status("preparing the kernels")
-        prepare_kernels(profile, gesture, source)
-        packets = stack.enter_context(open_source(source, camera=load_camera_config(), wait=True))
-        stopwatch = Stopwatch()
-        pipeline = Pipeline.build(
-            profile, gesture, user=user, rig=packets.rig, live=True, stopwatch=stopwatch
-        )
-        played = open_pad(
-            choices.device,
-            find_companions(profile),
-            settings,
-            identity=choices.identity,
-            player=find_player(),
-            wait=True,
-            make=partial(_make_pad, supervisor),
-        )
-        pad = stopwatch.watch("device", stack.enter_context(played.device), "write")
-        live = stack.enter_context(
-            Live(
-                control,
-                pipeline,
-                stopwatch,
-                pad,
-                name=name,
-                profile=profile,
-                user=user,
-                settings=settings,
-                source=packets.name,
-                facts={
-                    **played.facts,
-                    "source": lambda: _describe(packets),
-                    "keyboard": lambda: "the service may not read keyboards, so none stops it",
-                },
-                copilot=played.copilot,
-            )
-        )
-        stop = stop_on_signals(live.reload)
+    supervisor.report_status("preparing the kernels")
+    with driver:
+        stop = stop_on_signals(driver.reload)
         supervisor.report_ready()
-        supervisor.report_status(f"{packets.name} → {pad.name}. More: neurotouch status")
-        lookout = Lookout(packets)
-        stack.enter_context(hurry())
+        supervisor.report_status(
+            f"{driver.source.name} → {driver.device.name}. More: neurotouch status"
+        )
+        lookout = Lookout(driver.source)
 
         def turned() -> None:
             supervisor.report_alive()
             lookout.check()
 
-        run_line(packets, pipeline, pad, live.taps, stop=stop, session=live.session, turned=turned)
+        driver.run(stop=stop, turned=turned)
         supervisor.report_stopping()
 
 

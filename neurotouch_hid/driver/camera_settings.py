@@ -100,16 +100,19 @@ class CameraSettings(Strict):
         )
 
 
-def find_camera_file() -> Path:
+def find_camera_file(player: int | None = None) -> Path:
     """The file of these settings; it need not exist."""
-    return find_user_file().with_name(FILE)
+    return find_user_file(player).with_name(FILE)
 
 
-def load_camera_config() -> DavisConfig:
+def load_camera_config(player: int | None = None) -> DavisConfig:
     """The settings; the defaults if there is no file.
+
+    Args:
+        player: the player number; None means the one of the environment.
 
     Raises:
         ProfileError: the file says something we cannot do; every mistake has line and column.
         CameraError: a pixel lies outside.
     """
-    return load_settings(find_camera_file(), CameraSettings).config
+    return load_settings(find_camera_file(player), CameraSettings).config

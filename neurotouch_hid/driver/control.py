@@ -12,11 +12,14 @@ import time
 from collections.abc import Callable, Collection
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Final, Self
+from typing import Any, Final
 
 from neurotouch_hid.client import LIMIT_BYTES, REQUEST_S, Answer, find_socket, is_served
+from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import AlreadyRunningError, DriverError
+
+Guests = Callable[[], Collection[int]]
+"""Looks up the users who may ask beside the owner and root."""
 
 MAX_CLIENTS: Final = 8
 
@@ -31,7 +34,7 @@ take its time."""
 STREAM: Final = "stream"
 
 
-class ControlSocket:
+class ControlSocket(Closing):
     """A UNIX socket for its owner, root and perhaps guests; it also keeps a second driver away.
 
     Clients wait in the queue until ``serve``. A lock file beside the socket belongs to the driver
@@ -50,9 +53,7 @@ class ControlSocket:
         DriverError: no socket can be made here.
     """
 
-    def __init__(
-        self, folder: Path, find_guests: Callable[[], Collection[int]] | None = None
-    ) -> None:
+    def __init__(self, folder: Path, find_guests: Guests | None = None) -> None:
         self._path = find_socket(folder)
         self.has_guests = find_guests is not None
         self._find_guests = find_guests or frozenset
@@ -90,17 +91,6 @@ class ControlSocket:
             self._listener.shutdown(socket.SHUT_RDWR)  # wakes the thread that accepts
         self._listener.close()
         os.close(self._lock)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _accept(self, answer: Answerer) -> None:
         while not self._closed:

@@ -64,7 +64,7 @@ def open_pad(
         settings: of the driver on this machine.
         identity: what the pad claims to be.
         player: whose pad it is, from 1 on.
-        copilot: which device plays along; as the settings say without.
+        copilot: which device plays along; None means as the settings say, an empty text none.
         shows_rumble: somebody looks on who wants to see the rumble.
         wait: the co-pilot's device need not be there yet.
         make: makes the device; called as ``open_device`` is.
@@ -72,7 +72,7 @@ def open_pad(
     Raises:
         DeviceError: the pad cannot be made, or the co-pilot's device cannot be taken.
     """
-    wanted = copilot or settings.copilot.device
+    wanted = settings.copilot.device if copilot is None else copilot
     helper = Copilot(wanted, settings.copilot.keys, wait=wait) if wanted else None
     can_rumble = helper is not None and helper.rumbles
     board = RumbleBoard(*([helper.shake] if helper is not None and can_rumble else []))

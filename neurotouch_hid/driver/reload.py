@@ -46,7 +46,8 @@ class ProfileWatch:
         user: the person's values at the start.
         session: the running line.
         announce: tells the person a sentence; called in the thread of the watch.
-        prepare: is given each profile before the line gets it.
+        prepare: is given each profile before the pipeline gets it.
+        player: the player number; None means the one of the environment.
     """
 
     def __init__(
@@ -55,8 +56,9 @@ class ProfileWatch:
         profile: Profile,
         user: UserSettings,
         session: Session,
-        announce: Callable[[str], None],
+        announce: Callable[[str], object],
         prepare: Callable[[Profile], None],
+        player: int | None = None,
     ) -> None:
         self._chosen = self._name = name
         self._held = profile, user
@@ -64,7 +66,8 @@ class ProfileWatch:
         self._announce = announce
         self._prepare = prepare
         self._wishes: queue.SimpleQueue[_Wish] = queue.SimpleQueue()
-        self._loaded = self._seen = _read_stamps(name)
+        self._player = player
+        self._loaded = self._seen = _read_stamps(name, player)
         self._thread = threading.Thread(target=self._work, name="profiles", daemon=True)
         self._thread.start()
 
@@ -125,7 +128,7 @@ class ProfileWatch:
 
     def _look(self) -> None:
         """Reloads what has changed since it was loaded and has then been quiet for one poll."""
-        stamps = _read_stamps(self._name)
+        stamps = _read_stamps(self._name, self._player)
         settled, self._seen = stamps == self._seen, stamps
         if stamps != self._loaded and settled:
             with suppress(NeuroTouchError):  # announced; the profile before goes on
@@ -158,9 +161,11 @@ class ProfileWatch:
             NeuroTouchError: one of the files cannot be used, or the line takes no orders; it has
                 been announced, and what holds goes on.
         """
-        self._loaded = _read_stamps(name)  # before reading: what is saved meanwhile counts again
+        self._loaded = _read_stamps(
+            name, self._player
+        )  # before reading: what is saved meanwhile counts again
         try:
-            new = profile, user = load_profile(name), load_user()
+            new = profile, user = load_profile(name), load_user(player=self._player)
             if only_if_changed and new == self._held:
                 return  # another file, or a comment: no reason to let go of anything
             self._prepare(profile)
@@ -173,12 +178,12 @@ class ProfileWatch:
         self._announce(f"The profile '{profile.name}' {what}.")
 
 
-def _read_stamps(name: str) -> dict[Path, Stamp]:
+def _read_stamps(name: str, player: int | None) -> dict[Path, Stamp]:
     """The stamps of a profile's file, of all it may be built on, and of the person's values.
 
     Files that are not there have none. Shipped profiles change with the program only.
     """
-    paths = [find_user_file()]
+    paths = [find_user_file(player)]
     with suppress(ProfileError):
         paths.append(find_profile(name))
     with suppress(OSError):

@@ -52,15 +52,18 @@ class ServiceSettings(Strict):
         return f"davis:{self.camera or ''}"
 
 
-def find_service_file() -> Path:
+def find_service_file(player: int | None = None) -> Path:
     """The file of these choices; it need not exist."""
-    return find_user_file().with_name(FILE)
+    return find_user_file(player).with_name(FILE)
 
 
-def load_service_settings() -> ServiceSettings:
+def load_service_settings(player: int | None = None) -> ServiceSettings:
     """The choices; the defaults if there is no file.
+
+    Args:
+        player: the player number; None means the one of the environment.
 
     Raises:
         ProfileError: the file says something we cannot do; every mistake has line and column.
     """
-    return load_settings(find_service_file(), ServiceSettings)
+    return load_settings(find_service_file(player), ServiceSettings)

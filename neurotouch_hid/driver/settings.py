@@ -120,15 +120,18 @@ class DriverSettings(Strict):
         return {"panic": parse_chord(self.chords.panic), "pause": parse_chord(self.chords.pause)}
 
 
-def find_driver_file() -> Path:
+def find_driver_file(player: int | None = None) -> Path:
     """The file of these settings; it need not exist."""
-    return find_user_file().with_name(FILE)
+    return find_user_file(player).with_name(FILE)
 
 
-def load_driver_settings() -> DriverSettings:
+def load_driver_settings(player: int | None = None) -> DriverSettings:
     """The settings; the defaults if there is no file.
+
+    Args:
+        player: the player number; None means the one of the environment.
 
     Raises:
         ProfileError: the file says something we cannot do; every mistake has line and column.
     """
-    return load_settings(find_driver_file(), DriverSettings)
+    return load_settings(find_driver_file(player), DriverSettings)

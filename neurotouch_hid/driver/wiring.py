@@ -1,14 +1,12 @@
-"""What surrounds a line that plays live: control socket, profiles, keyboard, desktop, sound."""
+"""Connects a running pipeline with the world around it."""
 
 import os
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
-from types import TracebackType
 from typing import Self
 
-import click
-
 from neurotouch_hid.client import find_runtime_folder
+from neurotouch_hid.closing import Closing
 from neurotouch_hid.desktop import Follower, open_window
 from neurotouch_hid.device import ChordReader, Copilot, Device
 from neurotouch_hid.driver.broadcast import Broadcast
@@ -17,7 +15,7 @@ from neurotouch_hid.driver.control import ControlSocket
 from neurotouch_hid.driver.extra_devices import find_companions
 from neurotouch_hid.driver.reload import ProfileWatch
 from neurotouch_hid.driver.settings import DriverSettings
-from neurotouch_hid.errors import AlreadyRunningError, DriverError, ProfileError
+from neurotouch_hid.errors import DriverError, ProfileError
 from neurotouch_hid.monitor import SoundMonitor
 from neurotouch_hid.monitor.encoder import Facts, Observer
 from neurotouch_hid.monitor.publisher import Feed
@@ -26,40 +24,27 @@ from neurotouch_hid.profile.reading.library import find_profile
 from neurotouch_hid.runtime import Pipeline, Session, Stopwatch, Tap
 
 
-def take_control(closing: ExitStack) -> ControlSocket | None:
-    """The control socket, closed by ``closing``; None, with a warning, where none can be made.
-
-    Raises:
-        AlreadyRunningError: another driver runs.
-    """
-    try:
-        return closing.enter_context(ControlSocket(find_runtime_folder()))
-    except AlreadyRunningError:
-        raise
-    except DriverError as error:
-        click.echo(f"Warning: {error.message} 'neurotouch pause' will not work.", err=True)
-        return None
-
-
-class Live:
-    """Listens to the outside while a line plays; a context manager.
+class Wiring(Closing):
+    """Everything around a running pipeline: commands, profiles, hotkeys, desktop, sound, viewers.
 
     Args:
         control: where commands come in, if anywhere.
-        pipeline: the line.
-        stopwatch: watches its stages.
+        pipeline: the stages.
+        stopwatch: times the stages.
         device: the pad.
-        name: the profile as it was asked for.
-        profile: what it says.
+        name: the profile as the person asked for it.
+        profile: the profile at the start.
         user: the person's values.
-        settings: chords and applications.
+        settings: hotkeys and applications.
         source: the name of the source.
-        facts: what else those who look on are told.
-        copilot: a device that plays along; chords are heard on it too.
+        player: the player number; None means the one of the environment.
+        announce: is told sentences for the person, from several threads.
+        facts: what ``status`` and the page are told beside the state of the pipeline.
+        copilot: a device that plays along; hotkeys work on it too.
 
     Attributes:
-        session: what the line obeys.
-        taps: what reads the line's Steps: sound, and the feed of those who look on.
+        session: takes commands for the pipeline.
+        taps: what reads its Steps: sound, recorders, viewers.
     """
 
     def __init__(
@@ -74,19 +59,24 @@ class Live:
         user: UserSettings,
         settings: DriverSettings,
         source: str,
+        player: int | None = None,
+        announce: Callable[[str], object] = str,  # says nothing
         facts: Facts | None = None,
         copilot: Copilot | None = None,
     ) -> None:
         self.session = Session(pipeline, stopwatch, user)
         self._control = control
+        self._player = player
+        self._announce = announce
         self._closing = ExitStack()
         self._profiles = ProfileWatch(
             name,
             profile,
             user,
             self.session,
-            announce=_announce,
+            announce=announce,
             prepare=lambda new: device.prepare(find_companions(new)),
+            player=player,
         )
         self._closing.callback(self._profiles.close)
         self.session.listen(self._hear)
@@ -95,7 +85,7 @@ class Live:
         if copilot is not None:  # nobody else can read it
             copilot.listen(settings.keys_of, self._press)
             self.session.follow(lambda: copilot.share.buttons)
-        self.sound = SoundMonitor(self.session, _announce)
+        self.sound = SoundMonitor(self.session, announce)
         self._closing.callback(self.sound.close)
         self._broadcast = Broadcast()
         self._closing.callback(self._broadcast.close)
@@ -133,21 +123,17 @@ class Live:
             self._control.serve(commands.answer)
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
+        """Ends all threads and sockets."""
         self._closing.close()
 
     def _open_feed(self, observer: Observer, control: ControlSocket) -> None:
         admits = control.admits if control.has_guests else None
         try:
-            feed = Feed(find_runtime_folder(), observer, admits)
+            feed = Feed(find_runtime_folder(self._player), observer, admits)
             self.taps.append(self._closing.enter_context(feed))
         except DriverError as error:
-            click.echo(f"Warning: {error.message} 'neurotouch view' will not work.", err=True)
+            self._announce(f"Warning: {error.message} 'neurotouch view' will not work.")
 
     def _find_file(self) -> str:
         """Where the profile that holds lies; empty if it has gone."""
@@ -166,8 +152,3 @@ class Live:
             self._profiles.next()
         elif command in SAID:
             self._profiles.say(SAID[command])
-
-
-def _announce(sentence: str) -> None:
-    with suppress(OSError):  # the terminal has gone, or the disk that keeps it is full
-        click.echo(sentence, err=True)

@@ -16,7 +16,7 @@ class SoundMonitor:
         announce: tells the person a sentence, once, when no sound can be made; called in a thread.
     """
 
-    def __init__(self, session: Session, announce: Callable[[str], None]) -> None:
+    def __init__(self, session: Session, announce: Callable[[str], object]) -> None:
         self._session = session
         self._finder = CueFinder(session.mapping)
         self._speaker = Speaker(announce)

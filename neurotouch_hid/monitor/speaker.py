@@ -31,7 +31,7 @@ class Speaker:
         sentence: how the last cue was played, or why it was not; empty before the first.
     """
 
-    def __init__(self, announce: Callable[[str], None]) -> None:
+    def __init__(self, announce: Callable[[str], object]) -> None:
         self._announce = announce
         self._mailbox: deque[tuple[Cue, SoundName, int]] = deque(maxlen=1)
         self._wake = threading.Event()

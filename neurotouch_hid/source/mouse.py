@@ -38,6 +38,9 @@ class HandSource:
         SourceError: no socket can be made there.
     """
 
+    is_live = False
+    is_simulated = True
+
     rig: Rig | None = None
 
     def __init__(self, folder: Path, *, slice_us: int = SLICE_US, seed: int = 0) -> None:

@@ -38,6 +38,8 @@ class PacedSource:
     ) -> None:
         self.name = source.name
         self.rig = source.rig
+        self.is_live = source.is_live
+        self.is_simulated = source.is_simulated
         self.due_ns = 0
         self._source, self._clock_ns, self._sleep_s = source, clock_ns, sleep_s
         self._lull = Lull()

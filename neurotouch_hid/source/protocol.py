@@ -14,10 +14,14 @@ class Source(Protocol):
     Attributes:
         name: the source as the user may write it.
         rig: how the sensor sees the gel where that is known beforehand, else None.
+        is_live: the packets come from a camera, in its own time, and cannot be had again.
+        is_simulated: no sensor has seen what the packets show.
     """
 
     name: str
     rig: Rig | None
+    is_live: bool
+    is_simulated: bool
 
     def __iter__(self) -> Iterator[EventPacket]:
         """The packets from the start on."""

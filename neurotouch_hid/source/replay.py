@@ -32,6 +32,9 @@ class Replay:
         RecordingError: the recording or its rig file cannot be used.
     """
 
+    is_live = False
+    is_simulated = False
+
     def __init__(self, path: Path | str, *, slice_us: int = 10_000) -> None:
         self.name = f"file:{path}"
         self._recording = Recording(path)

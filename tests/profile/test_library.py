@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.errors import DriverError, ProfileError
 from neurotouch_hid.profile import list_profiles, load_profile
 from neurotouch_hid.profile.reading.library import (
     find_profile,
@@ -90,7 +90,11 @@ def test_a_relative_configuration_folder_is_ignored(monkeypatch) -> None:
 def test_another_player_has_values_of_their_own_and_the_same_profiles(monkeypatch) -> None:
     monkeypatch.setenv("XDG_CONFIG_HOME", "/etc")
     folder = Path("/etc/neurotouch")
-    for player, file in {"1": "user.yaml", "2": "player-2/user.yaml", "x": "user.yaml"}.items():
+    for player, file in {"1": "user.yaml", "2": "player-2/user.yaml"}.items():
         monkeypatch.setenv("NEUROTOUCH_PLAYER", player)
         assert find_user_file() == folder / file
         assert find_user_folder() == folder / "profiles"
+    assert find_user_file(player=3) == folder / "player-3/user.yaml"
+    monkeypatch.setenv("NEUROTOUCH_PLAYER", "x")
+    with pytest.raises(DriverError, match="must be one of 1, 2, 3, 4, not 'x'"):
+        find_user_file()

@@ -100,6 +100,7 @@ def test_while_a_live_source_has_nothing_the_loop_turns_obeys_and_ends(push, lin
 
     class Live:
         name, rig = "live", None
+        is_live, is_simulated = True, False
 
         def __iter__(self):
             raise AssertionError

@@ -104,6 +104,9 @@ class DenseSource:
         slice_us: length of a slice.
     """
 
+    is_live = False
+    is_simulated = True
+
     name = "dense"
     rig: Rig | None = None
 

@@ -5,15 +5,13 @@ import re
 from pathlib import Path
 from typing import Final
 
+from neurotouch_hid.client import find_player
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.profile.diagnostics.faults import make_printable, suggest
 from neurotouch_hid.resources import PACKAGE_FOLDER, find_resources
 
 NAME_PATTERN: Final = r"^[a-z0-9_-]{1,64}$"
 """The name of a profile; never a path."""
-
-_OTHERS: Final = ("2", "3", "4")
-"""The players beyond the first."""
 
 OWN_VALUES: Final = "user"
 """What commands call the person's own values; no profile has this name."""
@@ -29,15 +27,21 @@ def find_user_folder() -> Path:
     return _find_config_folder() / "profiles"
 
 
-def find_user_file() -> Path:
-    """The file of the user's own values; it need not exist.
+def find_user_file(player: int | None = None) -> Path:
+    """Returns the file of the person's own values; it need not exist.
 
-    Another player has another hand: ``NEUROTOUCH_PLAYER=2`` has them in a folder ``player-2``, and
-    beside them what else belongs to that player. Profiles are for everybody.
+    Another player has another hand: player 2 has it in a folder ``player-2``, and beside it what
+    else belongs to that player. Profiles are for everybody.
+
+    Args:
+        player: the player number; None means the one of the environment.
+
+    Raises:
+        DriverError: the environment names no player.
     """
-    player = os.environ.get("NEUROTOUCH_PLAYER", "1")
+    player = player or find_player()
     folder = _find_config_folder()
-    return (folder / f"player-{player}" if player in _OTHERS else folder) / "user.yaml"
+    return (folder if player == 1 else folder / f"player-{player}") / "user.yaml"
 
 
 def _find_config_folder() -> Path:

@@ -120,16 +120,17 @@ def check_content(
     return _check_profile(content, name, () if path is None else (path.resolve(),), unused)
 
 
-def load_user(path: Path | None = None) -> UserSettings:
-    """The user's own values; those of a usual hand if there is no file.
+def load_user(path: Path | None = None, *, player: int | None = None) -> UserSettings:
+    """Returns the person's own values; those of the reference hand if there is no file.
 
     Args:
-        path: the file; by default ``user.yaml`` in the user's folder.
+        path: the file; by default ``user.yaml`` in the person's folder.
+        player: the player number; None means the one of the environment.
 
     Raises:
         ProfileError: as ``load_profile``.
     """
-    return load_settings(find_user_file() if path is None else path, UserSettings)
+    return load_settings(find_user_file(player) if path is None else path, UserSettings)
 
 
 def load_unused() -> tuple[str, ...]:

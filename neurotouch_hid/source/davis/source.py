@@ -97,6 +97,9 @@ class DavisSource:
         CameraError: it cannot be used; not with ``wait``.
     """
 
+    is_live = True
+    is_simulated = False
+
     def __init__(
         self,
         serial: str = "",

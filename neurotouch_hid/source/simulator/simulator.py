@@ -32,6 +32,9 @@ class Simulator:
     An endless script never ends; other scripts end with the slice that completes them.
     """
 
+    is_live = False
+    is_simulated = True
+
     rig: Rig | None = None  # found from the picture, as with a real camera
 
     def __init__(

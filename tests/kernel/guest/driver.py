@@ -14,10 +14,8 @@ from typing import Any
 from evdev.ecodes import BTN_SOUTH, EV_KEY
 
 from neurotouch_hid.cli.main import main
-from neurotouch_hid.cli.play import prepare_kernels
 from neurotouch_hid.device.outputs.gamepad import PHYS
-from neurotouch_hid.gesture import GestureConfig
-from neurotouch_hid.profile import load_profile
+from neurotouch_hid.driver import Driver, DriverOptions
 from tests.kernel.guest.companions import PLACES
 from tests.kernel.guest.opening import run
 from tests.kernel.guest.reader import Reader, find_node, list_nodes
@@ -29,7 +27,8 @@ PATIENCE_S = 300.0
 
 def load_kernels() -> None:
     """Load once what every driver needs: for each of them it would take a minute here."""
-    prepare_kernels(load_profile("default"), GestureConfig(), "sim:tour")
+    with Driver(DriverOptions(source="sim:tour", speed="max", device="memory")):
+        pass  # it is ready to play
 
 
 def play_tour(results: Path) -> dict[str, Any]:

@@ -38,9 +38,9 @@ EV_KEY = 1
 
 def play_both(results: Path) -> dict[str, Any]:
     """Each gel moves its player's pad; one is unplugged while it is pressed."""
-    from neurotouch_hid.cli.play import prepare_kernels
     from neurotouch_hid.gesture import GestureConfig
     from neurotouch_hid.profile import load_profile
+    from neurotouch_hid.runtime import Pipeline, warm_up
 
     subprocess.run(["modprobe", "vhci-hcd"], check=True)
     profiles = [write_profile(results, name) for name in PROFILES]
@@ -48,7 +48,7 @@ def play_both(results: Path) -> dict[str, Any]:
         folder = results / "config" / own
         folder.mkdir(parents=True)
         (folder / "camera.yaml").write_text(CAMERA)
-    prepare_kernels(load_profile(profiles[0]), GestureConfig(), "davis:")  # once for both
+    warm_up(Pipeline.build(load_profile(profiles[0]), GestureConfig()))  # once for both
     packets = load_push(results / "tour.aedat4")
     for pace in PACES[:-1]:
         try:
