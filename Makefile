@@ -32,7 +32,7 @@ lint: $(VENV)/.dev ## ruff, mypy --strict, import contracts, spelling
 kernel: $(VENV)/.dev ## only the tests in a real kernel under QEMU
 	NEUROTOUCH_REQUIRE_KERNEL=1 $(BIN)/pytest tests/kernel
 
-pictures: $(VENV)/.dev ## make the pictures of the README anew (needs Chromium)
+pictures: $(VENV)/.dev ## make the pictures of the documents (needs Chromium)
 	$(BIN)/python -m tests.page.pictures
 
 bench: $(VENV)/.runtime ## measure the speed of every stage on this machine

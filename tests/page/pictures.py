@@ -1,15 +1,19 @@
-"""Makes the pictures of the README: ``python -m tests.page.pictures [FOLDER]``.
+"""Makes the pictures of the documents: ``python -m tests.page.pictures [FOLDER]``.
 
 The real driver on the simulated gel, the real server, a real Chromium; nothing is drawn by hand.
 """
 
+import io
 import os
 import re
 import sys
 import tempfile
+import time
 from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
+from PIL import Image
 from playwright.sync_api import Browser, Page, sync_playwright
 from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 
@@ -19,6 +23,9 @@ from tests.page.processes import Driver, Process, View
 FOLDER = Path(__file__).parents[2] / "docs" / "pictures"
 DESK = {"width": 1280, "height": 860}
 PHONE = {"width": 390, "height": 844}
+TOUR_S = 18.0
+FRAME_MS = 180
+STILL_S = 10.9
 
 
 def main() -> None:
@@ -27,11 +34,67 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as home, sync_playwright() as playwright:
         options = ["--no-sandbox"] if os.geteuid() == 0 else []
         browser = playwright.chromium.launch(executable_path=find_chromium(), args=options)
-        take_view(browser, Path(home), folder)
+        take_tour(browser, Path(home) / "tour", folder)
+        take_view(browser, Path(home) / "view", folder)
         take_gel(browser, Path(home) / "mouse", folder)
         browser.close()
-    for path in sorted(folder.glob("*.png")):
+    for path in sorted((*folder.glob("*.png"), *folder.glob("*.gif"))):
         print(f"{path}  {path.stat().st_size // 1000} kB")
+
+
+def take_tour(browser: Browser, home: Path, folder: Path) -> None:
+    """The live view through one round of all gestures, as a moving picture and as a still one."""
+    driver = Driver(home, profile="spacecraft")
+    view = View(home)
+    try:
+        page = browser.new_page(
+            viewport={"width": 1000, "height": 900}, device_scale_factor=0.72, color_scheme="dark"
+        )
+        page.goto(view.link)
+        wait_for_calm(page)
+        wait_for(page, "Twist counter")
+        wait_for(page, "At rest")
+        gel = page.locator("#disc").bounding_box()
+        clip = {"x": 0, "y": 0, "width": 1000, "height": gel["y"] + gel["height"] + 8}
+        frames = []
+        begin = time.monotonic()
+        while (now := time.monotonic() - begin) < TOUR_S:
+            shot = page.screenshot(clip=clip)
+            frames.append((now, Image.open(io.BytesIO(shot)).convert("RGB")))
+            page.wait_for_timeout(max(0.0, FRAME_MS - 1000 * (time.monotonic() - begin - now)))
+        page.close()
+    finally:
+        view.end()
+        driver.end()
+    write_animation(frames, folder / "tour.gif")
+    still = min(frames, key=lambda frame: abs(frame[0] - STILL_S))[1]
+    still.quantize(128).save(folder / "tour.png", optimize=True)
+
+
+def write_animation(frames: list[tuple[float, Image.Image]], path: Path) -> None:
+    """Writes frames at their own times, in one palette: colours do not flicker, files are small."""
+    sample = np.concatenate([np.asarray(frame).reshape(-1, 3) for _, frame in frames[::4]])
+    values, counts = np.unique(sample, axis=0, return_counts=True)
+    common = values[np.argsort(counts)[-12:]]  # the page and its cards: exactly
+    vivid = values[np.ptp(values, axis=1) > 50]
+    colours = [common.ravel().tolist(), choose_colours(vivid, 36), choose_colours(sample, 80)]
+    palette = Image.new("P", (1, 1))
+    palette.putpalette([value for part in colours for value in part])
+    pictures = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for _, frame in frames]
+    times = [at for at, _ in frames] + [frames[-1][0] + FRAME_MS / 1000]
+    pictures[0].save(
+        path,
+        save_all=True,
+        append_images=pictures[1:],
+        duration=[round(100 * (b - a)) * 10 for a, b in zip(times, times[1:], strict=False)],
+        loop=0,
+        optimize=True,
+    )
+
+
+def choose_colours(pixels: np.ndarray, number: int) -> list[int]:
+    """A palette of at most so many colours, flat as Pillow has it."""
+    return Image.fromarray(pixels[None]).quantize(number).getpalette()[: 3 * number]
 
 
 def take_view(browser: Browser, home: Path, folder: Path) -> None:
