@@ -1,8 +1,49 @@
-"""A soft gel with printed dots, seen by an event camera, becomes a standard game controller."""
+"""A soft gel with printed dots, seen by an event camera, becomes a standard game controller.
+
+    from neurotouch_hid import open_gel
+
+    with open_gel("sim:tour") as gel:
+        for touch in gel:
+            print(touch.kind, touch.intensity_mm, touch.contacts_mm)
+
+The names in ``__all__`` follow semantic versioning: within a major version none is removed and none
+changes its meaning. A name that will go warns for at least one minor version before.
+"""
 
 import os
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from neurotouch_hid.driver import Driver, DriverOptions
+    from neurotouch_hid.errors import NeuroTouchError
+    from neurotouch_hid.gel import Gel, Touch, open_gel
+    from neurotouch_hid.profile import load_profile
 
 __version__ = "0.1.0"
+
+__all__ = [
+    "Driver",
+    "DriverOptions",
+    "Gel",
+    "NeuroTouchError",
+    "Touch",
+    "__version__",
+    "load_profile",
+    "open_gel",
+]
+
+_MODULES = {
+    "Driver": "driver",
+    "DriverOptions": "driver",
+    "Gel": "gel",
+    "NeuroTouchError": "errors",
+    "Touch": "gel",
+    "load_profile": "profile",
+    "open_gel": "gel",
+}
+"""Where the names come from; each is loaded when it is first asked for, so that a program that only
+reads a running driver loads no compiled loops."""
 
 # numba reads it when it is imported, by whichever module of ours that may be.
 os.environ.setdefault(
@@ -11,3 +52,9 @@ os.environ.setdefault(
         f"{__name__}.process.kernel_cache.{place}" for place in ("Chosen", "Beside", "Personal")
     ),
 )
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULES:
+        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+    return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)

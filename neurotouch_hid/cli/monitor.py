@@ -28,10 +28,11 @@ def command(plain: bool, as_json: bool, seconds: float | None) -> None:
     import time
 
     from neurotouch_hid.errors import NotRunningError
-    from neurotouch_hid.page.subscriber import Listener, read_head
     from neurotouch_hid.page.text_view import LineWriter, draw_picture
+    from neurotouch_hid.snapshot import read_head
+    from neurotouch_hid.subscriber import Subscriber
 
-    listener = Listener()
+    listener = Subscriber()
     listener.want(PICTURE_HZ)
     peer = listener.connect()
     if peer is None:

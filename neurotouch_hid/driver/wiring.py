@@ -17,8 +17,8 @@ from neurotouch_hid.driver.reload import ProfileWatch
 from neurotouch_hid.driver.settings import DriverSettings
 from neurotouch_hid.errors import DriverError, ProfileError
 from neurotouch_hid.monitor import SoundMonitor
-from neurotouch_hid.monitor.encoder import Facts, Observer
-from neurotouch_hid.monitor.publisher import Feed
+from neurotouch_hid.monitor.encoder import Facts, StateEncoder
+from neurotouch_hid.monitor.publisher import Publisher
 from neurotouch_hid.profile import Profile, UserSettings
 from neurotouch_hid.profile.reading.library import find_profile
 from neurotouch_hid.runtime import Pipeline, Session, Stopwatch, Tap
@@ -96,7 +96,7 @@ class Wiring(Closing):
                 "device": lambda: device.name,
                 "file": self._find_file,
             }
-            observer = Observer(self.session, stopwatch, {**looks, **(facts or {})})
+            observer = StateEncoder(self.session, stopwatch, {**looks, **(facts or {})})
             self._open_feed(observer, control)
         self._facts: dict[str, Callable[[], str]] = {
             "source": lambda: source,
@@ -127,10 +127,10 @@ class Wiring(Closing):
         """Ends all threads and sockets."""
         self._closing.close()
 
-    def _open_feed(self, observer: Observer, control: ControlSocket) -> None:
+    def _open_feed(self, observer: StateEncoder, control: ControlSocket) -> None:
         admits = control.admits if control.has_guests else None
         try:
-            feed = Feed(find_runtime_folder(self._player), observer, admits)
+            feed = Publisher(find_runtime_folder(self._player), observer, admits)
             self.taps.append(self._closing.enter_context(feed))
         except DriverError as error:
             self._announce(f"Warning: {error.message} 'neurotouch view' will not work.")

@@ -9,11 +9,11 @@ from statistics import median
 from typing import Any, Final
 
 from neurotouch_hid.messages import GamepadState, GestureKind, Step
-from neurotouch_hid.monitor.snapshot import MarkerWriter, pack
 from neurotouch_hid.monitor.summary import describe_turn
 from neurotouch_hid.profile import Decision
 from neurotouch_hid.profile.engine.reading import Reading
 from neurotouch_hid.runtime import Session, Stopwatch
+from neurotouch_hid.snapshot import MarkerWriter, pack
 
 SLOW_S: Final = 0.5
 """How often rates and times are worked out: nobody reads faster."""
@@ -22,7 +22,7 @@ Facts = Mapping[str, Callable[[], Any]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Shot:
+class Sample:
     """A turn of the line with what its mapping says, taken in the line's thread."""
 
     step: Step
@@ -45,7 +45,7 @@ class _Counts:
     late_s: float = 0.0
 
 
-class Observer:
+class StateEncoder:
     """Counts every turn, takes shots of some, and makes bytes of those.
 
     ``count`` and ``take`` belong to the line's thread and cost it microseconds; ``encode`` belongs
@@ -85,10 +85,10 @@ class Observer:
             self._earliest_s = offset_s
         counts.late_s = offset_s - self._earliest_s
 
-    def take(self, step: Step) -> Shot:
+    def take(self, step: Step) -> Sample:
         """A shot of the turn that has just been done."""
         mapping = self._session.mapping
-        return Shot(
+        return Sample(
             step,
             mapping.reading,
             mapping.decisions(),
@@ -97,7 +97,7 @@ class Observer:
             mapping.layer,
         )
 
-    def encode(self, shot: Shot) -> bytes:
+    def encode(self, shot: Sample) -> bytes:
         """The bytes of a shot, see ``snapshot``.
 
         The head holds ``n`` (counts up), ``t_us``, ``say`` (the sentence), ``state``, ``profile``,
@@ -124,14 +124,14 @@ class Observer:
         )
         return pack(head, self._markers.write(shot.step.markers))
 
-    def _write_place(self, shot: Shot) -> bytes:
+    def _write_place(self, shot: Sample) -> bytes:
         place = (shot.state, shot.profile, shot.layer)
         if place != self._place[0]:
             names = zip(("state", "profile", "layer"), place, strict=True)
             self._place = (place, _dump(dict(names))[1:-1])
         return self._place[1]
 
-    def _measure(self, now: float, shot: Shot) -> dict[str, Any]:
+    def _measure(self, now: float, shot: Sample) -> dict[str, Any]:
         begun, before = self._window
         counts = _Counts(**{name: getattr(self._counts, name) for name in _Counts.__slots__})
         self._window = (now, counts)
@@ -154,7 +154,7 @@ class Observer:
         }
 
 
-def _write_gesture(shot: Shot) -> bytes:
+def _write_gesture(shot: Sample) -> bytes:
     """The gesture as it is seen, and as the bindings are asked about it."""
     gesture, reading = shot.step.gesture, shot.reading
     movement = reading.kind.label
@@ -164,7 +164,8 @@ def _write_gesture(shot: Shot) -> bytes:
     return (
         f'{{"kind":"{gesture.kind.label}","mm":{gesture.intensity_mm:.2f},'
         f'"movement":"{movement}","felt_mm":{reading.mm:.2f},"phase":"{reading.phase}",'
-        f'"contacts":[{contacts}]}}'
+        f'"contacts":[{contacts}],"confidence":{gesture.confidence:.2f},'
+        f'"moved_mm":[{gesture.translation_mm[0]:.2f},{gesture.translation_mm[1]:.2f}]}}'
     ).encode()
 
 

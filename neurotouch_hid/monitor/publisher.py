@@ -15,7 +15,7 @@ from typing import Final, Self
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.ipc import FEED, find_peer, listen_at
 from neurotouch_hid.messages import Step
-from neurotouch_hid.monitor.encoder import Observer, Shot
+from neurotouch_hid.monitor.encoder import Sample, StateEncoder
 
 MOST_HZ: Final = 60
 MOST_LISTENERS: Final = 8
@@ -24,7 +24,7 @@ KEPT_BYTES: Final = 16 * 1024
 to catch up; the largest state is a third of it."""
 
 
-class Feed:
+class Publisher:
     """A tap that shows its Steps on a Unix socket; a context manager.
 
     Whoever connects says how many states a second it wants, as a number in ASCII, at any time; the
@@ -44,7 +44,7 @@ class Feed:
     """
 
     def __init__(
-        self, folder: Path, observer: Observer, admits: Callable[[int], bool] | None = None
+        self, folder: Path, observer: StateEncoder, admits: Callable[[int], bool] | None = None
     ) -> None:
         self._observer = observer
         self._admits = admits or (lambda uid: uid in (os.geteuid(), 0))
@@ -55,7 +55,7 @@ class Feed:
             raise DriverError(f"Nobody can look on: {error.strerror} ({self._path}).") from error
         self._period_s = 0.0  # 0: nobody wants anything
         self._due_s = 0.0
-        self._shots: deque[Shot] = deque(maxlen=1)  # the newest wins
+        self._shots: deque[Sample] = deque(maxlen=1)  # the newest wins
         self._bell = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
         self._done = False
         self._wants: dict[socket.socket, int] = {}

@@ -16,8 +16,9 @@ from neurotouch_hid.ipc import HAND, connect_to
 from neurotouch_hid.page.edits import Changes
 from neurotouch_hid.page.guard import Rate
 from neurotouch_hid.page.profile_view import describe_profile
-from neurotouch_hid.page.subscriber import Listener, read_head
 from neurotouch_hid.profile.reading.library import find_user_file
+from neurotouch_hid.snapshot import read_head
+from neurotouch_hid.subscriber import Subscriber
 
 LOOK_S: Final = 0.5
 """How often a driver is looked for, and its profile's file for changes."""
@@ -76,7 +77,7 @@ class Hub:
     def __init__(self, *, edit: bool, stamp: Any) -> None:
         self._edit = edit
         self._changes = Changes(stamp)
-        self._listener = Listener()
+        self._listener = Subscriber()
         self._clients: set[Client] = set()
         self._file = ""
         self._stamps: tuple[Any, ...] = ()

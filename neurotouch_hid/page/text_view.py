@@ -32,7 +32,7 @@ class LineWriter:
         """What is new in a state.
 
         Args:
-            head: of the state, see ``Observer.encode``.
+            head: of the state, see ``StateEncoder.encode``.
             now_s: the present moment on any clock that goes on.
         """
         slow = head["slow"]

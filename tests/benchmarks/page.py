@@ -15,8 +15,8 @@ import time
 from pathlib import Path
 
 from neurotouch_hid.gesture import GestureConfig
-from neurotouch_hid.monitor.encoder import Observer
-from neurotouch_hid.monitor.publisher import Feed
+from neurotouch_hid.monitor.encoder import StateEncoder
+from neurotouch_hid.monitor.publisher import Publisher
 from neurotouch_hid.profile import UserSettings, load_profile
 from neurotouch_hid.runtime import Pipeline, Session, Stopwatch
 from neurotouch_hid.source.simulator import Simulator, find_scene
@@ -48,14 +48,14 @@ def main() -> None:
         packets = Simulator(find_scene("tour"), seed=1)
         steps = [pipeline.advance(packet) for packet, _ in zip(packets, range(600), strict=False)]
         facts = {"source": lambda: "sim:tour", "file": lambda: "", "device": lambda: "memory"}
-        with Feed(Path(folder), Observer(session, stopwatch, facts)) as feed:
+        with Publisher(Path(folder), StateEncoder(session, stopwatch, facts)) as feed:
             alone = _play(feed, steps, seconds)
             print(f"the line's process, nobody looks: {alone:.2%} of a core")
             for hz in (30, 60):
                 _measure(feed, steps, seconds, alone, hz)
 
 
-def _measure(feed: Feed, steps: list, seconds: float, alone: float, hz: int) -> None:
+def _measure(feed: Publisher, steps: list, seconds: float, alone: float, hz: int) -> None:
     view = subprocess.Popen(
         [sys.executable, "-m", "neurotouch_hid", "view", "--port", "0"],
         stdout=subprocess.PIPE,
@@ -79,7 +79,7 @@ def _measure(feed: Feed, steps: list, seconds: float, alone: float, hz: int) -> 
     )
 
 
-def _play(feed: Feed, steps: list, seconds: float) -> float:
+def _play(feed: Publisher, steps: list, seconds: float) -> float:
     """Plays at a camera's pace; the processor time it took as a share of a core."""
     begun, before = time.monotonic(), _own()
     for i in range(int(seconds / SLICE_S)):

@@ -14,7 +14,8 @@ import pytest
 from neurotouch_hid.client import ask
 from neurotouch_hid.monitor.cue import CueKind
 from neurotouch_hid.monitor.tone import make_wave
-from neurotouch_hid.page.subscriber import Listener, read_head
+from neurotouch_hid.snapshot import read_head
+from neurotouch_hid.subscriber import Subscriber
 
 LIMIT_S = 180.0
 HEAVY = ("click", "numpy", "numba", "cv2", "pydantic", "ruamel", "evdev", "asyncio", "threading")
@@ -337,7 +338,7 @@ def test_those_who_look_on_are_told_on_when_the_profile_has_become_a_link_to_its
     monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path / "run"))
     file = tmp_path / "mine.yaml"
     file.write_text(profile("a"))
-    listener = Listener()
+    listener = Subscriber()
     listener.want(10)
     with subprocess.Popen(
         [*RUN, "--show", "nothing", "--profile", str(file)], stderr=subprocess.DEVNULL

@@ -11,13 +11,14 @@ import pytest
 
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.ipc import FEED, connect_to
-from neurotouch_hid.monitor.encoder import Observer
-from neurotouch_hid.monitor.publisher import MOST_HZ, MOST_LISTENERS, Feed
-from neurotouch_hid.page.subscriber import Listener, read_head
+from neurotouch_hid.monitor.encoder import StateEncoder
+from neurotouch_hid.monitor.publisher import MOST_HZ, MOST_LISTENERS, Publisher
 from neurotouch_hid.page.text_view import LineWriter, draw_picture
 from neurotouch_hid.profile import UserSettings
 from neurotouch_hid.profile.reading.load import parse_profile
 from neurotouch_hid.runtime import Pipeline, Session, Stopwatch
+from neurotouch_hid.snapshot import read_head
+from neurotouch_hid.subscriber import Subscriber
 
 LIMIT_S = 60.0
 PROFILE = b"""\
@@ -38,8 +39,8 @@ class Line:
         profile = parse_profile(PROFILE, "mine.yaml")
         self.pipeline = Pipeline.build(profile, GestureConfig(), stopwatch=stopwatch)
         session = Session(self.pipeline, stopwatch, UserSettings())
-        self.observer = Observer(session, stopwatch, {"source": lambda: "sim:push"})
-        self.feed = Feed(folder, self.observer)
+        self.observer = StateEncoder(session, stopwatch, {"source": lambda: "sim:push"})
+        self.feed = Publisher(folder, self.observer)
 
     def play(self, n=None, pace_s=0.0):
         for packet in self.packets[:n]:
@@ -61,7 +62,7 @@ def line(tmp_path, push, monkeypatch):
 
 @pytest.fixture
 def listener(line):
-    made = Listener()
+    made = Subscriber()
     yield made
     made.close()
 
@@ -185,7 +186,7 @@ def test_a_listener_that_goes_is_forgotten(line, listener):
 
 
 def test_a_listener_that_goes_while_it_is_sent_to_ends_nothing_else(line, listener, tmp_path):
-    leaving = Listener()
+    leaving = Subscriber()
     hear(leaving, line)
     asked, answer = threading.Event(), threading.Event()
     line.feed._admits = lambda _uid: (asked.set(), answer.wait(LIMIT_S))[1]
@@ -209,7 +210,7 @@ def test_guests_are_admitted_one_by_one(tmp_path, line):
         return len(asked) > 1
 
     (tmp_path / "service").mkdir()
-    feed = Feed(tmp_path / "service", line.observer, admits)
+    feed = Publisher(tmp_path / "service", line.observer, admits)
     path = tmp_path / "service" / FEED
     assert path.stat().st_mode & 0o777 == 0o666
     with connect_to(path) as refused, connect_to(path) as welcome:

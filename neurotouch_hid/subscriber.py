@@ -1,31 +1,35 @@
-"""The other end of the feed: the newest state of whatever driver runs, now or later."""
+"""Receives the newest state of the running driver, now or later."""
 
-import json
 import socket
 from contextlib import suppress
-from typing import Any, Final
+from typing import Final
 
 from neurotouch_hid.client import list_folders
+from neurotouch_hid.closing import Closing
 from neurotouch_hid.ipc import FEED, connect_to
 
 LARGEST_BYTES: Final = 64 * 1024
 
 
-class Listener:
+class Subscriber(Closing):
     """Connects to the running driver and gives its newest state; never waits.
+
+    Args:
+        player: the player number; None means the one of the environment.
 
     Attributes:
         peer: the connection, or None while no driver runs.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, player: int | None = None) -> None:
+        self._player = player
         self.peer: socket.socket | None = None
         self._hz = 0
 
     def connect(self) -> socket.socket | None:
         """Looks for a driver; the connection, or None if none runs."""
         if self.peer is None:
-            for folder in list_folders():
+            for folder in list_folders(self._player):
                 with suppress(OSError):
                     self.peer = connect_to(folder / FEED)
                     self._tell()
@@ -64,10 +68,3 @@ class Listener:
         if self.peer is not None:
             with suppress(OSError):  # it has ended, which the next look will tell
                 self.peer.send(str(self._hz).encode())
-
-
-def read_head(state: bytes) -> dict[str, Any]:
-    """The head of a state, see ``snapshot``."""
-    length = int.from_bytes(state[:4], "little")
-    head: dict[str, Any] = json.loads(state[4 : 4 + length])
-    return head

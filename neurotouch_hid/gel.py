@@ -1,0 +1,223 @@
+"""The gel for programs: open a source, read what the hand does."""
+
+import select
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.closing import Closing
+from neurotouch_hid.errors import NeuroTouchError, NotRunningError
+from neurotouch_hid.messages import Axis, Button, Frame, GamepadState
+from neurotouch_hid.snapshot import MarkerWriter, read_head, read_markers
+from neurotouch_hid.subscriber import Subscriber
+
+if TYPE_CHECKING:
+    from neurotouch_hid.driver import Driver
+    from neurotouch_hid.messages import Step
+
+DRIVER: Final = "driver:"
+"""The source that shows what the running driver sees."""
+_HZ: Final = 60
+"""States a second that are asked of a running driver; it sends no more."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Touch:
+    """What the hand does at one moment.
+
+    Attributes:
+        t_us: the moment, in µs of sensor time.
+        kind: ``none``, ``push``, ``pinch``, ``zoom``, ``twist_cw`` or ``twist_ccw``.
+        intensity_mm: how far the gel is dragged around the contacts, in mm.
+        contacts_mm: (K, 2) float64, the contact points, columns x, y, in mm from the centre of the
+            gel; x right, y towards the user.
+        translation_mm: (x, y), the common motion of the gel around the contacts, in mm.
+        confidence: 0 to 1.
+        pad: the state of the virtual gamepad.
+        markers_mm: (177, 2) float32, how far each marker is from its rest, columns x, y, in mm.
+        measured: (177,) bool, True where a marker is measured, False where it is a guess.
+        events: (n,) of ``EVENT_DTYPE``, the events of the slice; None of a running driver.
+        frames: the frames of the slice; empty of a running driver.
+    """
+
+    t_us: int
+    kind: str
+    intensity_mm: float
+    contacts_mm: NDArray[np.float64]
+    translation_mm: tuple[float, float]
+    confidence: float
+    pad: GamepadState
+    markers_mm: NDArray[np.float32] = field(repr=False)
+    measured: NDArray[np.bool_] = field(repr=False)
+    events: NDArray[np.void] | None = field(default=None, repr=False)
+    frames: tuple[Frame, ...] = field(default=(), repr=False)
+
+
+class Gel(Closing):
+    """An open gel: iterate over it for one ``Touch`` after the other; a context manager."""
+
+    name: str
+    """The source as a person writes it."""
+
+    def __init__(self, touches: Iterator[Touch], owner: Closing, name: str) -> None:
+        self.name = name
+        self._touches = touches
+        self._owner: Closing | None = owner
+
+    def __iter__(self) -> Iterator[Touch]:
+        """Gives each touch as it comes.
+
+        Raises:
+            NeuroTouchError: the gel is closed, or the source fails.
+        """
+        while self._owner is not None:
+            touch = next(self._touches, None)
+            if touch is None:
+                return
+            yield touch
+        raise NeuroTouchError(
+            "The gel is closed.",
+            hint="Read it inside the block: with open_gel(...) as gel: for touch in gel: ...",
+        )
+
+    def close(self) -> None:
+        """Closes the source; harmless when repeated."""
+        owner, self._owner = self._owner, None
+        if owner is not None:
+            owner.close()
+
+
+def open_gel(
+    source: str = "davis:",
+    *,
+    profile: str = "default",
+    method: str = "neurotouch",
+    speed: str = "recorded",
+    rate_hz: float | None = None,
+    seed: int = 0,
+    player: int = 1,
+    personal: bool = False,
+) -> Gel:
+    """Opens a gel.
+
+    Args:
+        source: ``davis:`` (the camera), ``file:NAME.aedat4``, ``sim:NAME``, a source of a plug-in,
+            or ``driver:``: what the running driver sees. Reading a driver changes nothing there;
+            who reads slowly misses states and always gets the newest. The other options do not
+            apply to it, except ``player``.
+        profile: name or path of the profile that makes ``Touch.pad``.
+        method: the recogniser.
+        speed: ``recorded`` plays as recorded, ``max`` as fast as possible.
+        rate_hz: slices a second, 25 to 1000; None means the usual rate of the source.
+        seed: the seed of whatever is simulated.
+        player: the player number, 1 to 4.
+        personal: the person's own range, filter and resting hand apply, as in a game.
+
+    Raises:
+        TypeError: an argument has the wrong type.
+        ValueError: an argument has an impossible value.
+        NotRunningError: ``driver:`` was asked for, and none runs.
+        NeuroTouchError: the source, the profile or the method cannot be used.
+    """
+    _check(source=source, profile=profile, method=method, speed=speed)
+    if speed not in ("recorded", "max"):
+        raise ValueError(f"speed must be 'recorded' or 'max', not {speed!r}")
+    if isinstance(player, bool) or player not in (1, 2, 3, 4):
+        raise ValueError(f"player must be 1, 2, 3 or 4, not {player!r}")
+    if rate_hz is not None and not 25 <= rate_hz <= 1000:
+        raise ValueError(f"rate_hz must lie between 25 and 1000, not {rate_hz!r}")
+    if source == DRIVER:
+        subscriber = Subscriber(player)
+        subscriber.want(_HZ)
+        if subscriber.connect() is None:
+            raise NotRunningError("No driver is running.", hint="Start it: neurotouch run")
+        return Gel(_read_driver(subscriber), subscriber, source)
+    from neurotouch_hid.driver import Driver, DriverOptions  # noqa: PLC0415  # needs numba
+
+    driver = Driver(
+        DriverOptions(
+            source=source,
+            profile=profile,
+            device="memory",
+            player=player,
+            speed=speed,  # type: ignore[arg-type]  # checked above
+            rate_hz=rate_hz,
+            method=method,  # type: ignore[arg-type]  # the recogniser checks it
+            seed=seed,
+            personal=personal,
+            listens=False,
+        )
+    )
+    driver.__enter__()
+    return Gel(_read_steps(driver), driver, driver.source.name)
+
+
+def _check(**texts: object) -> None:
+    for name, value in texts.items():
+        if not isinstance(value, str):
+            kind = type(value).__name__
+            raise TypeError(f"{name} must be a text such as 'sim:tour', not {kind}: {value!r}")
+
+
+def _read_steps(driver: "Driver") -> Iterator[Touch]:
+    markers = MarkerWriter()
+    for step in driver.steps():
+        yield _from_step(step, markers)
+
+
+def _from_step(step: "Step", markers: MarkerWriter) -> Touch:
+    gesture = step.gesture
+    return Touch(
+        gesture.t_us,
+        gesture.kind.label,
+        gesture.intensity_mm,
+        gesture.contacts_mm,
+        gesture.translation_mm,
+        gesture.confidence,
+        step.pad,
+        markers.measure(step.markers),
+        step.markers.valid,
+        step.packet.events,
+        step.packet.frames,
+    )
+
+
+def _read_driver(subscriber: Subscriber) -> Iterator[Touch]:
+    """Gives the newest state whenever there is one, until the driver ends."""
+    while subscriber.peer is not None:
+        select.select([subscriber.peer], [], [])
+        state = subscriber.take()
+        if state is not None:
+            yield _from_state(state)
+
+
+def _from_state(state: bytes) -> Touch:
+    head = read_head(state)
+    gesture = head["gesture"]
+    moved_mm, measured = read_markers(state)
+    return Touch(
+        head["t_us"],
+        gesture["kind"],
+        gesture["mm"],
+        np.array(gesture["contacts"], np.float64).reshape(-1, 2),
+        tuple(gesture["moved_mm"]),
+        gesture["confidence"],
+        _read_pad(head["t_us"], head["pad"]),
+        moved_mm,
+        measured,
+    )
+
+
+def _read_pad(t_us: int, pad: dict[str, Any]) -> GamepadState:
+    return GamepadState(
+        t_us,
+        frozenset(map(Button, pad["buttons"])),
+        {Axis(name): value for name, value in pad["axes"].items()},
+        frozenset(pad["keys"]),
+        frozenset(pad["mouse"]),
+        tuple(pad["pointer"]),
+        pad["wheel"],
+    )
