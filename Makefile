@@ -11,7 +11,7 @@ WHEELHOUSE := .cache/wheelhouse
 EPOCH := $(shell git log -1 --format=%ct 2>/dev/null || echo 315532800)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint kernel pictures bench dist deb lock system-test clean
+.PHONY: help demo test lint kernel docs pictures bench dist deb lock system-test clean
 
 help: ## list the tasks
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -22,15 +22,23 @@ demo: $(VENV)/.runtime ## set up, then let a simulated gel drive the pad (SECOND
 test: $(VENV)/.dev ## set up, then run all tests (real-kernel tests where QEMU is installed)
 	$(BIN)/pytest -n auto --no-loadscope-reorder
 
-lint: $(VENV)/.dev ## ruff, mypy --strict, import contracts, spelling
+lint: $(VENV)/.dev ## ruff, mypy --strict, import contracts, spelling, workflows, citation
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/codespell
+	$(BIN)/check-jsonschema --builtin-schema vendor.github-workflows .github/workflows/*.yml
+	$(BIN)/check-jsonschema --builtin-schema vendor.github-issue-forms .github/ISSUE_TEMPLATE/[!c]*.yml
+	$(BIN)/check-jsonschema --builtin-schema vendor.github-issue-config .github/ISSUE_TEMPLATE/config.yml
+	$(BIN)/check-jsonschema --builtin-schema vendor.citation-file-format CITATION.cff
+	$(BIN)/zizmor --offline --quiet --pedantic .github/workflows
 
 kernel: $(VENV)/.dev ## only the tests in a real kernel under QEMU
 	NEUROTOUCH_REQUIRE_KERNEL=1 $(BIN)/pytest tests/kernel
+
+docs: $(VENV)/.dev ## build the documents as a site, without network: docs/_build/index.html
+	$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going --nitpicky docs docs/_build
 
 pictures: $(VENV)/.dev ## make the pictures of the documents (needs Chromium)
 	$(BIN)/python -m tests.page.pictures
@@ -53,7 +61,7 @@ lock: $(VENV)/.dev ## write anew which libraries the package carries, by hash
 		--no-annotate --custom-compile-command "make lock" pyproject.toml -o $(LOCK)
 
 clean: ## remove everything that the tasks made
-	rm -rf $(VENV) .cache dist build .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .cache dist build docs/_build .pytest_cache .mypy_cache .ruff_cache .hypothesis
 
 # For Debian's own Python; the only step of the package that needs the network.
 $(WHEELHOUSE)/.complete: $(LOCK)

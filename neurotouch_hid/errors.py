@@ -1,17 +1,17 @@
-"""Every error a user can meet, with the exit code the command line ends with.
+"""Every error a user can meet, with the exit code the command line ends with::
 
-NeuroTouchError            1   anything else that we can explain
-├── SourceError            3   a source cannot be opened or has failed
-│   ├── CameraError        3   the camera cannot be found, opened or used
-│   │   └── CameraBusyError  75  another program has the camera, which goes on undisturbed
-│   └── GelNotFoundError   5   the source works, but no gel is in the picture
-├── RecordingError         4   a recording or its labels cannot be read or written
-├── ProfileError           6   a profile says something we cannot do (file, line, column)
-├── DeviceError            7   the virtual gamepad cannot be made or written
-├── PageError              1   the local web page cannot be served
-└── DriverError            8   the running driver cannot be reached, or it refuses
-    ├── NotRunningError    8   no driver is running
-    └── AlreadyRunningError  75  another driver is running, which goes on undisturbed
+    NeuroTouchError            1   anything else that we can explain
+    ├── SourceError            3   a source cannot be opened or has failed
+    │   ├── CameraError        3   the camera cannot be found, opened or used
+    │   │   └── CameraBusyError  75  another program has the camera, which goes on undisturbed
+    │   └── GelNotFoundError   5   the source works, but no gel is in the picture
+    ├── RecordingError         4   a recording or its labels cannot be read or written
+    ├── ProfileError           6   a profile says something we cannot do (file, line, column)
+    ├── DeviceError            7   the virtual gamepad cannot be made or written
+    ├── PageError              1   the local web page cannot be served
+    └── DriverError            8   the running driver cannot be reached, or it refuses
+        ├── NotRunningError    8   no driver is running
+        └── AlreadyRunningError  75  another driver is running, which goes on undisturbed
 
 The command line adds 0 (done), 2 (wrong usage) and 130 (Ctrl-C before the work was done).
 """

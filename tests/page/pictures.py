@@ -10,6 +10,7 @@ import sys
 import tempfile
 import time
 from contextlib import suppress
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -86,7 +87,7 @@ def write_animation(frames: list[tuple[float, Image.Image]], path: Path) -> None
         path,
         save_all=True,
         append_images=pictures[1:],
-        duration=[round(100 * (b - a)) * 10 for a, b in zip(times, times[1:], strict=False)],
+        duration=[round(100 * (b - a)) * 10 for a, b in pairwise(times)],
         loop=0,
         optimize=True,
     )

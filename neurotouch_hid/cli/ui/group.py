@@ -46,6 +46,7 @@ class LazyGroup(click.Group):
             if error.name != DEVTOOLS:
                 raise
             return _explain_missing(cmd_name)
+        command.name = cmd_name  # of the function it has "command"; the documents show this one
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

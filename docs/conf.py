@@ -1,0 +1,47 @@
+"""How Sphinx builds the site: ``make docs``. It needs no network, neither to build nor to read."""
+
+import sys
+from pathlib import Path
+
+FOLDER = Path(__file__).parent
+# The commands of the development tools are on the page of commands, installed or not.
+sys.path[:0] = [str(FOLDER.parent), str(FOLDER.parent / "devtools"), str(FOLDER / "extensions")]
+
+from neurotouch_hid import __version__  # noqa: E402  (found by the lines above)
+
+project = "neurotouch_hid"
+author = "The neurotouch_hid maintainers"
+copyright = f"2026, {author}"  # noqa: A001  (Sphinx wants this name)
+version = release = __version__
+
+extensions = [
+    "command_pages",
+    "myst_parser",
+    "profile_reference",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+]
+
+# A heading can be linked to as FILE.md#its-words, as on the pages that show Markdown themselves.
+myst_heading_anchors = 4
+myst_enable_extensions = ["deflist"]
+
+smartquotes = False  # or "--rate" in a help text becomes a dash and a word
+
+autodoc_member_order = "bysource"
+autodoc_typehints_format = "short"
+napoleon_google_docstring = True
+napoleon_numpy_docstring = False
+napoleon_use_ivar = True
+
+# Every name of the project that is linked must exist. Names of other projects are not linked, since
+# their indexes would have to be downloaded.
+nitpicky = True
+nitpick_ignore_regex = [("py:.*", r"(?!neurotouch_hid\.).*")]
+
+html_theme = "furo"
+html_title = "neurotouch_hid"
+html_static_path = ["pictures"]
+html_favicon = "../neurotouch_hid/page/static/icon.svg"
+html_show_sourcelink = False
+html_copy_source = False
