@@ -3,6 +3,7 @@
 import re
 import shlex
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import click
@@ -10,35 +11,31 @@ import pytest
 from markdown_it import MarkdownIt
 
 from neurotouch_hid.cli.main import cli
+from neurotouch_hid.source.simulator import scene_names
 from tests.docs.prose import ROOT, pages
 
-# An ellipsis stands for the rest, a parenthesis or a second command ends it.
-_STOP = re.compile(r"^(\.\.\.|…|\||\|\||&&|;|>|>>|2>|&|#.*|\)|\()$")
-_PLACEHOLDER = re.compile(r"\.\.\.$|…$")
+_STOP = {"...", "…", "|", "||", "&&", ";", ">", ">>", "2>", "&"}
+"""What ends a command in a line of code."""
+_CALL = re.compile(r"^\s*(?:\$ |sudo |eval \"\$\(|\S*/bin/)*(neurotouch [a-z-].*)$")
 
 
 def commands_of(text: str) -> Iterator[tuple[int, str]]:
-    """Each line of code, and each code in a line, that calls ``neurotouch``, with its line."""
+    """Each call of ``neurotouch`` in a block of code or in a line, with its line from 1."""
     for token in MarkdownIt("commonmark").enable("table").parse(text):
+        at = token.map[0] + 1 if token.map else 0
         if token.type in ("fence", "code_block") and not token.info.startswith("{"):
-            joined = token.content.replace("\\\n", "  ")
-            for i, line in enumerate(joined.splitlines()):
-                yield from ((token.map[0] + i + 1, one) for one in _calls(line))
+            for i, line in enumerate(token.content.replace("\\\n", " ").splitlines()):
+                if found := _CALL.match(line):
+                    yield at + i, found[1].split(')"')[0].strip()
         for child in token.children or ():
-            if child.type == "code_inline" and re.match(r"neurotouch [a-z-]", child.content):
-                yield token.map[0] + 1, child.content
-
-
-def _calls(line: str) -> Iterator[str]:
-    found = re.search(r"(?:^|[ /\"(])(neurotouch [a-z-].*)$", line.split("  #")[0].split(" # ")[0])
-    if found and re.match(r"^\s*(\$ )?(sudo |eval \"\$\(|chrt [^n]*|\S*/bin/)*neurotouch ", line):
-        yield re.split(r"\)\"| {3,}", found[1])[0]
+            if child.type == "code_inline" and (found := _CALL.match(child.content)):
+                yield at, found[1]
 
 
 def words_of(call: str) -> list[str]:
     words = []
     for word in shlex.split(call, comments=True)[1:]:
-        if _STOP.match(word):
+        if word in _STOP:
             break
         words.append(word)
     return words
@@ -50,37 +47,29 @@ def check(call: str) -> None:
     Raises:
         click.UsageError: there is no such command or option, or a value cannot be.
     """
-    words = [word for word in words_of(call) if not _PLACEHOLDER.search(word)]
-    is_whole = len(words) == len(words_of(call))
+    words = words_of(call)
     context = click.Context(cli, info_name="neurotouch")
     command: click.Command = cli
     while isinstance(command, click.Group):
         if not words or words[0].startswith("-"):
             break
         found = command.get_command(context, words[0])
-        if found is None and (is_optional(command) or not is_whole):
-            break
         if found is None:
             raise click.UsageError(f"no such command: {words[0]}")
         context = click.Context(found, info_name=words.pop(0), parent=context)
         command = found
-    context.resilient_parsing = True  # no defaults, no prompts, no callbacks
-    parser = command.make_parser(context)
-    _, rest, _ = parser.parse_args(args=list(words))
+    # The parser alone: it asks for nothing and calls nothing.
+    _, rest, _ = command.make_parser(context).parse_args(args=list(words))
     if rest and not isinstance(command, click.Group):
         raise click.UsageError(f"too many words: {rest}")
     for parameter in command.params:
         _check_value(parameter, words, context)
 
 
-def is_optional(command: click.Group) -> bool:
-    return any(isinstance(parameter, click.Argument) for parameter in command.params)
-
-
 def _check_value(parameter: click.Parameter, words: list[str], context: click.Context) -> None:
     """A choice that is spelled out must be one of its words."""
     if isinstance(parameter, click.Option) and isinstance(parameter.type, click.Choice):
-        for option, value in zip(words, words[1:], strict=False):
+        for option, value in pairwise(words):
             if option in parameter.opts and not value.isupper():
                 parameter.type.convert(value, parameter, context)
 
@@ -113,9 +102,12 @@ def test_wrong_command_is_found(call: str):
 
 
 def test_commands_are_found_in_text():
-    text = "a `neurotouch run` b\n\n    sudo neurotouch setup   # why\n\n```\nneurotouch a \\\n --b c\n```\n"
-    assert [call for _, call in commands_of(text)] == [
-        "neurotouch run",
-        "neurotouch setup",
-        "neurotouch a",
-    ] or [call for _, call in commands_of(text)][2].split() == ["neurotouch", "a", "--b", "c"]
+    text = "a `neurotouch run` b\n\n    sudo neurotouch setup   # why\n\n"
+    text += "```\nneurotouch a \\\n --b\n```\n"
+    found = [words_of(call) for _, call in commands_of(text)]
+    assert found == [["run"], ["setup"], ["a", "--b"]]
+
+
+def test_every_scene_is_on_the_page_of_commands():
+    page = (ROOT / "docs" / "commands.md").read_text()
+    assert [name for name in scene_names() if f"`{name}`" not in page] == []

@@ -1,0 +1,43 @@
+"""What the project says about itself in several places is the same everywhere."""
+
+import re
+
+from ruamel.yaml import YAML
+
+from neurotouch_hid import __version__
+from tests.docs.prose import ROOT, pages
+
+AWAITED = {
+    *("access.md", "hardware.md", "profiles.md", "glossary.md"),
+    *("research/index.md", "develop/index.md"),
+}
+"""Pages that are being written; each line goes when its page is there."""
+_LINK = re.compile(r"""(?:\]\(|src="|srcset=")(?!https?:|mailto:|#|_static)([^)"#]+)""")
+
+
+def test_citation_is_of_this_version_and_names_the_paper():
+    citation = YAML(typ="safe").load((ROOT / "CITATION.cff").read_text())
+    assert citation["version"] == __version__
+    assert (
+        citation["preferred-citation"]["identifiers"][0]["value"]
+        in (ROOT / "README.md").read_text()
+    )
+
+
+def test_readme_tells_the_status_on_its_first_screen():
+    head = (ROOT / "README.md").read_text().splitlines()[:20]
+    assert any("never yet run on a real camera" in line for line in head)
+
+
+def test_moving_picture_is_small():
+    assert (ROOT / "docs" / "pictures" / "tour.gif").stat().st_size < 1_000_000
+
+
+def test_every_link_between_documents_leads_to_a_file():
+    broken = [
+        f"{page.relative_to(ROOT)}: {target}"
+        for page in pages()
+        for target in _LINK.findall(page.read_text())
+        if not (page.parent / target).exists() and target.removeprefix("docs/") not in AWAITED
+    ]
+    assert broken == []
