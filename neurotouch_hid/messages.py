@@ -37,7 +37,7 @@ SENSOR_WIDTH_PX = 346
 SENSOR_HEIGHT_PX = 260
 
 EVENT_DTYPE = np.dtype([("t", "<i8"), ("x", "<i2"), ("y", "<i2"), ("p", "?")], align=True)
-"""One event in 16 bytes, as AEDAT4 has it, with ``t`` in µs, ``x`` and ``y`` in px, ``p`` True for ON."""
+"""One event in 16 bytes, as in AEDAT4, of ``t`` in µs, ``x`` and ``y`` in px, ``p`` True for ON."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -82,7 +82,7 @@ def names_reader(text: str) -> bool:
     """Whether the first paragraph says for whom the page is, and what one can do after it."""
     paragraphs = read_paragraphs(text)
     first = paragraphs[0].words.lstrip("*_ ") if paragraphs else ""
-    return first.startswith("For ") and bool(re.search(r"\b[Aa]fter\b", first))
+    return first.startswith("For ") and bool(re.search(r"\bafter\b", first, re.IGNORECASE))
 
 
 def _measure(paragraph: Paragraph) -> Iterator[str]:

@@ -91,8 +91,8 @@ def test_command_in_documents_exists(place: str):
     [
         "neurotouch rnu",
         "neurotouch run --sorce sim:tour",
-        "neurotouch run --device memroy",
-        "neurotouch profile chek mine",
+        "neurotouch run --device toaster",
+        "neurotouch profile look mine",
         "neurotouch pause now",
     ],
 )

@@ -69,7 +69,7 @@ def take_tour(browser: Browser, home: Path, folder: Path) -> None:
         driver.end()
     write_animation(frames, folder / "tour.gif")
     still = min(frames, key=lambda frame: abs(frame[0] - STILL_S))[1]
-    still.quantize(128).save(folder / "tour.png", optimize=True)
+    still.save(folder / "tour.png", optimize=True)
 
 
 def write_animation(frames: list[tuple[float, Image.Image]], path: Path) -> None:
