@@ -26,7 +26,7 @@ extensions = [
 myst_heading_anchors = 4
 myst_enable_extensions = ["deflist"]
 
-smartquotes = False  # or "--rate" in a help text becomes a dash and a word
+smartquotes_action = "De"  # "--" and "..." only: quotes stay as they are typed
 
 autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"

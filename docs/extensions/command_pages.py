@@ -17,7 +17,12 @@ def show_examples(_app: Sphinx, _context: object, lines: list[str]) -> None:
 
 def escape_marks(_app: Sphinx, _context: object, lines: list[str]) -> None:
     """Escapes, in place, what click prints as it is and reStructuredText would read as a mark."""
-    lines[:] = [re.sub(r"(?<=file)(?=:)", r"\\", line.replace("*", r"\*")) for line in lines]
+    lines[:] = [line if line.lstrip().startswith("..") else _escape(line) for line in lines]
+
+
+def _escape(line: str) -> str:
+    """Escapes emphasis, links such as ``file:NAME`` and the dashes of options."""
+    return re.sub(r"\*|(?<=file):|-(?=-)|(?<=-)-", r"\\\g<0>", line)
 
 
 def _as_blocks(lines: Iterator[str]) -> Iterator[str]:
