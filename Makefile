@@ -32,7 +32,7 @@ lint: $(VENV)/.dev ## ruff, mypy --strict, import contracts, spelling, workflows
 	$(BIN)/check-jsonschema --builtin-schema vendor.github-issue-forms .github/ISSUE_TEMPLATE/[!c]*.yml
 	$(BIN)/check-jsonschema --builtin-schema vendor.github-issue-config .github/ISSUE_TEMPLATE/config.yml
 	$(BIN)/check-jsonschema --builtin-schema vendor.citation-file-format CITATION.cff
-	$(BIN)/zizmor --offline --quiet --pedantic .github/workflows
+	$(BIN)/zizmor --offline --quiet .github/workflows
 
 kernel: $(VENV)/.dev ## only the tests in a real kernel under QEMU
 	NEUROTOUCH_REQUIRE_KERNEL=1 $(BIN)/pytest tests/kernel

@@ -25,6 +25,8 @@ trap 'rm -rf "$top"' EXIT
 tree=$top/neurotouch-hid
 mkdir "$tree"
 cp -r packaging udev README.md "$wheel" "$tree"
+mkdir "$tree/docs"
+cp -r docs/*.md docs/develop docs/pictures docs/research "$tree/docs"
 mv "$tree/packaging/debian" "$tree/debian"
 ln -s "$wheelhouse" "$tree/wheelhouse"
 cat > "$tree/debian/changelog" << END
