@@ -3,6 +3,8 @@
 import sys
 from pathlib import Path
 
+from sphinx.application import Sphinx
+
 FOLDER = Path(__file__).parent
 # The commands of the development tools are on the page of commands, installed or not.
 sys.path[:0] = [str(FOLDER.parent), str(FOLDER.parent / "devtools"), str(FOLDER / "extensions")]
@@ -45,3 +47,16 @@ html_static_path = ["pictures"]
 html_favicon = "../neurotouch_hid/page/static/icon.svg"
 html_show_sourcelink = False
 html_copy_source = False
+
+
+def setup(app: Sphinx) -> None:
+    """Gives the groups of pages at the side a level, so that screen readers can jump to them."""
+    app.connect("html-page-context", add_level, priority=900)  # after the theme has made them
+
+
+def add_level(_app: Sphinx, _page: str, _template: str, context: dict[str, str], _: object) -> None:
+    """Changes the theme's list of pages in place."""
+    tree = context.get("furo_navigation_tree", "")
+    context["furo_navigation_tree"] = tree.replace(
+        'role="heading"', 'role="heading" aria-level="2"'
+    )
