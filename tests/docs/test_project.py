@@ -8,6 +8,9 @@ from neurotouch_hid import __version__
 from tests.docs.prose import ROOT, pages
 
 _LINK = re.compile(r"""(?:\]\(|src="|srcset=")(?!https?:|mailto:|#|_static)([^)"#]+)""")
+_PATH = re.compile(
+    r"`((?:neurotouch_hid|devtools|docs|examples|packaging|profiles|tests|udev)/(?!_build)[\w./-]*)`"
+)
 
 
 def test_citation_is_of_this_version_and_names_the_paper():
@@ -36,3 +39,13 @@ def test_every_link_between_documents_leads_to_a_file():
         if not (page.parent / target).exists()
     ]
     assert broken == []
+
+
+def test_every_path_in_documents_exists():
+    lost = [
+        f"{page.relative_to(ROOT)}: {path}"
+        for page in pages()
+        for path in _PATH.findall(page.read_text())
+        if not (ROOT / path).exists()
+    ]
+    assert lost == []
