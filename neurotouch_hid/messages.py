@@ -70,7 +70,7 @@ class EventPacket:
         events: (n,) EVENT_DTYPE, ascending in ``t``, all in [t_begin_us, t_end_us).
         frames: frames whose exposure ended in the slice, oldest first.
         gap: events lost since the packet before, as far as the source knows.
-        is_head: this is only what has come of a slice so far; the whole slice comes next.
+        is_partial: this is only what has come of a slice so far; the whole slice comes next.
     """
 
     t_begin_us: int
@@ -78,7 +78,7 @@ class EventPacket:
     events: NDArray[np.void]
     frames: tuple[Frame, ...] = ()
     gap: int = 0
-    is_head: bool = False
+    is_partial: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

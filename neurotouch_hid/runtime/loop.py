@@ -77,8 +77,8 @@ def run_line(
             for packet in turns:
                 if session is not None:
                     session.obey()
-                if packet is not None and packet.is_head:
-                    pipeline.take_head(packet)
+                if packet is not None and packet.is_partial:
+                    pipeline.advance_partial(packet)
                 elif packet is not None:
                     step = pipeline.advance(packet)
                     device.write(step.pad)

@@ -84,7 +84,7 @@ class Pipeline:
             line.mapping = stopwatch.watch("profile", line.mapping, "update")
         return line
 
-    def take_head(self, packet: EventPacket) -> None:
+    def advance_partial(self, packet: EventPacket) -> None:
         """Takes in the head of the next slice, of which less is left to do then; live only."""
         self._early.update(packet)
         self._head = packet

@@ -42,7 +42,7 @@ class Lull:
         self._n_heard = 0
 
     @property
-    def takes_heads(self) -> bool:
+    def takes_partials(self) -> bool:
         """The next slice will hardly wait here: the one before did not."""
         return self.is_idle is not None and self._passes
 

@@ -7,7 +7,7 @@ from typing import Self
 
 from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.source.idle import Lull
-from neurotouch_hid.source.partial import LEAD_US, cut_head
+from neurotouch_hid.source.partial import LEAD_US, cut_partial
 from neurotouch_hid.source.protocol import Source
 
 
@@ -52,8 +52,8 @@ class PacedSource:
                 start_ns = self._clock_ns()
             played_us += packet.t_end_us - packet.t_begin_us
             self.due_ns = start_ns + played_us * 1000
-            if self._lull.takes_heads:
-                head = cut_head(packet)
+            if self._lull.takes_partials:
+                head = cut_partial(packet)
                 if head is not None and self._wait(self.due_ns - LEAD_US * 1000):
                     yield head
             self._wait(self.due_ns)

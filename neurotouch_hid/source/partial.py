@@ -13,7 +13,7 @@ SHORTEST_US: Final = 2_000
 """A line with shorter slices is busy enough not to be forgotten."""
 
 
-def cut_head(packet: EventPacket) -> EventPacket | None:
+def cut_partial(packet: EventPacket) -> EventPacket | None:
     """What has happened in a slice ``LEAD_US`` before its end, without frames.
 
     Args:
@@ -30,4 +30,6 @@ def cut_head(packet: EventPacket) -> EventPacket | None:
 def cut(packet: EventPacket, until_us: int) -> EventPacket:
     """What has happened in a slice before a moment in it, without frames."""
     n = int(np.searchsorted(packet.events["t"], until_us))
-    return EventPacket(packet.t_begin_us, until_us, packet.events[:n], gap=packet.gap, is_head=True)
+    return EventPacket(
+        packet.t_begin_us, until_us, packet.events[:n], gap=packet.gap, is_partial=True
+    )

@@ -53,7 +53,7 @@ class Attentive(Protocol):
         """Says what the line does; it takes no note of any of this before.
 
         While it is idle, slices that hold nothing but noise may come as one, with fewer frames if
-        it wants no more. Otherwise the head of a slice (``EventPacket.is_head``) may come shortly
+        it wants no more. Otherwise the head of a slice (``EventPacket.is_partial``) may come shortly
         before its end.
         """
         ...

@@ -11,7 +11,7 @@ from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline
 from neurotouch_hid.runtime.pipeline import IDLE_FRAME_US, IDLE_US
-from neurotouch_hid.source.partial import cut_head
+from neurotouch_hid.source.partial import cut_partial
 
 
 def wait_for(condition):
@@ -64,7 +64,7 @@ def test_a_slice_whose_head_was_taken_in_before_tells_the_same(push):
     )
     apart_px, same = [], []
     for packet in push.packets:
-        early.take_head(cut_head(packet))
+        early.advance_partial(cut_partial(packet))
         now, then = play_live(plain, packet), play_live(early, packet)
         assert then.packet is packet
         if packet.t_end_us > 300_000:
@@ -83,10 +83,10 @@ def test_a_head_whose_slice_never_came_is_a_gap(push):
     for packet in push.packets[:20]:
         line.advance(packet)
     line.is_live = True
-    line.take_head(cut_head(push.packets[20]))
+    line.advance_partial(cut_partial(push.packets[20]))
     line.advance(push.packets[21])
     assert line.tracker.stats().n_gaps == 1
-    line.take_head(cut_head(push.packets[22]))
+    line.advance_partial(cut_partial(push.packets[22]))
     line.advance(replace(push.packets[22], gap=7))  # lost after the head
     assert line.tracker.stats().n_gaps == 2
     line.close()

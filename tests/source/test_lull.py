@@ -75,27 +75,27 @@ def test_what_comes_together_is_no_more_than_the_line_takes_in_time(level, slice
 
 def test_the_head_of_a_slice_may_come_if_the_slice_will_not_wait():
     lull = Lull()
-    assert not lull.takes_heads  # nobody has said yet that he can use one
+    assert not lull.takes_partials  # nobody has said yet that he can use one
     lull.is_idle = False
-    assert lull.takes_heads
+    assert lull.takes_partials
     lull, n_calm = idle_lull()
-    assert lull.takes_heads  # calm, but not for long enough
+    assert lull.takes_partials  # calm, but not for long enough
     for k in range(n_calm, n_calm + 3 * N_JOINED):
         lull.take(make(k))
-        assert not lull.takes_heads
+        assert not lull.takes_partials
     lull.is_idle = False
-    assert not lull.takes_heads  # of those that wait
+    assert not lull.takes_partials  # of those that wait
     lull.take(make(k + 1))
-    assert lull.takes_heads
+    assert lull.takes_partials
 
 
 def test_after_a_lull_ends_heads_come_before_the_line_knows():
     lull, n_calm = idle_lull()
     lull.take(make(n_calm))
     assert lull.take(make(n_calm + 1, 2_000))  # with the one that waited
-    assert not lull.takes_heads
+    assert not lull.takes_partials
     assert lull.take(make(n_calm + 2, 2_000))
-    assert lull.takes_heads
+    assert lull.takes_partials
 
 
 def test_too_full_a_slice_does_not_wait_and_its_head_may_come():
@@ -103,7 +103,7 @@ def test_too_full_a_slice_does_not_wait_and_its_head_may_come():
     lull.is_idle = True
     for k in range(3 * N_CALM):
         assert lull.take(make(k, MOST_EVENTS // 2 + 1))
-        assert lull.takes_heads
+        assert lull.takes_partials
 
 
 def test_what_stands_out_ends_the_lull_at_once_and_for_a_while():

@@ -85,7 +85,7 @@ def test_what_may_come_as_one_comes_when_all_of_it_has_happened():
     paced.attend(is_idle=True)
     lengths_us = []
     for packet in paced:
-        if packet.is_head:
+        if packet.is_partial:
             assert packet.t_end_us < 100_000
             continue
         lengths_us.append(packet.t_end_us - packet.t_begin_us)
@@ -113,7 +113,7 @@ def play_busy(slice_us, late_ns=0):
     paced = PacedSource(Busy(slice_us), clock, clock.sleep_s)
     for packet in paced:
         came.append((packet, (clock() - 77) // 1_000))
-        if not packet.is_head:
+        if not packet.is_partial:
             paced.attend(is_idle=False)
             clock.now_ns += late_ns
     return came
@@ -121,8 +121,8 @@ def play_busy(slice_us, late_ns=0):
 
 def test_the_head_of_a_slice_comes_shortly_before_its_end():
     (first, _), *came = play_busy(4_000)
-    assert not first.is_head
-    assert [packet.is_head for packet, _ in came] == [True, False] * 9
+    assert not first.is_partial
+    assert [packet.is_partial for packet, _ in came] == [True, False] * 9
     for (head, head_us), (whole, whole_us) in zip(came[::2], came[1::2], strict=True):
         assert head_us == whole.t_end_us - LEAD_US + 300
         assert whole_us == whole.t_end_us + 300
@@ -132,5 +132,5 @@ def test_the_head_of_a_slice_comes_shortly_before_its_end():
 
 
 def test_no_head_comes_of_a_short_slice_or_to_a_line_that_is_late():
-    assert not any(packet.is_head for packet, _ in play_busy(SHORTEST_US - 100))
-    assert not any(packet.is_head for packet, _ in play_busy(4_000, 4_000_000))
+    assert not any(packet.is_partial for packet, _ in play_busy(SHORTEST_US - 100))
+    assert not any(packet.is_partial for packet, _ in play_busy(4_000, 4_000_000))

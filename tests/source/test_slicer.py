@@ -96,13 +96,13 @@ def test_the_head_of_a_slice_can_be_had_and_changes_nothing():
     assert list(slicer.push(events_at([0, 20]))) == []
     assert list(slicer.push(events_at([40, 60, 60]), [Frame(PIXELS, 10, 30)])) == []
     head = slicer.head(60, 5)
-    assert (head.t_begin_us, head.t_end_us, head.is_head) == (0, 60, True)
+    assert (head.t_begin_us, head.t_end_us, head.is_partial) == (0, 60, True)
     assert head.events["t"].tolist() == [0, 20, 40]  # another event at 60 may still come
     assert head.frames == ()
     assert slicer.head(60, 4) is None
     assert slicer.head(SLICE_US, 100) is None
     (whole,) = slicer.push(events_at([SLICE_US + 50]))
-    assert not whole.is_head
+    assert not whole.is_partial
     assert whole.events["t"].tolist() == [0, 20, 40, 60, 60]
     assert len(whole.frames) == 1
 

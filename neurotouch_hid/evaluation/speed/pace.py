@@ -130,7 +130,7 @@ def measure_machine(source: DenseSource, *, is_idle: bool) -> dict[str, Any]:
     with hurry():
         begun_s = time.process_time()
         for packet in paced:
-            if not packet.is_head:
+            if not packet.is_partial:
                 late_ns.append(time.monotonic_ns() - paced.due_ns)
                 due_ns.append(paced.due_ns)
         core = (time.process_time() - begun_s) / source.seconds

@@ -25,7 +25,7 @@ class Outbox:
         with self._ready:
             if self._ended:
                 return
-            if self._packets and self._packets[-1].is_head:
+            if self._packets and self._packets[-1].is_partial:
                 self._packets.pop()  # of no more use
             self._packets.append(packet)
             if len(self._packets) > self._limit:

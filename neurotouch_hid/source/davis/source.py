@@ -250,8 +250,8 @@ class DavisSource:
             camera.transport.close()
 
     def _hand_over(self, packet: EventPacket) -> None:
-        if packet.is_head:
-            if self._lull.takes_heads:
+        if packet.is_partial:
+            if self._lull.takes_partials:
                 self._outbox.offer(packet)
             return
         for whole in self._lull.take(packet):

@@ -6,23 +6,23 @@ from neurotouch_hid.messages import EVENT_DTYPE, EventPacket
 from neurotouch_hid.source.davis.packet_queue import Outbox
 
 
-def make(k, *, is_head=False):
-    return EventPacket(k, k + 1, np.zeros(5, EVENT_DTYPE), is_head=is_head)
+def make(k, *, is_partial=False):
+    return EventPacket(k, k + 1, np.zeros(5, EVENT_DTYPE), is_partial=is_partial)
 
 
 def test_a_head_is_only_for_a_line_that_has_nothing_else_to_do():
     outbox = Outbox(2)
-    outbox.offer(head := make(0, is_head=True))
+    outbox.offer(head := make(0, is_partial=True))
     assert outbox.take(0) is head
     outbox.put(whole := make(0))
-    outbox.offer(make(1, is_head=True))
+    outbox.offer(make(1, is_partial=True))
     assert outbox.take(0) is whole
     assert outbox.take(0) is None
 
 
 def test_a_head_that_was_not_taken_in_time_is_forgotten():
     outbox = Outbox(1)
-    outbox.offer(make(0, is_head=True))
+    outbox.offer(make(0, is_partial=True))
     outbox.put(whole := make(0))
     assert outbox.take(0) is whole
     assert whole.gap == 0

@@ -107,9 +107,9 @@ def test_a_line_that_plays_gets_the_head_of_a_slice_before_its_end():
         head = next(turns)
         camera.script.append(make_events(4, 6))
         whole = next(turns)
-    assert (head.t_begin_us, head.t_end_us, head.is_head) == (0, 3_001, True)
+    assert (head.t_begin_us, head.t_end_us, head.is_partial) == (0, 3_001, True)
     assert times([head]) == [1, 1_001, 2_001]
-    assert (whole.t_begin_us, whole.t_end_us, whole.is_head) == (0, 3_500, False)
+    assert (whole.t_begin_us, whole.t_end_us, whole.is_partial) == (0, 3_500, False)
     assert times([whole]) == [1, 1_001, 2_001, 3_001]
 
 
@@ -119,7 +119,7 @@ def test_a_line_that_is_idle_gets_heads_only_until_slices_wait():
     with open_camera(camera, slice_us=3_500) as source:
         source.attend(is_idle=True)
         packets = take(source, 40)
-    heads_us = [packet.t_end_us for packet in packets if packet.is_head]
+    heads_us = [packet.t_end_us for packet in packets if packet.is_partial]
     assert all(us < 110_000 for us in heads_us)
     assert packets[-1].t_begin_us > 110_000
 
@@ -128,7 +128,7 @@ def test_a_line_that_has_said_nothing_gets_whole_slices():
     camera = ScriptedCamera()
     camera.at_reset.append([make_events(ms, ms + 2) for ms in range(0, 40, 2)])
     with open_camera(camera, slice_us=3_500) as source:
-        assert not any(packet.is_head for packet in take(source, 10))
+        assert not any(packet.is_partial for packet in take(source, 10))
 
 
 REST = [(2, 4, 0), (9, 1, 80_640)]  # no more frames; data waits for 1 ms of 80.64 MHz
