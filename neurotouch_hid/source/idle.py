@@ -25,7 +25,7 @@ _FEW: Final = 8.0  # events; a quiet sensor's deviation may be 0
 _BLOCK: Final = np.dtype(("V", EVENT_DTYPE.itemsize))  # numpy copies records field by field
 
 
-class Lull:
+class IdleMerger:
     """Holds slices back while the line is idle and they hold nothing but noise.
 
     Attributes:

@@ -6,7 +6,7 @@ from types import TracebackType
 from typing import Self
 
 from neurotouch_hid.messages import EventPacket
-from neurotouch_hid.source.idle import Lull
+from neurotouch_hid.source.idle import IdleMerger
 from neurotouch_hid.source.partial import LEAD_US, cut_partial
 from neurotouch_hid.source.protocol import Source
 
@@ -42,7 +42,7 @@ class PacedSource:
         self.is_simulated = source.is_simulated
         self.due_ns = 0
         self._source, self._clock_ns, self._sleep_s = source, clock_ns, sleep_s
-        self._lull = Lull()
+        self._merger = IdleMerger()
 
     def __iter__(self) -> Iterator[EventPacket]:
         start_ns: int | None = None
@@ -52,7 +52,7 @@ class PacedSource:
                 start_ns = self._clock_ns()
             played_us += packet.t_end_us - packet.t_begin_us
             self.due_ns = start_ns + played_us * 1000
-            if self._lull.takes_partials:
+            if self._merger.takes_partials:
                 head = cut_partial(packet)
                 if head is not None and self._wait(self.due_ns - LEAD_US * 1000):
                     yield head
@@ -66,7 +66,7 @@ class PacedSource:
         wants_frames: bool = True,  # noqa: ARG002  # it has them anyway
     ) -> None:
         """From now on slices that hold nothing but noise may come as one, or heads in advance."""
-        self._lull.is_idle = is_idle
+        self._merger.is_idle = is_idle
 
     def _wait(self, until_ns: int) -> bool:
         """Waits until then; false if that has passed already."""
@@ -78,8 +78,8 @@ class PacedSource:
 
     def _join(self) -> Iterator[EventPacket]:
         for packet in self._source:
-            yield from self._lull.take(packet)
-        yield from self._lull.flush()
+            yield from self._merger.take(packet)
+        yield from self._merger.flush()
 
     def close(self) -> None:
         """Close the source that is played."""

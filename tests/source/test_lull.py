@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
-from neurotouch_hid.source.idle import CALM_US, LONGEST_US, MOST_EVENTS, MOST_PER_US, Lull
+from neurotouch_hid.source.idle import CALM_US, LONGEST_US, MOST_EVENTS, MOST_PER_US, IdleMerger
 
 SLICE_US = 4_000
 N_CALM = CALM_US // SLICE_US
@@ -20,7 +20,7 @@ def make(k, n=360, gap=0, frames=(), slice_us=SLICE_US):
 
 def idle_lull(slice_us=SLICE_US):
     """A lull whose next slices wait: the line has been idle for as long as it takes."""
-    lull = Lull()
+    lull = IdleMerger()
     lull.is_idle = True
     n_calm = CALM_US // slice_us
     for k in range(n_calm):
@@ -29,7 +29,7 @@ def idle_lull(slice_us=SLICE_US):
 
 
 def test_a_line_that_is_not_idle_gets_every_slice():
-    lull = Lull()
+    lull = IdleMerger()
     for k in range(200):
         (packet,) = lull.take(sent := make(k, 0))
         assert packet is sent
@@ -38,7 +38,7 @@ def test_a_line_that_is_not_idle_gets_every_slice():
 @pytest.mark.parametrize("level", [0, 150, 300])
 def test_an_idle_line_gets_noise_seldom_and_all_of_it(level):
     rng = np.random.default_rng(1)
-    lull = Lull()
+    lull = IdleMerger()
     lull.is_idle = True
     sent = [
         make(k, rng.poisson(level), frames=(Frame(None, k, k),) if k % 10 == 0 else ())
@@ -74,7 +74,7 @@ def test_what_comes_together_is_no_more_than_the_line_takes_in_time(level, slice
 
 
 def test_the_head_of_a_slice_may_come_if_the_slice_will_not_wait():
-    lull = Lull()
+    lull = IdleMerger()
     assert not lull.takes_partials  # nobody has said yet that he can use one
     lull.is_idle = False
     assert lull.takes_partials
@@ -99,7 +99,7 @@ def test_after_a_lull_ends_heads_come_before_the_line_knows():
 
 
 def test_too_full_a_slice_does_not_wait_and_its_head_may_come():
-    lull = Lull()
+    lull = IdleMerger()
     lull.is_idle = True
     for k in range(3 * N_CALM):
         assert lull.take(make(k, MOST_EVENTS // 2 + 1))

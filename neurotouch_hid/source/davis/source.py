@@ -20,7 +20,7 @@ from neurotouch_hid.source.davis.packet_queue import Outbox
 from neurotouch_hid.source.davis.stream import Stream
 from neurotouch_hid.source.davis.transport import CameraGoneError, Transport
 from neurotouch_hid.source.davis.usb import Usb, Watch
-from neurotouch_hid.source.idle import Lull
+from neurotouch_hid.source.idle import IdleMerger
 
 MAX_DELAY_US: Final = 100_000
 TURN_S: Final = 0.05
@@ -117,7 +117,7 @@ class DavisSource:
         self._sleep_s = sleep_s
         self._chosen = self._serial = serial
         self._slice_us = slice_us
-        self._lull = Lull()
+        self._merger = IdleMerger()
         self._wants_frames = True
         self._outbox = Outbox(max(1, max_delay_us // slice_us))
         self._closing = threading.Event()
@@ -150,7 +150,7 @@ class DavisSource:
 
     def attend(self, *, is_idle: bool, wants_frames: bool = True) -> None:
         """From now on slices that hold nothing but noise may come as one, or heads in advance."""
-        self._lull.is_idle, self._wants_frames = is_idle, wants_frames
+        self._merger.is_idle, self._wants_frames = is_idle, wants_frames
 
     @property
     def is_blind(self) -> bool:
@@ -236,7 +236,7 @@ class DavisSource:
                 self._config,
                 self._slice_us,
                 self._hand_over,
-                lambda: self._lull.is_calm and not self._wants_frames,
+                lambda: self._merger.is_calm and not self._wants_frames,
                 self._stream,
             )
             if self._trouble:
@@ -251,10 +251,10 @@ class DavisSource:
 
     def _hand_over(self, packet: EventPacket) -> None:
         if packet.is_partial:
-            if self._lull.takes_partials:
+            if self._merger.takes_partials:
                 self._outbox.offer(packet)
             return
-        for whole in self._lull.take(packet):
+        for whole in self._merger.take(packet):
             self._outbox.put(whole)
 
     def _note(self, error: CameraError) -> None:
