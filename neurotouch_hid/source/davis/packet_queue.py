@@ -7,7 +7,7 @@ from dataclasses import replace
 from neurotouch_hid.messages import EventPacket
 
 
-class Outbox:
+class PacketQueue:
     """Holds the newest slices; what is dropped is counted in the ``gap`` of the next one.
 
     Args:

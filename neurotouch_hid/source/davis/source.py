@@ -16,7 +16,7 @@ from neurotouch_hid.source.davis.camera import Camera
 from neurotouch_hid.source.davis.config import DavisConfig
 from neurotouch_hid.source.davis.decoder import Decoder, DecoderStats
 from neurotouch_hid.source.davis.finding import CameraAbsentError, CameraInfo
-from neurotouch_hid.source.davis.packet_queue import Outbox
+from neurotouch_hid.source.davis.packet_queue import PacketQueue
 from neurotouch_hid.source.davis.stream import Stream
 from neurotouch_hid.source.davis.transport import CameraGoneError, Transport
 from neurotouch_hid.source.davis.usb import Usb, Watch
@@ -119,7 +119,7 @@ class DavisSource:
         self._slice_us = slice_us
         self._merger = IdleMerger()
         self._wants_frames = True
-        self._outbox = Outbox(max(1, max_delay_us // slice_us))
+        self._queue = PacketQueue(max(1, max_delay_us // slice_us))
         self._closing = threading.Event()
         self._thread: threading.Thread | None = None
         self._stream: Stream | None = None
@@ -143,8 +143,8 @@ class DavisSource:
         if self._thread is None:
             self._thread = threading.Thread(target=self._work, name="camera", daemon=True)
             self._thread.start()
-        while not self._outbox.has_ended:
-            yield self._outbox.take(TURN_S)
+        while not self._queue.has_ended:
+            yield self._queue.take(TURN_S)
         if not self._closing.is_set():
             raise CameraError("The camera's thread has ended; this is a bug of the driver.")
 
@@ -173,7 +173,7 @@ class DavisSource:
     def close(self) -> None:
         """Stops the camera and gives it back; ends an iteration that waits. From any thread."""
         self._closing.set()
-        self._outbox.end()
+        self._queue.end()
         if self._thread is not None:
             self._thread.join()
         if self._camera is not None:  # it has never been played
@@ -202,7 +202,7 @@ class DavisSource:
                         self._note(error)
                         watch.wait(RETRY_S)
         finally:
-            self._outbox.end()
+            self._queue.end()
 
     def _connect(self) -> Camera:
         """The camera, ready to be started."""
@@ -252,10 +252,10 @@ class DavisSource:
     def _hand_over(self, packet: EventPacket) -> None:
         if packet.is_partial:
             if self._merger.takes_partials:
-                self._outbox.offer(packet)
+                self._queue.offer(packet)
             return
         for whole in self._merger.take(packet):
-            self._outbox.put(whole)
+            self._queue.put(whole)
 
     def _note(self, error: CameraError) -> None:
         """Says why the camera does not stream: each reason once, and that it is away only once."""

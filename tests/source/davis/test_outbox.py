@@ -3,7 +3,7 @@
 import numpy as np
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket
-from neurotouch_hid.source.davis.packet_queue import Outbox
+from neurotouch_hid.source.davis.packet_queue import PacketQueue
 
 
 def make(k, *, is_partial=False):
@@ -11,19 +11,19 @@ def make(k, *, is_partial=False):
 
 
 def test_a_head_is_only_for_a_line_that_has_nothing_else_to_do():
-    outbox = Outbox(2)
-    outbox.offer(head := make(0, is_partial=True))
-    assert outbox.take(0) is head
-    outbox.put(whole := make(0))
-    outbox.offer(make(1, is_partial=True))
-    assert outbox.take(0) is whole
-    assert outbox.take(0) is None
+    queue = PacketQueue(2)
+    queue.offer(head := make(0, is_partial=True))
+    assert queue.take(0) is head
+    queue.put(whole := make(0))
+    queue.offer(make(1, is_partial=True))
+    assert queue.take(0) is whole
+    assert queue.take(0) is None
 
 
 def test_a_head_that_was_not_taken_in_time_is_forgotten():
-    outbox = Outbox(1)
-    outbox.offer(make(0, is_partial=True))
-    outbox.put(whole := make(0))
-    assert outbox.take(0) is whole
+    queue = PacketQueue(1)
+    queue.offer(make(0, is_partial=True))
+    queue.put(whole := make(0))
+    assert queue.take(0) is whole
     assert whole.gap == 0
-    assert outbox.take(0) is None
+    assert queue.take(0) is None
