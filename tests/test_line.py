@@ -13,7 +13,7 @@ from neurotouch_hid.profile import UserSettings, load_profile
 from neurotouch_hid.runtime import Pipeline, run_line
 from neurotouch_hid.source.simulator import Simulator
 from neurotouch_hid.source.simulator.gel.motion import KNOT_US
-from neurotouch_hid.source.simulator.hand_model import LedHand, Wish
+from neurotouch_hid.source.simulator.hand_model import GuidedHand, Wish
 from neurotouch_hid.source.simulator.script import Finger, Stroke, sequence
 
 RIGHT, LEFT = Finger((9.0, 0.0)), Finger((-9.0, 0.0))
@@ -114,7 +114,7 @@ def test_fingers_that_rest_are_no_gesture_for_who_says_so_and_another_one_pushes
 
     user = UserSettings(neutral=neutral)
     line = Pipeline.build(load_profile("default"), GestureConfig(), user=user)
-    packets = Simulator(LedHand(ask, lambda *_: None))
+    packets = Simulator(GuidedHand(ask, lambda *_: None))
     steps = {packet.t_end_us: line.advance(packet) for packet in islice(packets, 600)}
     before = [step for t_us, step in steps.items() if 3_000_000 < t_us < 3_900_000]
     pushing = [step for t_us, step in steps.items() if 4_400_000 < t_us < 4_900_000]

@@ -39,7 +39,7 @@ def command(
     from neurotouch_hid.cli.play import announce, play
     from neurotouch_hid.client import find_runtime_folder
     from neurotouch_hid.driver import Driver, DriverOptions
-    from neurotouch_hid.source.mouse import HandSource
+    from neurotouch_hid.source.mouse import MouseSource
 
     options = DriverOptions(
         source="sim:rest" if mouse else f"sim:{scene}",
@@ -47,9 +47,9 @@ def command(
         copilot="",
         needs_device=False,
     )
-    hand = (lambda: HandSource(find_runtime_folder())) if mouse else None
+    hand = (lambda: MouseSource(find_runtime_folder())) if mouse else None
     with Driver(options, announce=announce, make_source=hand) as driver, ExitStack() as stack:
-        if isinstance(driver.source, HandSource):
+        if isinstance(driver.source, MouseSource):
             driver.taps.append(driver.source.watch)
         if page:
             stack.enter_context(open_page("gel" if mouse else ""))

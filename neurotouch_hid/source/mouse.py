@@ -13,7 +13,7 @@ from neurotouch_hid.errors import SourceError
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.ipc import HAND, is_own_peer, listen_at
 from neurotouch_hid.messages import EventPacket, Step
-from neurotouch_hid.source.simulator.hand_model import LedHand, Wish, read_wish
+from neurotouch_hid.source.simulator.hand_model import GuidedHand, HandCommand, read_hand_command
 from neurotouch_hid.source.simulator.simulator import Simulator
 
 SLICE_US: Final = 4_000
@@ -25,10 +25,10 @@ LATE_S: Final = 0.1
 LONGEST_BYTES: Final = 8 * 1024
 
 
-class HandSource:
+class MouseSource:
     """Packets of a gel under a hand that is led through a Unix socket; a source.
 
-    Every message is one wish, see ``simulator.hand.Wish``; the newest counts. Unlike a script, a
+    Every message is one wish, see ``simulator.hand.HandCommand``; the newest counts. Unlike a script, a
     slice is computed when its time has come and not before.
 
     Args:
@@ -57,7 +57,7 @@ class HandSource:
         self._pending: deque[tuple[int, float]] = deque(maxlen=1000)
         self._late_s = 0.0
         self._lags_ms: deque[float] = deque(maxlen=250)
-        self._simulator = Simulator(LedHand(self._ask, self._note), seed=seed, slice_us=slice_us)
+        self._simulator = Simulator(GuidedHand(self._ask, self._note), seed=seed, slice_us=slice_us)
 
     def __iter__(self) -> Iterator[EventPacket]:
         packets = iter(self._simulator)
@@ -113,7 +113,7 @@ class HandSource:
     ) -> None:
         self.close()
 
-    def _ask(self) -> Wish | None:
+    def _ask(self) -> HandCommand | None:
         """The newest wish that has arrived."""
         with suppress(OSError):
             peer, _ = self._listener.accept()
@@ -127,7 +127,7 @@ class HandSource:
             newest = self._hear(peer) or newest
         return newest
 
-    def _hear(self, peer: socket.socket) -> Wish | None:
+    def _hear(self, peer: socket.socket) -> HandCommand | None:
         newest = None
         while True:
             try:
@@ -140,7 +140,7 @@ class HandSource:
                 self._peers.remove(peer)
                 peer.close()
                 return newest
-            newest = read_wish(text) or newest
+            newest = read_hand_command(text) or newest
 
-    def _note(self, wish: Wish, t_us: int) -> None:
+    def _note(self, wish: HandCommand, t_us: int) -> None:
         self._pending.append((t_us, wish.at_ms))

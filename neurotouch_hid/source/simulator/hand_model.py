@@ -35,7 +35,7 @@ _STILL: Final = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
-class Wish:
+class HandCommand:
     """What the hand shall do.
 
     Attributes:
@@ -83,7 +83,7 @@ _MOST: Final = {
 }
 
 
-def read_wish(text: bytes) -> Wish | None:
+def read_hand_command(text: bytes) -> HandCommand | None:
     """The wish in a message; what goes too far is cut, None if it is no wish at all."""
     try:
         said = json.loads(text)
@@ -92,7 +92,7 @@ def read_wish(text: bytes) -> Wish | None:
     if not isinstance(said, dict):
         return None
     values: dict[str, Any] = {}
-    for field in fields(Wish):
+    for field in fields(HandCommand):
         value = said.get(field.name, field.default)
         if field.name not in _MOST:
             values[field.name] = value is True
@@ -103,7 +103,7 @@ def read_wish(text: bytes) -> Wish | None:
             return None
         low, high = _MOST[field.name]
         values[field.name] = min(max(float(value), low), high)
-    return Wish(**values)
+    return HandCommand(**values)
 
 
 class Hold:
@@ -116,7 +116,7 @@ class Hold:
         lie: how much the other fingers of a resting hand lie on the gel, 0 to 1.
     """
 
-    def __init__(self, wish: Wish, lie: float = 0.0) -> None:
+    def __init__(self, wish: HandCommand, lie: float = 0.0) -> None:
         self.wish = wish
         self.kind = _find_kind(wish)
         self._middle = np.array([wish.x_mm, wish.y_mm])
@@ -140,7 +140,7 @@ class Hold:
         """True once the gel is as it was."""
         return self.is_lifted and self.lie < _STILL
 
-    def fits(self, wish: Wish) -> bool:
+    def fits(self, wish: HandCommand) -> bool:
         """True if these fingers can do what is wished; else they must be lifted first."""
         if wish.resting != self.wish.resting:
             return False
@@ -152,7 +152,7 @@ class Hold:
         enough = len(self._own) > 1 or not wish.has_two_fingers
         return near and enough
 
-    def follow(self, wish: Wish, t_us: int) -> None:
+    def follow(self, wish: HandCommand, t_us: int) -> None:
         """Goes on for a knot, as far as a hand can in that time."""
         down = wish.down and self.fits(wish)
         mm, rad = SPEED_MM_S * _STEP_S, SPEED_RAD_S * _STEP_S
@@ -173,7 +173,7 @@ class Hold:
         """Where the fingers are at the knot they have followed to."""
         return self._state
 
-    def _compute(self, wish: Wish, t_us: int) -> NDArray[np.float64]:
+    def _compute(self, wish: HandCommand, t_us: int) -> NDArray[np.float64]:
         turn = 2e-6 * math.pi * wish.tremor_hz * t_us
         tremor = wish.tremor_mm * np.array([math.sin(turn), 0.6 * math.cos(turn)])
         state = np.zeros((len(self.fingers), 4))
@@ -194,7 +194,7 @@ class Hold:
         return state
 
 
-class LedHand:
+class GuidedHand:
     """A play without an end that does what it is asked for.
 
     Args:
@@ -206,9 +206,11 @@ class LedHand:
     duration_us = KNOT_US
     endless = True
 
-    def __init__(self, ask: Callable[[], Wish | None], notice: Callable[[Wish, int], None]) -> None:
+    def __init__(
+        self, ask: Callable[[], HandCommand | None], notice: Callable[[HandCommand, int], None]
+    ) -> None:
         self._ask, self._notice = ask, notice
-        self._wish = Wish()
+        self._wish = HandCommand()
         self._silent = 0
         self._hold: Hold | None = None
 
@@ -221,7 +223,7 @@ class LedHand:
         else:
             self._silent += 1
             if self._silent > SILENCE_KNOTS:
-                self._wish = Wish()
+                self._wish = HandCommand()
         hold = self._hold
         if hold is None:
             if self._wish.down or self._wish.resting:
@@ -236,7 +238,7 @@ class LedHand:
         return None if hold is None else (hold, t_us)
 
 
-def _find_kind(wish: Wish) -> GestureKind:
+def _find_kind(wish: HandCommand) -> GestureKind:
     if not wish.down:
         return GestureKind.NONE
     if wish.spread_mm:
@@ -246,7 +248,7 @@ def _find_kind(wish: Wish) -> GestureKind:
     return GestureKind.PUSH
 
 
-def _lay_fingers(wish: Wish) -> NDArray[np.float64]:
+def _lay_fingers(wish: HandCommand) -> NDArray[np.float64]:
     """Where the fingers touch, (k, 2) mm."""
     middle = np.array([[wish.x_mm, wish.y_mm]])
     if not wish.has_two_fingers:

@@ -13,16 +13,16 @@ from hypothesis import strategies as st
 
 from neurotouch_hid.ipc import HAND, connect_to
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.source.mouse import HandSource
+from neurotouch_hid.source.mouse import MouseSource
 from neurotouch_hid.source.simulator import Simulator
 from neurotouch_hid.source.simulator.gel.motion import KNOT_US
 from neurotouch_hid.source.simulator.hand_model import (
     PUSH_MM,
     SILENCE_KNOTS,
     SPEED_MM_S,
-    LedHand,
-    Wish,
-    read_wish,
+    GuidedHand,
+    HandCommand,
+    read_hand_command,
 )
 
 
@@ -32,14 +32,14 @@ class Leader:
     def __init__(self):
         self.wish = None
         self.noticed = []
-        self.hand = LedHand(self._ask, lambda wish, t_us: self.noticed.append((wish, t_us)))
+        self.hand = GuidedHand(self._ask, lambda wish, t_us: self.noticed.append((wish, t_us)))
         self._t_us = 0
 
     def lead(self, n, **wish):
         """So many knots on; the last answer."""
         found = None
         for _ in range(n):
-            self.wish = Wish(**wish) if wish else None
+            self.wish = HandCommand(**wish) if wish else None
             found = self.hand.find(self._t_us)
             self._t_us += KNOT_US
         return None if found is None else (found[0], found[0].move(found[1]))
@@ -127,21 +127,21 @@ def test_a_hand_that_nobody_leads_any_more_lets_go():
 
 @given(st.binary(max_size=300) | st.text().map(str.encode))
 def test_any_bytes_are_a_wish_or_none(text):
-    assert read_wish(text) is None or isinstance(read_wish(text), Wish)
+    assert read_hand_command(text) is None or isinstance(read_hand_command(text), HandCommand)
 
 
 @given(
     st.dictionaries(
-        st.sampled_from(list(Wish.__slots__)),
+        st.sampled_from(list(HandCommand.__slots__)),
         st.floats() | st.booleans() | st.none() | st.integers() | st.text(max_size=3),
     )
 )
 def test_no_wish_leads_the_hand_out_of_bounds(said):
-    wish = read_wish(json.dumps(said).encode())
+    wish = read_hand_command(json.dumps(said).encode())
     if wish is None:
         return
     leader = Leader()
-    values = {name: getattr(wish, name) for name in Wish.__slots__}
+    values = {name: getattr(wish, name) for name in HandCommand.__slots__}
     for _ in range(40):
         found = leader.lead(1, **values)
         if found is not None:
@@ -150,11 +150,13 @@ def test_no_wish_leads_the_hand_out_of_bounds(said):
 
 
 def test_too_much_is_cut_and_nonsense_is_none():
-    assert read_wish(b'{"down": true, "push_x_mm": 1e9}') == Wish(down=True, push_x_mm=PUSH_MM)
-    assert read_wish(b'{"push_x_mm": NaN}') is None
-    assert read_wish(b'{"push_x_mm": true}') is None
-    assert read_wish(b"[]") is None
-    assert read_wish(b'{"down": 1}') == Wish()
+    assert read_hand_command(b'{"down": true, "push_x_mm": 1e9}') == HandCommand(
+        down=True, push_x_mm=PUSH_MM
+    )
+    assert read_hand_command(b'{"push_x_mm": NaN}') is None
+    assert read_hand_command(b'{"push_x_mm": true}') is None
+    assert read_hand_command(b"[]") is None
+    assert read_hand_command(b'{"down": 1}') == HandCommand()
 
 
 def test_the_gel_answers_as_it_answers_a_script():
@@ -162,9 +164,9 @@ def test_the_gel_answers_as_it_answers_a_script():
     leader.wish = None
 
     def ask():
-        return Wish(down=True, push_x_mm=7.0)
+        return HandCommand(down=True, push_x_mm=7.0)
 
-    simulator = Simulator(LedHand(ask, lambda wish, t_us: None), seed=1, slice_us=4_000)
+    simulator = Simulator(GuidedHand(ask, lambda wish, t_us: None), seed=1, slice_us=4_000)
     packets = list(islice(simulator, 50))
     truth = simulator.truth(packets[-1].t_end_us)
     assert truth.kind == GestureKind.PUSH
@@ -173,7 +175,7 @@ def test_the_gel_answers_as_it_answers_a_script():
 
 
 def test_wishes_come_through_a_socket_and_their_way_is_timed(tmp_path):
-    with HandSource(tmp_path) as source:
+    with MouseSource(tmp_path) as source:
         peer = connect_to(tmp_path / HAND)
         packets = iter(source)
         next(packets)
