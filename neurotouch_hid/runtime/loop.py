@@ -11,7 +11,7 @@ from neurotouch_hid.device import Device
 from neurotouch_hid.errors import DeviceError, GelNotFoundError
 from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.runtime.pipeline import Pipeline
-from neurotouch_hid.source import Attentive, LiveSource
+from neurotouch_hid.source import ActivityAware, LiveSource
 
 if TYPE_CHECKING:
     from neurotouch_hid.runtime.session import Session
@@ -68,7 +68,7 @@ def run_line(
     stall_s = STALL_S
     if isinstance(source, LiveSource):
         turns, stall_s = source.turns(), LIVE_STALL_S
-    attentive = source if pipeline.is_live and isinstance(source, Attentive) else None
+    aware = source if pipeline.is_live and isinstance(source, ActivityAware) else None
     slices = events = 0
     first_us = last_us = None
     begun = time.perf_counter()
@@ -88,8 +88,8 @@ def run_line(
                     for tap in taps:
                         tap(step)
                     pipeline.catch_up(step)
-                    if attentive is not None:
-                        attentive.attend(
+                    if aware is not None:
+                        aware.set_activity(
                             is_idle=pipeline.is_idle, wants_frames=not pipeline.is_at_rest
                         )
                     slices += 1

@@ -1,12 +1,12 @@
 """Where packets come from: the camera, recordings and the simulator."""
 
 from neurotouch_hid.source.opening import FORMS, Speed, open_source
-from neurotouch_hid.source.protocol import Attentive, LiveSource, Source
+from neurotouch_hid.source.protocol import ActivityAware, LiveSource, Source
 from neurotouch_hid.source.slicer import Slicer, slice_stream
 
 __all__ = [
     "FORMS",
-    "Attentive",
+    "ActivityAware",
     "LiveSource",
     "Slicer",
     "Source",

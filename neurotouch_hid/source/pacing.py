@@ -19,7 +19,7 @@ class PacedSource:
     time is counted from the start, so errors of single waits never add up, and a loop
     that was late catches up. Sensor time that a source left out (a long silence) is not waited for.
     Slices in which nothing happens come as one, and the head of others in advance, while
-    ``attend`` allows it.
+    ``set_activity`` allows it.
 
     Args:
         source: what is played.
@@ -59,7 +59,7 @@ class PacedSource:
             self._wait(self.due_ns)
             yield packet
 
-    def attend(
+    def set_activity(
         self,
         *,
         is_idle: bool,

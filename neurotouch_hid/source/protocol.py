@@ -46,10 +46,10 @@ class Source(Protocol):
 
 
 @runtime_checkable
-class Attentive(Protocol):
+class ActivityAware(Protocol):
     """A source that hands over its slices as the line needs them."""
 
-    def attend(self, *, is_idle: bool, wants_frames: bool = True) -> None:
+    def set_activity(self, *, is_idle: bool, wants_frames: bool = True) -> None:
         """Says what the line does; it takes no note of any of this before.
 
         While it is idle, slices that hold nothing but noise may come as one, with fewer frames if

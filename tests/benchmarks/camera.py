@@ -207,7 +207,7 @@ def play(library: str, standin: str, seconds: float, rate: float, pace: Pace) ->
                 begun_s, used_s = now_s, time.process_time()
                 begun_ns = bench.standin.standin_used()
             if pace is REST:
-                source.attend(is_idle=True, wants_frames=False)
+                source.set_activity(is_idle=True, wants_frames=False)
             taken.append((packet.t_end_us, now_s))
             n_events, n_frames = n_events + len(packet.events), n_frames + len(packet.frames)
             gap += packet.gap

@@ -82,7 +82,7 @@ def test_what_may_come_as_one_comes_when_all_of_it_has_happened():
 
     clock = Clock()
     paced = PacedSource(Quiet(), clock, clock.sleep_s)
-    paced.attend(is_idle=True)
+    paced.set_activity(is_idle=True)
     lengths_us = []
     for packet in paced:
         if packet.is_partial:
@@ -114,7 +114,7 @@ def play_busy(slice_us, late_ns=0):
     for packet in paced:
         came.append((packet, (clock() - 77) // 1_000))
         if not packet.is_partial:
-            paced.attend(is_idle=False)
+            paced.set_activity(is_idle=False)
             clock.now_ns += late_ns
     return came
 

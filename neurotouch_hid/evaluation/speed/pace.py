@@ -125,7 +125,7 @@ def measure_machine(source: DenseSource, *, is_idle: bool) -> dict[str, Any]:
         time of this process over the sensor's: what playing takes.
     """
     paced = PacedSource(source)
-    paced.attend(is_idle=is_idle)
+    paced.set_activity(is_idle=is_idle)
     due_ns, late_ns = array("q"), array("q")
     with hurry():
         begun_s = time.process_time()

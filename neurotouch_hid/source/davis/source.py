@@ -148,7 +148,7 @@ class DavisSource:
         if not self._closing.is_set():
             raise CameraError("The camera's thread has ended; this is a bug of the driver.")
 
-    def attend(self, *, is_idle: bool, wants_frames: bool = True) -> None:
+    def set_activity(self, *, is_idle: bool, wants_frames: bool = True) -> None:
         """From now on slices that hold nothing but noise may come as one, or heads in advance."""
         self._merger.is_idle, self._wants_frames = is_idle, wants_frames
 

@@ -102,7 +102,7 @@ def test_a_line_that_plays_gets_the_head_of_a_slice_before_its_end():
     camera = ScriptedCamera()
     camera.at_reset.append([make_events(0, 2), make_events(2, 4)])
     with open_camera(camera, slice_us=3_500) as source:
-        source.attend(is_idle=False)
+        source.set_activity(is_idle=False)
         turns = (packet for packet in source.turns() if packet is not None)
         head = next(turns)
         camera.script.append(make_events(4, 6))
@@ -117,7 +117,7 @@ def test_a_line_that_is_idle_gets_heads_only_until_slices_wait():
     camera = ScriptedCamera()
     camera.at_reset.append([make_events(ms, ms + 2) for ms in range(0, 300, 2)])
     with open_camera(camera, slice_us=3_500) as source:
-        source.attend(is_idle=True)
+        source.set_activity(is_idle=True)
         packets = take(source, 40)
     heads_us = [packet.t_end_us for packet in packets if packet.is_partial]
     assert all(us < 110_000 for us in heads_us)
@@ -148,7 +148,7 @@ def play_calm(camera, source, stream, until):
     deadline_s = time.monotonic() + 60.0
     for packet in source.turns():
         if packet is not None:
-            source.attend(is_idle=True, wants_frames=False)
+            source.set_activity(is_idle=True, wants_frames=False)
         if until():
             return
         assert time.monotonic() < deadline_s, asked(camera)
@@ -196,7 +196,7 @@ def test_a_camera_does_not_rest_while_its_frames_are_wanted():
     camera.at_reset.append(islice(noise(), 200))
     with open_camera(camera, slice_us=4_000) as source:
         for packet in source.turns():
-            source.attend(is_idle=True)
+            source.set_activity(is_idle=True)
             if packet is not None and packet.t_end_us > 500_000:
                 break
         assert asked(camera) == []
