@@ -10,7 +10,7 @@ from neurotouch_hid.errors import DriverError
 from neurotouch_hid.profile import Profile, UserSettings
 from neurotouch_hid.profile.mapping import State
 
-Order = Literal["pause", "resume", "toggle", "panic", "switch"]
+CommandName = Literal["pause", "resume", "toggle", "panic", "switch"]
 """``toggle`` pauses, or resumes from a pause; only ``resume`` ends a panic."""
 
 CAPACITY: Final = 64
@@ -18,7 +18,7 @@ CAPACITY: Final = 64
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Letter:
+class Command:
     """One order.
 
     Attributes:
@@ -28,30 +28,30 @@ class Letter:
         done: whether gestures act, once it has been done; an order may leave that as it was.
     """
 
-    order: Order
+    order: CommandName
     profile: Profile | None = None
     user: UserSettings | None = None
     done: Future[State] = field(default_factory=Future)
 
 
-class Mailbox:
+class CommandQueue:
     """Holds letters until the line has time; neither side ever waits.
 
     ``append``, ``popleft`` and ``remove`` of a deque are atomic, so the line takes no lock.
     """
 
     def __init__(self) -> None:
-        self._letters: deque[Letter] = deque()
+        self._letters: deque[Command] = deque()
 
-    def post(self, letter: Letter) -> Letter:
-        """Leaves a letter. Panic throws away what waits before it, and always finds room.
+    def post(self, command: Command) -> Command:
+        """Leaves a command. Panic throws away what waits before it, and always finds room.
 
         A switch stays: whoever posted it goes by the other profile already, and it ends no panic.
 
         Raises:
             DriverError: too many letters wait.
         """
-        if letter.order == "panic":
+        if command.order == "panic":
             for waiting in tuple(self._letters):
                 if waiting.order != "switch":
                     with suppress(ValueError):  # the line has taken it just now
@@ -59,11 +59,11 @@ class Mailbox:
                         waiting.done.set_exception(DriverError("A panic came in between."))
         elif len(self._letters) >= CAPACITY:
             raise DriverError("The source is silent and too many orders wait for its return.")
-        self._letters.append(letter)
-        return letter
+        self._letters.append(command)
+        return command
 
-    def take(self) -> Letter | None:
-        """The oldest letter, or None."""
+    def take(self) -> Command | None:
+        """The oldest command, or None."""
         try:
             return self._letters.popleft()
         except IndexError:

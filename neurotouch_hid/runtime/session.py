@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from neurotouch_hid.messages import Button, Step
 from neurotouch_hid.profile import Mapping, Profile, UserSettings
-from neurotouch_hid.runtime.command_queue import Letter, Mailbox, Order
+from neurotouch_hid.runtime.command_queue import Command, CommandName, CommandQueue
 from neurotouch_hid.runtime.loop import STALL_S
 from neurotouch_hid.runtime.pipeline import Pipeline
 from neurotouch_hid.runtime.timing import Stopwatch
@@ -45,7 +45,7 @@ class Session:
         self._stopwatch = stopwatch
         self._hear: Callable[[str], object] = str  # nobody yet
         self._helper: Callable[[], frozenset[Button]] | None = None
-        self._mailbox = Mailbox()
+        self._queue = CommandQueue()
         self._user = user
         self._errors: deque[tuple[float, str]] = deque(maxlen=KEPT_ERRORS)
         self._begun = time.monotonic()
@@ -80,7 +80,7 @@ class Session:
 
     def obey(self) -> None:
         """Does what has been ordered since the last slice."""
-        while (letter := self._mailbox.take()) is not None:
+        while (letter := self._queue.take()) is not None:
             self._carry_out(letter)
             letter.done.set_result(self._pipeline.mapping.state)
         if self._helper is not None:
@@ -97,21 +97,21 @@ class Session:
         for command in step.pad.commands:
             self._hear(command)
 
-    def tell(self, order: Order) -> Letter:
+    def tell(self, order: CommandName) -> Command:
         """Has the line pause, resume, toggle or panic before its next slice.
 
         Raises:
             DriverError: too many orders wait.
         """
-        return self._mailbox.post(Letter(order))
+        return self._queue.post(Command(order))
 
-    def switch(self, profile: Profile, user: UserSettings) -> Letter:
+    def switch(self, profile: Profile, user: UserSettings) -> Command:
         """Has the line let go of everything and go on with another profile.
 
         Raises:
             DriverError: too many orders wait.
         """
-        return self._mailbox.post(Letter("switch", profile, user))
+        return self._queue.post(Command("switch", profile, user))
 
     def note_error(self, sentence: str) -> None:
         """Keeps a sentence about what went wrong for ``status``."""
@@ -147,7 +147,7 @@ class Session:
             "errors": [{"at": round(at, 3), "error": text} for at, text in self._errors.copy()],
         }
 
-    def _carry_out(self, letter: Letter) -> None:
+    def _carry_out(self, letter: Command) -> None:
         mapping = self._pipeline.mapping
         match letter.order:
             case "toggle" if mapping.state == "paused":

@@ -58,7 +58,7 @@ class InlineRest:
 class ThreadedRest:
     """Looks at frames in a thread. Both mailboxes hold one letter, the newest wins, nobody waits.
 
-    A mailbox is a deque of length one: ``append`` and ``pop`` are atomic, the line takes no lock.
+    A queue is a deque of length one: ``append`` and ``pop`` are atomic, the line takes no lock.
     Before the first frame, packets queue up for the thread, which adds up their events.
 
     Args:

@@ -10,7 +10,7 @@ from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import Button
 from neurotouch_hid.profile import UserSettings, load_profile, rehearse
 from neurotouch_hid.runtime import Pipeline, Session, Stopwatch, run_line
-from neurotouch_hid.runtime.command_queue import CAPACITY, Letter, Mailbox
+from neurotouch_hid.runtime.command_queue import CAPACITY, Command, CommandQueue
 
 
 class Line:
@@ -159,24 +159,24 @@ def test_other_values_of_the_person_hold_from_the_next_gesture_on(push):
 
 
 def test_panic_throws_away_what_waits_and_finds_room(push):
-    mailbox = Mailbox()
-    letters = [mailbox.post(Letter("resume")) for _ in range(CAPACITY)]
+    queue = CommandQueue()
+    letters = [queue.post(Command("resume")) for _ in range(CAPACITY)]
     with pytest.raises(DriverError, match="too many"):
-        mailbox.post(Letter("resume"))
-    mailbox.post(Letter("panic"))
-    assert mailbox.take().order == "panic"
-    assert mailbox.take() is None
+        queue.post(Command("resume"))
+    queue.post(Command("panic"))
+    assert queue.take().order == "panic"
+    assert queue.take() is None
     with pytest.raises(DriverError, match="panic"):
         letters[0].done.result(0)
 
 
 def test_panic_throws_no_switch_of_profile_away_for_it_has_been_told_as_done():
-    mailbox = Mailbox()
+    queue = CommandQueue()
     for order in ("pause", "switch", "resume", "switch"):
-        mailbox.post(Letter(order))
-    mailbox.post(Letter("panic"))
-    assert [mailbox.take().order for _ in range(3)] == ["switch", "switch", "panic"]
-    assert mailbox.take() is None
+        queue.post(Command(order))
+    queue.post(Command("panic"))
+    assert [queue.take().order for _ in range(3)] == ["switch", "switch", "panic"]
+    assert queue.take() is None
 
 
 def test_order_while_the_line_stands_still_holds_from_its_return(push):
