@@ -8,7 +8,7 @@ from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
 from neurotouch_hid.messages import EventPacket, GestureKind, RestField, Step
 from neurotouch_hid.profile import Mapping, Profile, UserSettings
 from neurotouch_hid.runtime.timing import Stopwatch
-from neurotouch_hid.runtime.worker import InlineRest, RestExchange, ThreadedRest
+from neurotouch_hid.runtime.worker import FrameExchange, InlineRest, ThreadedRest
 from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector
 
 IDLE_US: Final = 500_000
@@ -30,7 +30,7 @@ class Pipeline:
 
     def __init__(
         self,
-        rest: RestExchange,
+        rest: FrameExchange,
         tracker: MarkerTracker,
         recognizer: GestureRecognizer,
         mapping: Mapping,
@@ -72,7 +72,7 @@ class Pipeline:
             gesture = replace(gesture, neutral=user.neutral)
         finder = BlobFinder()
         detector = RestDetector(rig=rig, finder=finder)
-        rest: RestExchange = ThreadedRest(detector, finder) if live else InlineRest(detector)
+        rest: FrameExchange = ThreadedRest(detector, finder) if live else InlineRest(detector)
         tracker = MarkerTracker(finder=finder)  # of a live line it finds nothing itself
         line = cls(rest, tracker, GestureRecognizer(gesture), Mapping(profile, user), live=live)
         if stopwatch is not None:

@@ -10,7 +10,7 @@ from neurotouch_hid.tracker import BlobFinder, Blobs, RestDetector
 WATCHED_PACKETS = 64  # with events, that wait until the gel is found; 0.6 s of them
 
 
-class Sight(NamedTuple):
+class FrameResult(NamedTuple):
     """What was seen of the gel.
 
     Attributes:
@@ -23,12 +23,12 @@ class Sight(NamedTuple):
     searched: tuple[Frame, Blobs] | None = None
 
 
-class RestExchange(Protocol):
+class FrameExchange(Protocol):
     """Where the line hands over frames and takes the newest answer."""
 
     detector: RestDetector
 
-    def exchange(self, packet: EventPacket) -> Sight | None:
+    def exchange(self, packet: EventPacket) -> FrameResult | None:
         """Hands over the frames of ``packet``; returns the newest answer not yet taken, or None."""
 
     def close(self) -> None:
@@ -41,7 +41,7 @@ class InlineRest:
     def __init__(self, detector: RestDetector) -> None:
         self.detector = detector
 
-    def exchange(self, packet: EventPacket) -> Sight | None:
+    def exchange(self, packet: EventPacket) -> FrameResult | None:
         """Looks at every frame of ``packet`` and returns the answer to the newest one.
 
         Before the first frame, the events are looked at: a recording may have no frames at all.
@@ -49,7 +49,7 @@ class InlineRest:
         rest = None if packet.frames else self.detector.watch(packet)
         for frame in packet.frames:
             rest = self.detector.update(frame)
-        return None if rest is None else Sight(rest)
+        return None if rest is None else FrameResult(rest)
 
     def close(self) -> None:
         """Nothing to stop."""
@@ -70,14 +70,14 @@ class ThreadedRest:
         self.detector = detector
         self._finder = finder
         self._frames: deque[Frame] = deque(maxlen=1)
-        self._sights: deque[Sight] = deque(maxlen=1)
+        self._sights: deque[FrameResult] = deque(maxlen=1)
         self._packets: deque[EventPacket] = deque(maxlen=WATCHED_PACKETS)
         self._wake = threading.Event()
         self._stopped = False
         self._thread = threading.Thread(target=self._work, name="rest", daemon=True)
         self._thread.start()
 
-    def exchange(self, packet: EventPacket) -> Sight | None:
+    def exchange(self, packet: EventPacket) -> FrameResult | None:
         """Takes the answer that is ready, if any, and posts the newest frame of ``packet``.
 
         In this order, so that no answer is to the very frame that is handed over with it.
@@ -108,8 +108,8 @@ class ThreadedRest:
                 frame = self._frames.pop()
                 rest = self.detector.update(frame)
                 blobs = self._finder.find(frame.pixels).copy()  # the next search overwrites them
-                self._sights.append(Sight(rest, (frame, blobs)))
+                self._sights.append(FrameResult(rest, (frame, blobs)))
             while self._packets:
                 rest = self.detector.watch(self._packets.popleft())
                 if rest is not None:
-                    self._sights.append(Sight(rest))
+                    self._sights.append(FrameResult(rest))
