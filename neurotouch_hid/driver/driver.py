@@ -154,7 +154,7 @@ class Driver(Closing):
         for packet in packets:
             step = self.pipeline.advance(packet)
             yield step
-            self.pipeline.catch_up(step)
+            self.pipeline.process_frames(step)
 
     def _open(self) -> None:
         options, closing = self.options, self._closing

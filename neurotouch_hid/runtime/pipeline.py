@@ -90,7 +90,7 @@ class Pipeline:
         self._head = packet
 
     def advance(self, packet: EventPacket) -> Step:
-        """Takes one slice of sensor time through all stages; live, call ``catch_up`` then."""
+        """Takes one slice of sensor time through all stages; live, call ``process_frames`` then."""
         if self.is_live:
             markers = self.tracker.update(self._find_rest(packet))
         else:
@@ -113,7 +113,7 @@ class Pipeline:
         seen = self.rest.detector.stats()
         return self.is_idle and seen.n_rest > 0 and not seen.reason
 
-    def catch_up(self, step: Step) -> None:
+    def process_frames(self, step: Step) -> None:
         """Hands over the frames of a slice that has gone through, and takes what others have shown.
 
         This may wait until the pad is written: it moves markers by tenths of a pixel, and knows

@@ -36,7 +36,7 @@ def play_live(line, packet):
     """A slice with all the time that a look at its frame takes."""
     step = line.advance(packet)
     looked_us = line._looked_us
-    line.catch_up(step)
+    line.process_frames(step)
     if line._looked_us != looked_us:
         wait_for(lambda: line.rest._sights)
     return step

@@ -178,7 +178,7 @@ def _play(packets: list[EventPacket], line: Pipeline, device: Device) -> list[Se
         step = line.advance(packet)
         pad, written_ns = step.pad, time.monotonic_ns()
         device.write(pad)
-        line.catch_up(step)
+        line.process_frames(step)
         if shows_change(shown, pad):
             # A slice without events changes the pad when its time is over.
             last_us = int(packet.events["t"][-1]) if len(packet.events) else packet.t_end_us
