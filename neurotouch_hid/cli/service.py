@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from neurotouch_hid.device import Companion, Device
     from neurotouch_hid.device.outputs.identity import PadKind
     from neurotouch_hid.device.outputs.rumble import HearRumble
-    from neurotouch_hid.driver.systemd import Supervisor
+    from neurotouch_hid.driver.systemd import ServiceManager
     from neurotouch_hid.source import Source
 
 
@@ -41,10 +41,10 @@ def command(source: str | None, only_compile: bool) -> None:
     from neurotouch_hid.driver.seat import find_seated_users
     from neurotouch_hid.driver.service_settings import load_service_settings
     from neurotouch_hid.driver.signals import stop_on_signals
-    from neurotouch_hid.driver.systemd import Supervisor
-    from neurotouch_hid.driver.watchdog import Lookout
+    from neurotouch_hid.driver.systemd import ServiceManager
+    from neurotouch_hid.driver.watchdog import CameraWatchdog
 
-    supervisor = Supervisor()
+    manager = ServiceManager()
     choices = load_service_settings()
     options = DriverOptions(
         source=source or choices.source,
@@ -57,7 +57,7 @@ def command(source: str | None, only_compile: bool) -> None:
     driver = Driver(
         options,
         announce=announce,
-        make_device=partial(_make_pad, supervisor),
+        make_device=partial(_make_pad, manager),
         guests=find_seated_users,
         facts={
             "source": lambda: _describe(driver.source),
@@ -67,21 +67,21 @@ def command(source: str | None, only_compile: bool) -> None:
     if only_compile:
         driver.compile()
         return
-    supervisor.report_status("preparing the kernels")
+    manager.report_status("preparing the kernels")
     with driver:
         stop = stop_on_signals(driver.reload)
-        supervisor.report_ready()
-        supervisor.report_status(
+        manager.report_ready()
+        manager.report_status(
             f"{driver.source.name} → {driver.device.name}. More: neurotouch status"
         )
-        lookout = Lookout(driver.source)
+        watchdog = CameraWatchdog(driver.source)
 
         def turned() -> None:
-            supervisor.report_alive()
-            lookout.check()
+            manager.report_alive()
+            watchdog.check()
 
         driver.run(stop=stop, turned=turned)
-        supervisor.report_stopping()
+        manager.report_stopping()
 
 
 def _describe(source: "Source") -> str:
@@ -93,7 +93,7 @@ def _describe(source: "Source") -> str:
 
 
 def _make_pad(
-    supervisor: "Supervisor",
+    manager: "ServiceManager",
     kind: "PadKind",
     companions: "Iterable[Companion]",
     *,
@@ -112,7 +112,7 @@ def _make_pad(
     from neurotouch_hid.device.outputs.identity import choose_identity
     from neurotouch_hid.device.outputs.uinput import open_uinput
 
-    spare = [supervisor.take_descriptor("uinput") or open_uinput() for _ in ("pad", *Companion)]
+    spare = [manager.take_descriptor("uinput") or open_uinput() for _ in ("pad", *Companion)]
     return CompositeDevice(
         companions,
         kind=kind,

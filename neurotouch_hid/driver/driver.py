@@ -19,7 +19,7 @@ from neurotouch_hid.driver.wiring import Wiring
 from neurotouch_hid.errors import AlreadyRunningError, CameraError, DeviceError, DriverError
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EventPacket, Step
-from neurotouch_hid.process.realtime import hurry
+from neurotouch_hid.process.realtime import realtime_priority
 from neurotouch_hid.profile import Profile, UserSettings, load_profile, load_user
 from neurotouch_hid.runtime import LoopStats, Pipeline, Stopwatch, Tap, run_line, warm_up
 from neurotouch_hid.source import Source, open_source
@@ -132,7 +132,7 @@ class Driver(Closing):
         session = self._wiring.session if self._wiring is not None else None
         with ExitStack() as stack:
             if self.pipeline.is_live or session is not None:
-                stack.enter_context(hurry())
+                stack.enter_context(realtime_priority())
             every = [*self.taps, *taps]
             return run_line(
                 packets,

@@ -17,7 +17,7 @@ from neurotouch_hid.driver.settings import DriverSettings
 
 
 @dataclass(frozen=True, slots=True)
-class PlayedPad:
+class DriverPad:
     """A pad and who plays on it.
 
     Attributes:
@@ -52,7 +52,7 @@ def open_pad(
     shows_rumble: bool = False,
     wait: bool = False,
     make: Callable[..., Device] = open_device,
-) -> PlayedPad:
+) -> DriverPad:
     """Return a new, neutral pad on which the gel plays, and a co-pilot if one is wanted.
 
     Games may shake it only if something can rumble: the co-pilot's device, or somebody who looks
@@ -89,4 +89,4 @@ def open_pad(
         )
         shared.prepare(companions)
         closing.pop_all()
-    return PlayedPad(shared, helper, board)
+    return DriverPad(shared, helper, board)

@@ -10,7 +10,7 @@ _FIRST_DESCRIPTOR: Final = 3
 """Where handed over descriptors begin, sd_listen_fds(3)."""
 
 
-class Supervisor:
+class ServiceManager:
     """Tells systemd how the service fares and takes what it hands over; silent without systemd.
 
     Args:

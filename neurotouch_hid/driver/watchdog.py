@@ -20,7 +20,7 @@ class Seeing(Protocol):
         """Linux showed a camera at the last attempt, and opening it found nothing there."""
 
 
-class Lookout:
+class CameraWatchdog:
     """Watches whether the source finds the camera that sysfs shows.
 
     A camera that is unplugged, refused, in use elsewhere or mute is no reason: only one that

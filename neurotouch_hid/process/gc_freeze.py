@@ -9,7 +9,7 @@ YOUNG = 1_000
 
 
 @contextmanager
-def short_collections() -> Iterator[None]:
+def freeze_gc() -> Iterator[None]:
     """Garbage is meanwhile looked for among what is new, often and shortly.
 
     What is loaded stays, and to look through all of it takes 80 ms.

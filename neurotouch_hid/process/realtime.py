@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from neurotouch_hid.process.gc_freeze import short_collections
+from neurotouch_hid.process.gc_freeze import freeze_gc
 
 NICE = -10
 """Before everything usual, behind sound. It counts only among what Linux shares the processor out
@@ -37,7 +37,7 @@ _PATIENCE_S = 2.0
 
 
 @contextmanager
-def hurry() -> Iterator[None]:
+def realtime_priority() -> Iterator[None]:
     """Prefers the calling thread meanwhile, as far as this machine permits; it works without.
 
     By our own right with SCHED_RR, and the threads that it starts as well; else rtkit is asked,
@@ -60,7 +60,7 @@ def hurry() -> Iterator[None]:
     if threading.current_thread() is threading.main_thread():
         real_time.begin()
     try:
-        with short_collections():
+        with freeze_gc():
             yield
     finally:
         real_time.end()

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from neurotouch_hid.driver.systemd import Supervisor
+from neurotouch_hid.driver.systemd import ServiceManager
 
 
 @pytest.fixture
@@ -24,10 +24,10 @@ def environment(systemd, **more):
 
 
 def test_systemd_hears_when_it_is_ready_what_it_does_and_that_it_ends(systemd):
-    supervisor = Supervisor(environment(systemd))
-    supervisor.report_ready()
-    supervisor.report_status("davis:7 drives the pad")
-    supervisor.report_stopping()
+    manager = ServiceManager(environment(systemd))
+    manager.report_ready()
+    manager.report_status("davis:7 drives the pad")
+    manager.report_stopping()
     heard = [systemd.recv(1000).decode() for _ in range(3)]
     assert heard == ["READY=1", "STATUS=davis:7 drives the pad", "STOPPING=1"]
 
@@ -37,38 +37,40 @@ def test_an_address_in_the_abstract_namespace():
         line.bind(f"\0neurotouch-test-{os.getpid()}")
         line.settimeout(5)
         address = line.getsockname().decode().replace("\0", "@", 1)
-        Supervisor({"NOTIFY_SOCKET": address}).report_ready()
+        ServiceManager({"NOTIFY_SOCKET": address}).report_ready()
         assert line.recv(1000) == b"READY=1"
 
 
 def test_the_watchdog_is_fed_four_times_in_its_limit_however_often_the_loop_turns(systemd):
     now_s = [100.0]
-    supervisor = Supervisor(environment(systemd, WATCHDOG_USEC="2000000"), clock_s=lambda: now_s[0])
+    manager = ServiceManager(
+        environment(systemd, WATCHDOG_USEC="2000000"), clock_s=lambda: now_s[0]
+    )
     for _ in range(200):  # 2 s
-        supervisor.report_alive()
+        manager.report_alive()
         now_s[0] += 0.01
-    supervisor.report_stopping()
+    manager.report_stopping()
     heard = [systemd.recv(1000) for _ in range(5)]
     assert heard == [b"WATCHDOG=1"] * 4 + [b"STOPPING=1"]
 
 
 def test_a_watchdog_for_another_process_is_not_ours_to_feed(systemd):
-    supervisor = Supervisor(environment(systemd, WATCHDOG_USEC="2000000", WATCHDOG_PID="1"))
-    supervisor.report_alive()
-    supervisor.report_ready()
+    manager = ServiceManager(environment(systemd, WATCHDOG_USEC="2000000", WATCHDOG_PID="1"))
+    manager.report_alive()
+    manager.report_ready()
     assert systemd.recv(1000) == b"READY=1"
 
 
 def test_without_systemd_it_is_silent():
-    supervisor = Supervisor({})
-    supervisor.report_ready()
-    supervisor.report_alive()
-    assert supervisor.take_descriptor("uinput") is None
+    manager = ServiceManager({})
+    manager.report_ready()
+    manager.report_alive()
+    assert manager.take_descriptor("uinput") is None
 
 
 def test_no_child_inherits_what_systemd_said(systemd):
     told = environment(systemd, WATCHDOG_USEC="1", LISTEN_FDS="0", LISTEN_PID="1", HOME="/")
-    Supervisor(told)
+    ServiceManager(told)
     assert told == {"HOME": "/"}
 
 
@@ -76,12 +78,12 @@ def test_handed_over_descriptors_are_given_out_once_each_by_name(tmp_path):
     """In a process of its own, for the numbers 3 to 5 are taken here."""
     program = (
         "import os\n"
-        "from neurotouch_hid.driver.systemd import Supervisor\n"
+        "from neurotouch_hid.driver.systemd import ServiceManager\n"
         f"for name in 'abc': os.open(r'{tmp_path}/' + name, os.O_RDWR | os.O_CREAT)\n"
         "os.environ |= dict(LISTEN_PID=str(os.getpid()), LISTEN_FDS='3',\n"
         "                   LISTEN_FDNAMES='uinput:other:uinput')\n"
         "for fd in (3, 4, 5): os.set_inheritable(fd, True)\n"
-        "s = Supervisor()\n"
+        "s = ServiceManager()\n"
         "names = ('uinput', 'uinput', 'uinput', 'other')\n"
         "print([s.take_descriptor(name) for name in names])\n"
         "print([os.get_inheritable(fd) for fd in (3, 4, 5)])\n"

@@ -12,7 +12,9 @@ def plug():
     cables = []
 
     def plug(config=None, *faults, scene=SCENE):
-        camera = EmulatedCamera(scene, config or CameraConfig(hurry=True, lead_us=700_000), faults)
+        camera = EmulatedCamera(
+            scene, config or CameraConfig(realtime_priority=True, lead_us=700_000), faults
+        )
         cables.append(plug_in(camera))
         return cables[-1]
 

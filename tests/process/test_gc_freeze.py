@@ -2,8 +2,8 @@
 
 import gc
 
-from neurotouch_hid.process.gc_freeze import short_collections
-from neurotouch_hid.process.realtime import hurry
+from neurotouch_hid.process.gc_freeze import freeze_gc
+from neurotouch_hid.process.realtime import realtime_priority
 
 
 class Loop:
@@ -14,7 +14,7 @@ class Loop:
 def test_what_was_there_before_is_not_looked_through():
     usual = gc.get_threshold()
     many = [[] for _ in range(2_000)]
-    with short_collections():
+    with freeze_gc():
         assert gc.get_freeze_count() > len(many)
         assert len(gc.get_objects()) < len(many)
         assert gc.get_threshold()[0] < len(many)
@@ -23,7 +23,7 @@ def test_what_was_there_before_is_not_looked_through():
 
 
 def test_new_garbage_is_found():
-    with short_collections():
+    with freeze_gc():
         for _ in range(10_000):
             Loop()
         left = sum(isinstance(each, Loop) for each in gc.get_objects())
@@ -31,6 +31,6 @@ def test_new_garbage_is_found():
 
 
 def test_whoever_hurries_has_short_collections():
-    with hurry():
+    with realtime_priority():
         assert gc.get_freeze_count() > 0
     assert gc.get_freeze_count() == 0

@@ -9,7 +9,7 @@ import pytest
 
 SCRIPT = """
 import ctypes, json, os, sys, threading, time
-from neurotouch_hid.process.realtime import hurry
+from neurotouch_hid.process.realtime import realtime_priority
 if sys.argv[1] == "user":
     os.setuid(65534)
 def look():
@@ -25,7 +25,7 @@ look()
 older = threading.Thread(target=lambda: (go.wait(), look()))
 go = threading.Event()
 older.start()
-with hurry():
+with realtime_priority():
     look()
     said.append(round(1e6 * sys.getswitchinterval()))
     look_in_thread()  # begins now, as the camera's does

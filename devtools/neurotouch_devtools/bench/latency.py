@@ -15,7 +15,7 @@ from neurotouch_hid.device import Device, check_device, open_device, shows_chang
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.gesture import GestureConfig, Method
 from neurotouch_hid.messages import EventPacket, GamepadState
-from neurotouch_hid.process.realtime import hurry
+from neurotouch_hid.process.realtime import realtime_priority
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline, warm_up
 from neurotouch_hid.source import open_source
@@ -120,7 +120,7 @@ def measure_latency(
         reader = _start_reader()
         progress("Playing it to a real pad")
         try:
-            with hurry():
+            with realtime_priority():
                 sent = _play(packets, line, device)
         finally:
             line.close()

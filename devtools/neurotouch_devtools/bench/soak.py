@@ -15,7 +15,7 @@ from neurotouch_hid.device import MemoryDevice
 from neurotouch_hid.evaluation.speed.workload import TOUR_US, load_scene, shift_packet
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EventPacket, Step
-from neurotouch_hid.process.gc_freeze import short_collections
+from neurotouch_hid.process.gc_freeze import freeze_gc
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.recording import RecordingWriter
 from neurotouch_hid.runtime import Pipeline, run_line, warm_up
@@ -57,7 +57,7 @@ def measure_soak(
         warm_up(Pipeline.build(profile, config))
         scale = Scale(progress)
         begun_s = time.perf_counter()
-        with short_collections():
+        with freeze_gc():
             run_line(_repeat(path, minutes), Pipeline.build(profile, config), pad, [scale])
         took_s = time.perf_counter() - begun_s
     return {

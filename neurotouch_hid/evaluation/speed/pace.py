@@ -13,7 +13,7 @@ from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.evaluation.speed.workload import DenseSource, load_scene
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import Step
-from neurotouch_hid.process.realtime import hurry
+from neurotouch_hid.process.realtime import realtime_priority
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline, run_line
 from neurotouch_hid.source.pacing import PacedSource
@@ -107,7 +107,7 @@ def measure_live(source: DenseSource, config: GestureConfig, kind: str) -> dict[
     paced = PacedSource(source)
     probe = Probe(paced)
     line = Pipeline.build(load_profile("default"), config, live=True)
-    with open_device(kind) as device, hurry():
+    with open_device(kind) as device, realtime_priority():
         run_line(paced, line, device, [probe])
         core = probe.measure_core()
     return {**summarise_delays(probe.due_ns, probe.late_ns, probe.waited_ns), "core": core}
@@ -127,7 +127,7 @@ def measure_machine(source: DenseSource, *, is_idle: bool) -> dict[str, Any]:
     paced = PacedSource(source)
     paced.set_activity(is_idle=is_idle)
     due_ns, late_ns = array("q"), array("q")
-    with hurry():
+    with realtime_priority():
         begun_s = time.process_time()
         for packet in paced:
             if not packet.is_partial:

@@ -1,4 +1,4 @@
-"""Measuring what a hand can do, without hurry: noise, tremor, the range of eight movements."""
+"""Measuring what a hand can do, without realtime_priority: noise, tremor, the range of eight movements."""
 
 from neurotouch_hid.profile.calibration.repetition import Repetition
 from neurotouch_hid.profile.calibration.result import WeakSide, find_weak_sides, write_ranges

@@ -63,7 +63,10 @@ def serve(orders: Connection) -> None:
         else:
             serial, resets = order
             config = CameraConfig(
-                Identity(serial), lead_us=LEAD_US * (not resets), await_reset=resets, hurry=True
+                Identity(serial),
+                lead_us=LEAD_US * (not resets),
+                await_reset=resets,
+                realtime_priority=True,
             )
             cables.append(UsbIp(EmulatedCamera(make_scene(**SCENE), config)))
         orders.send("done")
