@@ -8,7 +8,7 @@ import click
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from neurotouch_hid.device import Companion, Device
+    from neurotouch_hid.device import Device, ExtraDevice
     from neurotouch_hid.device.outputs.identity import PadKind
     from neurotouch_hid.device.outputs.rumble import HearRumble
     from neurotouch_hid.driver.systemd import ServiceManager
@@ -95,7 +95,7 @@ def _describe(source: "Source") -> str:
 def _make_pad(
     manager: "ServiceManager",
     kind: "PadKind",
-    companions: "Iterable[Companion]",
+    extra_devices: "Iterable[ExtraDevice]",
     *,
     identity: str | None,
     player: int,
@@ -108,13 +108,13 @@ def _make_pad(
     Raises:
         DeviceError: the kernel's node cannot be used.
     """
-    from neurotouch_hid.device import Companion, CompositeDevice
+    from neurotouch_hid.device import CompositeDevice, ExtraDevice
     from neurotouch_hid.device.outputs.identity import choose_identity
     from neurotouch_hid.device.outputs.uinput import open_uinput
 
-    spare = [manager.take_descriptor("uinput") or open_uinput() for _ in ("pad", *Companion)]
+    spare = [manager.take_descriptor("uinput") or open_uinput() for _ in ("pad", *ExtraDevice)]
     return CompositeDevice(
-        companions,
+        extra_devices,
         kind=kind,
         identity=choose_identity(identity, kind),
         player=player,

@@ -12,11 +12,11 @@ from neurotouch_hid.device.inputs.nodes import is_input_name
 from neurotouch_hid.device.outputs.composite import CompositeDevice
 from neurotouch_hid.device.outputs.memory import MemoryDevice
 from neurotouch_hid.device.outputs.rumbleboard import RumbleBoard
-from neurotouch_hid.device.outputs.spec import Companion
+from neurotouch_hid.device.outputs.spec import ExtraDevice
 
 __all__ = [
     "ChordReader",
-    "Companion",
+    "ExtraDevice",
     "CompositeDevice",
     "Copilot",
     "Device",

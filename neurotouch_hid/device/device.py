@@ -9,7 +9,7 @@ from neurotouch_hid.device.outputs.composite import CompositeDevice
 from neurotouch_hid.device.outputs.identity import choose_identity, load_identities
 from neurotouch_hid.device.outputs.memory import MemoryDevice
 from neurotouch_hid.device.outputs.rumble import HearRumble
-from neurotouch_hid.device.outputs.spec import Companion
+from neurotouch_hid.device.outputs.spec import ExtraDevice
 from neurotouch_hid.device.outputs.uhid import open_uhid
 from neurotouch_hid.device.outputs.uinput import open_uinput
 from neurotouch_hid.errors import DeviceError
@@ -23,8 +23,8 @@ class Device(Protocol):
     def name(self) -> str:
         """What the user is told it is."""
 
-    def prepare(self, companions: Iterable[Companion]) -> None:
-        """Make those of the companions that are missing; call it with each new profile.
+    def prepare(self, extra_devices: Iterable[ExtraDevice]) -> None:
+        """Make those of the extra_devices that are missing; call it with each new profile.
 
         Raises:
             DeviceError: they cannot be made.
@@ -72,7 +72,7 @@ def check_device(kind: str, identity: str | None = None) -> None:
 
 def open_device(
     kind: str,
-    companions: Iterable[Companion] = (),
+    extra_devices: Iterable[ExtraDevice] = (),
     *,
     identity: str | None = None,
     player: int = 1,
@@ -82,7 +82,7 @@ def open_device(
 
     Args:
         kind: its name.
-        companions: what is needed beside the pad.
+        extra_devices: what is needed beside the pad.
         identity: what the pad claims to be: a shipped name, or the path of a file.
         player: whose pad it is, from 1 on.
         hear_rumble: is told how games shake the pad; without, it does not claim to rumble.
@@ -93,10 +93,10 @@ def open_device(
     """
     match kind:
         case "memory":
-            return MemoryDevice(companions)
+            return MemoryDevice(extra_devices)
         case "uinput" | "hid":
             return CompositeDevice(
-                companions,
+                extra_devices,
                 kind=kind,
                 identity=choose_identity(identity, kind),
                 player=player,

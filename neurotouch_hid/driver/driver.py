@@ -11,7 +11,7 @@ from neurotouch_hid.closing import Closing
 from neurotouch_hid.device import Device, check_device, open_device
 from neurotouch_hid.driver.camera_settings import load_camera_config
 from neurotouch_hid.driver.control import ControlSocket, Guests
-from neurotouch_hid.driver.extra_devices import find_companions
+from neurotouch_hid.driver.extra_devices import find_extra_devices
 from neurotouch_hid.driver.options import DriverOptions
 from neurotouch_hid.driver.pad import open_pad
 from neurotouch_hid.driver.settings import load_driver_settings
@@ -185,7 +185,7 @@ class Driver(Closing):
         try:
             played = open_pad(
                 options.device,
-                find_companions(self.profile),
+                find_extra_devices(self.profile),
                 settings,
                 identity=options.identity,
                 player=options.player,
@@ -277,7 +277,7 @@ class Driver(Closing):
         options = self.options
         return self._make_device(
             options.device,
-            find_companions(self.profile),
+            find_extra_devices(self.profile),
             identity=options.identity,
             player=options.player,
         )

@@ -1,6 +1,6 @@
 """What a profile needs beside the pad."""
 
-from neurotouch_hid.device import Companion
+from neurotouch_hid.device import ExtraDevice
 from neurotouch_hid.profile import Profile
 from neurotouch_hid.profile.schema.targets import (
     KeyTarget,
@@ -10,13 +10,13 @@ from neurotouch_hid.profile.schema.targets import (
 )
 
 
-def find_companions(profile: Profile) -> frozenset[Companion]:
+def find_extra_devices(profile: Profile) -> frozenset[ExtraDevice]:
     """Returns the nodes that any binding in any layer of the profile can use."""
     targets = [binding.do for layer in profile.all_layers for binding in layer.bindings]
     found = set()
     if any(isinstance(target, KeyTarget) for target in targets):
-        found.add(Companion.KEYBOARD)
+        found.add(ExtraDevice.KEYBOARD)
     mice = MouseButtonTarget | MouseMotionTarget | MouseWheelTarget
     if any(isinstance(target, mice) for target in targets):
-        found.add(Companion.MOUSE)
+        found.add(ExtraDevice.MOUSE)
     return frozenset(found)

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from neurotouch_hid.device import (
-    Companion,
     Copilot,
     Device,
+    ExtraDevice,
     RumbleBoard,
     SharedDevice,
     open_device,
@@ -43,7 +43,7 @@ class DriverPad:
 
 def open_pad(
     kind: str,
-    companions: Iterable[Companion],
+    extra_devices: Iterable[ExtraDevice],
     settings: DriverSettings,
     *,
     identity: str | None = None,
@@ -60,7 +60,7 @@ def open_pad(
 
     Args:
         kind: ``uinput``, ``hid`` or ``memory``.
-        companions: what is needed beside the pad.
+        extra_devices: what is needed beside the pad.
         settings: of the driver on this machine.
         identity: what the pad claims to be.
         player: whose pad it is, from 1 on.
@@ -80,13 +80,13 @@ def open_pad(
         if helper is not None:
             closing.callback(helper.close)
         hear = board.hear if can_rumble or shows_rumble else None
-        device = make(kind, companions, identity=identity, player=player, hear_rumble=hear)
+        device = make(kind, extra_devices, identity=identity, player=player, hear_rumble=hear)
         shared = SharedDevice(
             device,
             helper,
             priority=settings.copilot.priority,
             yield_to_mouse_s=settings.yield_to_mouse_ms / 1e3,
         )
-        shared.prepare(companions)
+        shared.prepare(extra_devices)
         closing.pop_all()
     return DriverPad(shared, helper, board)

@@ -12,7 +12,7 @@ from neurotouch_hid.device import ChordReader, Copilot, Device
 from neurotouch_hid.driver.broadcast import Broadcast
 from neurotouch_hid.driver.commands import SAID, Commands
 from neurotouch_hid.driver.control import ControlSocket
-from neurotouch_hid.driver.extra_devices import find_companions
+from neurotouch_hid.driver.extra_devices import find_extra_devices
 from neurotouch_hid.driver.reload import ProfileWatch
 from neurotouch_hid.driver.settings import DriverSettings
 from neurotouch_hid.errors import DriverError, ProfileError
@@ -75,7 +75,7 @@ class Wiring(Closing):
             user,
             self.session,
             announce=announce,
-            prepare=lambda new: device.prepare(find_companions(new)),
+            prepare=lambda new: device.prepare(find_extra_devices(new)),
             player=player,
         )
         self._closing.callback(self._profiles.close)

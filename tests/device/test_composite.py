@@ -4,13 +4,13 @@ import threading
 
 import pytest
 
-from neurotouch_hid.device import Companion, CompositeDevice
+from neurotouch_hid.device import CompositeDevice, ExtraDevice
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import Axis, Button, GamepadState
 from tests.device.kernel import Kernel
 from tests.device.test_uinput import CREATE, DESTROY, SYN, event
 
-KEYBOARD, MOUSE = Companion.KEYBOARD, Companion.MOUSE
+KEYBOARD, MOUSE = ExtraDevice.KEYBOARD, ExtraDevice.MOUSE
 PAD_NAME = "Microsoft X-Box 360 pad"
 CTRL_C = frozenset({"KEY_C", "KEY_LEFTCTRL"})
 LEFT = frozenset({"BTN_LEFT"})
@@ -29,8 +29,8 @@ def kernel():
     kernel.close()
 
 
-def make(kernel: Kernel, *companions: Companion) -> CompositeDevice:
-    return CompositeDevice(companions, open_descriptor=kernel.open, ioctl=kernel.ioctl)
+def make(kernel: Kernel, *extra_devices: ExtraDevice) -> CompositeDevice:
+    return CompositeDevice(extra_devices, open_descriptor=kernel.open, ioctl=kernel.ioctl)
 
 
 def take(kernel: Kernel) -> list[str]:
@@ -47,16 +47,16 @@ def test_without_companions_there_is_only_the_pad(kernel):
 
 
 @pytest.mark.parametrize(
-    ("companions", "names"),
+    ("extra_devices", "names"),
     [
         ([KEYBOARD], [PAD_NAME, "NeuroTouch Keyboard"]),
         ([MOUSE], [PAD_NAME, "NeuroTouch Mouse"]),
         ([KEYBOARD, MOUSE], [PAD_NAME, "NeuroTouch Keyboard", "NeuroTouch Mouse"]),
     ],
 )
-def test_companions_are_made_at_once_and_only_once(kernel, companions, names):
-    device = make(kernel, *companions)
-    device.prepare(companions)
+def test_companions_are_made_at_once_and_only_once(kernel, extra_devices, names):
+    device = make(kernel, *extra_devices)
+    device.prepare(extra_devices)
     assert [node.name for node in kernel.nodes] == names
     assert device.name == " + ".join(names)
     assert all(node.calls[-1] == (CREATE, 0) for node in kernel.nodes)

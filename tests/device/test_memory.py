@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from neurotouch_hid.device import Companion, MemoryDevice, open_device
+from neurotouch_hid.device import ExtraDevice, MemoryDevice, open_device
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import Axis, Button, GamepadState
 
@@ -74,11 +74,11 @@ def test_the_way_to_a_neutral_does_not_count():
 def test_it_knows_what_would_stand_beside_the_pad():
     device = MemoryDevice()
     device.write(GamepadState(10, frozenset({Button.A})))
-    assert device.companions == set()
-    device.prepare([Companion.KEYBOARD])
-    assert device.companions == {Companion.KEYBOARD}
+    assert device.extra_devices == set()
+    device.prepare([ExtraDevice.KEYBOARD])
+    assert device.extra_devices == {ExtraDevice.KEYBOARD}
     device.write(GamepadState(20, wheel=1.0))
-    assert device.companions == {Companion.KEYBOARD, Companion.MOUSE}
+    assert device.extra_devices == {ExtraDevice.KEYBOARD, ExtraDevice.MOUSE}
 
 
 def test_close_releases_and_ends_it():
@@ -101,9 +101,9 @@ def test_a_long_dry_run_does_not_grow():
 
 
 def test_devices_are_opened_by_name():
-    device = open_device("memory", [Companion.MOUSE])
+    device = open_device("memory", [ExtraDevice.MOUSE])
     assert isinstance(device, MemoryDevice)
-    assert device.companions == {Companion.MOUSE}
+    assert device.extra_devices == {ExtraDevice.MOUSE}
     with pytest.raises(DeviceError, match="'joystick'") as caught:
         open_device("joystick")
     assert caught.value.hint == "Use uinput, hid or memory."

@@ -1,6 +1,6 @@
 """The gel's side of a shared pad; the helper's is tested in a real kernel."""
 
-from neurotouch_hid.device import Companion, MemoryDevice, SharedDevice
+from neurotouch_hid.device import ExtraDevice, MemoryDevice, SharedDevice
 from neurotouch_hid.messages import Axis, Button, GamepadState
 
 PRESS = GamepadState(10_000, frozenset({Button.A}), {Axis.LEFT_X: 0.5}, pointer=(100.0, 0.0))
@@ -11,12 +11,12 @@ def test_without_a_helper_the_gel_plays_alone():
     with SharedDevice(memory, yield_to_mouse_s=0.0) as pad:
         assert pad.name == "memory"
         assert pad.helper_buttons == frozenset()
-        pad.prepare([Companion.MOUSE])
+        pad.prepare([ExtraDevice.MOUSE])
         pad.write(PRESS)
         pad.neutral()
     assert [state.buttons for state in memory.states] == [{Button.A}, frozenset()]
     assert memory.states[0] == PRESS
-    assert memory.companions == {Companion.MOUSE}
+    assert memory.extra_devices == {ExtraDevice.MOUSE}
     assert pad.describe_mouse() == "nothing moves the pointer"
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from neurotouch_hid.device import Companion
+from neurotouch_hid.device import ExtraDevice
 from neurotouch_hid.driver.pad import open_pad
 from neurotouch_hid.driver.settings import DriverSettings
 from neurotouch_hid.errors import DeviceError, ProfileError
@@ -30,7 +30,7 @@ def load(tmp_path):
 
 
 def test_without_a_copilot_the_gel_plays_alone():
-    played = open_pad("memory", [Companion.KEYBOARD], DriverSettings())
+    played = open_pad("memory", [ExtraDevice.KEYBOARD], DriverSettings())
     with played.device as pad:
         assert played.copilot is None
         assert pad.name == "memory"
@@ -60,7 +60,7 @@ def test_a_pad_that_cannot_be_made_leaves_no_copilot_behind():
 def test_rumble_is_claimed_only_if_somebody_wants_it():
     asked = {}
 
-    def make(kind, companions, **options):
+    def make(kind, extra_devices, **options):
         asked.update(options)
         raise DeviceError("enough")
 

@@ -14,7 +14,7 @@ REL_X, REL_Y, REL_WHEEL, REL_WHEEL_HI_RES = 0, 1, 8, 11
 
 @pytest.fixture(scope="module")
 def seen(guest):
-    return guest("companions")
+    return guest("extra_devices")
 
 
 def classes(udev: dict[str, str]) -> set[str]:

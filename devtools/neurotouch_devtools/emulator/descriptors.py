@@ -63,14 +63,14 @@ class Identity:
         return head + struct.pack("<HHHBBBB", VENDOR_ID, PRODUCT_ID, self.version, *strings, 1)
 
     def _configuration(self) -> bytes:
-        companion = struct.pack("<BBBBH", 6, COMPANION, 0, 0, 64) if self.super_speed else b""
+        extra_device = struct.pack("<BBBBH", 6, COMPANION, 0, 0, 64) if self.super_speed else b""
         burst = struct.pack("<BBBBH", 6, COMPANION, 15, 0, 0) if self.super_speed else b""
         # An interval is 2**(n - 1) microframes at both speeds: 1 is 125 µs.
         body = b"".join(
             (
                 struct.pack("<BBBBBBBBB", 9, INTERFACE, 0, 0, 2, *_class(), 0),
                 struct.pack("<BBBBHB", 7, ENDPOINT, DEBUG_ENDPOINT, _INTERRUPT, 64, 1),
-                companion,
+                extra_device,
                 struct.pack("<BBBBHB", 7, ENDPOINT, DATA_ENDPOINT, _BULK, self.packet_size, 0),
                 burst,
             )

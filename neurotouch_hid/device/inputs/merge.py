@@ -11,7 +11,7 @@ from neurotouch_hid.device.device import Device
 from neurotouch_hid.device.inputs.contribution import Priority, Share, merge
 from neurotouch_hid.device.inputs.copilot import Copilot
 from neurotouch_hid.device.inputs.mousewatch import MouseWatch
-from neurotouch_hid.device.outputs.spec import Companion
+from neurotouch_hid.device.outputs.spec import ExtraDevice
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import Button, GamepadState
 
@@ -67,15 +67,15 @@ class SharedDevice:
         """Return whether the pointer yields to the mouse."""
         return "nothing moves the pointer" if self._mice is None else self._mice.describe()
 
-    def prepare(self, companions: Iterable[Companion]) -> None:
-        """Make those of the companions that are missing.
+    def prepare(self, extra_devices: Iterable[ExtraDevice]) -> None:
+        """Make those of the extra_devices that are missing.
 
         Raises:
             DeviceError: they cannot be made.
         """
-        companions = frozenset(companions)
-        self._device.prepare(companions)
-        if Companion.MOUSE in companions and self._yield_s and self._mice is None:
+        extra_devices = frozenset(extra_devices)
+        self._device.prepare(extra_devices)
+        if ExtraDevice.MOUSE in extra_devices and self._yield_s and self._mice is None:
             self._mice = MouseWatch()
 
     def write(self, state: GamepadState) -> None:

@@ -11,13 +11,13 @@ from neurotouch_hid.device.outputs import keyboard, mouse
 from neurotouch_hid.device.outputs.clock import SensorClock
 from neurotouch_hid.device.outputs.identity import Identity, PadKind, load_identities
 from neurotouch_hid.device.outputs.rumble import HearRumble
-from neurotouch_hid.device.outputs.spec import Companion, Node, Steps, find_needed
+from neurotouch_hid.device.outputs.spec import ExtraDevice, Node, Steps, find_needed
 from neurotouch_hid.device.outputs.uhid import UhidNode, open_uhid
 from neurotouch_hid.device.outputs.uinput import Ioctl, UinputNode, call_kernel, open_uinput
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import GamepadState
 
-_CLAIMS = {Companion.KEYBOARD: keyboard.CLAIM, Companion.MOUSE: mouse.CLAIM}
+_CLAIMS = {ExtraDevice.KEYBOARD: keyboard.CLAIM, ExtraDevice.MOUSE: mouse.CLAIM}
 
 _PARTING_S = 0.05
 """Time for readers to take the last frame: what is unread when a node goes away is lost to them."""
@@ -36,7 +36,7 @@ class CompositeDevice:
 
     def __init__(
         self,
-        companions: Iterable[Companion] = (),
+        extra_devices: Iterable[ExtraDevice] = (),
         *,
         kind: PadKind = "uinput",
         identity: Identity | None = None,
@@ -48,7 +48,7 @@ class CompositeDevice:
         """Create the nodes, at rest.
 
         Args:
-            companions: what to make beside the pad.
+            extra_devices: what to make beside the pad.
             kind: how the pad is made; the others are always made through ``/dev/uinput``.
             identity: what the pad claims to be; an Xbox 360 pad without.
             player: whose nodes these are, from 1 on; it stands in the place where they claim to be
@@ -69,13 +69,13 @@ class CompositeDevice:
         self._layout = self._identity.layout
         self._clock = SensorClock()
         self._pad = self._make_pad(kind, hear_rumble)
-        self._companions: dict[Companion, UinputNode] = {}
+        self._extra_devices: dict[ExtraDevice, UinputNode] = {}
         self._motion = mouse.Motion()
         self._mouse_buttons: frozenset[str] = frozenset()
         self._closed = False
         self._lock = Lock()
         try:
-            self.prepare(companions)
+            self.prepare(extra_devices)
         except DeviceError:
             self.close()
             raise
@@ -83,10 +83,10 @@ class CompositeDevice:
     @property
     def name(self) -> str:
         """What the user is told it is: the nodes, as other programs show them."""
-        names = (claim.name for key, claim in _CLAIMS.items() if key in self._companions)
+        names = (claim.name for key, claim in _CLAIMS.items() if key in self._extra_devices)
         return " + ".join((self._identity.name, *names))
 
-    def prepare(self, companions: Iterable[Companion]) -> None:
+    def prepare(self, extra_devices: Iterable[ExtraDevice]) -> None:
         """Make those of the nodes that are missing.
 
         A desktop takes a moment to notice a node and misses what is written until then, so this is
@@ -98,7 +98,7 @@ class CompositeDevice:
         """
         with self._lock:
             self._require_open()
-            self._add(companions)
+            self._add(extra_devices)
 
     def write(self, state: GamepadState) -> None:
         """Show everything in this state: one write for each node on which something changed.
@@ -135,7 +135,7 @@ class CompositeDevice:
                 pass  # a node is gone already, which has released its keys
             finally:
                 time.sleep(_PARTING_S)
-                for node in (*self._companions.values(), self._pad):
+                for node in (*self._extra_devices.values(), self._pad):
                     node.close()
 
     def __enter__(self) -> Self:
@@ -157,18 +157,18 @@ class CompositeDevice:
         claim = self._identity.make_claim(self._player, rumbles=hear is not None)
         return UinputNode(self._open_descriptor(), claim, ioctl=self._ioctl, hear=hear)
 
-    def _make_companion(self, companion: Companion) -> UinputNode:
-        claim = replace(_CLAIMS[companion], phys=f"neurotouch/{companion}{self._player - 1}")
+    def _make_companion(self, extra_device: ExtraDevice) -> UinputNode:
+        claim = replace(_CLAIMS[extra_device], phys=f"neurotouch/{extra_device}{self._player - 1}")
         return UinputNode(self._open_descriptor(), claim, ioctl=self._ioctl)
 
     def _require_open(self) -> None:
         if self._closed:
             raise DeviceError("The virtual gamepad is already closed.")
 
-    def _add(self, companions: Iterable[Companion]) -> None:
-        for companion in companions:
-            if companion not in self._companions:
-                self._companions[companion] = self._make_companion(companion)
+    def _add(self, extra_devices: Iterable[ExtraDevice]) -> None:
+        for extra_device in extra_devices:
+            if extra_device not in self._extra_devices:
+                self._extra_devices[extra_device] = self._make_companion(extra_device)
 
     def _release(self) -> None:
         self._motion = mouse.Motion()  # the time until the next state does not count
@@ -178,8 +178,8 @@ class CompositeDevice:
         """Write to every node, whatever happens at the others; raise the first failure."""
         reports: list[tuple[Node | None, tuple[int, ...], Steps]] = [
             (self._pad, self._layout.encode(state), ()),
-            (self._companions.get(Companion.KEYBOARD), keyboard.encode(state), ()),
-            (self._companions.get(Companion.MOUSE), mouse.encode(state), steps),
+            (self._extra_devices.get(ExtraDevice.KEYBOARD), keyboard.encode(state), ()),
+            (self._extra_devices.get(ExtraDevice.MOUSE), mouse.encode(state), steps),
         ]
         if self._mouse_buttons - state.mouse_buttons:
             # A ctrl+click is one to the end only if its button comes up before ctrl does.

@@ -8,7 +8,7 @@ from typing import Self
 
 from neurotouch_hid.device.outputs import keyboard, mouse
 from neurotouch_hid.device.outputs.identity import load_identities
-from neurotouch_hid.device.outputs.spec import Companion, find_needed
+from neurotouch_hid.device.outputs.spec import ExtraDevice, find_needed
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import GamepadState
 
@@ -24,15 +24,15 @@ class MemoryDevice:
         name: what the user is told it is.
         states: the changes; the newest 1000 (10 s of ceaseless motion), so that a dry run of
             days does not grow. The mouse's moving and its stopping are changes too.
-        companions: the nodes that would stand beside the pad.
+        extra_devices: the nodes that would stand beside the pad.
         travel: how far the mouse went in all, in steps, by EV_REL code.
     """
 
     name = "memory"
 
-    def __init__(self, companions: Iterable[Companion] = ()) -> None:
+    def __init__(self, extra_devices: Iterable[ExtraDevice] = ()) -> None:
         self.states: deque[GamepadState] = deque(maxlen=1_000)
-        self.companions = set(companions)
+        self.extra_devices = set(extra_devices)
         self.travel: Counter[int] = Counter()
         self._motion = mouse.Motion()
         self._reports = _encode(GamepadState(0))
@@ -40,7 +40,7 @@ class MemoryDevice:
         self._closed = False
         self._lock = Lock()
 
-    def prepare(self, companions: Iterable[Companion]) -> None:
+    def prepare(self, extra_devices: Iterable[ExtraDevice]) -> None:
         """Count these to the nodes.
 
         Raises:
@@ -48,7 +48,7 @@ class MemoryDevice:
         """
         with self._lock:
             self._require_open()
-            self.companions.update(companions)
+            self.extra_devices.update(extra_devices)
 
     def write(self, state: GamepadState) -> None:
         """Keep the state if it changes anything.
@@ -58,7 +58,7 @@ class MemoryDevice:
         """
         with self._lock:
             self._require_open()
-            self.companions |= find_needed(state)
+            self.extra_devices |= find_needed(state)
             steps = self._motion.advance(state)
             if steps:
                 self.travel.update(dict(steps))

@@ -12,20 +12,20 @@ Steps = tuple[tuple[int, int], ...]
 """EV_REL codes and how far each goes, none of them 0."""
 
 
-class Companion(StrEnum):
+class ExtraDevice(StrEnum):
     """The nodes that may stand beside the pad; each is made only when a profile uses it."""
 
     KEYBOARD = "keyboard"
     MOUSE = "mouse"
 
 
-def find_needed(state: GamepadState) -> set[Companion]:
-    """Return the companions that a state cannot be shown without."""
+def find_needed(state: GamepadState) -> set[ExtraDevice]:
+    """Return the extra_devices that a state cannot be shown without."""
     needed = set()
     if state.keys:
-        needed.add(Companion.KEYBOARD)
+        needed.add(ExtraDevice.KEYBOARD)
     if state.mouse_buttons or state.wheel or any(state.pointer):
-        needed.add(Companion.MOUSE)
+        needed.add(ExtraDevice.MOUSE)
     return needed
 
 

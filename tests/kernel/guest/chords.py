@@ -6,7 +6,7 @@ from typing import Any
 
 from evdev import UInput, ecodes
 
-from neurotouch_hid.device import ChordReader, Companion, find_keyboards, open_device
+from neurotouch_hid.device import ChordReader, ExtraDevice, find_keyboards, open_device
 from neurotouch_hid.device.inputs.hotkeys import CHORDS
 from neurotouch_hid.messages import GamepadState
 
@@ -17,7 +17,7 @@ KEYS = sorted(ecodes.ecodes[key] for key in (*CHORDS["panic"], "KEY_A", "KEY_SPA
 def press(results: Path) -> dict[str, Any]:
     """What is heard of each chord, on which keyboards."""
     heard: list[str] = []
-    with open_device("uinput", [Companion.KEYBOARD]) as ours:
+    with open_device("uinput", [ExtraDevice.KEYBOARD]) as ours:
         reader = ChordReader(heard.append)
         before = reader.describe()
         ours.write(GamepadState(0, keys=frozenset(CHORDS["panic"])))

@@ -10,7 +10,7 @@ from typing import Any
 import evdev
 from evdev.ecodes import EV_KEY, EV_REL
 
-from neurotouch_hid.device import Companion, Device, open_device
+from neurotouch_hid.device import Device, ExtraDevice, open_device
 from neurotouch_hid.device.outputs import keyboard, mouse
 from neurotouch_hid.messages import GamepadState
 from tests.kernel.guest.opening import properties, run
@@ -45,7 +45,7 @@ ACTIONS: dict[str, list[GamepadState]] = {
 def use(results: Path) -> dict[str, Any]:
     """What everybody says of keyboard and mouse, and what a reader of each sees."""
     before = list_nodes()
-    with open_device("uinput", Companion) as device:
+    with open_device("uinput", ExtraDevice) as device:
         nodes = {name: find_node(phys) for name, phys in PLACES.items()}
         run("udevadm", "settle", "--timeout=60")
         seen: dict[str, Any] = {"nodes_before": before, "nodes": list_nodes()}
@@ -115,7 +115,7 @@ def held() -> Iterator[tuple[int, dict[str, Reader]]]:
     child = os.fork()
     if child == 0:
         try:
-            device = open_device("uinput", Companion)
+            device = open_device("uinput", ExtraDevice)
             os.read(told, 1)
             device.write(HELD)
             signal.pause()

@@ -9,7 +9,7 @@ from typing import Any
 
 from evdev import AbsInfo, InputDevice, UInput, ecodes
 
-from neurotouch_hid.device import Companion, Copilot, SharedDevice, find_copilot, open_device
+from neurotouch_hid.device import Copilot, ExtraDevice, SharedDevice, find_copilot, open_device
 from neurotouch_hid.device.inputs.shaker import upload_effect
 from neurotouch_hid.device.outputs.gamepad import PHYS
 from neurotouch_hid.device.outputs.mouse import PHYS as MOUSE_PHYS
@@ -231,9 +231,9 @@ def yield_to_mouse(results: Path) -> dict[str, Any]:
     buttons, motions = [ecodes.BTN_LEFT], [ecodes.REL_X, ecodes.REL_Y]
     steps: dict[str, int] = {}
     with UInput({ecodes.EV_KEY: buttons, ecodes.EV_REL: motions}, name="Real mouse") as mouse:
-        device = SharedDevice(open_device("uinput", [Companion.MOUSE]), yield_to_mouse_s=2.0)
+        device = SharedDevice(open_device("uinput", [ExtraDevice.MOUSE]), yield_to_mouse_s=2.0)
         with device:
-            device.prepare([Companion.MOUSE])
+            device.prepare([ExtraDevice.MOUSE])
             reader = Reader(find_node(MOUSE_PHYS))
             said = device.describe_mouse()
             t_us = 0
@@ -265,7 +265,7 @@ def two_players(results: Path) -> dict[str, Any]:
     from tests.kernel.guest.reader import list_nodes
     from tests.kernel.guest.sdl import open_games
 
-    second = open_device("hid", [Companion.KEYBOARD], player=2)
+    second = open_device("hid", [ExtraDevice.KEYBOARD], player=2)
     with open_device("uinput") as first, second:
         readers = [Reader(find_node(f"neurotouch/pad{number}")) for number in (0, 1)]
         run("udevadm", "settle", "--timeout=60")
