@@ -11,7 +11,7 @@ from neurotouch_hid.device.inputs.merge import SharedDevice
 from neurotouch_hid.device.inputs.nodes import is_input_name
 from neurotouch_hid.device.outputs.composite import CompositeDevice
 from neurotouch_hid.device.outputs.memory import MemoryDevice
-from neurotouch_hid.device.outputs.rumbleboard import RumbleBoard
+from neurotouch_hid.device.outputs.rumbleboard import RumbleRouter
 from neurotouch_hid.device.outputs.spec import ExtraDevice
 
 __all__ = [
@@ -21,7 +21,7 @@ __all__ = [
     "Copilot",
     "Device",
     "MemoryDevice",
-    "RumbleBoard",
+    "RumbleRouter",
     "SharedDevice",
     "check_device",
     "explain_keyboards",

@@ -9,7 +9,7 @@ from neurotouch_hid.device import (
     Copilot,
     Device,
     ExtraDevice,
-    RumbleBoard,
+    RumbleRouter,
     SharedDevice,
     open_device,
 )
@@ -28,7 +28,7 @@ class DriverPad:
 
     device: SharedDevice
     copilot: Copilot | None
-    rumble: RumbleBoard
+    rumble: RumbleRouter
 
     @property
     def facts(self) -> dict[str, Callable[[], Any]]:
@@ -75,7 +75,7 @@ def open_pad(
     wanted = settings.copilot.device if copilot is None else copilot
     helper = Copilot(wanted, settings.copilot.keys, wait=wait) if wanted else None
     can_rumble = helper is not None and helper.rumbles
-    board = RumbleBoard(*([helper.shake] if helper is not None and can_rumble else []))
+    board = RumbleRouter(*([helper.shake] if helper is not None and can_rumble else []))
     with ExitStack() as closing:  # of what is there, if the rest fails
         if helper is not None:
             closing.callback(helper.close)

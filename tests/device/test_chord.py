@@ -32,7 +32,7 @@ class Machine:
         self.nodes.mkdir()
         self.system.mkdir()
 
-    def plug(self, number: int, name="Keyboard", phys="usb-1/input0", keys=KEYS) -> "Node":
+    def plug(self, number: int, name="Keyboard", phys="usb-1/input0", keys=KEYS) -> "VirtualDevice":
         device = self.system / f"event{number}" / "device"
         (device / "capabilities").mkdir(parents=True)
         bits = sum(1 << ecodes.ecodes[key] for key in keys)
@@ -41,13 +41,13 @@ class Machine:
         (device / "name").write_text(name + "\n")
         (device / "phys").write_text(phys + "\n")
         os.mkfifo(self.nodes / f"event{number}")
-        return Node(self.nodes / f"event{number}")
+        return VirtualDevice(self.nodes / f"event{number}")
 
     def keyboards(self):
         return find_keyboards(self.nodes, self.system)
 
 
-class Node:
+class VirtualDevice:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.descriptor = os.open(path, os.O_RDWR | os.O_NONBLOCK)

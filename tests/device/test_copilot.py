@@ -36,13 +36,13 @@ class Socket:
     def find(self, _wanted: object) -> list[Input]:
         return [PAD] if self.plugged else []
 
-    def open(self, node: Path) -> "Node":
+    def open(self, node: Path) -> "VirtualDevice":
         self.taken += 1
         self.name.decode()  # as evdev does
-        return Node(self, node)
+        return VirtualDevice(self, node)
 
 
-class Node:
+class VirtualDevice:
     """An opened event node on which nothing happens."""
 
     def __init__(self, socket: Socket, path: Path) -> None:

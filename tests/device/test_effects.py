@@ -6,7 +6,7 @@ import pytest
 from evdev import ecodes, ff
 
 from neurotouch_hid.device.outputs.effects import STILL, Effect, Effects, Rumble
-from neurotouch_hid.device.outputs.rumbleboard import RumbleBoard
+from neurotouch_hid.device.outputs.rumbleboard import RumbleRouter
 
 HALF = Effect(0.5, 0.25, seconds=1.0, delay_s=0.0)
 
@@ -98,14 +98,14 @@ def test_to_play_what_nobody_uploaded_is_nothing():
 
 def test_the_board_tells_everybody():
     heard: list[Rumble] = []
-    board = RumbleBoard(heard.append, heard.append)
+    board = RumbleRouter(heard.append, heard.append)
     board.hear(Rumble(0.5, 0.25, 1.0))
     assert heard == [Rumble(0.5, 0.25, 1.0)] * 2
 
 
 def test_who_looks_now_and_then_misses_no_short_knock():
     now = 0.0
-    board = RumbleBoard(now=lambda: now)
+    board = RumbleRouter(now=lambda: now)
     assert board.describe() == {"strong": 0.0, "weak": 0.0}
     board.hear(Rumble(0.5, 0.25, 30.0))
     now = 10.0

@@ -7,7 +7,7 @@ from evdev import ecodes
 from hypothesis import given
 from hypothesis import strategies as st
 
-from neurotouch_hid.device.inputs.contribution import Share, merge
+from neurotouch_hid.device.inputs.contribution import Contribution, merge
 from neurotouch_hid.device.inputs.nodes import Input
 from neurotouch_hid.device.inputs.translation import Translation
 from neurotouch_hid.messages import Axis, Button
@@ -31,7 +31,7 @@ def make(vendor: int, ranges: dict, keys: tuple[str, ...] = (), **own: Button) -
     return Translation(device, name(ranges), own)
 
 
-def read(translation: Translation, *down: str, rest: int = 0, **values: int) -> Share:
+def read(translation: Translation, *down: str, rest: int = 0, **values: int) -> Contribution:
     at_rest = dict.fromkeys(translation.axis_codes, rest)
     return translation.read({ecodes.ecodes[key] for key in down}, {**at_rest, **name(values)})
 
@@ -48,7 +48,7 @@ def read(translation: Translation, *down: str, rest: int = 0, **values: int) -> 
     ],
 )
 def test_the_buttons_of_pads(vendor, key, button):
-    assert read(make(vendor, XBOX_RANGES), key) == Share(frozenset({button}))
+    assert read(make(vendor, XBOX_RANGES), key) == Contribution(frozenset({button}))
 
 
 @pytest.mark.parametrize(
@@ -70,7 +70,7 @@ def test_the_axes_of_pads(code, value, axis, level):
 def test_sticks_that_rest_in_the_middle():
     sony = make(0x054C, SONY_RANGES)
     sticks = dict.fromkeys(("ABS_X", "ABS_Y", "ABS_RX", "ABS_RY"), 128)
-    assert read(sony, **sticks) == Share()
+    assert read(sony, **sticks) == Contribution()
     assert read(sony, **{**sticks, "ABS_X": 255}).axes == {Axis.LEFT_X: 1.0}
     assert read(sony, **{**sticks, "ABS_X": 0}).axes == {Axis.LEFT_X: -1.0}
 
@@ -84,14 +84,14 @@ def test_the_right_stick_of_old_pads():
 
 
 def test_the_second_trigger_button_does_not_count_beside_an_axis():
-    assert read(make(0x045E, XBOX_RANGES), "BTN_TL2") == Share()
+    assert read(make(0x045E, XBOX_RANGES), "BTN_TL2") == Contribution()
 
 
 def test_keyboards_and_switches():
     keyboard = make(0x046D, {})
     assert read(keyboard, "KEY_SPACE").buttons == {Button.A}
     assert read(keyboard, "KEY_LEFT", "KEY_UP").axes == {Axis.DPAD_X: -1.0, Axis.DPAD_Y: -1.0}
-    assert read(keyboard, "KEY_LEFT", "KEY_RIGHT") == Share()
+    assert read(keyboard, "KEY_LEFT", "KEY_RIGHT") == Contribution()
     assert read(keyboard, "BTN_LEFT").buttons == {Button.A}
 
 
@@ -102,7 +102,7 @@ def test_a_persons_own_keys_come_first():
 
 @pytest.mark.parametrize("priority", ["equal", "gel", "helper"])
 def test_buttons_are_down_if_either_holds_them(priority):
-    both = merge(Share(frozenset({Button.A})), Share(frozenset({Button.B})), priority)
+    both = merge(Contribution(frozenset({Button.A})), Contribution(frozenset({Button.B})), priority)
     assert both.buttons == {Button.A, Button.B}
 
 
@@ -129,11 +129,11 @@ def test_buttons_are_down_if_either_holds_them(priority):
     ],
 )
 def test_axes_of_two_hands(gel, helper, priority, expected):
-    assert merge(Share(axes=gel), Share(axes=helper), priority).axes == expected
+    assert merge(Contribution(axes=gel), Contribution(axes=helper), priority).axes == expected
 
 
 SHARES = st.builds(
-    Share,
+    Contribution,
     st.frozensets(st.sampled_from(list(Button))),
     st.dictionaries(st.sampled_from(list(Axis)), st.floats(-1, 1)),
 )
@@ -142,5 +142,5 @@ SHARES = st.builds(
 @given(share=SHARES, priority=st.sampled_from(["equal", "gel", "helper"]))
 def test_who_does_nothing_changes_nothing(share, priority):
     moved = {axis: value for axis, value in share.axes.items() if value}
-    for both in (merge(share, Share(), priority), merge(Share(), share, priority)):
+    for both in (merge(share, Contribution(), priority), merge(Contribution(), share, priority)):
         assert (both.buttons, both.axes) == (share.buttons, moved)

@@ -11,7 +11,7 @@ from evdev import ecodes
 
 from neurotouch_hid.device.outputs import keyboard, mouse
 from neurotouch_hid.device.outputs.identity import load_identities
-from neurotouch_hid.device.outputs.spec import Claim
+from neurotouch_hid.device.outputs.spec import DeviceSpec
 from neurotouch_hid.device.outputs.uinput import RULE, UinputNode, open_uinput
 from neurotouch_hid.errors import DeviceError
 from tests.device.kernel import FakeNode, Kernel
@@ -37,12 +37,12 @@ def kernel():
     kernel.close()
 
 
-def make(kernel: Kernel, claim: Claim) -> tuple[UinputNode, FakeNode]:
+def make(kernel: Kernel, claim: DeviceSpec) -> tuple[UinputNode, FakeNode]:
     node = UinputNode(kernel.open(), claim, ioctl=kernel.ioctl)
     return node, kernel.nodes[-1]
 
 
-def report(claim: Claim, **values: int) -> tuple[int, ...]:
+def report(claim: DeviceSpec, **values: int) -> tuple[int, ...]:
     """The report in which these codes, named by the kernel, have these values."""
     wanted = {ecodes.ecodes[name]: value for name, value in values.items()}
     return tuple(wanted.get(control.code, 0) for control in claim.controls)

@@ -24,7 +24,7 @@ centre, and would take it from the other for ever."""
 
 
 @dataclass(frozen=True, slots=True)
-class Share:
+class Contribution:
     """What one of several hands does with the pad.
 
     Attributes:
@@ -36,7 +36,7 @@ class Share:
     axes: Mapping[Axis, float] = field(default_factory=dict)
 
 
-def merge(gel: Share, helper: Share, priority: Priority = "equal") -> Share:
+def merge(gel: Contribution, helper: Contribution, priority: Priority = "equal") -> Contribution:
     """Return what both hands do together.
 
     Buttons are down if either holds them. A stick, and the D-pad, is where the one that moves it
@@ -61,4 +61,4 @@ def merge(gel: Share, helper: Share, priority: Priority = "equal") -> Share:
         else:
             chosen = second
         axes.update((axis, chosen[axis]) for axis in group if chosen.get(axis))
-    return Share(gel.buttons | helper.buttons, axes)
+    return Contribution(gel.buttons | helper.buttons, axes)

@@ -10,17 +10,17 @@ from typing import Final
 
 from evdev import InputDevice, ecodes
 
-from neurotouch_hid.device.inputs.contribution import Share
+from neurotouch_hid.device.inputs.contribution import Contribution
 from neurotouch_hid.device.inputs.discovery import explain_opening, find_alike, find_copilot
 from neurotouch_hid.device.inputs.nodes import Input
-from neurotouch_hid.device.inputs.shaker import Shaker
+from neurotouch_hid.device.inputs.shaker import RumblePlayer
 from neurotouch_hid.device.inputs.translation import Translation
 from neurotouch_hid.device.outputs.effects import Rumble
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import Button
 
 _SEARCH_S: Final = 1.0
-HearShare = Callable[[Share], None]
+HearShare = Callable[[Contribution], None]
 """Is told of every change, in the co-pilot's thread."""
 
 
@@ -51,9 +51,9 @@ class Copilot:
         self._chords: Mapping[str, frozenset[int]] = {}
         self._hear_chord: Callable[[str], object] = _ignore
         self._held_chords: set[str] = set()
-        self._share = Share()
+        self._share = Contribution()
         self._open: InputDevice | None = None
-        self._shaker: Shaker | None = None
+        self._shaker: RumblePlayer | None = None
         self._grabbed = False
         self._down: set[int] = set()
         self._values: dict[int, int] = {}
@@ -76,7 +76,7 @@ class Copilot:
         return self._device is None or bool(self._device.effects >> ecodes.FF_RUMBLE & 1)
 
     @property
-    def share(self) -> Share:
+    def share(self) -> Contribution:
         """What it does now."""
         return self._share
 
@@ -169,7 +169,7 @@ class Copilot:
             raise DeviceError(f"{device.name} has no key, button or stick that means something.")
         self._selector.register(opened.fd, selectors.EVENT_READ)
         if self.rumbles:
-            self._shaker = Shaker(opened)
+            self._shaker = RumblePlayer(opened)
         self._grab_when_idle()
         self._trouble = ""
 
@@ -240,8 +240,8 @@ class Copilot:
         self._grabbed = False
         self._down.clear()
         self._values.clear()
-        if self._share != Share():
-            self._share = Share()
+        if self._share != Contribution():
+            self._share = Contribution()
             self._hear(self._share)
         if opened is not None:
             with suppress(KeyError):

@@ -8,7 +8,7 @@ from types import TracebackType
 from typing import Self
 
 from neurotouch_hid.device.device import Device
-from neurotouch_hid.device.inputs.contribution import Priority, Share, merge
+from neurotouch_hid.device.inputs.contribution import Contribution, Priority, merge
 from neurotouch_hid.device.inputs.copilot import Copilot
 from neurotouch_hid.device.inputs.mousewatch import MouseWatch
 from neurotouch_hid.device.outputs.spec import ExtraDevice
@@ -48,7 +48,7 @@ class SharedDevice:
         self._yield_s = yield_to_mouse_s
         self._mice: MouseWatch | None = None
         self._gel = GamepadState(0)
-        self._helper = Share()
+        self._helper = Contribution()
         self._lock = Lock()
         if copilot is not None:
             copilot.start(self._take)
@@ -123,7 +123,7 @@ class SharedDevice:
         """Close the device."""
         self.close()
 
-    def _take(self, share: Share) -> None:
+    def _take(self, share: Contribution) -> None:
         """Show a change of the helper's, in the co-pilot's thread."""
         with self._lock, suppress(DeviceError):  # the line's own next write meets and reports it
             self._helper = share
@@ -132,7 +132,7 @@ class SharedDevice:
     def _unite(self) -> GamepadState:
         if not (self._helper.buttons or self._helper.axes):
             return self._gel
-        both = merge(Share(self._gel.buttons, self._gel.axes), self._helper, self._priority)
+        both = merge(Contribution(self._gel.buttons, self._gel.axes), self._helper, self._priority)
         return replace(self._gel, buttons=both.buttons, axes=both.axes)
 
     def _yield_to_mouse(self, state: GamepadState) -> GamepadState:

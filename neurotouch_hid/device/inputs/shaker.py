@@ -27,7 +27,7 @@ def upload_effect(pad: InputDevice, effect: ff.Effect) -> int:
     return int(effect.id)
 
 
-class Shaker:
+class RumblePlayer:
     """Shows the newest rumble on a pad; whoever tells it never waits.
 
     Args:

@@ -6,7 +6,7 @@ from typing import Final, TypeVar
 
 from evdev import ecodes
 
-from neurotouch_hid.device.inputs.contribution import Share
+from neurotouch_hid.device.inputs.contribution import Contribution
 from neurotouch_hid.device.inputs.nodes import Input
 from neurotouch_hid.device.outputs.identity import load_identities
 from neurotouch_hid.messages import Axis, Button
@@ -117,7 +117,7 @@ class Translation:
         """The axes that mean something."""
         return set(self._axes)
 
-    def read(self, down: set[int], values: Mapping[int, int]) -> Share:
+    def read(self, down: set[int], values: Mapping[int, int]) -> Contribution:
         """Return the share of these keys that are down and these values of the axes."""
         axes: dict[Axis, float] = {}
         for code, steps in self._steps.items():
@@ -128,7 +128,9 @@ class Translation:
             if abs(level) > abs(axes.get(range_.axis, 0.0)):
                 axes[range_.axis] = level
         moved = {axis: value for axis, value in axes.items() if value}
-        return Share(frozenset(self._buttons[code] for code in down & self._buttons.keys()), moved)
+        return Contribution(
+            frozenset(self._buttons[code] for code in down & self._buttons.keys()), moved
+        )
 
 
 def _find_buttons(device: Input) -> dict[int, Button]:

@@ -11,7 +11,7 @@ from neurotouch_hid.device.outputs import keyboard, mouse
 from neurotouch_hid.device.outputs.clock import SensorClock
 from neurotouch_hid.device.outputs.identity import Identity, PadKind, load_identities
 from neurotouch_hid.device.outputs.rumble import HearRumble
-from neurotouch_hid.device.outputs.spec import ExtraDevice, Node, Steps, find_needed
+from neurotouch_hid.device.outputs.spec import ExtraDevice, Steps, VirtualDevice, find_needed
 from neurotouch_hid.device.outputs.uhid import UhidNode, open_uhid
 from neurotouch_hid.device.outputs.uinput import Ioctl, UinputNode, call_kernel, open_uinput
 from neurotouch_hid.errors import DeviceError
@@ -151,7 +151,7 @@ class CompositeDevice:
         """Close the device."""
         self.close()
 
-    def _make_pad(self, kind: PadKind, hear: HearRumble | None) -> Node:
+    def _make_pad(self, kind: PadKind, hear: HearRumble | None) -> VirtualDevice:
         if kind == "hid":  # Linux has no simple rumble for pads of no known maker
             return UhidNode(open_uhid(), self._identity.make_claim(self._player))
         claim = self._identity.make_claim(self._player, rumbles=hear is not None)
@@ -176,7 +176,7 @@ class CompositeDevice:
 
     def _show(self, state: GamepadState, steps: Steps, stamp_ns: int) -> None:
         """Write to every node, whatever happens at the others; raise the first failure."""
-        reports: list[tuple[Node | None, tuple[int, ...], Steps]] = [
+        reports: list[tuple[VirtualDevice | None, tuple[int, ...], Steps]] = [
             (self._pad, self._layout.encode(state), ()),
             (self._extra_devices.get(ExtraDevice.KEYBOARD), keyboard.encode(state), ()),
             (self._extra_devices.get(ExtraDevice.MOUSE), mouse.encode(state), steps),

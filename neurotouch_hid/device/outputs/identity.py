@@ -11,7 +11,7 @@ from typing import Any, Final, Literal
 from evdev import ecodes
 
 from neurotouch_hid.device.outputs.gamepad import Layout
-from neurotouch_hid.device.outputs.spec import Claim
+from neurotouch_hid.device.outputs.spec import DeviceSpec
 from neurotouch_hid.errors import DeviceError
 
 PadKind = Literal["uinput", "hid"]
@@ -64,9 +64,9 @@ class Identity:
     version: int
     layout: Layout
 
-    def make_claim(self, player: int = 1, *, rumbles: bool = False) -> Claim:
+    def make_claim(self, player: int = 1, *, rumbles: bool = False) -> DeviceSpec:
         """Return all that the kernel is told about the pad of a player (1, 2, ...)."""
-        return Claim(
+        return DeviceSpec(
             self.name,
             (ecodes.BUS_USB, self.vendor, self.product, self.version),
             f"{PLACE}{player - 1}",

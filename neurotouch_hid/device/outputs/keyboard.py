@@ -8,7 +8,7 @@ from functools import lru_cache
 
 from evdev import ecodes
 
-from neurotouch_hid.device.outputs.spec import Claim, make_key
+from neurotouch_hid.device.outputs.spec import DeviceSpec, make_key
 from neurotouch_hid.messages import GamepadState
 
 NAME = "NeuroTouch Keyboard"
@@ -46,7 +46,7 @@ No power or sleep key: no gesture should switch the machine off. No auto-repeat 
 (EV_REP): desktops repeat by themselves, and a key must not go on by itself while we stall.
 """
 
-CLAIM = Claim(NAME, IDS, PHYS, tuple(KEYS.values()))
+CLAIM = DeviceSpec(NAME, IDS, PHYS, tuple(KEYS.values()))
 
 
 _ALTS = {"KEY_LEFTALT", "KEY_RIGHTALT"}

@@ -4,7 +4,7 @@ import math
 
 from evdev import ecodes
 
-from neurotouch_hid.device.outputs.spec import Claim, Steps, make_key
+from neurotouch_hid.device.outputs.spec import DeviceSpec, Steps, make_key
 from neurotouch_hid.messages import GamepadState
 
 NAME = "NeuroTouch Mouse"
@@ -27,7 +27,7 @@ MOTIONS = (
     ecodes.REL_HWHEEL_HI_RES,
 )
 
-CLAIM = Claim(NAME, IDS, PHYS, tuple(BUTTONS.values()), MOTIONS)
+CLAIM = DeviceSpec(NAME, IDS, PHYS, tuple(BUTTONS.values()), MOTIONS)
 
 CLICK = 120
 """Steps of the fine wheel in one click, by definition of the kernel."""

@@ -9,7 +9,7 @@ from neurotouch_hid.errors import DeviceError
 
 
 @dataclass(frozen=True, slots=True)
-class Maker:
+class DeviceNode:
     """A node that makes devices.
 
     Attributes:

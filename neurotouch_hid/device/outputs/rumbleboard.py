@@ -12,7 +12,7 @@ _SHOWN_S: Final = 0.6
 """Who looks on looks twice a second, and must not miss a short knock."""
 
 
-class RumbleBoard:
+class RumbleRouter:
     """Tells everybody of each change, and keeps the latest for those who look now and then.
 
     Args:

@@ -49,7 +49,7 @@ class Control:
 
 
 @dataclass(frozen=True, slots=True)
-class Claim:
+class DeviceSpec:
     """All that the kernel is told when a node is made.
 
     Attributes:
@@ -74,7 +74,7 @@ class Claim:
         return tuple(control.rest for control in self.controls)
 
 
-class Node(Protocol):
+class VirtualDevice(Protocol):
     """One device of the kernel, at rest when it is made."""
 
     def show(self, report: tuple[int, ...], steps: Steps = (), stamp_ns: int = 0) -> None:

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Final
 
 from neurotouch_hid.device.outputs.descriptor import ReportFormat
-from neurotouch_hid.device.outputs.opening import Maker
-from neurotouch_hid.device.outputs.spec import Claim, Steps
+from neurotouch_hid.device.outputs.opening import DeviceNode
+from neurotouch_hid.device.outputs.spec import DeviceSpec, Steps
 from neurotouch_hid.errors import DeviceError
 
 NODE: Final = Path("/dev/uhid")
@@ -24,7 +24,7 @@ RULE: Final = 'KERNEL=="uhid", SUBSYSTEM=="misc", TAG+="uaccess", OPTIONS+="stat
 RULES_FILE: Final = "70-neurotouch-hid.rules"
 """Where the rule lies in ``udev``."""
 
-_MAKER: Final = Maker(NODE, "uhid", RULE, RULES_FILE)
+_MAKER: Final = DeviceNode(NODE, "uhid", RULE, RULES_FILE)
 
 # linux/uhid.h: every event begins with its type.
 _DESTROY, _START, _GET_REPORT, _GET_REPORT_REPLY = 1, 2, 9, 10
@@ -58,7 +58,7 @@ class UhidNode:
     would otherwise hang for five seconds. If the process dies, the kernel removes the device.
     """
 
-    def __init__(self, descriptor: int, claim: Claim, *, patience_s: float = START_S) -> None:
+    def __init__(self, descriptor: int, claim: DeviceSpec, *, patience_s: float = START_S) -> None:
         """Create the device and wait until the kernel reads it.
 
         Args:

@@ -13,9 +13,9 @@ from pathlib import Path
 
 from evdev import ecodes
 
-from neurotouch_hid.device.outputs.opening import Maker
+from neurotouch_hid.device.outputs.opening import DeviceNode
 from neurotouch_hid.device.outputs.rumble import EFFECT_CODES, N_EFFECTS, HearRumble, RumbleServer
-from neurotouch_hid.device.outputs.spec import Claim, Steps
+from neurotouch_hid.device.outputs.spec import DeviceSpec, Steps
 from neurotouch_hid.errors import DeviceError
 
 NODE = Path("/dev/uinput")
@@ -23,7 +23,7 @@ NODE = Path("/dev/uinput")
 RULE = 'KERNEL=="uinput", SUBSYSTEM=="misc", TAG+="uaccess", OPTIONS+="static_node=uinput"'
 """The udev rule of ``udev/70-neurotouch-uinput.rules``."""
 
-_MAKER = Maker(NODE, "uinput", RULE, "70-neurotouch-uinput.rules")
+_MAKER = DeviceNode(NODE, "uinput", RULE, "70-neurotouch-uinput.rules")
 
 # linux/uinput.h and linux/input.h
 _INPUT_EVENT = struct.Struct("@llHHi")  # seconds, microseconds, type, code, value
@@ -76,7 +76,7 @@ class UinputNode:
     def __init__(
         self,
         descriptor: int,
-        claim: Claim,
+        claim: DeviceSpec,
         *,
         ioctl: Ioctl = call_kernel,
         hear: HearRumble | None = None,

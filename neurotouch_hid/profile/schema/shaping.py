@@ -20,7 +20,7 @@ class Expo(Strict):
     expo: float = Field(
         ge=-1.0,
         le=1.0,
-        description="Share of the cubic, -1 (quick in the middle) to 1 (fine in the middle); 0 is "
+        description="Contribution of the cubic, -1 (quick in the middle) to 1 (fine in the middle); 0 is "
         "a straight line. No default.",
         json_schema_extra=give_unit("1"),
     )
@@ -37,8 +37,8 @@ class Power(Strict):
     )
 
 
-Share = Annotated[float, Field(ge=0.0, le=1.0)]
-Point = Annotated[tuple[Share, Share], Field(strict=False)]
+Contribution = Annotated[float, Field(ge=0.0, le=1.0)]
+Point = Annotated[tuple[Contribution, Contribution], Field(strict=False)]
 
 
 def _check_points(points: list[tuple[float, float]]) -> list[tuple[float, float]]:
@@ -100,7 +100,7 @@ class Shaped(Strict):
         default=0.05,
         ge=0.0,
         le=0.9,
-        description="Share of the range that stays exactly 0; what is left is stretched, so "
+        description="Contribution of the range that stays exactly 0; what is left is stretched, so "
         "nothing jumps. Default: 0.05.",
         json_schema_extra=give_unit("1"),
     )

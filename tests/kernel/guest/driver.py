@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from evdev.ecodes import BTN_SOUTH, EV_KEY
-from tests.kernel.guest.extra_devices import PLACES
 
 from neurotouch_hid.cli.main import main
 from neurotouch_hid.device.outputs.gamepad import PHYS
 from neurotouch_hid.driver import Driver, DriverOptions
+from tests.kernel.guest.extra_devices import PLACES
 from tests.kernel.guest.opening import run
 from tests.kernel.guest.reader import Reader, find_node, list_nodes
 from tests.kernel.guest.sdl import look, open_games
