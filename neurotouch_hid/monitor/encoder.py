@@ -11,7 +11,7 @@ from typing import Any, Final
 from neurotouch_hid.messages import GamepadState, GestureKind, Step
 from neurotouch_hid.monitor.summary import describe_turn
 from neurotouch_hid.profile import Decision
-from neurotouch_hid.profile.engine.reading import Reading
+from neurotouch_hid.profile.engine.reading import ConditionedGesture
 from neurotouch_hid.runtime import Session, Stopwatch
 from neurotouch_hid.snapshot import MarkerWriter, pack
 
@@ -26,7 +26,7 @@ class Sample:
     """A turn of the line with what its mapping says, taken in the line's thread."""
 
     step: Step
-    reading: Reading
+    reading: ConditionedGesture
     decisions: tuple[Decision, ...]
     state: str
     profile: str

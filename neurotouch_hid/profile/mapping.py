@@ -11,8 +11,8 @@ from neurotouch_hid.profile.engine.channel import Channel
 from neurotouch_hid.profile.engine.deck import Deck, make_channel
 from neurotouch_hid.profile.engine.effort import Exertion
 from neurotouch_hid.profile.engine.output import Outputs
-from neurotouch_hid.profile.engine.reader import Reader
-from neurotouch_hid.profile.engine.reading import Reading
+from neurotouch_hid.profile.engine.reader import InputConditioner
+from neurotouch_hid.profile.engine.reading import ConditionedGesture
 from neurotouch_hid.profile.engine.tiredness import Tiredness
 from neurotouch_hid.profile.schema.profile import Binding, Profile, SafetyGesture
 from neurotouch_hid.profile.schema.targets import CommandName, CommandTarget
@@ -48,7 +48,7 @@ class Mapping:
         self._commands: list[str] = []
         self._t_us: int | None = None
         self._helper: frozenset[Button] = frozenset()
-        self._reading = Reading(0)
+        self._reading = ConditionedGesture(0)
         self._tiredness = Tiredness(self._user, self._journal)
         self._take(profile)
 
@@ -68,7 +68,7 @@ class Mapping:
         return self._state
 
     @property
-    def reading(self) -> Reading:
+    def reading(self) -> ConditionedGesture:
         """What the bindings were last asked about, in millimetres of a usual hand."""
         return self._reading
 
@@ -141,7 +141,7 @@ class Mapping:
             commands,
         )
 
-    def _run(self, reading: Reading) -> Outputs:
+    def _run(self, reading: ConditionedGesture) -> Outputs:
         wanted = self._hear_safety(reading)
         outputs = Outputs()
         if self._state == "running" and not wanted:
@@ -152,7 +152,7 @@ class Mapping:
             self._obey(command)
         return outputs if self._state == "running" else Outputs()
 
-    def _hear_safety(self, reading: Reading) -> list[str]:
+    def _hear_safety(self, reading: ConditionedGesture) -> list[str]:
         """The safety gestures that have just been held long enough; they work in every state."""
         heard = []
         for channel, command in self._safety:
@@ -189,7 +189,9 @@ class Mapping:
         self._safety = self._make_safety(profile)
         kinds = self._deck.kinds.union(*(channel.kinds for channel, _ in self._safety))
         latch = profile.latch is not False
-        self._reader = Reader(self._user, self._choose_filter(profile), kinds, latch=latch)
+        self._reader = InputConditioner(
+            self._user, self._choose_filter(profile), kinds, latch=latch
+        )
 
     def _choose_filter(self, profile: Profile) -> FilterName:
         """The user's own, else that of the user's patience, else the profile's in the same way."""

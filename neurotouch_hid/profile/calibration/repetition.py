@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from statistics import median
 from typing import Final
 
-from neurotouch_hid.profile.engine.reading import Reading
+from neurotouch_hid.profile.engine.reading import ConditionedGesture
 from neurotouch_hid.profile.schema.movements import name_movement
 
 BEGIN_MM: Final = 1.5
@@ -56,7 +56,7 @@ class RepetitionFinder:
         """True within a repetition."""
         return self._begin_us is not None
 
-    def update(self, reading: Reading) -> Repetition | None:
+    def update(self, reading: ConditionedGesture) -> Repetition | None:
         """The repetition that this reading ends, if it ends one."""
         self._window.append(reading.mm)
         mm = median(self._window)

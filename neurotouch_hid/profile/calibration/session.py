@@ -10,7 +10,7 @@ from neurotouch_hid.messages import Gesture
 from neurotouch_hid.profile.calibration.repetition import Repetition, RepetitionFinder
 from neurotouch_hid.profile.calibration.result import LEAST_PEAK_MM, measure_range, measure_rest
 from neurotouch_hid.profile.calibration.tremor import Tremor, choose_filter, find_tremor
-from neurotouch_hid.profile.engine.reader import Reader
+from neurotouch_hid.profile.engine.reader import InputConditioner
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.timing import FilterName
 from neurotouch_hid.profile.schema.user import Range, Ranges, UserSettings
@@ -52,7 +52,7 @@ class Session:
         plain = user.model_copy(
             update={"range": Ranges(), "unused": [], "filter": None, "tremor_hz": None}
         )
-        self._reader = Reader(plain, "none", _ALL_KINDS, latch=True)
+        self._reader = InputConditioner(plain, "none", _ALL_KINDS, latch=True)
         self._finder = RepetitionFinder()
         self.movements = movements or tuple(MOVEMENTS)
         self._steps = (NEUTRAL, HOLD, *self.movements) if guided else (EVERYTHING,)

@@ -4,7 +4,7 @@ from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.engine.output import make_output
 from neurotouch_hid.profile.engine.plan import Plan, make_direction_test, make_tests
 from neurotouch_hid.profile.engine.press import Say
-from neurotouch_hid.profile.engine.reading import Reading
+from neurotouch_hid.profile.engine.reading import ConditionedGesture
 from neurotouch_hid.profile.schema.conditions import Sequence
 from neurotouch_hid.profile.schema.profile import Binding
 from neurotouch_hid.profile.schema.timing import Times
@@ -81,11 +81,11 @@ class Channel:
         if self._slew is not None:
             self._slew.rest()
 
-    def may_act(self, reading: Reading) -> bool:
+    def may_act(self, reading: ConditionedGesture) -> bool:
         """True if the kind and direction of the gesture are right, whatever else is asked."""
         return reading.kind in self.kinds and (self._direction is None or self._direction(reading))
 
-    def update(self, reading: Reading) -> None:
+    def update(self, reading: ConditionedGesture) -> None:
         """Takes one reading."""
         threshold = self._threshold
         held = False
@@ -119,7 +119,7 @@ class Channel:
         self.down = held
         self.busy = busy or held
 
-    def claims(self, reading: Reading) -> bool:
+    def claims(self, reading: ConditionedGesture) -> bool:
         """True of a chord whose button is held, if the gesture is its own, however far it goes."""
         condition = self.binding.condition
         return (
@@ -133,7 +133,7 @@ class Channel:
         """The gesture at hand is another's: forgets it; what is toggled or sticky stays."""
         self._threshold.reset()
         if self._steps is not None:
-            self._steps.update(Reading(t_us))
+            self._steps.update(ConditionedGesture(t_us))
         if self._gate is not None:
             self._gate.reset()
         self._presses = self._plan.make_presses()

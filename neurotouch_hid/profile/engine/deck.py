@@ -8,7 +8,7 @@ from neurotouch_hid.profile.diagnostics.description import describe_binding
 from neurotouch_hid.profile.engine.channel import Channel
 from neurotouch_hid.profile.engine.output import Outputs
 from neurotouch_hid.profile.engine.pointer import PointerCare
-from neurotouch_hid.profile.engine.reading import Reading
+from neurotouch_hid.profile.engine.reading import ConditionedGesture
 from neurotouch_hid.profile.reading.layering import merge_bindings
 from neurotouch_hid.profile.schema.profile import Binding, Profile
 from neurotouch_hid.profile.schema.targets import CommandTarget, LayerTarget, MouseMotionTarget
@@ -52,14 +52,14 @@ class Deck:
         """Lets go of everything, back to the first layer."""
         self._enter(0)
 
-    def run(self, reading: Reading, commands: list[str]) -> Outputs:
+    def run(self, reading: ConditionedGesture, commands: list[str]) -> Outputs:
         """What the bindings put out; commands they give are added to ``commands``."""
         if self._holder is not None:
             self._holder.update(reading)
             if not self._holder.down:
                 return self._go(0)
         if not self.armed:
-            reading = Reading(reading.t_us)
+            reading = ConditionedGesture(reading.t_us)
         layer = self._layers[self._current]
         outputs = Outputs()
         pressed, finished = [], False
@@ -93,7 +93,7 @@ class Deck:
             return self._go(0)
         return outputs
 
-    def listen(self, reading: Reading, commands: list[str]) -> None:
+    def listen(self, reading: ConditionedGesture, commands: list[str]) -> None:
         """While paused: hears only the bindings that pause or panic."""
         if not self.armed:
             return
@@ -156,7 +156,7 @@ class _Layer:
         self._taken = GestureKind.NONE
         self._wanted: dict[tuple[object, ...], frozenset[Channel]] = {}
 
-    def find_wanted(self, reading: Reading) -> frozenset[Channel]:
+    def find_wanted(self, reading: ConditionedGesture) -> frozenset[Channel]:
         """The channels this gesture may set off; found once for each kind and direction."""
         key = (reading.kind, reading.four, reading.eight)
         wanted = self._wanted.get(key)
@@ -165,7 +165,7 @@ class _Layer:
             self._wanted[key] = wanted
         return wanted
 
-    def find_silent(self, reading: Reading) -> frozenset[Channel]:
+    def find_silent(self, reading: ConditionedGesture) -> frozenset[Channel]:
         """The channels that must not hear this gesture, because it is a chord's.
 
         A longer chord wins over a shorter one: while its button is held, the gesture is the chord's

@@ -9,7 +9,7 @@ from statistics import median
 from typing import Final
 
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.profile.engine.reading import Reading
+from neurotouch_hid.profile.engine.reading import ConditionedGesture
 from neurotouch_hid.profile.schema.movements import name_movement
 from neurotouch_hid.profile.schema.profile import DEFAULT_FULL_MM, DEFAULT_REST_MM
 from neurotouch_hid.profile.schema.user import Ranges
@@ -68,7 +68,7 @@ class Effort:
         self._held_since_us: int | None = None
         self._long = False
 
-    def update(self, reading: Reading) -> None:
+    def update(self, reading: ConditionedGesture) -> None:
         """Takes one reading."""
         if reading.kind == GestureKind.NONE:
             self._finish()

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from neurotouch_hid.messages import Axis, Button, GestureKind
-from neurotouch_hid.profile.engine.reading import Reading
+from neurotouch_hid.profile.engine.reading import ConditionedGesture
 from neurotouch_hid.profile.engine.regions import EIGHT_WAYS
 from neurotouch_hid.profile.engine.response import Response, make_response
 from neurotouch_hid.profile.schema.conditions import KINDS
@@ -74,7 +74,7 @@ class Slew:
         self._before.clear()
 
 
-Put = Callable[[Outputs, Reading], None]
+Put = Callable[[Outputs, ConditionedGesture], None]
 
 
 def make_output(binding: Binding) -> tuple[Put | None, Slew | None]:
@@ -115,7 +115,7 @@ def _press(target: Target) -> Put | None:
 
 
 def _set_axes(*values: tuple[Axis, float]) -> Put:
-    def put(outputs: Outputs, _reading: Reading) -> None:
+    def put(outputs: Outputs, _reading: ConditionedGesture) -> None:
         for axis, value in values:
             outputs.move(axis, value)
 
@@ -129,7 +129,7 @@ def _follow_plane(
     x_sign = -1.0 if target.invert_x else 1.0
     y_sign = -1.0 if target.invert_y else 1.0
 
-    def find(reading: Reading) -> tuple[float, float]:
+    def find(reading: ConditionedGesture) -> tuple[float, float]:
         x, y = read(reading)
         if slew is not None:
             x, y = slew.limit("x", x, reading.t_us), slew.limit("y", y, reading.t_us)
@@ -138,7 +138,7 @@ def _follow_plane(
     if isinstance(target, StickTarget):
         x_axis, y_axis = STICK_AXES[target.stick]
 
-        def put(outputs: Outputs, reading: Reading) -> None:
+        def put(outputs: Outputs, reading: ConditionedGesture) -> None:
             x, y = find(reading)
             outputs.move(x_axis, x)
             outputs.move(y_axis, y)
@@ -146,21 +146,23 @@ def _follow_plane(
         return put
     speed_px_s = target.speed_px_s
 
-    def put_pointer(outputs: Outputs, reading: Reading) -> None:
+    def put_pointer(outputs: Outputs, reading: ConditionedGesture) -> None:
         x, y = find(reading)
         outputs.pointer = (outputs.pointer[0] + speed_px_s * x, outputs.pointer[1] + speed_px_s * y)
 
     return put_pointer
 
 
-def _read_plane(binding: Binding, target: Planar) -> Callable[[Reading], tuple[float, float]]:
+def _read_plane(
+    binding: Binding, target: Planar
+) -> Callable[[ConditionedGesture], tuple[float, float]]:
     """From a reading to x and y of -1..1, by the dead zone's shape."""
     responses = _make_responses(binding)
     centre_x, centre_y = target.centre_mm
     follows_push = target.follow == "push"
     round_ = target.deadzone_shape == "radial"
 
-    def read(reading: Reading) -> tuple[float, float]:
+    def read(reading: ConditionedGesture) -> tuple[float, float]:
         if follows_push:
             if reading.way is None:
                 return 0.0, 0.0
@@ -192,13 +194,13 @@ def _follow_line(
     if isinstance(target, MouseWheelTarget):
         factor *= target.clicks_per_s
 
-    def find(reading: Reading) -> float:
+    def find(reading: ConditionedGesture) -> float:
         value = read(reading)
         return factor * (value if slew is None else slew.limit("x", value, reading.t_us))
 
     if isinstance(target, MouseWheelTarget):
 
-        def put_wheel(outputs: Outputs, reading: Reading) -> None:
+        def put_wheel(outputs: Outputs, reading: ConditionedGesture) -> None:
             outputs.wheel += find(reading)
 
         return put_wheel
@@ -211,7 +213,7 @@ def _follow_line(
 
 def _read_line(
     binding: Binding, target: AxisTarget | TriggerTarget | MouseWheelTarget
-) -> Callable[[Reading], float]:
+) -> Callable[[ConditionedGesture], float]:
     """From a reading to -1..1: the measure the target follows, shaped."""
     responses = _make_responses(binding)
     two_sided = binding.condition.gesture in ("twist", "scale")

@@ -16,7 +16,7 @@ from neurotouch_hid.profile.engine.press import (
     Test,
     Threshold,
 )
-from neurotouch_hid.profile.engine.reading import Reading
+from neurotouch_hid.profile.engine.reading import ConditionedGesture
 from neurotouch_hid.profile.engine.steps import Steps
 from neurotouch_hid.profile.schema.conditions import Condition, PressName, Sequence
 from neurotouch_hid.profile.schema.profile import Binding
@@ -118,7 +118,7 @@ class Plan:
             else []
         )
 
-    def _fits(self, reading: Reading) -> bool:
+    def _fits(self, reading: ConditionedGesture) -> bool:
         """True if the gesture is still the one the binding waits for, however far it goes."""
         condition = self._condition
         direction = make_direction_test(condition)

@@ -8,10 +8,10 @@ import math
 from collections.abc import Callable
 from typing import Final, Protocol
 
-from neurotouch_hid.profile.engine.reading import Reading
+from neurotouch_hid.profile.engine.reading import ConditionedGesture
 
 Say = Callable[[str], None]
-Test = Callable[[Reading], bool]
+Test = Callable[[ConditionedGesture], bool]
 
 PULSE_US: Final = 50_000
 """How long something is down that only ever happens for a moment: three frames of a game."""
@@ -32,7 +32,7 @@ class Press(Protocol):
 
     busy: bool
 
-    def update(self, held: bool, reading: Reading, since_us: int, /) -> bool:
+    def update(self, held: bool, reading: ConditionedGesture, since_us: int, /) -> bool:
         """Whether it is pressed; ``since_us`` is when the press at hand began."""
         ...
 
@@ -137,7 +137,7 @@ class Soft:
         self._began = self._decided = self._spoiled = False
         self._until_us: int | None = None
 
-    def update(self, held: bool, reading: Reading, since_us: int) -> bool:
+    def update(self, held: bool, reading: ConditionedGesture, since_us: int) -> bool:
         """A soft gesture that is over before it is clear gives a short press."""
         if not held:
             if self._began and not self._decided and not self._spoiled:
@@ -165,7 +165,7 @@ class Released:
         self._began = False
         self._until_us: int | None = None
 
-    def update(self, held: bool, reading: Reading, _since_us: int) -> bool:
+    def update(self, held: bool, reading: ConditionedGesture, _since_us: int) -> bool:
         """Whether the short press is on."""
         if held:
             self._began = True
@@ -197,7 +197,7 @@ class Tap:
         self._begin_us: int | None = None  # of the short press
         self._counts = True
 
-    def update(self, held: bool, reading: Reading, since_us: int) -> bool:
+    def update(self, held: bool, reading: ConditionedGesture, since_us: int) -> bool:
         """Whether the short press is on."""
         t_us = reading.t_us
         if held:
@@ -241,7 +241,7 @@ class Double:
         self._first_us: int | None = None  # when the first tap ended
         self._second = False
 
-    def update(self, held: bool, reading: Reading, since_us: int) -> bool:
+    def update(self, held: bool, reading: ConditionedGesture, since_us: int) -> bool:
         """Whether the second tap is on."""
         t_us = reading.t_us
         if held:
@@ -278,7 +278,7 @@ class Hold:
         self._since_us: int | None = None
         self._pressed = False
 
-    def update(self, held: bool, reading: Reading, since_us: int) -> bool:
+    def update(self, held: bool, reading: ConditionedGesture, since_us: int) -> bool:
         """Whether it has been held long enough."""
         if held:
             if self._since_us is None:

@@ -14,7 +14,7 @@ from neurotouch_hid.messages import Gesture, GestureKind
 from neurotouch_hid.profile.engine.calibration import make_conversion
 from neurotouch_hid.profile.engine.notch import Notch, TremorWatch
 from neurotouch_hid.profile.engine.one_euro import FILTERS, OneEuro
-from neurotouch_hid.profile.engine.reading import Phase, Reading
+from neurotouch_hid.profile.engine.reading import ConditionedGesture, Phase
 from neurotouch_hid.profile.engine.regions import Vector, choose_direction, find_zone
 from neurotouch_hid.profile.schema.conditions import Zone
 from neurotouch_hid.profile.schema.targets import EightWay
@@ -62,7 +62,7 @@ class _Memory:
     phase: Phase = "hold"
 
 
-class Reader:
+class InputConditioner:
     """Makes readings from gestures; what it remembers ends with each gesture.
 
     Args:
@@ -112,14 +112,14 @@ class Reader:
         if self._watch is not None:
             self._watch.reset()
 
-    def read(self, gesture: Gesture) -> Reading:
+    def read(self, gesture: Gesture) -> ConditionedGesture:
         """What the hand does now; at rest if a measurement is not a number."""
         step_us = 0 if self._t_us is None else gesture.t_us - self._t_us
         self._t_us = gesture.t_us
         kind, mm = gesture.kind, float(gesture.intensity_mm)
         if kind == GestureKind.NONE or not math.isfinite(mm):
             self.forget()
-            return Reading(gesture.t_us)
+            return ConditionedGesture(gesture.t_us)
         mm = min(max(mm, 0.0), MOST_MM)
         if self._mirror:
             kind = _MIRRORED.get(kind, kind)
@@ -135,7 +135,7 @@ class Reader:
             )
         seen, kind = kind, self._memory.kind or kind
         if not self._is_made(kind):
-            return Reading(gesture.t_us)
+            return ConditionedGesture(gesture.t_us)
         if seen == GestureKind.PUSH:
             self._memory.way = _find_way(x, y)
         way = self._memory.way if kind == GestureKind.PUSH else None
@@ -143,7 +143,7 @@ class Reader:
             mm = self._convert(kind, mm, way)
         self._measure_speed(mm, step_us)
         if not self._decide(kind, mm, gesture.t_us):
-            return Reading(gesture.t_us)
+            return ConditionedGesture(gesture.t_us)
         return self._describe(gesture, kind, mm, way)
 
     def _orient(self, vector: Vector) -> Vector:
@@ -219,14 +219,14 @@ class Reader:
 
     def _describe(
         self, gesture: Gesture, kind: GestureKind, mm: float, way: Vector | None
-    ) -> Reading:
+    ) -> ConditionedGesture:
         self._memory.four = choose_direction(way, self._memory.four, 4)
         self._memory.eight = choose_direction(way, self._memory.eight, 8)
         position = self._find_position(gesture)
         if position is not None and self._memory.zone is None:
             x, y = self._orient(gesture.translation_mm)
             self._memory.zone = find_zone(position[0] - x, position[1] - y)
-        return Reading(
+        return ConditionedGesture(
             gesture.t_us,
             kind,
             mm,

@@ -12,7 +12,7 @@ Phase = Literal["attack", "hold", "release"]
 
 
 @dataclass(slots=True)
-class Reading:
+class ConditionedGesture:
     """What the hand does at one moment.
 
     Attributes:

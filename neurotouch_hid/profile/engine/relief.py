@@ -6,7 +6,7 @@ from typing import Final
 
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.engine.effort import Exertion, find_kind
-from neurotouch_hid.profile.engine.reading import Reading
+from neurotouch_hid.profile.engine.reading import ConditionedGesture
 from neurotouch_hid.profile.schema.profile import DEFAULT_FULL_MM, DEFAULT_REST_MM
 from neurotouch_hid.profile.schema.user import Range, Ranges
 
@@ -68,7 +68,7 @@ class Relief:
         self._bends.clear()
         self._stepped_us = None
 
-    def ease(self, reading: Reading) -> None:
+    def ease(self, reading: ConditionedGesture) -> None:
         """Raises the intensity of a reading to what it counts as now."""
         if not self._bends or reading.kind == GestureKind.NONE:
             return
@@ -78,7 +78,7 @@ class Relief:
             gain = (full_mm - begin_mm) / (end_mm - begin_mm)
             reading.mm = begin_mm + gain * (reading.mm - begin_mm)
 
-    def _find_bend(self, reading: Reading, full_mm: float) -> _Bend:
+    def _find_bend(self, reading: ConditionedGesture, full_mm: float) -> _Bend:
         """That of the movement; of a diagonal push, blended from the two beside it by angle."""
         none = (full_mm, full_mm)
         if reading.kind != GestureKind.PUSH:

@@ -4,7 +4,7 @@ from collections import deque
 
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.engine.press import Say, Threshold
-from neurotouch_hid.profile.engine.reading import Reading
+from neurotouch_hid.profile.engine.reading import ConditionedGesture
 from neurotouch_hid.profile.schema.conditions import DEFAULT_ON_MM, OFF_SHARE, Condition, Sequence
 from neurotouch_hid.profile.schema.profile import make_step
 from neurotouch_hid.profile.schema.targets import EightWay
@@ -33,7 +33,7 @@ class Steps:
         self._complete = False
         self.busy = False
 
-    def update(self, reading: Reading) -> bool:
+    def update(self, reading: ConditionedGesture) -> bool:
         """Whether the sequence is complete and its last gesture still there."""
         before = self._threshold.held
         if reading.kind == GestureKind.NONE:

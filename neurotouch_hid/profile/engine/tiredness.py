@@ -5,7 +5,7 @@ from dataclasses import replace
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.decision import Journal
 from neurotouch_hid.profile.engine.effort import Effort, Exertion
-from neurotouch_hid.profile.engine.reading import Reading
+from neurotouch_hid.profile.engine.reading import ConditionedGesture
 from neurotouch_hid.profile.engine.relief import RESTED_US, Relief
 from neurotouch_hid.profile.schema.user import UserSettings
 
@@ -45,7 +45,7 @@ class Tiredness:
         self._effort.rest()
         self._suggested.clear()
 
-    def update(self, reading: Reading) -> None:
+    def update(self, reading: ConditionedGesture) -> None:
         """Takes one reading, and eases it."""
         self._effort.update(reading)
         if self._setting == "none":
