@@ -7,8 +7,8 @@ from typing import Final, Literal
 
 from neurotouch_hid.messages import Button, GamepadState, Gesture
 from neurotouch_hid.profile.decision import Decision, Journal
-from neurotouch_hid.profile.engine.channel import Channel
-from neurotouch_hid.profile.engine.deck import Deck, make_channel
+from neurotouch_hid.profile.engine.channel import BindingRunner
+from neurotouch_hid.profile.engine.deck import LayerStack, make_channel
 from neurotouch_hid.profile.engine.effort import Exertion
 from neurotouch_hid.profile.engine.output import Outputs
 from neurotouch_hid.profile.engine.reader import InputConditioner
@@ -185,7 +185,7 @@ class Mapping:
     def _take(self, profile: Profile) -> None:
         self._profile = profile
         times = resolve_times(profile.timing, self._user.timing)
-        self._deck = Deck(profile, times, self._journal)
+        self._deck = LayerStack(profile, times, self._journal)
         self._safety = self._make_safety(profile)
         kinds = self._deck.kinds.union(*(channel.kinds for channel, _ in self._safety))
         latch = profile.latch is not False
@@ -200,7 +200,7 @@ class Mapping:
             own = profile.filter
         return own or resolve_times(profile.timing, self._user.timing).filter
 
-    def _make_safety(self, profile: Profile) -> list[tuple[Channel, str]]:
+    def _make_safety(self, profile: Profile) -> list[tuple[BindingRunner, str]]:
         gestures: tuple[tuple[CommandName, SafetyGesture | None], ...] = (
             ("panic", profile.safety.panic),
             ("pause", profile.safety.pause),

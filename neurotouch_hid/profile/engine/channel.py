@@ -2,7 +2,7 @@
 
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.engine.output import make_output
-from neurotouch_hid.profile.engine.plan import Plan, make_direction_test, make_tests
+from neurotouch_hid.profile.engine.plan import StageFactory, make_direction_test, make_tests
 from neurotouch_hid.profile.engine.press import Say
 from neurotouch_hid.profile.engine.reading import ConditionedGesture
 from neurotouch_hid.profile.schema.conditions import Sequence
@@ -10,7 +10,7 @@ from neurotouch_hid.profile.schema.profile import Binding
 from neurotouch_hid.profile.schema.timing import Times
 
 
-class Channel:
+class BindingRunner:
     """Carries out one binding.
 
     Attributes:
@@ -66,7 +66,7 @@ class Channel:
         self.put, self._slew = make_output(binding)
         self._direction = None if sequence else make_direction_test(binding.condition)
         self._tests = make_tests(binding.condition)
-        self._plan = Plan(binding, times, siblings, say, accept)
+        self._plan = StageFactory(binding, times, siblings, say, accept)
         self.reset()
 
     def reset(self) -> None:

@@ -5,7 +5,7 @@ from typing import Final
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.decision import Journal
 from neurotouch_hid.profile.diagnostics.description import describe_binding
-from neurotouch_hid.profile.engine.channel import Channel
+from neurotouch_hid.profile.engine.channel import BindingRunner
 from neurotouch_hid.profile.engine.output import Outputs
 from neurotouch_hid.profile.engine.pointer import PointerCare
 from neurotouch_hid.profile.engine.reading import ConditionedGesture
@@ -14,13 +14,13 @@ from neurotouch_hid.profile.schema.profile import Binding, Profile
 from neurotouch_hid.profile.schema.targets import CommandTarget, LayerTarget, MouseMotionTarget
 from neurotouch_hid.profile.schema.timing import Times
 
-_NONE: Final[frozenset[Channel]] = frozenset()
+_NONE: Final[frozenset[BindingRunner]] = frozenset()
 
 STOPPING: Final = ("pause", "panic")
 """The commands that are heard even while everything is paused."""
 
 
-class Deck:
+class LayerStack:
     """All channels of a profile, layer by layer.
 
     Attributes:
@@ -36,7 +36,7 @@ class Deck:
         ]
         self._journal = journal
         self._current = 0
-        self._holder: Channel | None = None
+        self._holder: BindingRunner | None = None
         self._for_one_action = False
         self.armed = True
         self.kinds = frozenset(
@@ -107,7 +107,7 @@ class Deck:
         for channel in layer.channels:
             channel.finish_action()
 
-    def _change(self, channel: Channel, target: LayerTarget) -> Outputs:
+    def _change(self, channel: BindingRunner, target: LayerTarget) -> Outputs:
         wanted = self._names.index(target.layer) if target.layer in self._names else 0
         if wanted == self._current:
             return self._go(0)
@@ -115,13 +115,13 @@ class Deck:
         self._for_one_action = target.mode == "oneshot"
         return outputs
 
-    def _go(self, index: int, holder: Channel | None = None) -> Outputs:
+    def _go(self, index: int, holder: BindingRunner | None = None) -> Outputs:
         """Enters a layer: nothing is put out before the next gesture."""
         self._enter(index, holder)
         self._journal.note("layer", self.name)
         return Outputs()
 
-    def _enter(self, index: int, holder: Channel | None = None) -> None:
+    def _enter(self, index: int, holder: BindingRunner | None = None) -> None:
         """Lets go of everything but the channel that holds the layer to come."""
         for channel in (*self._layers[self._current].channels, self._holder):
             if channel is not None and channel is not holder and channel.busy:
@@ -154,9 +154,9 @@ class _Layer:
         self._plain = plain
         self._pressing = frozenset(each for each in plain if not each.binding.is_followed)
         self._taken = GestureKind.NONE
-        self._wanted: dict[tuple[object, ...], frozenset[Channel]] = {}
+        self._wanted: dict[tuple[object, ...], frozenset[BindingRunner]] = {}
 
-    def find_wanted(self, reading: ConditionedGesture) -> frozenset[Channel]:
+    def find_wanted(self, reading: ConditionedGesture) -> frozenset[BindingRunner]:
         """The channels this gesture may set off; found once for each kind and direction."""
         key = (reading.kind, reading.four, reading.eight)
         wanted = self._wanted.get(key)
@@ -165,7 +165,7 @@ class _Layer:
             self._wanted[key] = wanted
         return wanted
 
-    def find_silent(self, reading: ConditionedGesture) -> frozenset[Channel]:
+    def find_silent(self, reading: ConditionedGesture) -> frozenset[BindingRunner]:
         """The channels that must not hear this gesture, because it is a chord's.
 
         A longer chord wins over a shorter one: while its button is held, the gesture is the chord's
@@ -189,10 +189,10 @@ class _Layer:
 
 def make_channel(
     binding: Binding, times: Times, siblings: tuple[Binding, ...], journal: Journal
-) -> Channel:
+) -> BindingRunner:
     """A channel that writes into the journal what it ignored, and each step of a sequence."""
     label = describe_binding(binding)
-    return Channel(
+    return BindingRunner(
         binding,
         times,
         siblings,

@@ -5,8 +5,8 @@ from typing import Final
 
 from neurotouch_hid.profile.engine.modes import Mode, make_mode
 from neurotouch_hid.profile.engine.press import (
+    Debounce,
     Double,
-    Gate,
     Hold,
     Press,
     Released,
@@ -27,7 +27,7 @@ WEAK_DROP: Final = 0.35
 """Contribution of the peak by which the intensity falls where a weak hand wants to let go."""
 
 
-class Plan:
+class StageFactory:
     """The stages of a channel, to be made anew at every reset."""
 
     def __init__(
@@ -65,18 +65,18 @@ class Plan:
         when = self._binding.when
         return Steps(when, self._say, self._accept) if isinstance(when, Sequence) else None
 
-    def make_gate(self) -> Gate | None:
+    def make_gate(self) -> Debounce | None:
         """What it takes to be accepted; None for what follows a measure."""
         if self._binding.is_followed:
             return None
         condition, times = self._condition, self._times
         if isinstance(self._binding.when, Sequence):
-            return Gate(0, 0, self._say)
+            return Debounce(0, 0, self._say)
         accept_ms = times.choose_ms("accept_ms", condition.accept_ms)
         ignore_ms = times.choose_ms("ignore_repeat_ms", condition.ignore_repeat_ms)
         if condition.press == "double":
             ignore_ms = 0  # the second tap is a repeat; it has a shortest pause of its own
-        return Gate(1000 * accept_ms, 1000 * ignore_ms, self._say)
+        return Debounce(1000 * accept_ms, 1000 * ignore_ms, self._say)
 
     def make_presses(self) -> tuple[Press, ...]:
         """Level, then press."""

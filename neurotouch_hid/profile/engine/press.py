@@ -90,7 +90,7 @@ class Threshold:
         return self.held
 
 
-class Gate:
+class Debounce:
     """Accepts a press once it has lasted, and not too soon after the one before."""
 
     __slots__ = ("_accept_us", "_blocked", "_free_us", "_ignore_us", "_open", "_say", "since_us")
