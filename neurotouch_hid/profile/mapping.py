@@ -9,11 +9,11 @@ from neurotouch_hid.messages import Button, GamepadState, Gesture
 from neurotouch_hid.profile.decision import Decision, Journal
 from neurotouch_hid.profile.engine.channel import BindingRunner
 from neurotouch_hid.profile.engine.deck import LayerStack, make_channel
-from neurotouch_hid.profile.engine.effort import Exertion
+from neurotouch_hid.profile.engine.effort import MovementUsage
 from neurotouch_hid.profile.engine.output import Outputs
 from neurotouch_hid.profile.engine.reader import InputConditioner
 from neurotouch_hid.profile.engine.reading import ConditionedGesture
-from neurotouch_hid.profile.engine.tiredness import Tiredness
+from neurotouch_hid.profile.engine.tiredness import FatigueMonitor
 from neurotouch_hid.profile.schema.profile import Binding, Profile, SafetyGesture
 from neurotouch_hid.profile.schema.targets import CommandName, CommandTarget
 from neurotouch_hid.profile.schema.timing import PRESETS, FilterName, resolve_times
@@ -49,7 +49,7 @@ class Mapping:
         self._t_us: int | None = None
         self._helper: frozenset[Button] = frozenset()
         self._reading = ConditionedGesture(0)
-        self._tiredness = Tiredness(self._user, self._journal)
+        self._tiredness = FatigueMonitor(self._user, self._journal)
         self._take(profile)
 
     @property
@@ -76,9 +76,9 @@ class Mapping:
         """The latest decisions, oldest first: what was pressed, and what was ignored and why."""
         return self._journal.read()
 
-    def exertions(self) -> tuple[Exertion, ...]:
+    def usages(self) -> tuple[MovementUsage, ...]:
         """What the movements have cost so far: whether they fade, whether some are held long."""
-        return self._tiredness.exertions()
+        return self._tiredness.usages()
 
     def shares(self) -> dict[str, float]:
         """The share of its full range that each movement needs now, where that is less than 1."""
@@ -93,7 +93,7 @@ class Mapping:
         """
         if user is not None:
             self._user = user
-            self._tiredness = Tiredness(user, self._journal)
+            self._tiredness = FatigueMonitor(user, self._journal)
         self._take(profile)
         self._deck.armed = False
 

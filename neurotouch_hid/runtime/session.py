@@ -192,16 +192,14 @@ class Session:
         shares = mapping.shares()
         self._fatigue = [
             {
-                "movement": exertion.movement,
-                "peak_mm": exertion.peak_mm,
-                "full_mm": exertion.full_mm,
-                "needs": round(shares.get(exertion.movement, 1.0), 2),
+                "movement": usage.movement,
+                "peak_mm": usage.peak_mm,
+                "full_mm": usage.full_mm,
+                "needs": round(shares.get(usage.movement, 1.0), 2),
             }
-            for exertion in mapping.exertions()
-            if exertion.full_mm is not None or exertion.movement in shares
+            for usage in mapping.usages()
+            if usage.full_mm is not None or usage.movement in shares
         ]
         self._long_holds = {
-            exertion.movement: exertion.long_holds
-            for exertion in mapping.exertions()
-            if exertion.long_holds
+            usage.movement: usage.long_holds for usage in mapping.usages() if usage.long_holds
         }

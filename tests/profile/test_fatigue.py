@@ -70,7 +70,7 @@ def test_a_pause_undoes_it(how: str) -> None:
         t_us = run(mapping, "rest 301s", t_us)[-1].t_us + 10_000
     assert not mapping.shares()
     assert reach(pull(mapping, t_us)) == reach(pull(start("auto"), 0))
-    assert mapping.exertions()[0].full_mm is None, "the hand has rested"
+    assert mapping.usages()[0].full_mm is None, "the hand has rested"
 
 
 def test_suggest_and_none_change_nothing() -> None:
@@ -78,7 +78,7 @@ def test_suggest_and_none_change_nothing() -> None:
         mapping = start(fatigue)
         t_us = play(mapping, 3)
         assert not mapping.shares()
-        assert mapping.exertions()[0].full_mm == full_mm
+        assert mapping.usages()[0].full_mm == full_mm
         assert reach(pull(mapping, t_us)) == reach(pull(start("none"), 0))
 
 

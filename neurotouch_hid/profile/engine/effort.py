@@ -29,7 +29,7 @@ LONG_US: Final = 5_000_000
 
 
 @dataclass(frozen=True, slots=True)
-class Exertion:
+class MovementUsage:
     """One movement so far.
 
     Attributes:
@@ -57,7 +57,7 @@ class _Record:
     long_holds: int = 0
 
 
-class Effort:
+class UsageTracker:
     """Watches readings, gesture by gesture."""
 
     def __init__(self, ranges: Ranges) -> None:
@@ -84,7 +84,7 @@ class Effort:
         elif reading.t_us - self._held_since_us > LONG_US:
             self._long = True
 
-    def report(self) -> tuple[Exertion, ...]:
+    def report(self) -> tuple[MovementUsage, ...]:
         """Every movement that was made, by name."""
         return tuple(self._judge(name, record) for name, record in sorted(self._records.items()))
 
@@ -104,7 +104,7 @@ class Effort:
         self._movement, self._peak_mm = "", 0.0
         self._held_since_us, self._long = None, False
 
-    def _judge(self, movement: str, record: _Record) -> Exertion:
+    def _judge(self, movement: str, record: _Record) -> MovementUsage:
         peak_mm = median(record.latest) if record.latest else 0.0
         own = getattr(self._ranges, movement)
         usual_mm = DEFAULT_FULL_MM[find_kind(movement)]
@@ -114,7 +114,9 @@ class Effort:
         if watched and peak_mm <= FADED * fresh_mm:
             share = max(peak_mm / fresh_mm, LEAST_SHARE)
             full_mm = round(share * (usual_mm if own is None else own.full), 1)
-        return Exertion(movement, record.uses, round(peak_mm, 1), share, full_mm, record.long_holds)
+        return MovementUsage(
+            movement, record.uses, round(peak_mm, 1), share, full_mm, record.long_holds
+        )
 
 
 def find_kind(movement: str) -> GestureKind:

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from typing import Final
 
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.profile.engine.effort import Exertion, find_kind
+from neurotouch_hid.profile.engine.effort import MovementUsage, find_kind
 from neurotouch_hid.profile.engine.reading import ConditionedGesture
 from neurotouch_hid.profile.schema.profile import DEFAULT_FULL_MM, DEFAULT_REST_MM
 from neurotouch_hid.profile.schema.user import Range, Ranges
@@ -27,7 +27,7 @@ _Bend = tuple[float, float]
 """Up to the first nothing changes; the second counts as full. Both in mm of a usual hand."""
 
 
-class Relief:
+class RangeAssist:
     """Moves the full range of each movement towards what the hand still does.
 
     Changes happen only between gestures, so nothing jumps in the hand.
@@ -50,13 +50,13 @@ class Relief:
             self._stepped_us = t_us
         return t_us - self._stepped_us >= STEP_US
 
-    def step(self, t_us: int, exertions: Iterable[Exertion]) -> None:
+    def step(self, t_us: int, usages: Iterable[MovementUsage]) -> None:
         """Moves every full range by at most 1 % towards what fits; called between gestures."""
         self._stepped_us = t_us
-        for exertion in exertions:
-            name = exertion.movement
+        for usage in usages:
+            name = usage.movement
             now = self._shares.get(name, 1.0)
-            goal = now if exertion.share is None else exertion.share
+            goal = now if usage.share is None else usage.share
             share = now + min(max(goal - now, -STEP), STEP)
             if share < 1.0:
                 self._shares[name] = share

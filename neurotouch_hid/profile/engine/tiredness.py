@@ -4,13 +4,13 @@ from dataclasses import replace
 
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.decision import Journal
-from neurotouch_hid.profile.engine.effort import Effort, Exertion
+from neurotouch_hid.profile.engine.effort import MovementUsage, UsageTracker
 from neurotouch_hid.profile.engine.reading import ConditionedGesture
-from neurotouch_hid.profile.engine.relief import RESTED_US, Relief
+from neurotouch_hid.profile.engine.relief import RESTED_US, RangeAssist
 from neurotouch_hid.profile.schema.user import UserSettings
 
 
-class Tiredness:
+class FatigueMonitor:
     """Watches the readings and, where the person wants it, eases them.
 
     Args:
@@ -21,17 +21,17 @@ class Tiredness:
     def __init__(self, user: UserSettings, journal: Journal) -> None:
         self._setting = user.fatigue
         self._journal = journal
-        self._effort = Effort(user.range)
-        self._relief = Relief(user.range)
+        self._effort = UsageTracker(user.range)
+        self._relief = RangeAssist(user.range)
         self._suggested: set[str] = set()
         self._used_us: int | None = None
 
-    def exertions(self) -> tuple[Exertion, ...]:
+    def usages(self) -> tuple[MovementUsage, ...]:
         """What the movements have cost so far; without suggestions if none are wanted."""
         report = self._effort.report()
         if self._setting != "none":
             return report
-        return tuple(replace(exertion, share=None, full_mm=None) for exertion in report)
+        return tuple(replace(usage, share=None, full_mm=None) for usage in report)
 
     def shares(self) -> dict[str, float]:
         """The share of its full range that each movement needs now, where that is less than 1."""
@@ -61,17 +61,17 @@ class Tiredness:
             self._consider(reading.t_us)
 
     def _consider(self, t_us: int) -> None:
-        exertions = self._effort.report()
+        usages = self._effort.report()
         before = self._relief.shares
-        self._relief.step(t_us, exertions if self._setting == "auto" else ())
-        for exertion in exertions:
-            name = exertion.movement
+        self._relief.step(t_us, usages if self._setting == "auto" else ())
+        for usage in usages:
+            name = usage.movement
             words = name.replace("_", " ")
             share = self._relief.shares.get(name)
             if share != before.get(name) and share is not None:
                 self._journal.note("fatigue", f"{words} needs {share:.0%} of its range")
-            if exertion.full_mm is not None and name not in self._suggested:
+            if usage.full_mm is not None and name not in self._suggested:
                 self._suggested.add(name)
-                why = f"its median is {exertion.peak_mm:g} mm now"
-                what = f"{words} could be full at {exertion.full_mm:g} mm"
+                why = f"its median is {usage.peak_mm:g} mm now"
+                what = f"{words} could be full at {usage.full_mm:g} mm"
                 self._journal.note("fatigue", what, why)
