@@ -112,7 +112,7 @@ class Mapping:
         if self._state != "running":
             self._enter("running", "resume")
 
-    def hear_helper(self, buttons: frozenset[Button]) -> None:
+    def set_helper_buttons(self, buttons: frozenset[Button]) -> None:
         """From now on these buttons are held on the device that plays along."""
         self._helper = buttons
 

@@ -84,7 +84,7 @@ class Session:
             self._carry_out(letter)
             letter.done.set_result(self._pipeline.mapping.state)
         if self._helper is not None:
-            self._pipeline.mapping.hear_helper(self._helper())
+            self._pipeline.mapping.set_helper_buttons(self._helper())
 
     def note(self, step: Step) -> None:
         """Takes notice of a slice that has gone through, and of the commands the gel gave in it."""

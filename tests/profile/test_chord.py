@@ -28,7 +28,7 @@ def test_a_chord_acts_while_both_are_there_in_any_order(held, acts):
     mapping = Mapping(CHORD, RAW)
     down = []
     for number, gesture in enumerate(PINCH):
-        mapping.hear_helper(frozenset({Button.X} if number in held else ()))
+        mapping.set_helper_buttons(frozenset({Button.X} if number in held else ()))
         if mapping.update(gesture).buttons:
             down.append(number)
     assert bool(down) is acts
@@ -37,7 +37,7 @@ def test_a_chord_acts_while_both_are_there_in_any_order(held, acts):
 
 def test_another_button_does_not_count():
     mapping = Mapping(CHORD, RAW)
-    mapping.hear_helper(frozenset({Button.Y}))
+    mapping.set_helper_buttons(frozenset({Button.Y}))
     assert not any(mapping.update(gesture).buttons for gesture in PINCH)
 
 
@@ -60,7 +60,7 @@ def play(mapping, held, script="pinch 6mm hold 600ms", start_us=0):
     """The states while X is held at the slices that ``held`` names."""
     states = []
     for number, gesture in enumerate(rehearse(script)):
-        mapping.hear_helper(frozenset({Button.X} if number in held else ()))
+        mapping.set_helper_buttons(frozenset({Button.X} if number in held else ()))
         states.append(mapping.update(shift(gesture, start_us)))
     return states
 

@@ -23,7 +23,7 @@ from neurotouch_hid.profile.editing.revision import (
 )
 from neurotouch_hid.profile.editing.store import Store, Version
 from neurotouch_hid.profile.editing.substitution import (
-    Substitution,
+    Remapping,
     avoid,
     hand_over,
     list_wishes,
@@ -34,7 +34,7 @@ from neurotouch_hid.profile.editing.values import parse_value
 __all__ = [
     "Draft",
     "Store",
-    "Substitution",
+    "Remapping",
     "Version",
     "adopt",
     "avoid",

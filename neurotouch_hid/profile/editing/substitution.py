@@ -20,7 +20,7 @@ _PRESSES: Final = ("long", "double", "hold", "tap")
 
 
 @dataclass(frozen=True, slots=True)
-class Substitution:
+class Remapping:
     """What has become of a profile.
 
     Attributes:
@@ -34,7 +34,7 @@ class Substitution:
     left: tuple[str, ...] = ()
 
 
-def hand_over(text: str, weak: str, wishes: Sequence[When]) -> Substitution:
+def hand_over(text: str, weak: str, wishes: Sequence[When]) -> Remapping:
     """The profile with everything a movement does given to other conditions.
 
     What is pressed is pressed by one of the wishes instead. A trigger or an axis that followed the
@@ -85,10 +85,10 @@ def hand_over(text: str, weak: str, wishes: Sequence[When]) -> Substitution:
         text = _add_turned_layer(text, keys, name, layer, [*(now | turned).values()], when)
         words = describe_condition(_read(when))
         moved += [f"{words} turns round {_describe(bindings[i])}" for i in turned]
-    return Substitution(text, tuple(moved), tuple(left))
+    return Remapping(text, tuple(moved), tuple(left))
 
 
-def avoid(text: str, unused: Sequence[str]) -> Substitution:
+def avoid(text: str, unused: Sequence[str]) -> Remapping:
     """The profile without the movements a person does not make, as far as others are free."""
     moved: list[str] = []
     left: list[str] = []
@@ -97,7 +97,7 @@ def avoid(text: str, unused: Sequence[str]) -> Substitution:
         text = done.text
         moved += done.moved
         left += done.left
-    return Substitution(text, tuple(moved), tuple(left))
+    return Remapping(text, tuple(moved), tuple(left))
 
 
 def list_wishes(weak: str, unused: Sequence[str] = ()) -> list[When]:
