@@ -8,7 +8,7 @@ import numpy as np
 
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import GestureKind, Step
-from neurotouch_hid.profile import Decision, Mapping, UserSettings
+from neurotouch_hid.profile import Mapping, MappingDecision, UserSettings
 from neurotouch_hid.profile.schema.timing import resolve_times
 
 ACCEPT_VOLUME: Final = 60
@@ -60,7 +60,7 @@ class CueFinder:
     def __init__(self, mapping: Mapping) -> None:
         self._state = mapping.state
         self._place = mapping.profile.name, mapping.layer
-        self._last: Decision | None = None
+        self._last: MappingDecision | None = None
         self._gesture = GestureKind.NONE
         self._tracked = False
         self._take_new(mapping.decisions())
@@ -119,7 +119,7 @@ class CueFinder:
             return None
         return Cue(CueKind.PRESS, self._gesture.label.split("_", 1)[0])
 
-    def _take_new(self, decisions: tuple[Decision, ...]) -> list[Decision]:
+    def _take_new(self, decisions: tuple[MappingDecision, ...]) -> list[MappingDecision]:
         """The decisions made since the last call; equal ones are told apart by identity."""
         new = []
         for decision in reversed(decisions):

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from neurotouch_hid.messages import GamepadState, GestureKind, Step
 from neurotouch_hid.monitor.summary import describe_turn
-from neurotouch_hid.profile import Decision
+from neurotouch_hid.profile import MappingDecision
 from neurotouch_hid.profile.engine.reading import ConditionedGesture
 from neurotouch_hid.runtime import Session, Stopwatch
 from neurotouch_hid.snapshot import MarkerWriter, pack
@@ -27,7 +27,7 @@ class Sample:
 
     step: Step
     reading: ConditionedGesture
-    decisions: tuple[Decision, ...]
+    decisions: tuple[MappingDecision, ...]
     state: str
     profile: str
     layer: str
@@ -66,7 +66,7 @@ class StateEncoder:
         self._n = 0
         self._window = (0.0, _Counts())
         self._slow = b"{}"
-        self._told: tuple[Decision, ...] = ()
+        self._told: tuple[MappingDecision, ...] = ()
         self._actions = b"[]"
         self._place: tuple[tuple[str, ...], bytes] = ((), b"")
 
@@ -176,7 +176,7 @@ def _summarise(kept_ns: list[int]) -> list[float]:
     return [round(1e-6 * median(kept_ns), 3), round(1e-6 * most, 3)]
 
 
-def _write_decision(decision: Decision) -> list[Any]:
+def _write_decision(decision: MappingDecision) -> list[Any]:
     return [decision.t_us, decision.verdict, decision.what, decision.why]
 
 

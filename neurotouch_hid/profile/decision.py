@@ -10,7 +10,7 @@ KEPT: Final = 20
 
 
 @dataclass(frozen=True, slots=True)
-class Decision:
+class MappingDecision:
     """One decision.
 
     Attributes:
@@ -34,13 +34,13 @@ class Journal:
     """The latest decisions."""
 
     def __init__(self) -> None:
-        self._kept: deque[Decision] = deque(maxlen=KEPT)
+        self._kept: deque[MappingDecision] = deque(maxlen=KEPT)
         self.t_us = 0
 
     def note(self, verdict: Verdict, what: str, why: str = "") -> None:
         """Adds a decision of this moment."""
-        self._kept.append(Decision(self.t_us, verdict, what, why))
+        self._kept.append(MappingDecision(self.t_us, verdict, what, why))
 
-    def read(self) -> tuple[Decision, ...]:
+    def read(self) -> tuple[MappingDecision, ...]:
         """The latest decisions, oldest first."""
         return tuple(self._kept)

@@ -6,7 +6,7 @@ Host time never enters, so the same gestures give the same outputs, whatever the
 from typing import Final, Literal
 
 from neurotouch_hid.messages import Button, GamepadState, Gesture
-from neurotouch_hid.profile.decision import Decision, Journal
+from neurotouch_hid.profile.decision import Journal, MappingDecision
 from neurotouch_hid.profile.engine.channel import BindingRunner
 from neurotouch_hid.profile.engine.deck import LayerStack, make_channel
 from neurotouch_hid.profile.engine.effort import MovementUsage
@@ -72,7 +72,7 @@ class Mapping:
         """What the bindings were last asked about, in millimetres of a usual hand."""
         return self._reading
 
-    def decisions(self) -> tuple[Decision, ...]:
+    def decisions(self) -> tuple[MappingDecision, ...]:
         """The latest decisions, oldest first: what was pressed, and what was ignored and why."""
         return self._journal.read()
 

@@ -17,7 +17,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 import numpy as np
 
 from neurotouch_hid.evaluation.accuracy.labels import LabelTrack
-from neurotouch_hid.gesture.elastic.decision import DecisionConfig
+from neurotouch_hid.gesture.elastic.decision import KindDeciderConfig
 from neurotouch_hid.gesture.elastic.fingers import HandConfig
 from neurotouch_hid.gesture.elastic.kernels.motion import measure_motion, subtract_landing
 from neurotouch_hid.messages import GestureKind
@@ -38,7 +38,7 @@ class Caller:
         self._landed = np.zeros((len(stroke.fingers), 3))
         self._landed_us = np.zeros(len(stroke.fingers), np.int64)
         self._evidence = np.zeros(len(GestureKind))
-        self._keep = math.exp(-SLICE_US / DecisionConfig().memory_us)
+        self._keep = math.exp(-SLICE_US / KindDeciderConfig().memory_us)
 
     def call(self, t_us):
         motions = self._stroke.move(t_us)[:, :3]

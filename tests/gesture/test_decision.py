@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from neurotouch_hid.gesture.elastic.decision import Decision
+from neurotouch_hid.gesture.elastic.decision import KindDecider
 from neurotouch_hid.messages import GestureKind, Phase
 
 
 def test_no_gesture_begins_while_everything_sways():
-    quiet, swaying, held = Decision(), Decision(), Decision()
+    quiet, swaying, held = KindDecider(), KindDecider(), KindDecider()
     push = [0.0, 0.6, 0.0, 0.0, 0.0, 0.0]
     for _ in range(3):
         quiet.update(10_000, 0.6, push, 1, 0.05)
@@ -27,7 +27,7 @@ def test_what_fingers_do_not_explain_is_a_knock_while_everything_moves():
     push = [0.0, 0.9, 0.0, 0.0, 0.0, 0.0]
 
     def begin(size_mm, sway_mm, error_mm):
-        decision = Decision()
+        decision = KindDecider()
         for _ in range(3):
             decision.update(10_000, size_mm, push, 1, 0.05, sway_mm, error_mm)
         return decision.kind
@@ -40,7 +40,7 @@ def test_what_fingers_do_not_explain_is_a_knock_while_everything_moves():
 
 def test_a_gesture_ends_the_later_the_smaller_it_was():
     def least(most_mm):
-        decision, push = Decision(), [0.0, most_mm, 0.0, 0.0, 0.0, 0.0]
+        decision, push = KindDecider(), [0.0, most_mm, 0.0, 0.0, 0.0, 0.0]
         size_mm = most_mm
         while decision.kind is not GestureKind.NONE or size_mm == most_mm:
             decision.update(10_000, size_mm, push, 1, 0.05)
@@ -56,7 +56,7 @@ def test_who_has_let_go_a_little_and_keeps_still_holds_again(left_mm, phase):
     def play(size_mm):
         decision.update(10_000, size_mm, [0.0, size_mm, 0.0, 0.0, 0.0, 0.0], 1, 0.05)
 
-    decision = Decision()
+    decision = KindDecider()
     for size_mm in (2.0, 4.0, 6.0, 6.0, *np.linspace(6.0, left_mm, 10)):
         play(size_mm)
     assert decision.is_falling
@@ -72,7 +72,7 @@ def test_who_has_let_go_a_little_and_keeps_still_holds_again(left_mm, phase):
     [(8.0, 20_000, False), (8.0, 200_000, True), (1.0, 20_000, True)],
 )
 def test_the_swing_of_a_gel_that_was_let_go_is_no_gesture(largest_mm, pause_us, begins):
-    decision = Decision()
+    decision = KindDecider()
     swing = [*[largest_mm] * 10, *[0.0] * (pause_us // 10_000), 0.6, 0.6]
     for size_mm in swing:
         decision.update(10_000, size_mm, [0.0, size_mm, 0.0, 0.0, 0.0, 0.0], 1, 0.05)

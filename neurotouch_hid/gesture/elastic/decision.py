@@ -8,7 +8,7 @@ from neurotouch_hid.messages import GestureKind, Phase
 
 
 @dataclass(frozen=True, slots=True)
-class DecisionConfig:
+class KindDeciderConfig:
     """Times and sizes of a decision.
 
     Attributes:
@@ -71,11 +71,11 @@ class DecisionConfig:
     unsure_mm: float = 0.05
 
 
-class Decision:
+class KindDecider:
     """One gesture at a time, from rest to rest."""
 
-    def __init__(self, config: DecisionConfig | None = None) -> None:
-        self._config = config or DecisionConfig()
+    def __init__(self, config: KindDeciderConfig | None = None) -> None:
+        self._config = config or KindDeciderConfig()
         self._least_mm = self._sway_mm = self._swing_mm = 0.0
         self.reset()
 
