@@ -18,7 +18,7 @@ import numpy as np
 
 from neurotouch_hid.evaluation.accuracy.labels import LabelTrack
 from neurotouch_hid.gesture.elastic.decision import KindDeciderConfig
-from neurotouch_hid.gesture.elastic.fingers import HandConfig
+from neurotouch_hid.gesture.elastic.fingers import FingerConfig
 from neurotouch_hid.gesture.elastic.kernels.motion import measure_motion, subtract_landing
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.source.simulator.dataset import plan_dataset, simulate_recipe
@@ -43,7 +43,7 @@ class Caller:
     def call(self, t_us):
         motions = self._stroke.move(t_us)[:, :3]
         motions[:, 2] = np.sin(motions[:, 2])
-        if np.hypot(*motions[:, :2].T).max() < HandConfig().least_mm:
+        if np.hypot(*motions[:, :2].T).max() < FingerConfig().least_mm:
             self._landed_us[:] = 0  # nobody has been found yet
         since, parts = np.empty(motions.shape), np.empty(len(GestureKind))
         subtract_landing(motions, SLICE_US, self._landed, self._landed_us, since)

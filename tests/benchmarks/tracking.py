@@ -20,7 +20,7 @@ from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.source.simulator import Finger, Simulator, SimulatorConfig, Stroke
 from neurotouch_hid.source.simulator.script import sequence
 from neurotouch_hid.source.simulator.sensor import SensorConfig
-from neurotouch_hid.source.simulator.strokes import Hand, pinch, twist, zoom
+from neurotouch_hid.source.simulator.strokes import Fingertips, pinch, twist, zoom
 from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector
 
 OFF_PX = 3.0
@@ -36,9 +36,9 @@ def push_fast(n=6):
 
 
 def move_three():
-    yield pinch(8.0, Hand(n_fingers=3, spread_mm=15.0))
-    yield zoom(7.0, Hand(n_fingers=3, spread_mm=9.0))
-    yield twist(0.8, Hand(n_fingers=3))
+    yield pinch(8.0, Fingertips(n_fingers=3, spread_mm=15.0))
+    yield zoom(7.0, Fingertips(n_fingers=3, spread_mm=9.0))
+    yield twist(0.8, Fingertips(n_fingers=3))
 
 
 def follow(packets, *, frames):

@@ -70,8 +70,21 @@ def test_ids_that_are_misread_are_refused_with_the_reason(changes, reason):
     "name",
     [
         *("uinput-pad", "Mouse pad", "gpio_ir_recv", "My Keyboard pad", "Trackpad", "A Clickpad"),
-        *("Synaptics pad", "The Laptop pad", "An LED pad", "A Thelio pad", "My Motion Sensors"),
-        *("My IMU", "My Touchpad", "My Accelerometer", "My IR", "My Motion Plus", "My Nunchuk"),
+        *(
+            "Synaptics pad",
+            "The Laptop pad",
+            "An LED pad",
+            "A Thelio pad",
+            "My PointerMotion Sensors",
+        ),
+        *(
+            "My IMU",
+            "My Touchpad",
+            "My Accelerometer",
+            "My IR",
+            "My PointerMotion Plus",
+            "My Nunchuk",
+        ),
         *("My Pen", "My Finger", "My System Control"),
     ],
 )

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from neurotouch_hid.geometry import LATTICE_MM, Rig
-from neurotouch_hid.gesture.elastic.fingers import FIT, Hand
+from neurotouch_hid.gesture.elastic.fingers import FIT, FingerTracker
 from neurotouch_hid.gesture.elastic.kernels.field import couple, rim_window
 from neurotouch_hid.gesture.elastic.kernels.fit import (
     accumulate,
@@ -20,7 +20,7 @@ from tests.reference import gesture_elastic as reference
 
 WINDOW = np.array([rim_window(float(r2)) for r2 in (LATTICE_MM**2).sum(axis=1)])
 POINTS = np.ascontiguousarray(LATTICE_MM.T)
-HAND = Hand()
+HAND = FingerTracker()
 HAND.place(LATTICE_MM.astype(np.float32), Rig((0.0, 0.0), 1.0))  # a pixel a millimetre
 GEL = HAND.gel
 

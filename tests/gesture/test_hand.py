@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.geometry import LATTICE_MM, Rig
-from neurotouch_hid.gesture.elastic.fingers import Hand, HandConfig
+from neurotouch_hid.gesture.elastic.fingers import FingerConfig, FingerTracker
 from neurotouch_hid.gesture.elastic.kernels.field import fill_responses, find_site
 from neurotouch_hid.gesture.elastic.kernels.follow import NOW
 from tests.gesture.elastic import field
@@ -31,7 +31,7 @@ def found(hand):
 
 
 def test_two_fingers_are_followed():
-    hand = Hand()
+    hand = FingerTracker()
     hand.place(REST_PX, RIG)
     follow(hand, [1.0, 2.0, 3.0, 4.0])
     centres, drags = found(hand)
@@ -41,7 +41,7 @@ def test_two_fingers_are_followed():
 
 @pytest.mark.parametrize("falling", [True, False])
 def test_no_finger_joins_those_that_let_go(falling):
-    hand = Hand()
+    hand = FingerTracker()
     hand.place(REST_PX, RIG)
     for size_mm in (1.0, 2.0, 3.0, 4.0):
         push = field(PLACES[:1], np.array([[size_mm, 0.0]]))
@@ -52,7 +52,7 @@ def test_no_finger_joins_those_that_let_go(falling):
 
 
 def test_fingers_that_ran_into_each_other_are_looked_for_anew():
-    hand = Hand()
+    hand = FingerTracker()
     hand.place(REST_PX, RIG)
     follow(hand, [1.0, 2.0])
     fit = hand.fits[NOW]
@@ -65,7 +65,7 @@ def test_fingers_that_ran_into_each_other_are_looked_for_anew():
 
 
 def test_a_finger_in_the_wrong_place_is_looked_for_anew():
-    hand = Hand()
+    hand = FingerTracker()
     hand.place(REST_PX, RIG)
     follow(hand, [1.0, 2.0])
     hand.fits[NOW]["centres"][:2] = [[0.0, -24.0], [0.0, 24.0]]
@@ -76,7 +76,7 @@ def test_a_finger_in_the_wrong_place_is_looked_for_anew():
 def test_slices_of_any_length_know_and_doubt_their_fingers_alike():
     trust, searches = [], []
     for step_us in (1_000, 4_000, 10_000):
-        hand = Hand()
+        hand = FingerTracker()
         hand.place(REST_PX, RIG)
         for t_us in range(0, 400_000, step_us):
             size_mm = min(1.0 + 3.0 * t_us / 100_000, 4.0)
@@ -93,8 +93,8 @@ def test_asking_no_site_where_none_can_explain_enough_changes_nothing():
     sizes_mm = [0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 4.0, 4.0, 2.0, 1.0, 0.2, 0.0]
     fields = [pinch(size_mm) + rng.normal(0.0, 0.01, LATTICE_MM.shape) for size_mm in sizes_mm]
     told, asked = [], []
-    for sure in (HandConfig().sure, 0.0):  # 0: every site is asked every time
-        hand = Hand(HandConfig(sure=sure))
+    for sure in (FingerConfig().sure, 0.0):  # 0: every site is asked every time
+        hand = FingerTracker(FingerConfig(sure=sure))
         hand.place(REST_PX, RIG)
         said = []
         for moved in fields:
@@ -108,7 +108,7 @@ def test_asking_no_site_where_none_can_explain_enough_changes_nothing():
 
 def test_every_fourth_site_shows_whether_there_is_a_finger_at_all():
     rng = np.random.default_rng(5)
-    hand = Hand()
+    hand = FingerTracker()
     hand.place(REST_PX, RIG)
     gel, n_found = hand.gel[0], 0
     weight, known = np.ones(len(LATTICE_MM)), np.zeros((0, 2))
@@ -130,7 +130,7 @@ def test_every_fourth_site_shows_whether_there_is_a_finger_at_all():
 
 
 def test_names_stay_with_fingers_until_the_hand_is_forgotten():
-    hand = Hand()
+    hand = FingerTracker()
     hand.place(REST_PX, RIG)
     follow(hand, [1.0, 2.0, 3.0])
     names = hand.show().names
@@ -142,7 +142,7 @@ def test_names_stay_with_fingers_until_the_hand_is_forgotten():
 
 
 def test_a_knock_is_told_without_a_finger_and_no_light_touch_passes_for_one():
-    hand = Hand()
+    hand = FingerTracker()
     hand.place(REST_PX, RIG)
     knock = np.full(LATTICE_MM.shape, 0.3)
     motion = hand.update(knock, SEES_ALL, 0.05, forming=True)
@@ -156,7 +156,7 @@ def test_a_knock_is_told_without_a_finger_and_no_light_touch_passes_for_one():
 
 def test_contacts_are_told_in_the_gel_and_in_the_image():
     rig = Rig((170.0, 130.0), 2.4, 0.2)
-    hand = Hand()
+    hand = FingerTracker()
     hand.place(rig.to_px(LATTICE_MM).astype(np.float32), rig)
     moved_px = rig.to_px(LATTICE_MM + pinch(4.0)) - rig.to_px(LATTICE_MM)
     for _ in range(4):

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from neurotouch_hid.geometry import LATTICE_MM, Rig
-from neurotouch_hid.gesture.elastic.fingers import Hand
+from neurotouch_hid.gesture.elastic.fingers import FingerTracker
 from neurotouch_hid.gesture.elastic.kernels.follow import NOW
 from neurotouch_hid.gesture.elastic.kernels.motion import (
     LANDING_MM,
@@ -56,7 +56,7 @@ def test_landings_equal_their_twin(seed, step_us, k):
 
 
 def test_each_finger_of_a_hand_lands_for_itself():
-    hand = Hand()
+    hand = FingerTracker()
     hand.place(LATTICE_MM.astype(np.float32), Rig((0.0, 0.0), 1.0))
     sees_all, twin = np.ones(len(LATTICE_MM), np.bool_), reference.Landing()
     places = np.array([[-12.0, 0.0], [12.0, 0.0]])

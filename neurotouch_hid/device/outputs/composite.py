@@ -70,7 +70,7 @@ class CompositeDevice:
         self._clock = SensorClock()
         self._pad = self._make_pad(kind, hear_rumble)
         self._extra_devices: dict[ExtraDevice, UinputNode] = {}
-        self._motion = mouse.Motion()
+        self._motion = mouse.PointerMotion()
         self._mouse_buttons: frozenset[str] = frozenset()
         self._closed = False
         self._lock = Lock()
@@ -171,7 +171,7 @@ class CompositeDevice:
                 self._extra_devices[extra_device] = self._make_companion(extra_device)
 
     def _release(self) -> None:
-        self._motion = mouse.Motion()  # the time until the next state does not count
+        self._motion = mouse.PointerMotion()  # the time until the next state does not count
         self._show(GamepadState(0), (), self._clock.now())
 
     def _show(self, state: GamepadState, steps: Steps, stamp_ns: int) -> None:

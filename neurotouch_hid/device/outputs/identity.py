@@ -38,7 +38,14 @@ _NO_PART: Final = (
     " Thelio ",
 )
 _NO_END: Final = (
-    *(" Motion Sensors", " IMU", " Touchpad", " Accelerometer", " IR", " Motion Plus"),
+    *(
+        " PointerMotion Sensors",
+        " IMU",
+        " Touchpad",
+        " Accelerometer",
+        " IR",
+        " PointerMotion Plus",
+    ),
     *(" Nunchuk", " Pen", " Finger", " System Control"),
 )
 

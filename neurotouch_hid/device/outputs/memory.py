@@ -34,7 +34,7 @@ class MemoryDevice:
         self.states: deque[GamepadState] = deque(maxlen=1_000)
         self.extra_devices = set(extra_devices)
         self.travel: Counter[int] = Counter()
-        self._motion = mouse.Motion()
+        self._motion = mouse.PointerMotion()
         self._reports = _encode(GamepadState(0))
         self._t_us = 0
         self._closed = False
@@ -68,7 +68,7 @@ class MemoryDevice:
         """Release everything, at the moment of the state before."""
         with self._lock:
             if not self._closed:
-                self._motion = mouse.Motion()
+                self._motion = mouse.PointerMotion()
                 self._show(GamepadState(self._t_us), moved=False)
 
     def close(self) -> None:

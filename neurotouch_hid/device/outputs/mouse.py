@@ -45,7 +45,7 @@ def encode(state: GamepadState) -> tuple[int, ...]:
     return tuple(int(name in state.mouse_buttons) for name in BUTTONS)
 
 
-class Motion:
+class PointerMotion:
     """Sums speeds over sensor time into whole steps, and keeps what is left over.
 
     A state stands for the time since the one before, as the gesture in it does.

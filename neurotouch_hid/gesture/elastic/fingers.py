@@ -20,7 +20,7 @@ MOST: Final = 3
 
 
 @dataclass(frozen=True, slots=True)
-class HandConfig:
+class FingerConfig:
     """How fingers are found in the field.
 
     Attributes:
@@ -66,8 +66,10 @@ class HandConfig:
     sure: float = 0.999
 
 
-CONFIG: Final = np.dtype([(f.name, "i8" if f.name == "most" else "f8") for f in fields(HandConfig)])
-"""A ``HandConfig`` for kernels."""
+CONFIG: Final = np.dtype(
+    [(f.name, "i8" if f.name == "most" else "f8") for f in fields(FingerConfig)]
+)
+"""A ``FingerConfig`` for kernels."""
 
 FIT: Final = np.dtype(
     [
@@ -118,7 +120,7 @@ each marker moved, mm; trust in each; motions of the fingers since they landed; 
 type, see ``measure_motion``."""
 
 
-class Motion(NamedTuple):
+class FingerMotion(NamedTuple):
     """What the fingers do together.
 
     Attributes:
@@ -164,7 +166,7 @@ class Contacts(NamedTuple):
     intensity_mm: float
 
 
-class Hand:
+class FingerTracker:
     """Follows up to three fingers; keeps where each one stuck to the gel.
 
     Attributes:
@@ -173,8 +175,8 @@ class Hand:
         gel: (1,), the markers at rest, see ``_lay_out_gel``.
     """
 
-    def __init__(self, config: HandConfig | None = None) -> None:
-        self.config = config or HandConfig()
+    def __init__(self, config: FingerConfig | None = None) -> None:
+        self.config = config or FingerConfig()
         self.fits = np.zeros(N_FITS, FIT)
         self._rules = np.array([astuple(self.config)], CONFIG)
         self.state = np.zeros(1, HAND)
@@ -230,7 +232,7 @@ class Hand:
         step_us: int = TURN_US,
         forming: bool,
         falling: bool = False,
-    ) -> Motion:
+    ) -> FingerMotion:
         """Fit the fingers to the displacements of one slice.
 
         Args:
@@ -256,7 +258,7 @@ class Hand:
             forming,
             falling,
         )
-        return Motion._make((*told, self._parts.tolist()))
+        return FingerMotion._make((*told, self._parts.tolist()))
 
     def show(self, least: int = 1) -> Contacts:
         """The contacts of the fingers found in the last slice.

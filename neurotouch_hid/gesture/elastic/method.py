@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.gesture.config import GestureConfig
 from neurotouch_hid.gesture.elastic.decision import KindDecider, KindDeciderConfig
-from neurotouch_hid.gesture.elastic.fingers import Hand, HandConfig
+from neurotouch_hid.gesture.elastic.fingers import FingerConfig, FingerTracker
 from neurotouch_hid.messages import Gesture, GestureKind, no_gesture
 
 Floats = NDArray[np.float64]
@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 NOISE_US = 500_000  # time constant of the noise of the markers, measured at rest
 RESTING = KindDeciderConfig(on_mm=0.8, off_mm=0.5, least_off_mm=0.5)
 """A resting hand trembles by up to half a mm."""
-RESTING_HAND = HandConfig(still_share=0.2)
+RESTING_HAND = FingerConfig(still_share=0.2)
 
 
 class ElasticMethod:
@@ -25,7 +25,7 @@ class ElasticMethod:
 
     def __init__(self, config: GestureConfig) -> None:
         is_resting = config.neutral == "resting"
-        self._hand = Hand(RESTING_HAND if is_resting else HandConfig())
+        self._hand = FingerTracker(RESTING_HAND if is_resting else FingerConfig())
         self._decision = KindDecider(RESTING if is_resting else KindDeciderConfig())
         self._rest_px: NDArray[np.float32] | None = None
         self._noise_mm = 0.08

@@ -7,7 +7,7 @@ from neurotouch_hid.source.simulator.script import Finger, Script, Stroke, seque
 from neurotouch_hid.source.simulator.sensor import SensorConfig
 from neurotouch_hid.source.simulator.simulator import Simulator, SimulatorConfig
 from neurotouch_hid.source.simulator.strokes import (
-    Hand,
+    Fingertips,
     Timing,
     pinch,
     press,
@@ -20,7 +20,7 @@ __all__ = [
     "CameraConfig",
     "Finger",
     "GelConfig",
-    "Hand",
+    "Fingertips",
     "LightConfig",
     "Script",
     "SensorConfig",

@@ -13,7 +13,7 @@ from neurotouch_hid.source.simulator.optics import CameraConfig, LightConfig
 from neurotouch_hid.source.simulator.script import Finger, Stroke
 from neurotouch_hid.source.simulator.sensor import SensorConfig
 from neurotouch_hid.source.simulator.simulator import SimulatorConfig
-from neurotouch_hid.source.simulator.strokes import Hand, Timing, pinch, push, twist, zoom
+from neurotouch_hid.source.simulator.strokes import Fingertips, Timing, pinch, push, twist, zoom
 
 PEAK_SPEED = 1.875  # of a minimum-jerk motion, times its mean speed
 TOP_SPEED_MM_S = 210.0  # [NT, "Dataset"]
@@ -176,7 +176,7 @@ def _draw_hand(
     spread = min(spread, 18.0)
     widest = spread + size_mm if kind == GestureKind.ZOOM else spread
     middle = _keep_inside(np.array(middle_mm), max(REACH_MM - widest, 0.0))
-    hand = Hand(
+    hand = Fingertips(
         (float(middle[0]), float(middle[1])), n_fingers, spread, rng.uniform(-math.pi, math.pi)
     )
     if kind == GestureKind.PINCH:

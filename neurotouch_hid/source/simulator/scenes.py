@@ -13,7 +13,7 @@ from neurotouch_hid.source.simulator.people import draw_stroke
 from neurotouch_hid.source.simulator.script import Script, Stroke, sequence
 from neurotouch_hid.source.simulator.simulator import SimulatorConfig
 from neurotouch_hid.source.simulator.strokes import (
-    Hand,
+    Fingertips,
     Timing,
     pinch,
     press,
@@ -25,8 +25,8 @@ from neurotouch_hid.source.simulator.strokes import (
 LEFT, RIGHT, UP, DOWN = math.pi, 0.0, -math.pi / 2, math.pi / 2
 
 
-THREE = Hand(n_fingers=3, spread_mm=12.0)
-CLOSE = Hand(n_fingers=3, spread_mm=8.5)
+THREE = Fingertips(n_fingers=3, spread_mm=12.0)
+CLOSE = Fingertips(n_fingers=3, spread_mm=8.5)
 
 
 def scene_names() -> tuple[str, ...]:

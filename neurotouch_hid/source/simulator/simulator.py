@@ -9,7 +9,7 @@ import numpy as np
 
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, Truth
-from neurotouch_hid.source.simulator.gel import KNOT_US, GelConfig, Motion
+from neurotouch_hid.source.simulator.gel import KNOT_US, GelConfig, GelMotion
 from neurotouch_hid.source.simulator.optics import Camera, CameraConfig, LightConfig
 from neurotouch_hid.source.simulator.script import Play
 from neurotouch_hid.source.simulator.sensor import Sensor, SensorConfig
@@ -49,7 +49,7 @@ class Simulator:
         self.name = f"sim:{script.name}"
         self._script, self._slice_us = script, slice_us
         rig = config.camera.rig
-        self._motion = Motion(script, Camera(config.camera), rig.px_per_mm, config.gel)
+        self._motion = GelMotion(script, Camera(config.camera), rig.px_per_mm, config.gel)
         self._sensor = Sensor(config.sensor, config.light, rig, seed)
         self._sensor.settle(self._motion.knot(-1).outline)
         self._packets = self._run()

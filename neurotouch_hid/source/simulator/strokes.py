@@ -22,7 +22,7 @@ class Timing:
 
 
 @dataclass(frozen=True, slots=True)
-class Hand:
+class Fingertips:
     """Where the fingers stand before they move.
 
     Attributes:
@@ -61,17 +61,19 @@ def press(
     return _stroke(GestureKind.PUSH, (Finger(at_mm, press_mm=depth_mm),), timing)
 
 
-def pinch(size_mm: float, hand: Hand = Hand(), timing: Timing = Timing()) -> Stroke:
+def pinch(size_mm: float, hand: Fingertips = Fingertips(), timing: Timing = Timing()) -> Stroke:
     """Fingers drag the gel towards their middle by ``size_mm`` each."""
     return _stroke(GestureKind.PINCH, _radial(hand, -size_mm), timing)
 
 
-def zoom(size_mm: float, hand: Hand = Hand(spread_mm=8.0), timing: Timing = Timing()) -> Stroke:
+def zoom(
+    size_mm: float, hand: Fingertips = Fingertips(spread_mm=8.0), timing: Timing = Timing()
+) -> Stroke:
     """Fingers drag the gel away from their middle by ``size_mm`` each."""
     return _stroke(GestureKind.ZOOM, _radial(hand, size_mm), timing)
 
 
-def twist(angle_rad: float, hand: Hand = Hand(), timing: Timing = Timing()) -> Stroke:
+def twist(angle_rad: float, hand: Fingertips = Fingertips(), timing: Timing = Timing()) -> Stroke:
     """Fingers turn the gel about their middle; clockwise for the user is positive."""
     kind = GestureKind.TWIST_CW if angle_rad > 0 else GestureKind.TWIST_CCW
     fingers = tuple(
@@ -85,7 +87,7 @@ def _stroke(kind: GestureKind, fingers: tuple[Finger, ...], timing: Timing) -> S
     return Stroke(kind, fingers, 0, timing.attack_us, timing.hold_us, timing.release_us)
 
 
-def _radial(hand: Hand, size_mm: float) -> tuple[Finger, ...]:
+def _radial(hand: Fingertips, size_mm: float) -> tuple[Finger, ...]:
     outward = (hand.contacts_mm() - hand.middle_mm) / hand.spread_mm
     return tuple(
         Finger((float(x), float(y)), (float(size_mm * ox), float(size_mm * oy)))

@@ -8,7 +8,7 @@ from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.recording import Recording, labels_path, read_labels
 from neurotouch_hid.source.simulator import dataset
-from neurotouch_hid.source.simulator.gel import Motion
+from neurotouch_hid.source.simulator.gel import GelMotion
 from neurotouch_hid.source.simulator.optics import Camera
 from neurotouch_hid.source.simulator.people import meet_person
 
@@ -71,7 +71,7 @@ def test_a_set_is_distributed_like_the_papers():
         rng = np.random.default_rng((recipe.seed, recipe.user, kind))
         script = dataset.draw_script(recipe.name, kind, recipe.duration_us, person, rng)
         rig: Rig = config.camera.rig
-        motion = Motion(script, Camera(config.camera), rig.px_per_mm, config.gel)
+        motion = GelMotion(script, Camera(config.camera), rig.px_per_mm, config.gel)
         truths = [motion.truth(t) for t in range(5_000, recipe.duration_us, 40_000)]
         labels.update(truth.kind for truth in truths)
         sizes[kind] += [truth.intensity_mm for truth in truths if truth.kind]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.source.simulator import Simulator, SimulatorConfig, Timing, push, sequence
-from neurotouch_hid.source.simulator.gel import KNOT_US, GelConfig, Motion
+from neurotouch_hid.source.simulator.gel import KNOT_US, GelConfig, GelMotion
 from neurotouch_hid.source.simulator.kernels import optics as kernels
 from neurotouch_hid.source.simulator.optics import (
     PROFILE_SCALE,
@@ -27,7 +27,7 @@ SCRIPT = sequence(
 def render():
     """The picture every ms, (n, 260, 346) float64 DN."""
     camera = CameraConfig()
-    motion = Motion(SCRIPT, Camera(camera), camera.rig.px_per_mm, GelConfig())
+    motion = GelMotion(SCRIPT, Camera(camera), camera.rig.px_per_mm, GelConfig())
     base, light = paint(LightConfig(), camera.rig)
     canvas = np.zeros(base.size, kernels.POINT_DTYPE)
     canvas["base"] = canvas["image"] = base.ravel()

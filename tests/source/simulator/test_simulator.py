@@ -21,7 +21,7 @@ from neurotouch_hid.source.simulator import (
     twist,
     zoom,
 )
-from neurotouch_hid.source.simulator.gel import Motion
+from neurotouch_hid.source.simulator.gel import GelMotion
 from neurotouch_hid.source.simulator.optics import CameraConfig
 from neurotouch_hid.source.simulator.sensor import SensorConfig
 
@@ -90,7 +90,7 @@ def test_another_seed_gives_other_events(pushed):
 
 def test_truth_is_the_same_before_and_after(pushed):
     _, simulator = pushed
-    fresh = Motion.truth(Simulator(brief(push(0.0, 7.0, timing=SHORT)))._motion, 250_000)
+    fresh = GelMotion.truth(Simulator(brief(push(0.0, 7.0, timing=SHORT)))._motion, 250_000)
     late = simulator.truth(250_000)
     assert np.array_equal(fresh.markers_px, late.markers_px)
     assert np.array_equal(fresh.contacts_px, late.contacts_px)

@@ -5,7 +5,7 @@ from neurotouch_hid.source.simulator.gel.motion import (
     KNOT_US,
     Elasticity,
     GelConfig,
-    Motion,
+    GelMotion,
 )
 
-__all__ = ["ELASTICITIES", "KNOT_US", "Elasticity", "GelConfig", "Motion"]
+__all__ = ["ELASTICITIES", "KNOT_US", "Elasticity", "GelConfig", "GelMotion"]

@@ -61,7 +61,7 @@ class Knot:
     moved_mm: NDArray[np.float64]
 
 
-class Motion:
+class GelMotion:
     """Knots of a script, computed in order and remembered for a few seconds.
 
     The state at any moment is the same however it is asked for; asking for a moment that is long
