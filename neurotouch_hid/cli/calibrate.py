@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from neurotouch_hid.cli.ui.keyboard import Keyboard
     from neurotouch_hid.cli.ui.voice import Voice
     from neurotouch_hid.messages import Gesture
-    from neurotouch_hid.profile.calibration import Repetition, Session
+    from neurotouch_hid.profile.calibration import CalibrationSession, Repetition
 
 _KEYS = "Enter = next, S = I cannot do this, B = back, Q = stop and save nothing."
 
@@ -64,7 +64,7 @@ def command(
     from neurotouch_hid.cli.ui.keyboard import Keyboard
     from neurotouch_hid.cli.ui.voice import Voice
     from neurotouch_hid.profile import load_user
-    from neurotouch_hid.profile.calibration import Session
+    from neurotouch_hid.profile.calibration import CalibrationSession
 
     if undo:
         undo_calibration(plain=plain, as_json=as_json)
@@ -72,7 +72,7 @@ def command(
     guided = is_guided(source, speed)
     keyboard = Keyboard()
     user = load_user()
-    session = Session(user, gestures, guided=guided)
+    session = CalibrationSession(user, gestures, guided=guided)
     steps = read_steps(source, speed, seed, method, seconds=seconds)
     stream = (step.gesture for step in steps)
     with Voice(user.feedback, err=as_json) as voice:
@@ -85,7 +85,7 @@ def command(
 
 
 def _guide(
-    session: "Session",
+    session: "CalibrationSession",
     stream: Iterator["Gesture"],
     keyboard: "Keyboard",
     voice: "Voice",
@@ -115,7 +115,7 @@ def _guide(
     voice.say("The source has ended.")
 
 
-def _press(session: "Session", key: str, voice: "Voice") -> None:
+def _press(session: "CalibrationSession", key: str, voice: "Voice") -> None:
     """What one pressed: Enter, S, B or Q."""
     match key:
         case "":
@@ -130,7 +130,7 @@ def _press(session: "Session", key: str, voice: "Voice") -> None:
             voice.say(_KEYS)
 
 
-def _tell(session: "Session", repetition: "Repetition | None", voice: "Voice") -> None:
+def _tell(session: "CalibrationSession", repetition: "Repetition | None", voice: "Voice") -> None:
     """Reads out a repetition."""
     if repetition is None or session.step in ("neutral", "hold"):
         return

@@ -13,7 +13,7 @@ from neurotouch_hid.profile.schema.movements import MOVEMENTS
 if TYPE_CHECKING:
     from neurotouch_hid.cli.ui.keyboard import Keyboard
     from neurotouch_hid.profile import UserSettings
-    from neurotouch_hid.profile.calibration import Session, WeakSide
+    from neurotouch_hid.profile.calibration import CalibrationSession, WeakSide
     from neurotouch_hid.profile.schema.timing import FilterName
     from neurotouch_hid.profile.schema.user import Range
 
@@ -21,7 +21,7 @@ _SIDES = ["left", "right", "up", "down"]
 
 
 def conclude(
-    session: "Session",
+    session: "CalibrationSession",
     keyboard: "Keyboard | None",
     *,
     yes: bool,
@@ -94,7 +94,7 @@ def undo_calibration(*, plain: bool, as_json: bool) -> None:
     outcome.tell(plain=plain, as_json=as_json)
 
 
-def _say_findings(session: "Session", before: "UserSettings") -> None:
+def _say_findings(session: "CalibrationSession", before: "UserSettings") -> None:
     click.echo(f"Noise at rest: below {session.rest_mm:g} mm")
     tremor = session.tremor
     if tremor is not None:
@@ -111,7 +111,12 @@ def _say_findings(session: "Session", before: "UserSettings") -> None:
 
 
 def _tell(
-    outcome: Outcome, session: "Session", before: "UserSettings", *, plain: bool, as_json: bool
+    outcome: Outcome,
+    session: "CalibrationSession",
+    before: "UserSettings",
+    *,
+    plain: bool,
+    as_json: bool,
 ) -> None:
     if as_json:
         print_json({**outcome.report(), **_report(session, before)})
@@ -119,7 +124,7 @@ def _tell(
         outcome.tell(plain=plain, as_json=False)
 
 
-def _report(session: "Session", before: "UserSettings") -> dict[str, Any]:
+def _report(session: "CalibrationSession", before: "UserSettings") -> dict[str, Any]:
     """What came out, as plain values."""
     from neurotouch_hid.profile.calibration import find_weak_sides
 
@@ -152,7 +157,7 @@ def _report_range(range_: "Range | None") -> dict[str, float] | None:
 
 
 def _ask_filter(
-    session: "Session", before: "UserSettings", keyboard: "Keyboard"
+    session: "CalibrationSession", before: "UserSettings", keyboard: "Keyboard"
 ) -> "tuple[FilterName | None, float | None]":
     """The filter and the frequency to be set, each None if that stays as it is."""
     calm, tremor = session.tremor_filter, session.tremor

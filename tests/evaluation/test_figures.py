@@ -5,7 +5,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.quiver import Quiver
 
 from neurotouch_hid.evaluation.accuracy import Tally, summarise
-from neurotouch_hid.evaluation.accuracy.moments import Moment
+from neurotouch_hid.evaluation.accuracy.moments import WorstMoment
 from neurotouch_hid.evaluation.accuracy.paper import COUNT_BY_INTENSITY, TYPE_BY_INTENSITY
 from neurotouch_hid.evaluation.accuracy.report.bars import (
     draw_errors,
@@ -21,7 +21,7 @@ from neurotouch_hid.evaluation.accuracy.report.gallery import Failure, draw_fail
 from neurotouch_hid.evaluation.accuracy.report.labels import draw_classes, draw_contacts
 from neurotouch_hid.evaluation.accuracy.report.style import apply_style
 from neurotouch_hid.evaluation.accuracy.statistics import LabelStatistics
-from neurotouch_hid.evaluation.accuracy.timing import Timing
+from neurotouch_hid.evaluation.accuracy.timing import TypeTiming
 from neurotouch_hid.geometry import N_MARKERS
 from neurotouch_hid.messages import GestureKind
 from tests.evaluation.timelines import REST_PX, RIG, answer, label, markers
@@ -111,7 +111,7 @@ def test_confusion_marks_the_papers_largest(reports):
 
 
 def test_times_end_where_types_are_never_recognised(reports):
-    timings = {"right": Timing(4, [0.0, 50.0]), "wrong": Timing(0, [])}
+    timings = {"right": TypeTiming(4, [0.0, 50.0]), "wrong": TypeTiming(0, [])}
     line, empty = draw_times(timings, reports).axes[0].lines[:2]
     assert line.get_xydata().tolist() == [[0, 0], [0, 0.25], [50, 0.5], [1000, 0.5]]
     assert max(empty.get_ydata()) == 0
@@ -130,7 +130,7 @@ def test_labels_by_type_and_place():
 def test_a_failure_shows_markers_arrows_and_both_contacts():
     truth = label(0, GestureKind.PINCH, 4.0, [(150, 130), (190, 130)])
     gesture = answer(truth, kind=GestureKind.PUSH, contacts=[(170, 120)], intensity=2.0)
-    failure = Failure("file", Moment(4.0, 1.0, markers(0, (3, -2)), gesture, truth, RIG))
+    failure = Failure("file", WorstMoment(4.0, 1.0, markers(0, (3, -2)), gesture, truth, RIG))
     assert failure.expected() == "pinch, 2 contacts, 4.0 mm"
     assert failure.recognised() == "push, 1 contact, 2.0 mm"
     figure = draw_failure(failure)

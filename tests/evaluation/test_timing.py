@@ -3,7 +3,7 @@
 import pytest
 
 from neurotouch_hid.evaluation.accuracy import LabelTrack, Tally, summarise
-from neurotouch_hid.evaluation.accuracy.timing import Stopwatch, Timing
+from neurotouch_hid.evaluation.accuracy.timing import Stopwatch, TypeTiming
 from neurotouch_hid.messages import GestureKind
 from tests.evaluation.timelines import label
 
@@ -74,8 +74,11 @@ def test_false_gestures_are_counted_at_rest_alone():
 
 
 def test_figures_add_up_over_recordings_and_infinity_is_none():
-    quick, slow = Timing(18, [0.0] * 9 + [40.0] * 9, 1, 2, 300.0), Timing(1, [120.0], 0, 0, 300.0)
-    never = Timing(1, [], 0, 1, 0.0)
+    quick, slow = (
+        TypeTiming(18, [0.0] * 9 + [40.0] * 9, 1, 2, 300.0),
+        TypeTiming(1, [120.0], 0, 0, 300.0),
+    )
+    never = TypeTiming(1, [], 0, 1, 0.0)
     report = summarise(Tally(timing=quick) + Tally(timing=slow) + Tally(timing=never))
     assert report["time_to_type_ms"] == {"median": 40.0, "p95": 120.0, "gestures": 20, "never": 1}
     assert report["type_changes"] == pytest.approx(1 / 20)

@@ -4,7 +4,7 @@ import pytest
 
 from neurotouch_hid.messages import Axis
 from neurotouch_hid.profile import Mapping, UserSettings, check_content, rehearse
-from neurotouch_hid.profile.calibration import Session, write_ranges
+from neurotouch_hid.profile.calibration import CalibrationSession, write_ranges
 from neurotouch_hid.profile.reading.load import check_user, parse_profile
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.user import Range
@@ -100,7 +100,7 @@ def test_calibration_says_what_is_not_used_and_measures_it_all_the_same():
     assert user.unused == ["zoom"]
     assert user.range.pinch.full == 5
     assert write_ranges(text, {"pinch": None}, "2026-01-02").count("unused: [pinch, zoom]") == 1
-    session = Session(user, guided=False)
+    session = CalibrationSession(user, guided=False)
     for gesture in rehearse("rest 1s; zoom 5mm; rest 1s; zoom 5mm; rest 1s"):
         session.take(gesture)
     assert session.ranges["zoom"] is not None

@@ -15,9 +15,9 @@ TOLD_EVERY_US = 100_000  # ten lines a second of sensor time: readable, and stil
 def see_gesture(source: str) -> str | None:
     """The first movement that is made on the gel, in words; None if the source ends before."""
     from neurotouch_hid.profile import load_user
-    from neurotouch_hid.profile.calibration import Session
+    from neurotouch_hid.profile.calibration import CalibrationSession
 
-    session = Session(load_user(), guided=False)
+    session = CalibrationSession(load_user(), guided=False)
     click.echo("Make the gesture, and let go.")
     for gesture in (step.gesture for step in read_steps(source)):
         repetition = session.take(gesture)

@@ -17,7 +17,7 @@ from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.evaluation.accuracy.comparison import Comparison
 from neurotouch_hid.evaluation.accuracy.labels import LabelTrack
 from neurotouch_hid.evaluation.accuracy.metrics import summarise
-from neurotouch_hid.evaluation.accuracy.moments import Moment
+from neurotouch_hid.evaluation.accuracy.moments import WorstMoment
 from neurotouch_hid.evaluation.accuracy.statistics import LabelStatistics
 from neurotouch_hid.evaluation.accuracy.tally import Tally
 from neurotouch_hid.gesture import GestureConfig
@@ -38,7 +38,7 @@ class Played:
     """
 
     tally: Tally
-    worst: list[Moment]
+    worst: list[WorstMoment]
     labels: LabelStatistics
 
 

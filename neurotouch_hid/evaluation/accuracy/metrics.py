@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.evaluation.accuracy.reliability import N_BINS, Reliability
 from neurotouch_hid.evaluation.accuracy.tally import BIN_MM, Tally
-from neurotouch_hid.evaluation.accuracy.timing import Timing
+from neurotouch_hid.evaluation.accuracy.timing import TypeTiming
 from neurotouch_hid.messages import GestureKind
 
 _LABELS = [kind.label for kind in GestureKind]
@@ -76,7 +76,7 @@ def _describe_gesture(tally: Tally, kind: GestureKind) -> dict[str, float | None
     }
 
 
-def _summarise_timing(timing: Timing) -> dict[str, Any]:
+def _summarise_timing(timing: TypeTiming) -> dict[str, Any]:
     """A gesture that never gets its type is infinitely late: None where that is the figure."""
     late = [math.inf] * (timing.gestures - len(timing.times_ms))
     times_ms = sorted(timing.times_ms + late)

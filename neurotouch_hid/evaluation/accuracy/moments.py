@@ -11,7 +11,7 @@ FINGERTIP_MM = 12.0  # typical radius of a fingertip [NT, "Results"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Moment:
+class WorstMoment:
     """What the line saw and said at one moment, and what the labels say.
 
     Attributes:
@@ -53,9 +53,9 @@ class WorstMoments:
     """Keeps the worst moment of each stretch of one label, and of those the worst ten."""
 
     def __init__(self) -> None:
-        self._kept: list[Moment] = []
+        self._kept: list[WorstMoment] = []
         self._labelled: GestureKind | None = None
-        self._worst: Moment | None = None  # of the stretch that goes on
+        self._worst: WorstMoment | None = None  # of the stretch that goes on
 
     def add(
         self, since_s: float, markers: MarkerField, gesture: Gesture, truth: Truth, rig: Rig
@@ -65,9 +65,9 @@ class WorstMoments:
             self._kept, self._worst, self._labelled = self.ranked(), None, truth.kind
         severity_mm = measure_severity(gesture, truth, rig)
         if severity_mm > (self._worst.severity_mm if self._worst is not None else 0.0):
-            self._worst = Moment(severity_mm, since_s, markers, gesture, truth, rig)
+            self._worst = WorstMoment(severity_mm, since_s, markers, gesture, truth, rig)
 
-    def ranked(self) -> list[Moment]:
+    def ranked(self) -> list[WorstMoment]:
         """The worst moments so far, the worst first; at most ``N_WORST``."""
         all_moments = [*self._kept, *([self._worst] if self._worst is not None else [])]
         return sorted(all_moments, key=lambda moment: -moment.severity_mm)[:N_WORST]

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.evaluation.accuracy.reliability import Reliability
-from neurotouch_hid.evaluation.accuracy.timing import FIRM_MM, Timing
+from neurotouch_hid.evaluation.accuracy.timing import FIRM_MM, TypeTiming
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import Gesture, GestureKind, Truth
 
@@ -63,7 +63,7 @@ class Tally:
     binned: Counter[int] = field(default_factory=Counter)
     binned_types: Counter[int] = field(default_factory=Counter)
     binned_counts: Counter[int] = field(default_factory=Counter)
-    timing: Timing = field(default_factory=Timing)
+    timing: TypeTiming = field(default_factory=TypeTiming)
     reliability: Reliability = field(default_factory=Reliability)
     frames: int = 0
     events: int = 0

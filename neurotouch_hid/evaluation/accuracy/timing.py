@@ -13,7 +13,7 @@ already come, in the frames around a gesture that are labelled none."""
 
 
 @dataclass(slots=True, eq=False)
-class Timing:
+class TypeTiming:
     """Sums over labelled gestures and over the time at rest; two of them add up.
 
     Attributes:
@@ -30,14 +30,14 @@ class Timing:
     false_gestures: int = 0
     rest_s: float = 0.0
 
-    def __add__(self, other: "Timing") -> "Timing":
-        return Timing(
+    def __add__(self, other: "TypeTiming") -> "TypeTiming":
+        return TypeTiming(
             **{f.name: getattr(self, f.name) + getattr(other, f.name) for f in fields(self)}
         )
 
 
 class Stopwatch:
-    """Follows the slices of one recording and counts into a ``Timing``.
+    """Follows the slices of one recording and counts into a ``TypeTiming``.
 
     A gesture is a stretch of labels of one type. Its type counts as changed if, after it has been
     recognised, another gesture is recognised before the stretch ends, or none while the labelled
@@ -48,7 +48,7 @@ class Stopwatch:
     """
 
     def __init__(self, labels: LabelTrack) -> None:
-        self.timing = Timing()
+        self.timing = TypeTiming()
         self._labels = labels
         self._labelled = GestureKind.NONE
         self._firm_us: int | None = None  # when this gesture reached FIRM_MM

@@ -2,12 +2,12 @@
 
 from neurotouch_hid.profile.calibration.repetition import Repetition
 from neurotouch_hid.profile.calibration.result import WeakSide, find_weak_sides, write_ranges
-from neurotouch_hid.profile.calibration.session import Session
+from neurotouch_hid.profile.calibration.session import CalibrationSession
 from neurotouch_hid.profile.calibration.tremor import Tremor
 
 __all__ = [
     "Repetition",
-    "Session",
+    "CalibrationSession",
     "Tremor",
     "WeakSide",
     "find_weak_sides",

@@ -36,7 +36,7 @@ class _Measured:
     hold_mm: list[float] = field(default_factory=list)
 
 
-class Session:
+class CalibrationSession:
     """Measures one step after another; each lasts until somebody says so.
 
     Args:

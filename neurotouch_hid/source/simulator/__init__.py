@@ -8,7 +8,7 @@ from neurotouch_hid.source.simulator.sensor import SensorConfig
 from neurotouch_hid.source.simulator.simulator import Simulator, SimulatorConfig
 from neurotouch_hid.source.simulator.strokes import (
     Fingertips,
-    Timing,
+    StrokeTiming,
     pinch,
     press,
     push,
@@ -27,7 +27,7 @@ __all__ = [
     "Simulator",
     "SimulatorConfig",
     "Stroke",
-    "Timing",
+    "StrokeTiming",
     "find_scene",
     "pinch",
     "press",

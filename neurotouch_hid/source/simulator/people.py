@@ -13,7 +13,14 @@ from neurotouch_hid.source.simulator.optics import CameraConfig, LightConfig
 from neurotouch_hid.source.simulator.script import Finger, Stroke
 from neurotouch_hid.source.simulator.sensor import SensorConfig
 from neurotouch_hid.source.simulator.simulator import SimulatorConfig
-from neurotouch_hid.source.simulator.strokes import Fingertips, Timing, pinch, push, twist, zoom
+from neurotouch_hid.source.simulator.strokes import (
+    Fingertips,
+    StrokeTiming,
+    pinch,
+    push,
+    twist,
+    zoom,
+)
 
 PEAK_SPEED = 1.875  # of a minimum-jerk motion, times its mean speed
 TOP_SPEED_MM_S = 210.0  # [NT, "Dataset"]
@@ -101,7 +108,7 @@ def draw_stroke(
     person = person or Person()
     mean_mm, most_mm = SIZES_MM[kind]
     size_mm = min(max(rng.gamma(3.0, mean_mm / 3.0), 0.8), most_mm)
-    timing = Timing(
+    timing = StrokeTiming(
         _length_us(size_mm, person, rng),
         int(rng.gamma(3.0, 200_000)),
         _length_us(size_mm, person, rng),
@@ -137,7 +144,7 @@ def _length_us(size_mm: float, person: Person, rng: np.random.Generator) -> int:
 
 
 def _draw_push(
-    size_mm: float, at_mm: tuple[float, float], timing: Timing, rng: np.random.Generator
+    size_mm: float, at_mm: tuple[float, float], timing: StrokeTiming, rng: np.random.Generator
 ) -> Stroke:
     direction = rng.uniform(-math.pi, math.pi)
     way = np.array([math.cos(direction), math.sin(direction)])
@@ -160,7 +167,7 @@ def _draw_hand(
     kind: GestureKind,
     size_mm: float,
     middle_mm: tuple[float, float],
-    timing: Timing,
+    timing: StrokeTiming,
     rng: np.random.Generator,
     person: Person,
 ) -> Stroke:

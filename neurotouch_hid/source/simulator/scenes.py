@@ -14,7 +14,7 @@ from neurotouch_hid.source.simulator.script import Script, Stroke, sequence
 from neurotouch_hid.source.simulator.simulator import SimulatorConfig
 from neurotouch_hid.source.simulator.strokes import (
     Fingertips,
-    Timing,
+    StrokeTiming,
     pinch,
     press,
     push,
@@ -84,7 +84,7 @@ def _lively(stroke: Stroke, seed: int) -> Stroke:
 
 
 def _fast() -> Script:
-    quick = Timing(165_000, 300_000, 180_000)
+    quick = StrokeTiming(165_000, 300_000, 180_000)
     ways = ((LEFT, (9.0, 0.0)), (RIGHT, (-9.0, 0.0)), (UP, (0.0, 9.0)), (DOWN, (0.0, -9.0)))
     return sequence("fast", *(push(way, 18.0, at, quick) for way, at in ways))
 

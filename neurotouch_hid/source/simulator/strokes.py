@@ -13,7 +13,7 @@ SPREAD_MM = 13.0  # of two or three fingers around their middle
 
 
 @dataclass(frozen=True, slots=True)
-class Timing:
+class StrokeTiming:
     """Length of the phases of a stroke."""
 
     attack_us: int = 300_000
@@ -47,7 +47,7 @@ def push(
     direction_rad: float,
     size_mm: float,
     at_mm: tuple[float, float] = (0.0, 0.0),
-    timing: Timing = Timing(),
+    timing: StrokeTiming = StrokeTiming(),
 ) -> Stroke:
     """One finger drags the gel by ``size_mm``; 0 rad is right, π/2 is down."""
     drag = (size_mm * math.cos(direction_rad), size_mm * math.sin(direction_rad))
@@ -55,25 +55,31 @@ def push(
 
 
 def press(
-    depth_mm: float, at_mm: tuple[float, float] = (6.0, 4.0), timing: Timing = Timing()
+    depth_mm: float, at_mm: tuple[float, float] = (6.0, 4.0), timing: StrokeTiming = StrokeTiming()
 ) -> Stroke:
     """One finger presses straight down, which hardly moves any marker sideways."""
     return _stroke(GestureKind.PUSH, (Finger(at_mm, press_mm=depth_mm),), timing)
 
 
-def pinch(size_mm: float, hand: Fingertips = Fingertips(), timing: Timing = Timing()) -> Stroke:
+def pinch(
+    size_mm: float, hand: Fingertips = Fingertips(), timing: StrokeTiming = StrokeTiming()
+) -> Stroke:
     """Fingers drag the gel towards their middle by ``size_mm`` each."""
     return _stroke(GestureKind.PINCH, _radial(hand, -size_mm), timing)
 
 
 def zoom(
-    size_mm: float, hand: Fingertips = Fingertips(spread_mm=8.0), timing: Timing = Timing()
+    size_mm: float,
+    hand: Fingertips = Fingertips(spread_mm=8.0),
+    timing: StrokeTiming = StrokeTiming(),
 ) -> Stroke:
     """Fingers drag the gel away from their middle by ``size_mm`` each."""
     return _stroke(GestureKind.ZOOM, _radial(hand, size_mm), timing)
 
 
-def twist(angle_rad: float, hand: Fingertips = Fingertips(), timing: Timing = Timing()) -> Stroke:
+def twist(
+    angle_rad: float, hand: Fingertips = Fingertips(), timing: StrokeTiming = StrokeTiming()
+) -> Stroke:
     """Fingers turn the gel about their middle; clockwise for the user is positive."""
     kind = GestureKind.TWIST_CW if angle_rad > 0 else GestureKind.TWIST_CCW
     fingers = tuple(
@@ -83,7 +89,7 @@ def twist(angle_rad: float, hand: Fingertips = Fingertips(), timing: Timing = Ti
     return _stroke(kind, fingers, timing)
 
 
-def _stroke(kind: GestureKind, fingers: tuple[Finger, ...], timing: Timing) -> Stroke:
+def _stroke(kind: GestureKind, fingers: tuple[Finger, ...], timing: StrokeTiming) -> Stroke:
     return Stroke(kind, fingers, 0, timing.attack_us, timing.hold_us, timing.release_us)
 
 

@@ -8,7 +8,7 @@ import pytest
 from neurotouch_hid.messages import Gesture, GestureKind
 from neurotouch_hid.profile import check_user, rehearse
 from neurotouch_hid.profile.calibration import (
-    Session,
+    CalibrationSession,
     find_weak_sides,
     write_ranges,
 )
@@ -35,7 +35,7 @@ def test_every_movement_is_found_and_measured():
         f"rest 1s; {say(name)} {mm}mm 300ms hold 200ms; rest 700ms; {say(name)} {mm}mm;"
         for name, mm in zip(MOVEMENTS, (4.0, 5.0, 6.0, 7.0, 8.0, 3.0, 9.0, 10.0), strict=True)
     )
-    session = Session(UserSettings(), guided=False)
+    session = CalibrationSession(UserSettings(), guided=False)
     found = play(session, script)
     assert [r.movement for r in found] == [name for name in MOVEMENTS for _ in range(2)]
     fulls = [range_.full for range_ in session.ranges.values()]
@@ -46,7 +46,7 @@ def test_every_movement_is_found_and_measured():
 
 def test_a_hand_that_never_lets_go_entirely_still_repeats():
     points = np.zeros((1, 2))
-    session = Session(UserSettings(), guided=False)
+    session = CalibrationSession(UserSettings(), guided=False)
     found = []
     for i in range(600):
         mm = 2.0 + 6.0 * max(0.0, math.sin(i / 100 * 2.0 * math.pi))
@@ -61,7 +61,7 @@ def test_a_hand_that_never_lets_go_entirely_still_repeats():
 
 def test_one_wrong_measurement_is_no_peak():
     points = np.zeros((1, 2))
-    session = Session(UserSettings(), guided=False)
+    session = CalibrationSession(UserSettings(), guided=False)
     for i, gesture in enumerate(rehearse("push left 4mm 300ms hold 300ms")):
         mm = 30.0 if i == 40 else gesture.intensity_mm
         spoilt = Gesture(gesture.t_us, gesture.kind, points, points, mm, gesture.translation_mm)
@@ -73,7 +73,7 @@ def test_one_wrong_measurement_is_no_peak():
 
 
 def test_the_guided_way_asks_step_by_step_goes_back_and_skips():
-    session = Session(UserSettings(), ("zoom", "pinch"))
+    session = CalibrationSession(UserSettings(), ("zoom", "pinch"))
     assert session.step == "neutral"
     play(session, "rest 1s")
     session.next()
@@ -102,17 +102,17 @@ def test_the_guided_way_asks_step_by_step_goes_back_and_skips():
 
 
 def test_orientation_is_the_persons():
-    session = Session(UserSettings(mirror=True), guided=False)
+    session = CalibrationSession(UserSettings(mirror=True), guided=False)
     assert [r.movement for r in play(session, "push left 5mm; rest 1s; twist_cw 5mm")] == [
         "push_right",
         "twist_ccw",
     ]
-    session = Session(UserSettings(rotate_deg=90.0), guided=False)
+    session = CalibrationSession(UserSettings(rotate_deg=90.0), guided=False)
     assert [r.movement for r in play(session, "push right 5mm")] == ["push_down"]
 
 
 def test_how_a_hand_was_laid_down_is_no_noise_of_its_rest():
-    session = Session(UserSettings(neutral="resting"))
+    session = CalibrationSession(UserSettings(neutral="resting"))
     assert session.step == "neutral"
     play(session, "push down 3mm 300ms hold 3s release 0ms; rest 4s")
     assert session.rest_mm == 0.6

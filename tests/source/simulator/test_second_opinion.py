@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neurotouch_hid.source.simulator import Simulator, SimulatorConfig, Timing, push, sequence
+from neurotouch_hid.source.simulator import Simulator, SimulatorConfig, StrokeTiming, push, sequence
 from neurotouch_hid.source.simulator.gel import KNOT_US, GelConfig, GelMotion
 from neurotouch_hid.source.simulator.kernels import optics as kernels
 from neurotouch_hid.source.simulator.optics import (
@@ -20,7 +20,7 @@ eventcv = pytest.importorskip("eventcv")
 
 BEGIN_US, END_US = 130_000, 250_000  # the attack
 SCRIPT = sequence(
-    "x", push(0.0, 8.0, (-4.0, 0.0), Timing(160_000, 20_000, 160_000)), rest_us=60_000
+    "x", push(0.0, 8.0, (-4.0, 0.0), StrokeTiming(160_000, 20_000, 160_000)), rest_us=60_000
 )
 
 

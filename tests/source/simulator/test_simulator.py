@@ -13,7 +13,7 @@ from neurotouch_hid.source.simulator import (
     Simulator,
     SimulatorConfig,
     Stroke,
-    Timing,
+    StrokeTiming,
     pinch,
     press,
     push,
@@ -25,7 +25,7 @@ from neurotouch_hid.source.simulator.gel import GelMotion
 from neurotouch_hid.source.simulator.optics import CameraConfig
 from neurotouch_hid.source.simulator.sensor import SensorConfig
 
-SHORT = Timing(120_000, 100_000, 120_000)
+SHORT = StrokeTiming(120_000, 100_000, 120_000)
 QUIET = SimulatorConfig(sensor=SensorConfig(shot_hz=0.0, leak_hz=0.0))
 
 
@@ -239,6 +239,6 @@ def test_row_readout_gives_a_row_one_stamp():
 
 
 def test_nothing_is_lost_at_full_speed():
-    packets, _ = play(brief(push(0.0, 18.0, (-9.0, 0.0), Timing(165_000, 20_000, 180_000))))
+    packets, _ = play(brief(push(0.0, 18.0, (-9.0, 0.0), StrokeTiming(165_000, 20_000, 180_000))))
     assert sum(packet.gap for packet in packets) == 0
     assert 0.5e6 < max(len(packet.events) for packet in packets) / 0.01 < 4e6

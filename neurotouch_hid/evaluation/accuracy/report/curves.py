@@ -26,7 +26,7 @@ from neurotouch_hid.evaluation.accuracy.report.style import (
     add_legend,
     method_lines,
 )
-from neurotouch_hid.evaluation.accuracy.timing import Timing
+from neurotouch_hid.evaluation.accuracy.timing import TypeTiming
 
 _PERCENT = ([0, 0.25, 0.5, 0.75, 1], ["0", "25", "50", "75", "100 %"])
 _FEW = 20  # slices in a bin below which its accuracy says little
@@ -131,7 +131,7 @@ def _cell(column: int, row: int, value: float) -> Rectangle:
     )
 
 
-def draw_times(timings: Mapping[str, Timing], reports: Reports) -> Figure:
+def draw_times(timings: Mapping[str, TypeTiming], reports: Reports) -> Figure:
     """How soon gestures have their type, how many lose it again, how many are invented at rest."""
     figure = Figure(figsize=(9.6, 4.2))
     axes, changes, invented = figure.subplots(1, 3, width_ratios=(3.6, 1, 1))
@@ -159,7 +159,7 @@ def draw_times(timings: Mapping[str, Timing], reports: Reports) -> Figure:
     return figure
 
 
-def _draw_shares(axes: Axes, timing: Timing, k: int) -> None:
+def _draw_shares(axes: Axes, timing: TypeTiming, k: int) -> None:
     """A step up for each gesture of one method; those that come too late lie past the axis."""
     times = sorted(min(time, 2 * _SLOWEST_MS) for time in timing.times_ms)
     shares = [(i + 1) / timing.gestures for i in range(len(times))]

@@ -9,7 +9,7 @@ from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
 from neurotouch_hid.evaluation.accuracy.files import Evaluation
-from neurotouch_hid.evaluation.accuracy.moments import N_WORST, Moment
+from neurotouch_hid.evaluation.accuracy.moments import N_WORST, WorstMoment
 from neurotouch_hid.evaluation.accuracy.report.style import BLUE, GRID, INK, MUTED, VERMILION
 from neurotouch_hid.geometry import GEL_RADIUS_MM
 from neurotouch_hid.messages import Gesture, Truth
@@ -22,7 +22,7 @@ class Failure:
     """A moment and the recording that it is from."""
 
     file: str
-    moment: Moment
+    moment: WorstMoment
 
     def expected(self) -> str:
         """What the labels say, in words."""
@@ -64,7 +64,7 @@ def draw_failure(failure: Failure) -> Figure:
     return figure
 
 
-def _draw_markers(axes: Axes, moment: Moment) -> None:
+def _draw_markers(axes: Axes, moment: WorstMoment) -> None:
     markers, rig = moment.markers, moment.rig
     contour = Circle(rig.centre_px, GEL_RADIUS_MM * rig.px_per_mm, fill=False, color=GRID, lw=1.5)
     axes.add_patch(contour)
