@@ -10,7 +10,7 @@ from neurotouch_hid.device import MemoryDevice
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import Axis, Button, GamepadState, GestureKind, Step
 from neurotouch_hid.profile import UserSettings, load_profile
-from neurotouch_hid.runtime import Pipeline, run_line
+from neurotouch_hid.runtime import Pipeline, run_pipeline
 from neurotouch_hid.source.simulator import Simulator
 from neurotouch_hid.source.simulator.gel.motion import KNOT_US
 from neurotouch_hid.source.simulator.hand_model import GuidedHand, Wish
@@ -26,7 +26,7 @@ def pipeline(profile: str = "spacecraft") -> Pipeline:
 def play(stroke: Stroke, profile: str = "spacecraft") -> tuple[list[Step], MemoryDevice]:
     steps: list[Step] = []
     device = MemoryDevice()
-    run_line(Simulator(sequence("test", stroke)), pipeline(profile), device, [steps.append])
+    run_pipeline(Simulator(sequence("test", stroke)), pipeline(profile), device, [steps.append])
     return steps, device
 
 

@@ -67,7 +67,7 @@ def check_line() -> Verdict:
     from neurotouch_hid.device import MemoryDevice
     from neurotouch_hid.gesture import GestureConfig
     from neurotouch_hid.profile import load_profile
-    from neurotouch_hid.runtime import Pipeline, run_line, warm_up
+    from neurotouch_hid.runtime import Pipeline, run_pipeline, warm_up
     from neurotouch_hid.source import open_source
 
     profile = load_profile("default")
@@ -75,7 +75,7 @@ def check_line() -> Verdict:
     device = MemoryDevice()
     with open_source("sim:push", speed="max") as source:
         packets = list(source)
-    stats = run_line(packets, Pipeline.build(profile, GestureConfig()), device)
+    stats = run_pipeline(packets, Pipeline.build(profile, GestureConfig()), device)
     if not any(state.axes for state in device.states):
         return fail("A simulated push did not move the pad.", "Report this as a bug.")
     speed, cores = stats.sensor_s / stats.host_s, len(os.sched_getaffinity(0))

@@ -21,7 +21,7 @@ from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.process.realtime import realtime_priority
 from neurotouch_hid.profile import Profile, UserSettings, load_profile, load_user
-from neurotouch_hid.runtime import LoopStats, Pipeline, Stopwatch, Tap, run_line, warm_up
+from neurotouch_hid.runtime import LoopStats, Pipeline, Stopwatch, Tap, run_pipeline, warm_up
 from neurotouch_hid.source import Source, open_source
 
 _PATIENCE_S: Final = 1.0
@@ -134,7 +134,7 @@ class Driver(Closing):
             if self.pipeline.is_live or session is not None:
                 stack.enter_context(realtime_priority())
             every = [*self.taps, *taps]
-            return run_line(
+            return run_pipeline(
                 packets,
                 self.pipeline,
                 self.device,

@@ -1,9 +1,9 @@
 """Runs one pipeline in time: builds the stages, feeds them slices, keeps the pad safe."""
 
-from neurotouch_hid.runtime.loop import LoopStats, Tap, run_line
+from neurotouch_hid.runtime.loop import LoopStats, Tap, run_pipeline
 from neurotouch_hid.runtime.pipeline import Pipeline
 from neurotouch_hid.runtime.session import Session
 from neurotouch_hid.runtime.timing import Stopwatch
 from neurotouch_hid.runtime.warmup import warm_up
 
-__all__ = ["LoopStats", "Pipeline", "Session", "Stopwatch", "Tap", "run_line", "warm_up"]
+__all__ = ["LoopStats", "Pipeline", "Session", "Stopwatch", "Tap", "run_pipeline", "warm_up"]

@@ -36,7 +36,7 @@ class LoopStats:
     host_s: float
 
 
-def run_line(
+def run_pipeline(
     source: Iterable[EventPacket],
     pipeline: Pipeline,
     device: Device,

@@ -24,7 +24,7 @@ from neurotouch_hid.evaluation.speed.workload import DenseSource, load_scene
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.process.realtime import SWITCH_S
 from neurotouch_hid.profile import load_profile
-from neurotouch_hid.runtime import Pipeline, run_line, warm_up
+from neurotouch_hid.runtime import Pipeline, run_pipeline, warm_up
 from neurotouch_hid.source.pacing import PacedSource
 
 EVENT = struct.Struct("@llHHi")
@@ -98,7 +98,7 @@ def main(seconds: float) -> None:
         source = PacedSource(DenseSource(scene, 2 * seconds + 10, 1e6))
         line = Pipeline.build(profile, GestureConfig(), live=True)
         with open_device("memory") as device:
-            run_line(source, line, device, stop=stop)
+            run_pipeline(source, line, device, stop=stop)
 
     def load(stop: threading.Event) -> None:
         while not stop.wait(0.1):

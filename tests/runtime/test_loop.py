@@ -10,7 +10,7 @@ from neurotouch_hid.device import MemoryDevice
 from neurotouch_hid.errors import GelNotFoundError
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.profile import load_profile
-from neurotouch_hid.runtime import Pipeline, run_line
+from neurotouch_hid.runtime import Pipeline, run_pipeline
 from neurotouch_hid.runtime.loop import LIVE_STALL_S, STALL_S
 
 
@@ -26,7 +26,7 @@ def held(push, until_us=1_500_000):
 
 def test_end_of_the_source_in_mid_gesture_sends_neutral(push, line):
     device = MemoryDevice()
-    stats = run_line(held(push), line, device)
+    stats = run_pipeline(held(push), line, device)
     assert not device.states[-2].is_neutral
     assert device.states[-1].is_neutral
     assert stats.slices == 150
@@ -41,7 +41,7 @@ def test_stop_ends_after_the_slice_and_sends_neutral(push, line):
         if step.gesture.t_us >= 1_300_000:
             stop.set()
 
-    stats = run_line(push.packets, line, device, [stop_in_the_hold], stop=stop)
+    stats = run_pipeline(push.packets, line, device, [stop_in_the_hold], stop=stop)
     assert stats.slices == 130
     assert device.states[-1].is_neutral
 
@@ -54,7 +54,7 @@ def test_failing_source_sends_neutral_and_passes_the_error_on(push, line):
         raise OSError("the camera is gone")
 
     with pytest.raises(OSError, match="the camera is gone"):
-        run_line(broken(), line, device)
+        run_pipeline(broken(), line, device)
     assert device.states[-1].is_neutral
 
 
@@ -70,7 +70,7 @@ def test_stalled_source_sends_neutral_while_it_is_silent(push, line):
             time.sleep(0.01)
         seen.append(device.states[-1])
 
-    run_line(stalling(), line, device)
+    run_pipeline(stalling(), line, device)
     assert seen[0].is_neutral
 
 
@@ -80,14 +80,14 @@ def test_source_without_a_gel_is_an_error_that_says_why(push, line):
         for packet in held(push, 500_000)
     ]
     with pytest.raises(GelNotFoundError, match=r"No gel .* among \d+ bright dots") as caught:
-        run_line(dark, line, MemoryDevice())
+        run_pipeline(dark, line, MemoryDevice())
     assert "LED ring" in caught.value.hint
 
 
 def test_source_without_frames_is_an_error_that_says_so(push, line):
     blind = [replace(packet, frames=()) for packet in held(push, 500_000)]
     with pytest.raises(GelNotFoundError, match="no frames, and events show"):
-        run_line(blind, line, MemoryDevice())
+        run_pipeline(blind, line, MemoryDevice())
 
 
 def test_a_camera_may_miss_one_beat_and_is_given_up_within_a_tenth_of_a_second():
@@ -124,6 +124,6 @@ def test_while_a_live_source_has_nothing_the_loop_turns_obeys_and_ends(push, lin
         if len(n_turns) == 60:
             stop.set()
 
-    stats = run_line(Live(), line, MemoryDevice(), stop=stop, turned=count)
+    stats = run_pipeline(Live(), line, MemoryDevice(), stop=stop, turned=count)
     assert stats.slices == 50
     assert len(n_turns) == 60

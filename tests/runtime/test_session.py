@@ -9,7 +9,7 @@ from neurotouch_hid.errors import DriverError
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import Button
 from neurotouch_hid.profile import UserSettings, load_profile, rehearse
-from neurotouch_hid.runtime import Pipeline, Session, Stopwatch, run_line
+from neurotouch_hid.runtime import Pipeline, Session, Stopwatch, run_pipeline
 from neurotouch_hid.runtime.command_queue import CAPACITY, Command, CommandQueue
 
 
@@ -39,7 +39,7 @@ class Line:
                 yield packet
 
         device = MemoryDevice()
-        run_line(packets(), self.pipeline, device, [self.steps.append], session=self.session)
+        run_pipeline(packets(), self.pipeline, device, [self.steps.append], session=self.session)
         assert not waiting
         assert not device.states or device.states[-1].is_neutral
         return self
@@ -51,7 +51,7 @@ class Line:
 def test_line_without_orders_is_the_same_with_a_session(push):
     bare = []
     line = Pipeline.build(load_profile("spacecraft"), GestureConfig())
-    run_line(push.packets, line, MemoryDevice(), [bare.append])
+    run_pipeline(push.packets, line, MemoryDevice(), [bare.append])
     assert [step.pad for step in Line(push).play().steps] == [step.pad for step in bare]
 
 

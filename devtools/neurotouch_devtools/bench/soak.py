@@ -18,7 +18,7 @@ from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.process.gc_freeze import freeze_gc
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.recording import RecordingWriter
-from neurotouch_hid.runtime import Pipeline, run_line, warm_up
+from neurotouch_hid.runtime import Pipeline, run_pipeline, warm_up
 from neurotouch_hid.source import open_source
 
 SLICE_US: Final = 10_000
@@ -58,7 +58,7 @@ def measure_soak(
         scale = Scale(progress)
         begun_s = time.perf_counter()
         with freeze_gc():
-            run_line(_repeat(path, minutes), Pipeline.build(profile, config), pad, [scale])
+            run_pipeline(_repeat(path, minutes), Pipeline.build(profile, config), pad, [scale])
         took_s = time.perf_counter() - begun_s
     return {
         "minutes": minutes,

@@ -23,7 +23,7 @@ from neurotouch_hid.evaluation.accuracy.tally import Tally
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.recording import labels_path, read_labels
-from neurotouch_hid.runtime import Pipeline, run_line, warm_up
+from neurotouch_hid.runtime import Pipeline, run_pipeline, warm_up
 from neurotouch_hid.source import open_source
 
 
@@ -146,7 +146,7 @@ def evaluate_file(path: Path, config: GestureConfig, slice_us: int | None = None
         MemoryDevice() as pad,
     ):
         pipeline = Pipeline.build(profile, config, rig=source.rig)
-        stats = run_line(source, pipeline, pad, [comparison])
+        stats = run_pipeline(source, pipeline, pad, [comparison])
     comparison.tally.host_s = stats.host_s
     statistics = LabelStatistics.of(labels, comparison.rig)
     return Played(comparison.tally, comparison.worst.ranked(), statistics)

@@ -15,7 +15,7 @@ from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import Step
 from neurotouch_hid.process.realtime import realtime_priority
 from neurotouch_hid.profile import load_profile
-from neurotouch_hid.runtime import Pipeline, run_line
+from neurotouch_hid.runtime import Pipeline, run_pipeline
 from neurotouch_hid.source.pacing import PacedSource
 
 LOST_US: Final = 100_000
@@ -108,7 +108,7 @@ def measure_live(source: DenseSource, config: GestureConfig, kind: str) -> dict[
     probe = Probe(paced)
     line = Pipeline.build(load_profile("default"), config, live=True)
     with open_device(kind) as device, realtime_priority():
-        run_line(paced, line, device, [probe])
+        run_pipeline(paced, line, device, [probe])
         core = probe.measure_core()
     return {**summarise_delays(probe.due_ns, probe.late_ns, probe.waited_ns), "core": core}
 

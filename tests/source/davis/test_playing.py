@@ -8,7 +8,7 @@ from neurotouch_hid.evaluation.speed.workload import load_scene, shift_packet
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile import load_profile
-from neurotouch_hid.runtime import Pipeline, run_line, warm_up
+from neurotouch_hid.runtime import Pipeline, run_pipeline, warm_up
 from neurotouch_hid.source.davis import DavisSource
 from tests.source.davis.cable import Cable, emulate
 
@@ -51,7 +51,7 @@ def test_a_push_is_felt_through_the_camera_and_again_after_it_was_pulled_out(pus
     warm_up(Pipeline.build(load_profile("spacecraft"), GestureConfig()))
     player = Player(push.packets)
     with DavisSource(cameras=player.cable, max_delay_us=60_000_000) as source:
-        run_line(
+        run_pipeline(
             source, pipeline, player.pad, [player.look], stop=player.stop, turned=player.turned
         )
     before, after = player.seen[: player.pulled_at], player.seen[player.pulled_at :]
@@ -85,7 +85,7 @@ def test_few_frames_come_while_nothing_happens_and_all_of_them_when_it_is_touche
             stop.set()
 
     with DavisSource(cameras=cable, max_delay_us=60_000_000) as source:
-        run_line(source, line, MemoryDevice(), [look], stop=stop)
+        run_pipeline(source, line, MemoryDevice(), [look], stop=stop)
     pushed = [k for k, step in enumerate(seen) if step.gesture.kind is GestureKind.PUSH]
     rested = range(idle.index(True), pushed[0] - 5)
     assert len(pushed) > 50

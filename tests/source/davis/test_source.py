@@ -16,7 +16,7 @@ from neurotouch_hid.device import MemoryDevice
 from neurotouch_hid.errors import CameraBusyError, CameraError, SourceError
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.profile import load_profile
-from neurotouch_hid.runtime import Pipeline, run_line
+from neurotouch_hid.runtime import Pipeline, run_pipeline
 from neurotouch_hid.source import LiveSource
 from neurotouch_hid.source.davis import Biases, DavisConfig, DavisSource, Roi
 from neurotouch_hid.source.davis.registers import CoarseFine
@@ -696,7 +696,9 @@ def test_the_line_goes_neutral_when_the_camera_falls_silent_and_ends_on_demand(p
     line = Pipeline.build(load_profile("spacecraft"), GestureConfig())
     turned = []
     with Silent(cameras=camera) as source:
-        stats = run_line(source, line, device, [look], stop=stop, turned=lambda: turned.append(1))
+        stats = run_pipeline(
+            source, line, device, [look], stop=stop, turned=lambda: turned.append(1)
+        )
     assert stats.slices == 150
     assert len(turned) > 150
     assert not seen[0].is_neutral
