@@ -2,7 +2,7 @@
 
 import click
 
-from neurotouch_hid.cli.profile.saving import save_draft
+from neurotouch_hid.cli.profile.saving import save_paper
 from neurotouch_hid.cli.ui.completing import complete_key, complete_paper, complete_profile
 from neurotouch_hid.cli.ui.outcome import Outcome
 from neurotouch_hid.cli.ui.output import json_option, make_stamp, plain_option
@@ -31,16 +31,16 @@ def new(name: str, template: str, as_json: bool, plain: bool) -> None:
     from neurotouch_hid.profile import load_unused
     from neurotouch_hid.profile.editing import avoid, make_profile
 
-    draft = make_profile(name, template, make_stamp)
-    draft.check(draft.text).require()
-    mine = avoid(draft.text, load_unused())
-    draft.save(mine.text)
-    path = draft.store.path
+    paper = make_profile(name, template, make_stamp)
+    paper.check(paper.text).require()
+    mine = avoid(paper.text, load_unused())
+    paper.save(mine.text)
+    path = paper.store.path
     outcome = Outcome(
         f"Saved {path}",
         file=path,
         changed=True,
-        checked=draft.check(mine.text),
+        checked=paper.check(mine.text),
         notes=(
             *(f"For you: {what}" for what in mine.moved),
             *(f"For you, without a gesture: {what}" for what in mine.left),
@@ -79,13 +79,13 @@ def set_command(
 
     if to_default == (value is not None):
         raise click.UsageError("give a VALUE, or --default")
-    draft = take_paper(name, make_stamp)
+    paper = take_paper(name, make_stamp)
     text = (
-        reset_value(draft.text, key, draft.model)
+        reset_value(paper.text, key, paper.model)
         if value is None
-        else set_value(draft.text, key, parse_value(value), draft.model)
+        else set_value(paper.text, key, parse_value(value), paper.model)
     )
-    save_draft(draft, text, plain=plain, as_json=as_json)
+    save_paper(paper, text, plain=plain, as_json=as_json)
 
 
 @click.command(
@@ -118,9 +118,9 @@ def bind(
     from neurotouch_hid.profile.editing import bind as bind_text
     from neurotouch_hid.profile.editing import parse_do, parse_when, take_profile
 
-    draft = take_profile(name, make_stamp)
-    text = bind_text(draft.text, parse_when(when), parse_do(do), layer, add=add)
-    save_draft(draft, text, plain=plain, as_json=as_json)
+    paper = take_profile(name, make_stamp)
+    text = bind_text(paper.text, parse_when(when), parse_do(do), layer, add=add)
+    save_paper(paper, text, plain=plain, as_json=as_json)
 
 
 @click.command(
@@ -144,10 +144,10 @@ def unbind(
     from neurotouch_hid.profile.editing import parse_do, parse_when, take_profile
     from neurotouch_hid.profile.editing import unbind as unbind_text
 
-    draft = take_profile(name, make_stamp)
+    paper = take_profile(name, make_stamp)
     what = parse_do(do) if do is not None else None
-    save_draft(
-        draft, unbind_text(draft.text, parse_when(when), what, layer), plain=plain, as_json=as_json
+    save_paper(
+        paper, unbind_text(paper.text, parse_when(when), what, layer), plain=plain, as_json=as_json
     )
 
 
@@ -164,13 +164,13 @@ def upgrade(name: str, as_json: bool, plain: bool) -> None:
     from neurotouch_hid.profile.editing import upgrade as upgrade_text
     from neurotouch_hid.profile.editing.drafts import find_schema
 
-    draft = take_profile(name, make_stamp)
-    text = upgrade_text(draft.text, find_schema(draft.store.path))
-    if text == draft.text:
-        current = Outcome(f"{draft.name} is of the present version.", file=draft.store.path)
+    paper = take_profile(name, make_stamp)
+    text = upgrade_text(paper.text, find_schema(paper.store.path))
+    if text == paper.text:
+        current = Outcome(f"{paper.name} is of the present version.", file=paper.store.path)
         current.tell(plain=plain, as_json=as_json)
         return
-    save_draft(draft, text, plain=plain, as_json=as_json)
+    save_paper(paper, text, plain=plain, as_json=as_json)
 
 
 @click.command(epilog="\b\nExamples:\n  neurotouch profile use racing")
@@ -199,18 +199,18 @@ def use(name: str, as_json: bool, plain: bool) -> None:
             hint=f"Take it in first: neurotouch profile import {name}",
         )
     slots = [stem, *(slot for slot in load_user().slots if slot != stem)]
-    draft = take_user(make_stamp)
-    text = set_value(draft.text, "slots", slots[:8], UserSettings)
-    draft.save(text, keep=False)  # no version: the versions kept are calibrations
+    paper = take_user(make_stamp)
+    text = set_value(paper.text, "slots", slots[:8], UserSettings)
+    paper.save(text, keep=False)  # no version: the versions kept are calibrations
     try:
         note = str(ask("use", profile=stem)["text"])
     except NotRunningError:
         note = "No driver is running; it holds from the next start."
     outcome = Outcome(
         f"{stem} is the first of your favourites.",
-        file=draft.store.path,
-        changed=text != draft.text,
-        lines=compare(draft.text, text) if as_json else (),
+        file=paper.store.path,
+        changed=text != paper.text,
+        lines=compare(paper.text, text) if as_json else (),
         notes=(note,),
     )
     outcome.tell(plain=plain, as_json=as_json)

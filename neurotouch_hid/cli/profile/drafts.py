@@ -8,12 +8,12 @@ import click
 from neurotouch_hid.cli.ui.output import say
 
 if TYPE_CHECKING:
-    from neurotouch_hid.profile.editing import Draft
+    from neurotouch_hid.profile.editing import Paper
 
 
-def find_draft(draft: "Draft") -> Path:
+def find_draft(paper: "Paper") -> Path:
     """Where the draft of a profile lies; it need not exist."""
-    return draft.store.path.parent / ".drafts" / draft.store.path.name
+    return paper.store.path.parent / ".drafts" / paper.store.path.name
 
 
 def save_draft(draft: Path, text: str) -> None:

@@ -7,14 +7,14 @@ import click
 
 from neurotouch_hid.cli.profile.drafts import save_draft
 from neurotouch_hid.cli.profile.gel import see_gesture, try_on_gel
-from neurotouch_hid.cli.profile.saving import save_draft
+from neurotouch_hid.cli.profile.saving import save_paper
 from neurotouch_hid.cli.ui.outcome import show_faults
 from neurotouch_hid.cli.ui.output import choose, is_plain, say, show_changes
 from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile import Profile
-    from neurotouch_hid.profile.editing import Draft
+    from neurotouch_hid.profile.editing import Paper
     from neurotouch_hid.profile.schema.profile import Binding
 
 
@@ -22,9 +22,9 @@ class Guide:
     """Asks, changes the draft, shows what came of it; the person keeps it or takes it back."""
 
     def __init__(
-        self, draft: "Draft", text: str, draft: Path, source: str | None, *, plain: bool
+        self, paper: "Paper", text: str, draft: Path, source: str | None, *, plain: bool
     ) -> None:
-        self._paper = draft
+        self._paper = paper
         self._text = text
         self._draft = draft
         self._source = source
@@ -51,7 +51,7 @@ class Guide:
         if self._text == self._paper.text:
             say("OK", "Nothing has changed.", plain=self._plain)
         elif choose("Save this?", ["Save", "Throw it away"], default=0) == 0:
-            save_draft(self._paper, self._text, plain=self._plain)
+            save_paper(self._paper, self._text, plain=self._plain)
         else:
             say("OK", "Nothing was saved.", plain=self._plain)
         return True
