@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from neurotouch_hid.cli.profile.saving import save_paper
+from neurotouch_hid.cli.profile.saving import save_edited
 from neurotouch_hid.cli.ui.outcome import Outcome
 from neurotouch_hid.cli.ui.output import make_stamp, print_json, say, show_changes
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
@@ -41,7 +41,7 @@ def conclude(
     from neurotouch_hid.profile.calibration import find_weak_sides, write_ranges
     from neurotouch_hid.profile.editing import compare, take_user
 
-    before, calm, paper = load_user(), session.tremor_filter, take_user(make_stamp)
+    before, calm, edited = load_user(), session.tremor_filter, take_user(make_stamp)
     asks = keyboard is not None and not yes and not as_json
     if not as_json:
         _say_findings(session, before)
@@ -56,9 +56,9 @@ def conclude(
     if asks and keyboard is not None:
         wanted, tremor_hz = _ask_filter(session, before, keyboard)
     date = time.strftime("%Y-%m-%d")
-    text = write_ranges(paper.text, session.ranges, date, wanted, tremor_hz)
-    lines = compare(paper.text if paper.content is not None else "", text)
-    path = paper.store.path
+    text = write_ranges(edited.text, session.ranges, date, wanted, tremor_hz)
+    lines = compare(edited.text if edited.content is not None else "", text)
+    path = edited.store.path
     if not as_json:
         show_changes(lines, plain=plain)
     saves = yes
@@ -68,7 +68,7 @@ def conclude(
         outcome = Outcome("Nothing was saved.", file=path, lines=lines if as_json else ())
         _tell(outcome, session, before, plain=plain, as_json=as_json)
         return
-    paper.save(text)
+    edited.save(text)
     outcome = Outcome(
         f"Saved {path}",
         file=path,
@@ -85,10 +85,10 @@ def undo_calibration(*, plain: bool, as_json: bool) -> None:
     """Takes back the last calibration."""
     from neurotouch_hid.profile.editing import compare, read_text, take_user
 
-    paper = take_user(make_stamp)
-    paper.store.undo()
-    path = paper.store.path
-    lines = compare(paper.text, read_text(path)[0])
+    edited = take_user(make_stamp)
+    edited.store.undo()
+    path = edited.store.path
+    lines = compare(edited.text, read_text(path)[0])
     message = "Your values are as before the last calibration."
     outcome = Outcome(message, file=path, changed=bool(lines), lines=lines)
     outcome.tell(plain=plain, as_json=as_json)
@@ -206,14 +206,14 @@ def _relieve(side: "WeakSide", keyboard: "Keyboard | None", *, plain: bool) -> N
         way = _SIDES[keyboard.choose("Which way?", _SIDES)]
         pushes = [make_when(f"push_{way}", press) for press in ("tap", "double", "hold")]
         wishes = [*pushes, *wishes]
-    paper = take_profile(profile, make_stamp)
-    paper.check(paper.text).require()
-    done = hand_over(paper.text, side.weak, wishes)
+    edited = take_profile(profile, make_stamp)
+    edited.check(edited.text).require()
+    done = hand_over(edited.text, side.weak, wishes)
     for what in done.moved:
         click.echo(f"For you: {what}")
     for what in done.left:
         say("WARNING", f"No other gesture is free for: {what}", plain=plain)
     if done.moved:
-        save_paper(paper, done.text, plain=plain)
+        save_edited(edited, done.text, plain=plain)
     else:
         say("OK", f"{weak} does nothing else in '{profile}', nothing has changed.", plain=plain)

@@ -9,7 +9,7 @@ from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.page.profile_view import Place, is_editable, list_places
 from neurotouch_hid.profile import Profile, check_profile
 from neurotouch_hid.profile.editing import (
-    Paper,
+    EditedFile,
     compare,
     set_value,
     take_profile,
@@ -60,7 +60,7 @@ class Changes:
         version = paper.store.undo()
         return f"{paper.name} is as in version {version.number} again."
 
-    def _take(self, path: Path) -> Paper:
+    def _take(self, path: Path) -> EditedFile:
         if not is_editable(path):
             raise ProfileError(
                 "this profile lies outside your profile folder, so it is not changed from here",

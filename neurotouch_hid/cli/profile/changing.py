@@ -2,7 +2,7 @@
 
 import click
 
-from neurotouch_hid.cli.profile.saving import save_paper
+from neurotouch_hid.cli.profile.saving import save_edited
 from neurotouch_hid.cli.ui.completing import complete_key, complete_paper, complete_profile
 from neurotouch_hid.cli.ui.outcome import Outcome
 from neurotouch_hid.cli.ui.output import json_option, make_stamp, plain_option
@@ -31,16 +31,16 @@ def new(name: str, template: str, as_json: bool, plain: bool) -> None:
     from neurotouch_hid.profile import load_unused
     from neurotouch_hid.profile.editing import avoid, make_profile
 
-    paper = make_profile(name, template, make_stamp)
-    paper.check(paper.text).require()
-    mine = avoid(paper.text, load_unused())
-    paper.save(mine.text)
-    path = paper.store.path
+    edited = make_profile(name, template, make_stamp)
+    edited.check(edited.text).require()
+    mine = avoid(edited.text, load_unused())
+    edited.save(mine.text)
+    path = edited.store.path
     outcome = Outcome(
         f"Saved {path}",
         file=path,
         changed=True,
-        checked=paper.check(mine.text),
+        checked=edited.check(mine.text),
         notes=(
             *(f"For you: {what}" for what in mine.moved),
             *(f"For you, without a gesture: {what}" for what in mine.left),
@@ -79,13 +79,13 @@ def set_command(
 
     if to_default == (value is not None):
         raise click.UsageError("give a VALUE, or --default")
-    paper = take_paper(name, make_stamp)
+    edited = take_paper(name, make_stamp)
     text = (
-        reset_value(paper.text, key, paper.model)
+        reset_value(edited.text, key, edited.model)
         if value is None
-        else set_value(paper.text, key, parse_value(value), paper.model)
+        else set_value(edited.text, key, parse_value(value), edited.model)
     )
-    save_paper(paper, text, plain=plain, as_json=as_json)
+    save_edited(edited, text, plain=plain, as_json=as_json)
 
 
 @click.command(
@@ -118,9 +118,9 @@ def bind(
     from neurotouch_hid.profile.editing import bind as bind_text
     from neurotouch_hid.profile.editing import parse_do, parse_when, take_profile
 
-    paper = take_profile(name, make_stamp)
-    text = bind_text(paper.text, parse_when(when), parse_do(do), layer, add=add)
-    save_paper(paper, text, plain=plain, as_json=as_json)
+    edited = take_profile(name, make_stamp)
+    text = bind_text(edited.text, parse_when(when), parse_do(do), layer, add=add)
+    save_edited(edited, text, plain=plain, as_json=as_json)
 
 
 @click.command(
@@ -144,10 +144,13 @@ def unbind(
     from neurotouch_hid.profile.editing import parse_do, parse_when, take_profile
     from neurotouch_hid.profile.editing import unbind as unbind_text
 
-    paper = take_profile(name, make_stamp)
+    edited = take_profile(name, make_stamp)
     what = parse_do(do) if do is not None else None
-    save_paper(
-        paper, unbind_text(paper.text, parse_when(when), what, layer), plain=plain, as_json=as_json
+    save_edited(
+        edited,
+        unbind_text(edited.text, parse_when(when), what, layer),
+        plain=plain,
+        as_json=as_json,
     )
 
 
@@ -164,13 +167,13 @@ def upgrade(name: str, as_json: bool, plain: bool) -> None:
     from neurotouch_hid.profile.editing import upgrade as upgrade_text
     from neurotouch_hid.profile.editing.drafts import find_schema
 
-    paper = take_profile(name, make_stamp)
-    text = upgrade_text(paper.text, find_schema(paper.store.path))
-    if text == paper.text:
-        current = Outcome(f"{paper.name} is of the present version.", file=paper.store.path)
+    edited = take_profile(name, make_stamp)
+    text = upgrade_text(edited.text, find_schema(edited.store.path))
+    if text == edited.text:
+        current = Outcome(f"{edited.name} is of the present version.", file=edited.store.path)
         current.tell(plain=plain, as_json=as_json)
         return
-    save_paper(paper, text, plain=plain, as_json=as_json)
+    save_edited(edited, text, plain=plain, as_json=as_json)
 
 
 @click.command(epilog="\b\nExamples:\n  neurotouch profile use racing")
@@ -199,18 +202,18 @@ def use(name: str, as_json: bool, plain: bool) -> None:
             hint=f"Take it in first: neurotouch profile import {name}",
         )
     slots = [stem, *(slot for slot in load_user().slots if slot != stem)]
-    paper = take_user(make_stamp)
-    text = set_value(paper.text, "slots", slots[:8], UserSettings)
-    paper.save(text, keep=False)  # no version: the versions kept are calibrations
+    edited = take_user(make_stamp)
+    text = set_value(edited.text, "slots", slots[:8], UserSettings)
+    edited.save(text, keep=False)  # no version: the versions kept are calibrations
     try:
         note = str(ask("use", profile=stem)["text"])
     except NotRunningError:
         note = "No driver is running; it holds from the next start."
     outcome = Outcome(
         f"{stem} is the first of your favourites.",
-        file=paper.store.path,
-        changed=text != paper.text,
-        lines=compare(paper.text, text) if as_json else (),
+        file=edited.store.path,
+        changed=text != edited.text,
+        lines=compare(edited.text, text) if as_json else (),
         notes=(note,),
     )
     outcome.tell(plain=plain, as_json=as_json)

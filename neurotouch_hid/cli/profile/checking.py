@@ -66,8 +66,8 @@ def check(names: tuple[str, ...], as_json: bool, plain: bool) -> None:
 def _check_values() -> "Checked[Any]":
     from neurotouch_hid.profile.editing import take_user
 
-    paper = take_user(str)
-    return paper.check(paper.text)
+    edited = take_user(str)
+    return edited.check(edited.text)
 
 
 def _report_failure(error: NeuroTouchError) -> dict[str, Any]:

@@ -8,12 +8,12 @@ import click
 from neurotouch_hid.cli.ui.output import say
 
 if TYPE_CHECKING:
-    from neurotouch_hid.profile.editing import Paper
+    from neurotouch_hid.profile.editing import EditedFile
 
 
-def find_draft(paper: "Paper") -> Path:
+def find_draft(edited: "EditedFile") -> Path:
     """Where the draft of a profile lies; it need not exist."""
-    return paper.store.path.parent / ".drafts" / paper.store.path.name
+    return edited.store.path.parent / ".drafts" / edited.store.path.name
 
 
 def save_draft(draft: Path, text: str) -> None:

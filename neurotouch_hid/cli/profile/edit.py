@@ -7,14 +7,14 @@ import click
 
 from neurotouch_hid.cli.profile.drafts import find_draft, save_draft
 from neurotouch_hid.cli.profile.guide import Guide
-from neurotouch_hid.cli.profile.saving import save_paper
+from neurotouch_hid.cli.profile.saving import save_edited
 from neurotouch_hid.cli.profile.values import ask_values
 from neurotouch_hid.cli.ui.completing import complete_paper
 from neurotouch_hid.cli.ui.outcome import show_faults
 from neurotouch_hid.cli.ui.output import choose, make_stamp, plain_option, say
 
 if TYPE_CHECKING:
-    from neurotouch_hid.profile.editing import Paper
+    from neurotouch_hid.profile.editing import EditedFile
 
 
 @click.command(
@@ -38,9 +38,9 @@ def edit(name: str, editor: bool, source: str | None, plain: bool) -> None:
     from neurotouch_hid.profile import UserSettings
     from neurotouch_hid.profile.editing import read_text, take_paper
 
-    paper = take_paper(name, make_stamp)
-    draft = find_draft(paper)
-    text = paper.text
+    edited = take_paper(name, make_stamp)
+    draft = find_draft(edited)
+    text = edited.text
     if draft.exists():
         choices = ["Go on with it", "Throw it away"]
         if choose("There is a draft that was not saved.", choices) == 0:
@@ -48,16 +48,16 @@ def edit(name: str, editor: bool, source: str | None, plain: bool) -> None:
         else:
             draft.unlink()
     if editor:
-        settled = _edit_text(paper, text, draft, plain=plain)
-    elif paper.model is UserSettings:
-        settled = ask_values(paper, text, plain=plain)
+        settled = _edit_text(edited, text, draft, plain=plain)
+    elif edited.model is UserSettings:
+        settled = ask_values(edited, text, plain=plain)
     else:
-        settled = Guide(paper, text, draft, source, plain=plain).run()
+        settled = Guide(edited, text, draft, source, plain=plain).run()
     if settled:
         draft.unlink(missing_ok=True)
 
 
-def _edit_text(paper: "Paper", text: str, draft: Path, *, plain: bool) -> bool:
+def _edit_text(edited: "EditedFile", text: str, draft: Path, *, plain: bool) -> bool:
     """Opens the editor until the text is right, or until the person has had enough of it.
 
     Gives false if a draft is left.
@@ -66,13 +66,13 @@ def _edit_text(paper: "Paper", text: str, draft: Path, *, plain: bool) -> bool:
     while True:
         edited = click.edit(text, extension=".yaml", require_save=False) or ""
         edited = edited.replace("\r\n", "\n").replace("\n", newline)
-        if edited == paper.text:
+        if edited == edited.text:
             say("OK", "Nothing has changed.", plain=plain)
             return True
         text = edited
-        checked = paper.check(text)
+        checked = edited.check(text)
         if checked.whole is not None:
-            save_paper(paper, text, plain=plain)
+            save_edited(edited, text, plain=plain)
             return True
         show_faults(checked, plain=plain)
         choices = ["Edit again", "Keep the old profile, throw this away", "Keep this as a draft"]

@@ -7,14 +7,14 @@ import click
 
 from neurotouch_hid.cli.profile.drafts import save_draft
 from neurotouch_hid.cli.profile.gel import see_gesture, try_on_gel
-from neurotouch_hid.cli.profile.saving import save_paper
+from neurotouch_hid.cli.profile.saving import save_edited
 from neurotouch_hid.cli.ui.outcome import show_faults
 from neurotouch_hid.cli.ui.output import choose, is_plain, say, show_changes
 from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile import Profile
-    from neurotouch_hid.profile.editing import Paper
+    from neurotouch_hid.profile.editing import EditedFile
     from neurotouch_hid.profile.schema.profile import Binding
 
 
@@ -22,9 +22,9 @@ class Guide:
     """Asks, changes the draft, shows what came of it; the person keeps it or takes it back."""
 
     def __init__(
-        self, paper: "Paper", text: str, draft: Path, source: str | None, *, plain: bool
+        self, edited: "EditedFile", text: str, draft: Path, source: str | None, *, plain: bool
     ) -> None:
-        self._paper = paper
+        self._edited = edited
         self._text = text
         self._draft = draft
         self._source = source
@@ -37,21 +37,21 @@ class Guide:
             ProfileError: the profile has errors already.
         """
         try:
-            self._paper.check(self._text).require()
+            self._edited.check(self._text).require()
         except ProfileError as error:
-            hint = f"Mend it first: neurotouch profile edit {self._paper.name} --editor"
+            hint = f"Mend it first: neurotouch profile edit {self._edited.name} --editor"
             raise ProfileError(error.message, hint=hint) from None
         try:
             while self._ask_what():
                 pass
         except click.Abort:
-            if self._text != self._paper.text:
+            if self._text != self._edited.text:
                 save_draft(self._draft, self._text)
             raise
-        if self._text == self._paper.text:
+        if self._text == self._edited.text:
             say("OK", "Nothing has changed.", plain=self._plain)
         elif choose("Save this?", ["Save", "Throw it away"], default=0) == 0:
-            save_paper(self._paper, self._text, plain=self._plain)
+            save_edited(self._edited, self._text, plain=self._plain)
         else:
             say("OK", "Nothing was saved.", plain=self._plain)
         return True
@@ -59,7 +59,7 @@ class Guide:
     def _load(self) -> "Profile":
         from neurotouch_hid.profile import Profile
 
-        written = self._paper.check(self._text).written
+        written = self._edited.check(self._text).written
         assert isinstance(written, Profile)  # noqa: S101  every step leaves a right draft
         return written
 
@@ -222,7 +222,7 @@ class Guide:
         """Shows what a change does, and keeps it if the person wants it."""
         from neurotouch_hid.profile.editing import compare
 
-        checked = self._paper.check(text)
+        checked = self._edited.check(text)
         if checked.whole is None:
             show_faults(checked, plain=self._plain)
             click.echo("That does not fit, nothing has changed.")

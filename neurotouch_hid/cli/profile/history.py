@@ -79,16 +79,16 @@ def history(name: str, as_json: bool) -> None:
     """Print the versions of NAME that are kept, newest first."""
     from neurotouch_hid.profile.editing import compare, read_text, take_paper
 
-    paper = take_paper(name, make_stamp)
-    path = paper.store.path
+    edited = take_paper(name, make_stamp)
+    path = edited.store.path
     rows = [
         {
             "version": version.number,
             "replaced": version.stamp.replace("_", " "),
-            "lines_different_now": len(compare(read_text(version.path)[0], paper.text)),
+            "lines_different_now": len(compare(read_text(version.path)[0], edited.text)),
             "path": str(version.path),
         }
-        for version in paper.store.versions()
+        for version in edited.store.versions()
     ]
     if as_json:
         print_json(rows)
@@ -117,9 +117,9 @@ def undo(name: str, number: int | None, as_json: bool, plain: bool) -> None:
     """
     from neurotouch_hid.profile.editing import compare, read_text, take_paper
 
-    paper = take_paper(name, make_stamp)
-    version = paper.store.undo() if number is None else paper.store.restore(number)
-    lines = compare(paper.text, read_text(paper.store.path)[0])
-    message = f"{paper.name} is as in version {version.number} again."
-    outcome = Outcome(message, file=paper.store.path, changed=bool(lines), lines=lines)
+    edited = take_paper(name, make_stamp)
+    version = edited.store.undo() if number is None else edited.store.restore(number)
+    lines = compare(edited.text, read_text(edited.store.path)[0])
+    message = f"{edited.name} is as in version {version.number} again."
+    outcome = Outcome(message, file=edited.store.path, changed=bool(lines), lines=lines)
     outcome.tell(plain=plain, as_json=as_json)

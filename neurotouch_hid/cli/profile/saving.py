@@ -7,10 +7,10 @@ from neurotouch_hid.cli.ui.outcome import Outcome
 from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
-    from neurotouch_hid.profile.editing import Paper
+    from neurotouch_hid.profile.editing import EditedFile
 
 
-def save_paper(paper: "Paper", text: str, *, plain: bool, as_json: bool = False) -> None:
+def save_edited(edited: "EditedFile", text: str, *, plain: bool, as_json: bool = False) -> None:
     """Saves a changed text if it is right, and tells what has changed.
 
     Raises:
@@ -19,12 +19,12 @@ def save_paper(paper: "Paper", text: str, *, plain: bool, as_json: bool = False)
     """
     from neurotouch_hid.profile.editing import compare
 
-    path = paper.store.path
-    if text == paper.text and paper.content is not None:
-        message = f"{paper.name} says so already, nothing has changed."
+    path = edited.store.path
+    if text == edited.text and edited.content is not None:
+        message = f"{edited.name} says so already, nothing has changed."
         Outcome(message, file=path).tell(plain=plain, as_json=as_json)
         return
-    checked = paper.check(text)
+    checked = edited.check(text)
     try:
         checked.require()
     except ProfileError as error:
@@ -34,13 +34,15 @@ def save_paper(paper: "Paper", text: str, *, plain: bool, as_json: bool = False)
         refused = Outcome("There are errors.", "FAILED", path, checked=checked, fix=fix)
         refused.tell(plain=plain, as_json=True)
         sys.exit(error.exit_code)
-    paper.save(text)
-    notes = ("This is your own copy; the shipped profile stays as it is.",) if paper.shipped else ()
+    edited.save(text)
+    notes = (
+        ("This is your own copy; the shipped profile stays as it is.",) if edited.shipped else ()
+    )
     saved = Outcome(
         f"Saved {path}",
         file=path,
         changed=True,
-        lines=compare(paper.text, text),
+        lines=compare(edited.text, text),
         checked=checked,
         notes=notes,
     )

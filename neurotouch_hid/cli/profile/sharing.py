@@ -122,7 +122,7 @@ def import_command(
 def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, plain: bool) -> None:
     from neurotouch_hid.profile import check_content, load_unused
     from neurotouch_hid.profile.diagnostics.faults import make_printable
-    from neurotouch_hid.profile.editing import Paper, Store, adopt, compare, find_own_path
+    from neurotouch_hid.profile.editing import EditedFile, Store, adopt, compare, find_own_path
     from neurotouch_hid.profile.editing.drafts import find_schema, read_text
     from neurotouch_hid.profile.editing.summary import summarize
     from neurotouch_hid.profile.reading.library import find_shipped_folder
@@ -159,7 +159,7 @@ def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, pla
     if not confirm(f"Save it as {own}?", yes=yes, as_json=as_json):
         _decline(own, lines, plain=plain, as_json=as_json)
         return
-    Paper(stem, Store(own, make_stamp), old, old_text).save(text)
+    EditedFile(stem, Store(own, make_stamp), old, old_text).save(text)
     saved = Outcome(f"Saved {own}", file=own, changed=True)
     if as_json:
         saved = Outcome(f"Saved {own}", file=own, changed=True, lines=lines, checked=checked)
@@ -175,10 +175,10 @@ def _take_values(file: Path, *, yes: bool, as_json: bool, plain: bool) -> None:
 
     text, content = read_text(file)
     check_user(content, make_printable(str(file))).require()
-    paper = take_user(make_stamp)
-    path = paper.store.path
+    edited = take_user(make_stamp)
+    path = edited.store.path
     text = adopt(text, "user", find_schema(path, "user-1.json"))
-    lines = compare(paper.text if paper.content is not None else "", text)
+    lines = compare(edited.text if edited.content is not None else "", text)
     if lines and not as_json:
         click.echo("Your own values would change:")
         show_changes(lines, plain=plain)
@@ -186,7 +186,7 @@ def _take_values(file: Path, *, yes: bool, as_json: bool, plain: bool) -> None:
         _decline(path, lines, plain=plain, as_json=as_json)
         return
     if lines:
-        paper.save(text)
+        edited.save(text)
     said = f"Saved {path}" if lines else "These are your values already, nothing has changed."
     notes = ("Back to those before: neurotouch calibrate --undo",) if lines else ()
     shown = lines if as_json else ()

@@ -4,13 +4,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.profile.saving import save_paper
+from neurotouch_hid.cli.profile.saving import save_edited
 from neurotouch_hid.cli.ui.outcome import show_faults
 from neurotouch_hid.cli.ui.output import choose, say, show_changes
 from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
-    from neurotouch_hid.profile.editing import Paper
+    from neurotouch_hid.profile.editing import EditedFile
 
 _ASKED = (
     "timing",
@@ -25,7 +25,7 @@ _ASKED = (
 """What people choose; ranges and what they do not use come from calibration."""
 
 
-def ask_values(paper: "Paper", text: str, *, plain: bool) -> bool:
+def ask_values(edited: "EditedFile", text: str, *, plain: bool) -> bool:
     """Asks for one value after the other until the person is done; gives true.
 
     Raises:
@@ -34,7 +34,7 @@ def ask_values(paper: "Paper", text: str, *, plain: bool) -> bool:
     from neurotouch_hid.profile.editing.values import format_value
 
     while True:
-        settings = paper.check(text).require()
+        settings = edited.check(text).require()
         shown = []
         for key in _ASKED:
             value: object = settings
@@ -45,17 +45,17 @@ def ask_values(paper: "Paper", text: str, *, plain: bool) -> bool:
         number = choose("Your own values: what do you want to change?", [*shown, "Done"])
         if number == len(shown):
             break
-        text = _ask(paper, text, _ASKED[number], plain=plain)
-    if text == paper.text:
+        text = _ask(edited, text, _ASKED[number], plain=plain)
+    if text == edited.text:
         say("OK", "Nothing has changed.", plain=plain)
     elif choose("Save this?", ["Save", "Throw it away"], default=0) == 0:
-        save_paper(paper, text, plain=plain)
+        save_edited(edited, text, plain=plain)
     else:
         say("OK", "Nothing was saved.", plain=plain)
     return True
 
 
-def _ask(paper: "Paper", text: str, key: str, *, plain: bool) -> str:
+def _ask(edited: "EditedFile", text: str, key: str, *, plain: bool) -> str:
     """The text with another value; as it is if that does not fit."""
     from neurotouch_hid.profile import UserSettings
     from neurotouch_hid.profile.editing import compare, parse_value, reset_value, set_value
@@ -84,7 +84,7 @@ def _ask(paper: "Paper", text: str, key: str, *, plain: bool) -> str:
     except ProfileError as error:
         say("FAILED", error.message, error.hint or "", plain=plain)
         return text
-    checked = paper.check(changed)
+    checked = edited.check(changed)
     if checked.whole is None:
         show_faults(checked, plain=plain)
         click.echo("That does not fit, nothing has changed.")

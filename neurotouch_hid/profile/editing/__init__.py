@@ -1,7 +1,7 @@
 """Editing profiles and the user's own values: one place changes, and all can be undone."""
 
 from neurotouch_hid.profile.editing.drafts import (
-    Paper,
+    EditedFile,
     compare,
     find_own_path,
     make_profile,
@@ -32,7 +32,7 @@ from neurotouch_hid.profile.editing.substitution import (
 from neurotouch_hid.profile.editing.values import parse_value
 
 __all__ = [
-    "Paper",
+    "EditedFile",
     "Store",
     "Remapping",
     "Version",

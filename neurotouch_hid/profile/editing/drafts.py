@@ -38,7 +38,7 @@ Stamp = Callable[[], str]
 
 
 @dataclass(frozen=True, slots=True)
-class Paper:
+class EditedFile:
     """A file on the desk.
 
     Attributes:
@@ -84,7 +84,7 @@ def encode(text: str) -> bytes:
     return text.encode("utf-8", "surrogatepass")
 
 
-def take_profile(name_or_path: str, stamp: Stamp) -> Paper:
+def take_profile(name_or_path: str, stamp: Stamp) -> EditedFile:
     """A profile to be edited; of a shipped one, the copy that saving makes.
 
     Raises:
@@ -93,19 +93,19 @@ def take_profile(name_or_path: str, stamp: Stamp) -> Paper:
     path = find_profile(name_or_path)
     text, content = read_text(path)
     if path.resolve().parent != find_shipped_folder().resolve():
-        return Paper(path.stem, Store(path, stamp), content, text)
+        return EditedFile(path.stem, Store(path, stamp), content, text)
     own = find_user_folder() / path.name
     if own.exists():  # named by its path
         raise ProfileError(
             f"{path} is shipped with the program and never changed",
             hint=f"Edit your own copy: {own}",
         )
-    return Paper(
+    return EditedFile(
         path.stem, Store(own, stamp), None, adopt(text, path.stem, find_schema(own)), shipped=True
     )
 
 
-def make_profile(name: str, template: str, stamp: Stamp) -> Paper:
+def make_profile(name: str, template: str, stamp: Stamp) -> EditedFile:
     """A new profile of the user's, begun as a copy of another.
 
     Raises:
@@ -117,10 +117,10 @@ def make_profile(name: str, template: str, stamp: Stamp) -> Paper:
             f"you have a profile '{name}' already", hint=f"neurotouch profile edit {name}"
         )
     text, _ = read_text(find_profile(template))
-    return Paper(name, Store(own, stamp), None, adopt(text, name, find_schema(own)))
+    return EditedFile(name, Store(own, stamp), None, adopt(text, name, find_schema(own)))
 
 
-def take_paper(name_or_path: str, stamp: Stamp) -> Paper:
+def take_paper(name_or_path: str, stamp: Stamp) -> EditedFile:
     """A profile to be edited, or for ``user`` the person's own values.
 
     Raises:
@@ -130,16 +130,16 @@ def take_paper(name_or_path: str, stamp: Stamp) -> Paper:
     return take_user(stamp) if own else take_profile(name_or_path, stamp)
 
 
-def take_user(stamp: Stamp) -> Paper:
+def take_user(stamp: Stamp) -> EditedFile:
     """The user's own values to be edited; a new file if there is none."""
     path = find_user_file()
     store = Store(path, stamp, kept=10)
     if path.exists():
         text, content = read_text(path)
-        return Paper("user", store, content, text, UserSettings)
+        return EditedFile("user", store, content, text, UserSettings)
     schema = find_schema(path, "user-1.json")
     text = f"{MODELINE}{schema}\n#\n# What belongs to you and holds in every profile.\nversion: 1\n"
-    return Paper("user", store, None, text, UserSettings)
+    return EditedFile("user", store, None, text, UserSettings)
 
 
 def find_own_path(name: str) -> Path:

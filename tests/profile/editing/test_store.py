@@ -91,9 +91,9 @@ def test_links_and_modes_stay(tmp_path, stamp):
 def test_a_shipped_profile_is_never_changed(stamp):
     shipped = find_shipped_folder() / "racing.yaml"
     before = shipped.read_bytes()
-    paper = take_profile("racing", stamp)
-    assert paper.shipped
-    paper.save(paper.text.replace("Twist to steer", "Steer by twisting"))
+    edited = take_profile("racing", stamp)
+    assert edited.shipped
+    edited.save(edited.text.replace("Twist to steer", "Steer by twisting"))
     assert shipped.read_bytes() == before
     own = find_user_folder() / "racing.yaml"
     assert b"Steer by twisting" in own.read_bytes()
@@ -105,22 +105,22 @@ def test_a_shipped_profile_is_never_changed(stamp):
 
 
 def test_what_is_wrong_is_not_saved(stamp):
-    paper = make_profile("mine", "racing", stamp)
+    edited = make_profile("mine", "racing", stamp)
     with pytest.raises(ProfileError, match="NT110"):
-        paper.save(paper.text + "nonsense: 1\n")
-    assert not paper.store.path.exists()
-    paper.save(paper.text)
-    assert b"name: mine" in paper.store.path.read_bytes()
+        edited.save(edited.text + "nonsense: 1\n")
+    assert not edited.store.path.exists()
+    edited.save(edited.text)
+    assert b"name: mine" in edited.store.path.read_bytes()
     with pytest.raises(ProfileError, match="already"):
         make_profile("mine", "racing", stamp)
 
 
 def test_a_profile_cannot_be_built_on_itself(stamp):
     for _ in range(2):  # as the copy of a shipped one, then as the user's own
-        paper = take_profile("racing", stamp)
+        edited = take_profile("racing", stamp)
         with pytest.raises(ProfileError, match="NT131"):
-            paper.save(paper.text.replace("\nbindings:", "\nextends: [racing]\nbindings:"))
-        paper.save(paper.text + "\n")
+            edited.save(edited.text.replace("\nbindings:", "\nextends: [racing]\nbindings:"))
+        edited.save(edited.text + "\n")
 
 
 @pytest.mark.parametrize("name", ["", "../x", "a/b", "/etc/x", "A", "a" * 65, "a.yaml", "é", ".x"])
@@ -130,7 +130,7 @@ def test_a_name_is_never_a_path(name, stamp):
 
 
 def test_the_users_first_values_can_be_undone(stamp):
-    paper = take_user(stamp)
-    paper.save(paper.text + "filter: strong\n")
+    edited = take_user(stamp)
+    edited.save(edited.text + "filter: strong\n")
     take_user(stamp).store.undo()
     assert "filter" not in take_user(stamp).text
