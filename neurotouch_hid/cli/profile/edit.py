@@ -64,12 +64,12 @@ def _edit_text(edited: "EditedFile", text: str, draft: Path, *, plain: bool) -> 
     """
     newline = "\r\n" if "\r\n" in text else "\n"
     while True:
-        edited = click.edit(text, extension=".yaml", require_save=False) or ""
-        edited = edited.replace("\r\n", "\n").replace("\n", newline)
-        if edited == edited.text:
+        written = click.edit(text, extension=".yaml", require_save=False) or ""
+        written = written.replace("\r\n", "\n").replace("\n", newline)
+        if written == edited.text:
             say("OK", "Nothing has changed.", plain=plain)
             return True
-        text = edited
+        text = written
         checked = edited.check(text)
         if checked.whole is not None:
             save_edited(edited, text, plain=plain)
