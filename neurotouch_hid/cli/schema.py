@@ -16,7 +16,7 @@ from neurotouch_hid.cli.ui.output import print_json
 def command(what: str, line: bool) -> None:
     """Print the JSON Schema of a profile, or of your own values (user)."""
     from neurotouch_hid.profile import profile_schema, user_schema
-    from neurotouch_hid.profile.editing.drafts import find_schema
+    from neurotouch_hid.profile.editing.edited_file import find_schema
     from neurotouch_hid.profile.editing.revision import MODELINE
     from neurotouch_hid.profile.reading.library import find_user_file, find_user_folder
 

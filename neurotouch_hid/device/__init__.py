@@ -11,7 +11,7 @@ from neurotouch_hid.device.inputs.merge import SharedDevice
 from neurotouch_hid.device.inputs.nodes import is_input_name
 from neurotouch_hid.device.outputs.composite import CompositeDevice
 from neurotouch_hid.device.outputs.memory import MemoryDevice
-from neurotouch_hid.device.outputs.rumbleboard import RumbleRouter
+from neurotouch_hid.device.outputs.rumble_router import RumbleRouter
 from neurotouch_hid.device.outputs.spec import ExtraDevice
 
 __all__ = [

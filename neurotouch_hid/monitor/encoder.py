@@ -11,7 +11,7 @@ from typing import Any, Final
 from neurotouch_hid.messages import GamepadState, GestureKind, Step
 from neurotouch_hid.monitor.summary import describe_turn
 from neurotouch_hid.profile import MappingDecision
-from neurotouch_hid.profile.engine.reading import ConditionedGesture
+from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
 from neurotouch_hid.runtime import Session, Stopwatch
 from neurotouch_hid.snapshot import MarkerWriter, pack
 

@@ -7,13 +7,13 @@ from typing import Final, Literal
 
 from neurotouch_hid.messages import Button, GamepadState, Gesture
 from neurotouch_hid.profile.decision import Journal, MappingDecision
-from neurotouch_hid.profile.engine.channel import BindingRunner
-from neurotouch_hid.profile.engine.deck import LayerStack, make_channel
-from neurotouch_hid.profile.engine.effort import MovementUsage
+from neurotouch_hid.profile.engine.binding_runner import BindingRunner
+from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
+from neurotouch_hid.profile.engine.conditioner import InputConditioner
+from neurotouch_hid.profile.engine.fatigue import FatigueMonitor
+from neurotouch_hid.profile.engine.layer_stack import LayerStack, make_channel
 from neurotouch_hid.profile.engine.output import Outputs
-from neurotouch_hid.profile.engine.reader import InputConditioner
-from neurotouch_hid.profile.engine.reading import ConditionedGesture
-from neurotouch_hid.profile.engine.tiredness import FatigueMonitor
+from neurotouch_hid.profile.engine.usage import MovementUsage
 from neurotouch_hid.profile.schema.profile import Binding, Profile, SafetyGesture
 from neurotouch_hid.profile.schema.targets import CommandName, CommandTarget
 from neurotouch_hid.profile.schema.timing import PRESETS, FilterName, resolve_times

@@ -6,7 +6,7 @@ import pytest
 from evdev import ecodes, ff
 
 from neurotouch_hid.device.outputs.effects import STILL, Effect, Effects, Rumble
-from neurotouch_hid.device.outputs.rumbleboard import RumbleRouter
+from neurotouch_hid.device.outputs.rumble_router import RumbleRouter
 
 HALF = Effect(0.5, 0.25, seconds=1.0, delay_s=0.0)
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from evdev import InputEvent, ecodes
 
-from neurotouch_hid.device.inputs import mousewatch
-from neurotouch_hid.device.inputs.mousewatch import MouseWatch
+from neurotouch_hid.device.inputs import mouse_watch as mousewatch
+from neurotouch_hid.device.inputs.mouse_watch import MouseWatch
 from neurotouch_hid.device.inputs.nodes import Input
 
 LIMIT_S = 60.0

@@ -165,7 +165,7 @@ def upgrade(name: str, as_json: bool, plain: bool) -> None:
     """
     from neurotouch_hid.profile.editing import take_profile
     from neurotouch_hid.profile.editing import upgrade as upgrade_text
-    from neurotouch_hid.profile.editing.drafts import find_schema
+    from neurotouch_hid.profile.editing.edited_file import find_schema
 
     edited = take_profile(name, make_stamp)
     text = upgrade_text(edited.text, find_schema(edited.store.path))

@@ -31,7 +31,7 @@ def diff(name: str, other: str | None, last: bool, as_json: bool, plain: bool) -
     Without OTHER, your own NAME is compared with the shipped one.
     """
     from neurotouch_hid.profile.editing import Store, adopt, compare, read_text
-    from neurotouch_hid.profile.editing.drafts import find_schema
+    from neurotouch_hid.profile.editing.edited_file import find_schema
     from neurotouch_hid.profile.reading.library import find_profile, find_shipped_folder
 
     path = find_profile(name)

@@ -13,7 +13,7 @@ from evdev import InputDevice, ecodes
 from neurotouch_hid.device.inputs.contribution import Contribution
 from neurotouch_hid.device.inputs.discovery import explain_opening, find_alike, find_copilot
 from neurotouch_hid.device.inputs.nodes import Input
-from neurotouch_hid.device.inputs.shaker import RumblePlayer
+from neurotouch_hid.device.inputs.rumble_player import RumblePlayer
 from neurotouch_hid.device.inputs.translation import Translation
 from neurotouch_hid.device.outputs.effects import Rumble
 from neurotouch_hid.errors import DeviceError

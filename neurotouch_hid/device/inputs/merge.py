@@ -10,7 +10,7 @@ from typing import Self
 from neurotouch_hid.device.device import Device
 from neurotouch_hid.device.inputs.contribution import Contribution, Priority, merge
 from neurotouch_hid.device.inputs.copilot import Copilot
-from neurotouch_hid.device.inputs.mousewatch import MouseWatch
+from neurotouch_hid.device.inputs.mouse_watch import MouseWatch
 from neurotouch_hid.device.outputs.spec import ExtraDevice
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import Button, GamepadState

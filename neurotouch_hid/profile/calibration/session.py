@@ -10,7 +10,7 @@ from neurotouch_hid.messages import Gesture
 from neurotouch_hid.profile.calibration.repetition import Repetition, RepetitionFinder
 from neurotouch_hid.profile.calibration.result import LEAST_PEAK_MM, measure_range, measure_rest
 from neurotouch_hid.profile.calibration.tremor import Tremor, choose_filter, find_tremor
-from neurotouch_hid.profile.engine.reader import InputConditioner
+from neurotouch_hid.profile.engine.conditioner import InputConditioner
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.timing import FilterName
 from neurotouch_hid.profile.schema.user import Range, Ranges, UserSettings

@@ -1,6 +1,6 @@
 """Editing profiles and the user's own values: one place changes, and all can be undone."""
 
-from neurotouch_hid.profile.editing.drafts import (
+from neurotouch_hid.profile.editing.edited_file import (
     EditedFile,
     compare,
     find_own_path,
@@ -12,6 +12,13 @@ from neurotouch_hid.profile.editing.drafts import (
 )
 from neurotouch_hid.profile.editing.paths import list_ways, name_bindings
 from neurotouch_hid.profile.editing.phrases import parse_do, parse_when
+from neurotouch_hid.profile.editing.remapping import (
+    Remapping,
+    avoid,
+    hand_over,
+    list_wishes,
+    make_when,
+)
 from neurotouch_hid.profile.editing.revision import (
     adopt,
     bind,
@@ -22,13 +29,6 @@ from neurotouch_hid.profile.editing.revision import (
     upgrade,
 )
 from neurotouch_hid.profile.editing.store import Store, Version
-from neurotouch_hid.profile.editing.substitution import (
-    Remapping,
-    avoid,
-    hand_over,
-    list_wishes,
-    make_when,
-)
 from neurotouch_hid.profile.editing.values import parse_value
 
 __all__ = [

@@ -1,10 +1,14 @@
 """One binding at work: does its gesture hold, is it pressed, what does it put out."""
 
 from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
 from neurotouch_hid.profile.engine.output import make_output
-from neurotouch_hid.profile.engine.plan import StageFactory, make_direction_test, make_tests
 from neurotouch_hid.profile.engine.press import Say
-from neurotouch_hid.profile.engine.reading import ConditionedGesture
+from neurotouch_hid.profile.engine.stage_factory import (
+    StageFactory,
+    make_direction_test,
+    make_tests,
+)
 from neurotouch_hid.profile.schema.conditions import Sequence
 from neurotouch_hid.profile.schema.profile import Binding
 from neurotouch_hid.profile.schema.timing import Times

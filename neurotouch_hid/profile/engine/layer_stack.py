@@ -5,10 +5,10 @@ from typing import Final
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.decision import Journal
 from neurotouch_hid.profile.diagnostics.description import describe_binding
-from neurotouch_hid.profile.engine.channel import BindingRunner
+from neurotouch_hid.profile.engine.binding_runner import BindingRunner
+from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
 from neurotouch_hid.profile.engine.output import Outputs
 from neurotouch_hid.profile.engine.pointer import PointerCare
-from neurotouch_hid.profile.engine.reading import ConditionedGesture
 from neurotouch_hid.profile.reading.layering import merge_bindings
 from neurotouch_hid.profile.schema.profile import Binding, Profile
 from neurotouch_hid.profile.schema.targets import CommandTarget, LayerTarget, MouseMotionTarget

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Final
 
+from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
 from neurotouch_hid.profile.engine.modes import Mode, make_mode
 from neurotouch_hid.profile.engine.press import (
     Debounce,
@@ -16,7 +17,6 @@ from neurotouch_hid.profile.engine.press import (
     Test,
     Threshold,
 )
-from neurotouch_hid.profile.engine.reading import ConditionedGesture
 from neurotouch_hid.profile.engine.steps import Steps
 from neurotouch_hid.profile.schema.conditions import Condition, PressName, Sequence
 from neurotouch_hid.profile.schema.profile import Binding

@@ -10,7 +10,7 @@ from typing import Any
 from evdev import AbsInfo, InputDevice, UInput, ecodes
 
 from neurotouch_hid.device import Copilot, ExtraDevice, SharedDevice, find_copilot, open_device
-from neurotouch_hid.device.inputs.shaker import upload_effect
+from neurotouch_hid.device.inputs.rumble_player import upload_effect
 from neurotouch_hid.device.outputs.gamepad import PHYS
 from neurotouch_hid.device.outputs.mouse import PHYS as MOUSE_PHYS
 from neurotouch_hid.driver.pad import open_pad

@@ -12,7 +12,7 @@ from typing import Any
 from evdev import InputDevice, ecodes, ff
 
 from neurotouch_hid.device import open_device
-from neurotouch_hid.device.inputs.shaker import upload_effect
+from neurotouch_hid.device.inputs.rumble_player import upload_effect
 from neurotouch_hid.device.outputs.effects import Rumble
 from neurotouch_hid.device.outputs.gamepad import PHYS
 from tests.kernel.guest.opening import run

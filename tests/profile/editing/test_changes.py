@@ -12,7 +12,7 @@ from neurotouch_hid.profile.editing.changes import (
     remove_value,
     replace_value,
 )
-from neurotouch_hid.profile.editing.drafts import compare
+from neurotouch_hid.profile.editing.edited_file import compare
 from neurotouch_hid.profile.editing.values import format_value, parse_value
 from neurotouch_hid.profile.reading.document import parse_document
 from neurotouch_hid.profile.reading.library import find_shipped_folder
