@@ -86,3 +86,7 @@ class AlreadyRunningError(DriverError):
     """Another driver of this user is running; 75 is what sysexits.h calls a temporary failure."""
 
     exit_code = 75
+
+
+class DesktopError(NeuroTouchError):
+    """The desktop does not say which window is active."""

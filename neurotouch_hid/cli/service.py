@@ -76,11 +76,11 @@ def command(source: str | None, only_compile: bool) -> None:
         )
         watchdog = CameraWatchdog(driver.source)
 
-        def turned() -> None:
+        def on_round() -> None:
             manager.report_alive()
             watchdog.check()
 
-        driver.run(stop=stop, turned=turned)
+        driver.run(stop=stop, on_round=on_round)
         manager.report_stopping()
 
 

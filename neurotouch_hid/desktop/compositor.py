@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
 
-from neurotouch_hid.desktop.window import DesktopError
+from neurotouch_hid.errors import DesktopError
 
 _PATIENCE_S: Final = 1.0
 _LONGEST_BYTES: Final = 16 * 1024 * 1024  # a tree of some thousand windows

@@ -5,8 +5,9 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Final
 
-from neurotouch_hid.desktop.window import ActiveWindow, DesktopError
-from neurotouch_hid.profile.diagnostics.faults import make_printable
+from neurotouch_hid.desktop.window import ActiveWindow
+from neurotouch_hid.errors import DesktopError
+from neurotouch_hid.profile.faults import make_printable
 
 POLL_S: Final = 0.5
 AGAIN_S: Final = 5.0

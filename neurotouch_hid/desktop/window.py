@@ -3,11 +3,7 @@
 from collections.abc import Mapping
 from typing import Protocol
 
-from neurotouch_hid.errors import NeuroTouchError
-
-
-class DesktopError(NeuroTouchError):
-    """The desktop does not tell which window is active."""
+from neurotouch_hid.errors import DesktopError
 
 
 class ActiveWindow(Protocol):

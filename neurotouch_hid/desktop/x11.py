@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from neurotouch_hid.desktop.window import DesktopError
+from neurotouch_hid.errors import DesktopError
 
 _LONGEST_WORDS: Final = 256  # 32 bit each; class names are a few letters
 

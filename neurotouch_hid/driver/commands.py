@@ -10,7 +10,7 @@ from neurotouch_hid.driver.broadcast import Broadcast
 from neurotouch_hid.driver.control import STREAM
 from neurotouch_hid.driver.reload import ProfileWatch
 from neurotouch_hid.errors import DriverError, NeuroTouchError
-from neurotouch_hid.profile.diagnostics.faults import make_printable
+from neurotouch_hid.profile.faults import make_printable
 from neurotouch_hid.profile.mapping import State
 from neurotouch_hid.runtime.command_queue import CommandName
 from neurotouch_hid.runtime.session import Session
@@ -62,7 +62,7 @@ class Commands:
     def _obey(self, question: dict[str, Any]) -> dict[str, Any]:
         match question["command"]:
             case "pause" | "resume" | "panic" as order:
-                done = self._session.tell(cast(CommandName, order)).done
+                done = self._session.submit(cast(CommandName, order)).done
                 if _is_done(done, _WAIT_S):
                     return {"done": True, "text": SAID[_BEGINS[done.result()]]}
                 text = (

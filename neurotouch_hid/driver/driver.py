@@ -21,7 +21,7 @@ from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.process.realtime import realtime_priority
 from neurotouch_hid.profile import Profile, UserSettings, load_profile, load_user
-from neurotouch_hid.runtime import LoopStats, Pipeline, Stopwatch, Tap, run_pipeline, warm_up
+from neurotouch_hid.runtime import LoopStats, Pipeline, Tap, run_pipeline, warm_up
 from neurotouch_hid.source import Source, open_source
 
 _PATIENCE_S: Final = 1.0
@@ -115,7 +115,7 @@ class Driver(Closing):
         *,
         seconds: float | None = None,
         stop: Event | None = None,
-        turned: Callable[[], object] | None = None,
+        on_round: Callable[[], object] | None = None,
     ) -> LoopStats:
         """Plays until the source ends, ``stop`` is set or the time is up; the pad is neutral then.
 
@@ -123,7 +123,7 @@ class Driver(Closing):
             taps: read every Step, beside ``self.taps``.
             seconds: ends after so much sensor time.
             stop: ends the loop when it is set.
-            turned: is called after every turn of the loop, also one without a slice.
+            on_round: is called after every round of the loop, also one without a slice.
 
         Raises:
             GelNotFoundError: the source has ended and no frame has shown the gel.
@@ -141,7 +141,7 @@ class Driver(Closing):
                 every,
                 stop=stop,
                 session=session,
-                turned=turned,
+                on_round=on_round,
             )
 
     def steps(self, *, seconds: float | None = None) -> Iterator[Step]:
@@ -168,14 +168,12 @@ class Driver(Closing):
             if options.needs_device:  # before the kernels compile, and again for real after it
                 check_device(options.device, options.identity)
             self._prepare()
-        stopwatch = Stopwatch()
         self.pipeline = Pipeline.build(
             self.profile,
             GestureConfig(method=options.method),
             user=self.user,
             rig=self.source.rig,
             live=options.speed == "recorded" and (self.source.is_live or self.source.is_simulated),
-            stopwatch=stopwatch if options.is_listening else None,
         )
         closing.callback(self.pipeline.close)
         if not options.is_listening:
@@ -199,13 +197,12 @@ class Driver(Closing):
                 raise
             self._announce(f"No real controller this time: {error.message} Going on without.")
             played = open_pad("memory", (), settings, player=options.player, copilot="")
-        self.device = stopwatch.watch("device", closing.enter_context(played.device), "write")
+        self.device = closing.enter_context(played.device)
         own: Facts = getattr(self.source, "facts", {})
         self._wiring = closing.enter_context(
             Wiring(
                 control,
                 self.pipeline,
-                stopwatch,
                 self.device,
                 name=self._profile_name,
                 profile=self.profile,

@@ -5,10 +5,11 @@ from typing import Annotated, Final, Literal
 
 from pydantic import AfterValidator, Field
 
-from neurotouch_hid.profile.reading.library import NAME_PATTERN, find_user_file
+from neurotouch_hid.profile.reading.library import find_user_file
 from neurotouch_hid.profile.reading.load import load_settings
 from neurotouch_hid.profile.schema.profile import check_version
 from neurotouch_hid.profile.schema.strict import Strict, make_optional
+from neurotouch_hid.vocabulary import NAME_PATTERN
 
 FILE: Final = "service.yaml"
 

@@ -7,12 +7,12 @@ from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
 from neurotouch_hid.device import is_input_name
-from neurotouch_hid.profile.reading.library import NAME_PATTERN, find_user_file
+from neurotouch_hid.profile.reading.library import find_user_file
 from neurotouch_hid.profile.reading.load import load_settings
 from neurotouch_hid.profile.schema.keys import parse_chord
 from neurotouch_hid.profile.schema.profile import check_version
 from neurotouch_hid.profile.schema.strict import Strict, give_unit, make_optional
-from neurotouch_hid.vocabulary import Button
+from neurotouch_hid.vocabulary import NAME_PATTERN, Button
 
 FILE: Final = "driver.yaml"
 

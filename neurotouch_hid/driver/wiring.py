@@ -21,7 +21,7 @@ from neurotouch_hid.monitor.encoder import Facts, StateEncoder
 from neurotouch_hid.monitor.publisher import Publisher
 from neurotouch_hid.profile import Profile, UserSettings
 from neurotouch_hid.profile.reading.library import find_profile
-from neurotouch_hid.runtime import Pipeline, Session, Stopwatch, Tap
+from neurotouch_hid.runtime import Pipeline, Session, Tap
 
 
 class Wiring(Closing):
@@ -30,7 +30,6 @@ class Wiring(Closing):
     Args:
         control: where commands come in, if anywhere.
         pipeline: the stages.
-        stopwatch: times the stages.
         device: the pad.
         name: the profile as the person asked for it.
         profile: the profile at the start.
@@ -51,7 +50,6 @@ class Wiring(Closing):
         self,
         control: ControlSocket | None,
         pipeline: Pipeline,
-        stopwatch: Stopwatch,
         device: Device,
         *,
         name: str,
@@ -64,7 +62,7 @@ class Wiring(Closing):
         facts: Facts | None = None,
         copilot: Copilot | None = None,
     ) -> None:
-        self.session = Session(pipeline, stopwatch, user)
+        self.session = Session(pipeline, user)
         self._control = control
         self._player = player
         self._announce = announce
@@ -79,12 +77,12 @@ class Wiring(Closing):
             player=player,
         )
         self._closing.callback(self._profiles.close)
-        self.session.listen(self._hear)
+        self.session.on_command(self._hear)
         chords = ChordReader(self._press, settings.keys_of)
         self._closing.callback(chords.close)
         if copilot is not None:  # nobody else can read it
             copilot.listen(settings.keys_of, self._press)
-            self.session.follow(lambda: copilot.share.buttons)
+            self.session.set_helper(lambda: copilot.share.buttons)
         self.sound = SoundMonitor(self.session, announce)
         self._closing.callback(self.sound.close)
         self._broadcast = Broadcast()
@@ -96,7 +94,7 @@ class Wiring(Closing):
                 "device": lambda: device.name,
                 "file": self._find_file,
             }
-            observer = StateEncoder(self.session, stopwatch, {**looks, **(facts or {})})
+            observer = StateEncoder(self.session, {**looks, **(facts or {})})
             self._open_feed(observer, control)
         self._facts: dict[str, Callable[[], str]] = {
             "source": lambda: source,
@@ -144,7 +142,7 @@ class Wiring(Closing):
     def _press(self, chord: str) -> None:
         """What the keyboard orders: panic, or pause and its end."""
         with suppress(DriverError):  # the line stands still, so everything is released
-            self.session.tell("panic" if chord == "panic" else "toggle")
+            self.session.submit("panic" if chord == "panic" else "toggle")
 
     def _hear(self, command: str) -> None:
         """What the line tells: a command has taken effect, or the gel asks for another profile."""

@@ -12,7 +12,7 @@ from neurotouch_hid.messages import GamepadState, GestureKind, Step
 from neurotouch_hid.monitor.summary import describe_turn
 from neurotouch_hid.profile import MappingDecision
 from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
-from neurotouch_hid.runtime import Session, Stopwatch
+from neurotouch_hid.runtime import Session
 from neurotouch_hid.snapshot import MarkerWriter, pack
 
 SLOW_S: Final = 0.5
@@ -53,13 +53,12 @@ class StateEncoder:
 
     Args:
         session: the running line.
-        stopwatch: watches its stages.
         facts: what else is told, or told better, asked for anew twice a second: ``source``,
             ``device``, ``file``.
     """
 
-    def __init__(self, session: Session, stopwatch: Stopwatch, facts: Facts) -> None:
-        self._session, self._stopwatch, self._facts = session, stopwatch, facts
+    def __init__(self, session: Session, facts: Facts) -> None:
+        self._session, self._facts = session, facts
         self._counts = _Counts()
         self._earliest_s: float | None = None
         self._markers = MarkerWriter()
@@ -148,7 +147,9 @@ class StateEncoder:
             "rezero_s": None if rest_us is None else round(1e-6 * (step.gesture.t_us - rest_us), 1),
             "window_ms": 1e-3 * (step.packet.t_end_us - step.packet.t_begin_us),
             "stages": {
-                name: _summarise(kept) for name, kept in self._stopwatch.recent_ns().items() if kept
+                name: _summarise(kept)
+                for name, kept in self._session.timings.recent_ns().items()
+                if kept
             },
             **{name: tell() for name, tell in self._facts.items()},
         }

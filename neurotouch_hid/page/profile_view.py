@@ -10,8 +10,8 @@ from neurotouch_hid.profile.diagnostics.description import describe_target, desc
 from neurotouch_hid.profile.editing import name_bindings
 from neurotouch_hid.profile.engine.one_euro import FILTERS, OneEuro
 from neurotouch_hid.profile.engine.response import make_response
-from neurotouch_hid.profile.reading.layering import merge_bindings
 from neurotouch_hid.profile.reading.library import find_shipped_folder, find_user_folder
+from neurotouch_hid.profile.schema.layering import merge_bindings
 from neurotouch_hid.profile.schema.movements import MovementName
 from neurotouch_hid.profile.schema.profile import FIRST_LAYER, Binding, Profile
 from neurotouch_hid.profile.schema.shaping import Expo, Points, Power, Shaped

@@ -1,4 +1,4 @@
-"""Orders to the line: other threads post them, the line takes them between two slices."""
+"""Commands for the pipeline: other threads submit them, it applies them between two slices."""
 
 from collections import deque
 from concurrent.futures import Future
@@ -14,57 +14,59 @@ CommandName = Literal["pause", "resume", "toggle", "panic", "switch"]
 """``toggle`` pauses, or resumes from a pause; only ``resume`` ends a panic."""
 
 CAPACITY: Final = 64
-"""Letters that may wait; more come only while the line stands still."""
+"""Commands that may wait; more come only while the source is silent."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Command:
-    """One order.
+    """One command.
 
     Attributes:
-        order: what to do.
-        profile: what to go on with, for ``switch``.
-        user: whose values hold then.
-        done: whether gestures act, once it has been done; an order may leave that as it was.
+        name: what to do.
+        profile: the new profile, for ``switch``.
+        user: the person's values from then on, for ``switch``.
+        done: gets the state of the mapping once the command has been applied; a command may leave
+            the state as it was.
     """
 
-    order: CommandName
+    name: CommandName
     profile: Profile | None = None
     user: UserSettings | None = None
     done: Future[State] = field(default_factory=Future)
 
 
 class CommandQueue:
-    """Holds letters until the line has time; neither side ever waits.
+    """Keeps commands until the pipeline takes them; neither side ever waits.
 
-    ``append``, ``popleft`` and ``remove`` of a deque are atomic, so the line takes no lock.
+    ``append``, ``popleft`` and ``remove`` of a deque are atomic, so the pipeline needs no lock.
     """
 
     def __init__(self) -> None:
-        self._letters: deque[Command] = deque()
+        self._waiting: deque[Command] = deque()
 
-    def post(self, command: Command) -> Command:
-        """Leaves a command. Panic throws away what waits before it, and always finds room.
+    def submit(self, command: Command) -> Command:
+        """Adds a command. Panic drops the commands before it and always finds room.
 
-        A switch stays: whoever posted it goes by the other profile already, and it ends no panic.
+        A switch stays: whoever submitted it already works with the other profile, and it does not
+        end a panic.
 
         Raises:
-            DriverError: too many letters wait.
+            DriverError: too many commands wait.
         """
-        if command.order == "panic":
-            for waiting in tuple(self._letters):
-                if waiting.order != "switch":
-                    with suppress(ValueError):  # the line has taken it just now
-                        self._letters.remove(waiting)
-                        waiting.done.set_exception(DriverError("A panic came in between."))
-        elif len(self._letters) >= CAPACITY:
-            raise DriverError("The source is silent and too many orders wait for its return.")
-        self._letters.append(command)
+        if command.name == "panic":
+            for earlier in tuple(self._waiting):
+                if earlier.name != "switch":
+                    with suppress(ValueError):  # the pipeline has taken it just now
+                        self._waiting.remove(earlier)
+                        earlier.done.set_exception(DriverError("A panic came in between."))
+        elif len(self._waiting) >= CAPACITY:
+            raise DriverError("No data from the source, and too many commands wait for it.")
+        self._waiting.append(command)
         return command
 
     def take(self) -> Command | None:
-        """The oldest command, or None."""
+        """Returns the oldest command, or None."""
         try:
-            return self._letters.popleft()
+            return self._waiting.popleft()
         except IndexError:
             return None

@@ -1,26 +1,17 @@
-"""The loop around the line: source in, device out, taps beside, neutral when anything is wrong."""
+"""The loop around the pipeline: source in, device out, neutral when anything is wrong."""
 
 import threading
 import time
 from collections.abc import Callable, Iterable
-from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from neurotouch_hid.device import Device
-from neurotouch_hid.errors import DeviceError, GelNotFoundError
+from neurotouch_hid.errors import GelNotFoundError
 from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.runtime.pipeline import Pipeline
+from neurotouch_hid.runtime.session import Session
+from neurotouch_hid.runtime.stall import LIVE_STALL_S, STALL_S, StallGuard
 from neurotouch_hid.source import ActivityAware, LiveSource
-
-if TYPE_CHECKING:
-    from neurotouch_hid.runtime.session import Session
-
-STALL_S = 0.2
-"""Silence of the source after which the pad goes neutral: twenty slices of 10 ms."""
-LIVE_STALL_S = 0.08
-"""The same for a camera, which says something at least every 33 ms, and whose unplugging must show
-within 100 ms. A recording or a simulation has no such beat, and nobody's hand on it."""
 
 Tap = Callable[[Step], None]
 """Reads Steps and never feeds back."""
@@ -28,7 +19,7 @@ Tap = Callable[[Step], None]
 
 @dataclass(frozen=True, slots=True)
 class LoopStats:
-    """What a run did: slices, events and sensor time that went through, and host time it took."""
+    """What a run did: slices, events and sensor time that it processed, and its host time."""
 
     slices: int
     events: int
@@ -43,22 +34,22 @@ def run_pipeline(
     taps: Iterable[Tap] = (),
     *,
     stop: threading.Event | None = None,
-    session: "Session | None" = None,
-    turned: Callable[[], object] | None = None,
+    session: Session | None = None,
+    on_round: Callable[[], object] | None = None,
 ) -> LoopStats:
     """Drives the pad until the source ends or ``stop`` is set; the pad is neutral afterwards.
 
-    What others order through ``session`` is done between two slices. While a live source has
-    nothing, the loop turns all the same, so that it obeys and ends.
+    Commands of ``session`` are applied between two slices. While a live source has nothing, the
+    loop goes round all the same, so that it takes commands and can end.
 
     Args:
         source: what to play.
-        pipeline: the line.
+        pipeline: the stages.
         device: the pad.
         taps: read every Step.
         stop: ends the loop.
-        session: what the line obeys.
-        turned: called after every turn of the loop, also one without a slice.
+        session: takes commands for the pipeline.
+        on_round: is called after every round of the loop, also one without a slice.
 
     Raises:
         GelNotFoundError: the source ended and no frame showed the gel.
@@ -73,18 +64,19 @@ def run_pipeline(
     first_us = last_us = None
     begun = time.perf_counter()
     try:
-        with _StallGuard(device, stall_s) as guard:
+        with StallGuard(device, stall_s) as guard:
             for packet in turns:
                 if session is not None:
-                    session.obey()
+                    session.apply_commands()
                 if packet is not None and packet.is_partial:
                     pipeline.advance_partial(packet)
                 elif packet is not None:
                     step = pipeline.advance(packet)
-                    device.write(step.pad)
+                    with pipeline.timings.device:
+                        device.write(step.pad)
                     guard.feed()
                     if session is not None:
-                        session.note(step)
+                        session.record(step)
                     for tap in taps:
                         tap(step)
                     pipeline.process_frames(step)
@@ -96,8 +88,8 @@ def run_pipeline(
                     events += len(packet.events)
                     first_us = packet.t_begin_us if first_us is None else first_us
                     last_us = packet.t_end_us
-                if turned is not None:
-                    turned()
+                if on_round is not None:
+                    on_round()
                 if stop is not None and stop.is_set():
                     break
     finally:
@@ -113,45 +105,6 @@ def _require_gel(pipeline: Pipeline) -> None:
     seen = pipeline.rest.detector.stats()
     if not seen.n_references:
         raise GelNotFoundError(
-            f"No gel can be seen in this source: {seen.reason}.",
+            f"No gel detected in this source: {seen.reason}.",
             hint="Is the LED ring on, the lens cap off, and no hand on the gel at the start?",
         )
-
-
-class _StallGuard:
-    """Sends neutral when the line has not been fed for so long, or when the machine has slept."""
-
-    def __init__(self, device: Device, stall_s: float) -> None:
-        self._device = device
-        self._stall_s = stall_s
-        self._fed = time.monotonic()
-        self._done = threading.Event()
-        self._thread = threading.Thread(target=self._watch, name="stall guard", daemon=True)
-
-    def __enter__(self) -> "_StallGuard":
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._done.set()
-        self._thread.join()
-
-    def feed(self) -> None:
-        self._fed = time.monotonic()
-
-    def _watch(self) -> None:
-        asleep, wait_s = _time_asleep(), self._stall_s
-        while not self._done.wait(wait_s):
-            slept = _time_asleep() - asleep > self._stall_s
-            if slept:
-                asleep = _time_asleep()
-            left_s = self._fed + self._stall_s - time.monotonic()
-            if slept or left_s <= 0:
-                with suppress(DeviceError):  # the line's own next write meets and reports it
-                    self._device.neutral()
-            wait_s = left_s if left_s > 0 else self._stall_s
-
-
-def _time_asleep() -> float:
-    """Seconds the machine has spent in suspend since boot."""
-    return time.clock_gettime(time.CLOCK_BOOTTIME) - time.clock_gettime(time.CLOCK_MONOTONIC)

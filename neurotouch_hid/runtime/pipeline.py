@@ -1,4 +1,4 @@
-"""The line: one packet in, one pad state out."""
+"""The pipeline: one packet in, one pad state out."""
 
 from dataclasses import replace
 from typing import Final
@@ -7,14 +7,14 @@ from neurotouch_hid.geometry import Rig
 from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
 from neurotouch_hid.messages import EventPacket, GestureKind, RestField, Step
 from neurotouch_hid.profile import Mapping, Profile, UserSettings
-from neurotouch_hid.runtime.timing import Stopwatch
+from neurotouch_hid.runtime.timing import StageTimings
 from neurotouch_hid.runtime.worker import FrameExchange, InlineRest, ThreadedRest
 from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector
 
 IDLE_US: Final = 500_000
-"""How long nothing must have been done before the line counts as idle."""
+"""After so long without a gesture the pipeline counts as idle."""
 IDLE_FRAME_US: Final = 240_000
-"""How often an idle line looks at a frame of a gel that was at rest in the one before."""
+"""An idle pipeline skips frames for so long after one that showed the gel at rest."""
 
 
 class Pipeline:
@@ -25,7 +25,10 @@ class Pipeline:
         tracker: follows the markers.
         recognizer: reads the gesture from the markers.
         mapping: turns the gesture into a pad state.
-        live: frames are looked at beside the line, so that no pad state waits for them.
+        live: frames are processed beside the pipeline, so that no pad state waits for them.
+
+    Attributes:
+        timings: the host time of each stage.
     """
 
     def __init__(
@@ -38,11 +41,12 @@ class Pipeline:
         live: bool = False,
     ) -> None:
         self.rest = rest
-        self.tracker = self._early = tracker
+        self.tracker = tracker
         self.recognizer = recognizer
         self.mapping = mapping
         self.is_live = live
-        self._head: EventPacket | None = None
+        self.timings = StageTimings()
+        self._partial: EventPacket | None = None
         self._anchor: RestField | None = None
         self._idle_us = self._looked_us = 0
 
@@ -55,69 +59,64 @@ class Pipeline:
         user: UserSettings | None = None,
         rig: Rig | None = None,
         live: bool = False,
-        stopwatch: Stopwatch | None = None,
     ) -> "Pipeline":
-        """The shipped line.
+        """Builds the pipeline as it is shipped.
 
         Args:
             profile: what the gestures mean.
             gesture: how they are recognised.
-            user: the person's own values, with their neutral pose; a usual hand without.
+            user: the person's own values with their neutral pose; without, the reference hand.
             rig: known view of the sensor, if there is a rig file.
-            live: look at frames in a thread beside the line. Otherwise it is done in the line
+            live: process frames in a thread beside the pipeline. Otherwise the pipeline does it
                 itself, so that a recording gives the same Steps bit for bit at any speed.
-            stopwatch: watches the stages, if somebody wants to know their times.
         """
         if user is not None:
             gesture = replace(gesture, neutral=user.neutral)
         finder = BlobFinder()
         detector = RestDetector(rig=rig, finder=finder)
         rest: FrameExchange = ThreadedRest(detector, finder) if live else InlineRest(detector)
-        tracker = MarkerTracker(finder=finder)  # of a live line it finds nothing itself
-        line = cls(rest, tracker, GestureRecognizer(gesture), Mapping(profile, user), live=live)
-        if stopwatch is not None:
-            line.rest = stopwatch.watch("rest", line.rest, "exchange")
-            line._early = stopwatch.watch("head", line.tracker, "update")
-            line.tracker = stopwatch.watch("tracker", line.tracker, "update")
-            line.tracker = stopwatch.watch("frames", line.tracker, "correct")
-            line.recognizer = stopwatch.watch("gesture", line.recognizer, "update")
-            line.mapping = stopwatch.watch("profile", line.mapping, "update")
-        return line
+        tracker = MarkerTracker(finder=finder)  # of a live pipeline it finds nothing itself
+        return cls(rest, tracker, GestureRecognizer(gesture), Mapping(profile, user), live=live)
 
     def advance_partial(self, packet: EventPacket) -> None:
-        """Takes in the head of the next slice, of which less is left to do then; live only."""
-        self._early.update(packet)
-        self._head = packet
+        """Takes in the first part of the next slice, which leaves less to do then; live only."""
+        with self.timings.partial:
+            self.tracker.update(packet)
+        self._partial = packet
 
     def advance(self, packet: EventPacket) -> Step:
-        """Takes one slice of sensor time through all stages; live, call ``process_frames`` then."""
+        """Takes one slice through all stages; if live, write the pad, then ``process_frames``."""
         if self.is_live:
-            markers = self.tracker.update(self._find_rest(packet))
+            packet_left = self._cut_remaining(packet)
         else:
             self._anchor = self._exchange(packet)
-            markers = self.tracker.update(packet)
-        gesture = self.recognizer.update(markers)
-        pad = self.mapping.update(gesture)
+            packet_left = packet
+        with self.timings.tracker:
+            markers = self.tracker.update(packet_left)
+        with self.timings.gesture:
+            gesture = self.recognizer.update(markers)
+        with self.timings.profile:
+            pad = self.mapping.update(gesture)
         if "rezero" in pad.commands:
             self.recognizer.rezero()
         return Step(packet, self._anchor, markers, gesture, pad)
 
     @property
     def is_idle(self) -> bool:
-        """Nothing has been done for a while; only a live line says so."""
+        """True if the hand has done nothing for a while; only a live pipeline says so."""
         return self._idle_us >= IDLE_US
 
     @property
     def is_at_rest(self) -> bool:
-        """It is idle, and the last frame that was looked at showed the gel at rest."""
+        """True if it is idle, and the newest frame that was processed showed the gel at rest."""
         seen = self.rest.detector.stats()
         return self.is_idle and seen.n_rest > 0 and not seen.reason
 
     def process_frames(self, step: Step) -> None:
-        """Hands over the frames of a slice that has gone through, and takes what others have shown.
+        """Hands over the frames of a finished step, and takes the result of earlier ones.
 
-        This may wait until the pad is written: it moves markers by tenths of a pixel, and knows
-        where they were when the frame was exposed. Nothing is left to do if the line is not live.
+        This can wait until the pad is written: it moves markers by tenths of a pixel, and knows
+        where they were when the frame was exposed. Without ``live`` nothing is left to do.
         """
         if not self.is_live:
             return
@@ -130,33 +129,35 @@ class Pipeline:
             packet = _without_frames(packet)
         self._anchor = self._exchange(packet)
 
-    def _find_rest(self, packet: EventPacket) -> EventPacket:
-        """What of a slice has not yet been taken in, without frames."""
-        head, self._head = self._head, None
-        if head is None or head.t_begin_us != packet.t_begin_us:
+    def _cut_remaining(self, packet: EventPacket) -> EventPacket:
+        """Returns the part of a slice that has not been taken in yet, without frames."""
+        partial, self._partial = self._partial, None
+        if partial is None or partial.t_begin_us != packet.t_begin_us:
             return _without_frames(packet)
-        events, gap = packet.events[len(head.events) :], packet.gap - head.gap
-        return EventPacket(head.t_end_us, packet.t_end_us, events, (), gap)
+        events, gap = packet.events[len(partial.events) :], packet.gap - partial.gap
+        return EventPacket(partial.t_end_us, packet.t_end_us, events, (), gap)
 
     def _exchange(self, packet: EventPacket) -> RestField | None:
-        sight = self.rest.exchange(packet)  # newest answer or None; never blocks
-        if sight is None:
+        with self.timings.rest:
+            result = self.rest.exchange(packet)  # newest result or None; never blocks
+        if result is None:
             return None
-        if sight.rest is not None:
-            self.tracker.anchor(sight.rest)
-        if sight.searched is not None:
-            self.tracker.correct(*sight.searched)
-        return sight.rest
+        if result.rest is not None:
+            self.tracker.anchor(result.rest)
+        if result.searched is not None:
+            with self.timings.frames:
+                self.tracker.correct(*result.searched)
+        return result.rest
 
     def _may_skip(self, frame_us: int) -> bool:
-        """True if a frame will tell nothing new: an idle gel that was at rest a moment ago."""
+        """True if a frame brings nothing new: the gel is idle and was at rest a moment ago."""
         if self.is_at_rest and 0 <= frame_us - self._looked_us < IDLE_FRAME_US:
             return True
         self._looked_us = frame_us
         return False
 
     def close(self) -> None:
-        """Ends the thread of the rest detection, if there is one."""
+        """Ends the thread of the rest detection, if there is one; harmless when repeated."""
         self.rest.close()
 
 

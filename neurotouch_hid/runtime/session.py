@@ -1,4 +1,4 @@
-"""A running line: what it can be told while it runs, and what it tells about itself."""
+"""A running pipeline: takes commands from other threads and reports its state to them."""
 
 import os
 import time
@@ -10,9 +10,9 @@ from typing import Any, Final
 from neurotouch_hid.messages import Button, Step
 from neurotouch_hid.profile import Mapping, Profile, UserSettings
 from neurotouch_hid.runtime.command_queue import Command, CommandName, CommandQueue
-from neurotouch_hid.runtime.loop import STALL_S
 from neurotouch_hid.runtime.pipeline import Pipeline
-from neurotouch_hid.runtime.timing import Stopwatch
+from neurotouch_hid.runtime.stall import STALL_S
+from neurotouch_hid.runtime.timing import StageTimings
 
 KEPT_ERRORS: Final = 5
 WINDOW_S: Final = 1.0
@@ -29,21 +29,19 @@ class Rates:
 
 
 class Session:
-    """Stands between the line's thread and all others; nobody waits for anybody.
+    """Connects the pipeline's thread with all others; neither side waits for the other.
 
-    The line calls ``obey`` before a slice and ``note`` after it. All other methods may be called
-    from any thread.
+    The pipeline's thread calls ``apply_commands`` before a slice and ``record`` after it. All other
+    methods may be called from any thread.
 
     Args:
-        pipeline: the line.
-        stopwatch: watches its stages.
-        user: the person's values that hold at the start.
+        pipeline: the running pipeline.
+        user: the person's values at the start.
     """
 
-    def __init__(self, pipeline: Pipeline, stopwatch: Stopwatch, user: UserSettings) -> None:
+    def __init__(self, pipeline: Pipeline, user: UserSettings) -> None:
         self._pipeline = pipeline
-        self._stopwatch = stopwatch
-        self._hear: Callable[[str], object] = str  # nobody yet
+        self._on_command: Callable[[str], object] = str  # nobody yet
         self._helper: Callable[[], frozenset[Button]] | None = None
         self._queue = CommandQueue()
         self._user = user
@@ -54,40 +52,45 @@ class Session:
         self._step: Step | None = None
         self._step_at = self._begun
         self._slices = self._events = self._lost = 0
-        self._window = (self._begun, 0, 0, stopwatch.spent_ns)
+        self._window = (self._begun, 0, 0, pipeline.timings.spent_ns)
         self._rates = Rates()
 
     @property
     def mapping(self) -> Mapping:
-        """What carries out the profile that holds."""
+        """The mapping of the active profile."""
         return self._pipeline.mapping
 
     @property
     def user(self) -> UserSettings:
-        """The person's values that hold."""
+        """The person's values that apply now."""
         return self._user
 
-    def listen(self, hear: Callable[[str], object]) -> None:
-        """Has ``hear`` told of each command that takes effect, whoever gave it.
+    @property
+    def timings(self) -> StageTimings:
+        """The host time of each stage."""
+        return self._pipeline.timings
 
-        It is called in the line's thread and must return at once.
+    def on_command(self, call: Callable[[str], object]) -> None:
+        """Calls ``call`` with the name of each command that takes effect, whoever gave it.
+
+        It is called in the pipeline's thread and must return at once.
         """
-        self._hear = hear
+        self._on_command = call
 
-    def follow(self, helper: Callable[[], frozenset[Button]]) -> None:
-        """Has ``helper`` asked before each slice which buttons are held beside the gel."""
+    def set_helper(self, helper: Callable[[], frozenset[Button]]) -> None:
+        """Asks ``helper`` before each slice which buttons the co-pilot holds."""
         self._helper = helper
 
-    def obey(self) -> None:
-        """Does what has been ordered since the last slice."""
-        while (letter := self._queue.take()) is not None:
-            self._carry_out(letter)
-            letter.done.set_result(self._pipeline.mapping.state)
+    def apply_commands(self) -> None:
+        """Applies all commands that were submitted since the last slice."""
+        while (command := self._queue.take()) is not None:
+            self._apply(command)
+            command.done.set_result(self._pipeline.mapping.state)
         if self._helper is not None:
             self._pipeline.mapping.set_helper_buttons(self._helper())
 
-    def note(self, step: Step) -> None:
-        """Takes notice of a slice that has gone through, and of the commands the gel gave in it."""
+    def record(self, step: Step) -> None:
+        """Records a finished step and the commands that the gel gave in it."""
         self._step, self._step_at = step, time.monotonic()
         self._slices += 1
         self._events += len(step.packet.events)
@@ -95,30 +98,30 @@ class Session:
         if self._step_at - self._window[0] >= WINDOW_S:
             self._measure()
         for command in step.pad.commands:
-            self._hear(command)
+            self._on_command(command)
 
-    def tell(self, order: CommandName) -> Command:
-        """Has the line pause, resume, toggle or panic before its next slice.
+    def submit(self, name: CommandName) -> Command:
+        """Makes the pipeline pause, resume, toggle or panic before its next slice.
 
         Raises:
-            DriverError: too many orders wait.
+            DriverError: too many commands wait.
         """
-        return self._queue.post(Command(order))
+        return self._queue.submit(Command(name))
 
     def switch(self, profile: Profile, user: UserSettings) -> Command:
-        """Has the line let go of everything and go on with another profile.
+        """Makes the pipeline release everything and continue with another profile.
 
         Raises:
-            DriverError: too many orders wait.
+            DriverError: too many commands wait.
         """
-        return self._queue.post(Command("switch", profile, user))
+        return self._queue.submit(Command("switch", profile, user))
 
     def note_error(self, sentence: str) -> None:
-        """Keeps a sentence about what went wrong for ``status``."""
+        """Keeps a sentence about an error for ``status``."""
         self._errors.append((time.time(), sentence))
 
     def status(self) -> dict[str, Any]:
-        """The state of the line, ready for JSON."""
+        """Returns the state of the pipeline, ready for JSON."""
         mapping, step, rates = self._pipeline.mapping, self._step, self._rates
         valid = step.markers.valid if step is not None else ()
         gel = self._pipeline.rest.detector.stats()
@@ -140,16 +143,16 @@ class Session:
             "stage_ms": {name: round(ms, 4) for name, ms in rates.stage_ms},
             "stage_spread_ms": {
                 name: dict(zip(("p50", "p99", "p99.9"), spread, strict=True))
-                for name, spread in self._stopwatch.spread_ms().items()
+                for name, spread in self.timings.spread_ms().items()
             },
             "fatigue": self._fatigue,
             "long_holds": self._long_holds,
             "errors": [{"at": round(at, 3), "error": text} for at, text in self._errors.copy()],
         }
 
-    def _carry_out(self, letter: Command) -> None:
+    def _apply(self, command: Command) -> None:
         mapping = self._pipeline.mapping
-        match letter.order:
+        match command.name:
             case "toggle" if mapping.state == "paused":
                 mapping.resume()
             case "pause" | "toggle":
@@ -158,8 +161,8 @@ class Session:
                 mapping.panic()
             case "resume":
                 mapping.resume()
-            case "switch" if letter.profile is not None:
-                self._switch(mapping, letter.profile, letter.user or self._user)
+            case "switch" if command.profile is not None:
+                self._switch(mapping, command.profile, command.user or self._user)
 
     def _switch(self, mapping: Mapping, profile: Profile, user: UserSettings) -> None:
         if user == self._user:
@@ -176,11 +179,11 @@ class Session:
         if user.neutral != recognizer.neutral:  # else what it knows of the hand stays
             recognizer.choose_neutral(user.neutral)
         self._user = user
-        self._pipeline.mapping = self._stopwatch.watch("profile", fresh, "update")
+        self._pipeline.mapping = fresh
 
     def _measure(self) -> None:
         at, slices, events, spent_ns = self._window
-        now, now_ns = self._step_at, self._stopwatch.spent_ns
+        now, now_ns = self._step_at, self.timings.spent_ns
         n, took_s = self._slices - slices, now - at
         self._rates = Rates(
             n / took_s,

@@ -1,76 +1,75 @@
-"""How long each stage takes, measured from outside, so that the line itself stays what it is."""
+"""Host time spent in each stage of the pipeline."""
 
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
-from typing import Any, Final, TypeVar, cast
+from typing import Final
 
 from neurotouch_hid.runtime.histogram import Histogram
 
-Stage = TypeVar("Stage")
-
-KEPT = 256
-"""Calls of each stage that are remembered one by one: a few seconds."""
+KEPT: Final = 256
+"""The newest calls of each stage, kept one by one: a few seconds."""
 RANKS: Final = (50.0, 99.0, 99.9)
-"""Percentiles that are told of each stage."""
+"""The percentiles that are reported of each stage."""
 
 
-class Stopwatch:
-    """Adds up the host time spent in the stages it watches."""
+class StageTimer:
+    """Times one stage; a context manager for the thread of the pipeline, not to be nested.
+
+    Attributes:
+        spent_ns: all time spent in the stage, in ns.
+        recent_ns: the newest calls, in ns.
+        all_ns: all calls since the start.
+    """
+
+    __slots__ = ("_begun_ns", "all_ns", "recent_ns", "spent_ns")
 
     def __init__(self) -> None:
-        self._spent_ns: dict[str, int] = {}
-        self._recent_ns: dict[str, deque[int]] = {}
-        self._all_ns: dict[str, Histogram] = {}
+        self.spent_ns = self._begun_ns = 0
+        self.recent_ns: deque[int] = deque(maxlen=KEPT)
+        self.all_ns = Histogram()
 
-    @property
-    def spent_ns(self) -> Mapping[str, int]:
-        """All time spent in each stage since the start, in ns."""
-        return self._spent_ns.copy()
+    def __enter__(self) -> None:
+        self._begun_ns = time.perf_counter_ns()
 
-    def recent_ns(self) -> dict[str, list[int]]:
-        """How long each of the latest calls took, by stage, in ns; from any thread."""
-        return {name: list(kept) for name, kept in self._recent_ns.copy().items()}
+    def __exit__(self, *_: object) -> None:
+        took_ns = time.perf_counter_ns() - self._begun_ns
+        self.spent_ns += took_ns
+        self.recent_ns.append(took_ns)
+        self.all_ns.add(took_ns)
 
-    def spread_ms(self) -> dict[str, tuple[float, ...]]:
-        """The ``RANKS`` of all calls since the start, by stage, in ms; from any thread."""
-        return {
-            name: tuple(ns / 1e6 for ns in histogram.percentiles(*RANKS))
-            for name, histogram in self._all_ns.copy().items()
+
+class StageTimings:
+    """A timer for each stage of a pipeline; the figures may be read from any thread.
+
+    ``status`` and the page show them under the names of ``_timers``.
+    """
+
+    def __init__(self) -> None:
+        self.rest, self.tracker, self.gesture = StageTimer(), StageTimer(), StageTimer()
+        self.profile, self.device = StageTimer(), StageTimer()
+        self.partial, self.frames = StageTimer(), StageTimer()
+        self._timers: Final = {
+            "rest": self.rest,
+            "head": self.partial,  # the name that ``status`` has always given it
+            "tracker": self.tracker,
+            "frames": self.frames,
+            "gesture": self.gesture,
+            "profile": self.profile,
+            "device": self.device,
         }
 
-    def watch(self, name: str, stage: Stage, method: str) -> Stage:
-        """The stage, with the calls of one method timed.
+    @property
+    def spent_ns(self) -> dict[str, int]:
+        """All time spent in each stage since the start, in ns."""
+        return {name: timer.spent_ns for name, timer in self._timers.items()}
 
-        Args:
-            name: what the stage is called.
-            stage: any object.
-            method: its name.
-        """
-        call = getattr(stage, method)
-        spent_ns = self._spent_ns
-        spent_ns.setdefault(name, 0)
-        recent_ns = self._recent_ns.setdefault(name, deque(maxlen=KEPT))
-        all_ns = self._all_ns.setdefault(name, Histogram())
+    def recent_ns(self) -> dict[str, list[int]]:
+        """Returns how long each of the newest calls took, by stage, in ns."""
+        return {name: list(timer.recent_ns.copy()) for name, timer in self._timers.items()}
 
-        def timed(*arguments: object) -> object:
-            begun_ns = time.perf_counter_ns()
-            result = call(*arguments)
-            took_ns = time.perf_counter_ns() - begun_ns
-            spent_ns[name] += took_ns
-            recent_ns.append(took_ns)
-            all_ns.add(took_ns)
-            return result
-
-        return cast(Stage, _Watched(stage, method, timed))
-
-
-class _Watched:
-    """Another object in every respect but one method."""
-
-    def __init__(self, stage: object, method: str, timed: Callable[[object], object]) -> None:
-        self._stage = stage
-        self.__dict__[method] = timed
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._stage, name)
+    def spread_ms(self) -> dict[str, tuple[float, ...]]:
+        """Returns the ``RANKS`` of all calls since the start, by stage, in ms."""
+        return {
+            name: tuple(ns / 1e6 for ns in timer.all_ns.percentiles(*RANKS))
+            for name, timer in self._timers.items()
+        }

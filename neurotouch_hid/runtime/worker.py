@@ -1,4 +1,4 @@
-"""What frames show, found beside the line: frames in and answers out, and the line never waits."""
+"""Processes frames beside the pipeline: frames in, results out; the pipeline never waits."""
 
 import threading
 from collections import deque
@@ -11,12 +11,12 @@ WATCHED_PACKETS = 64  # with events, that wait until the gel is found; 0.6 s of 
 
 
 class FrameResult(NamedTuple):
-    """What was seen of the gel.
+    """What a frame has shown.
 
     Attributes:
         rest: where all markers are, if the gel is at rest.
-        searched: a frame by which the tracker is yet to be corrected, and its blobs, which nobody
-            else has; None if events showed the gel, or if the tracker looks at frames itself.
+        searched: a frame that still has to correct the tracker, and its blobs, a copy; None if
+            events showed the gel, or if the tracker processes frames itself.
     """
 
     rest: RestField | None
@@ -24,27 +24,27 @@ class FrameResult(NamedTuple):
 
 
 class FrameExchange(Protocol):
-    """Where the line hands over frames and takes the newest answer."""
+    """Where the pipeline hands over frames and takes the newest result."""
 
     detector: RestDetector
 
     def exchange(self, packet: EventPacket) -> FrameResult | None:
-        """Hands over the frames of ``packet``; returns the newest answer not yet taken, or None."""
+        """Hands over the frames of ``packet``; returns the newest result not yet taken, or None."""
 
     def close(self) -> None:
-        """Stops working."""
+        """Stops; harmless when repeated."""
 
 
 class InlineRest:
-    """Detects rest in the line itself: the same packets give the same answers, always."""
+    """Detects rest in the pipeline itself: the same packets always give the same results."""
 
     def __init__(self, detector: RestDetector) -> None:
         self.detector = detector
 
     def exchange(self, packet: EventPacket) -> FrameResult | None:
-        """Looks at every frame of ``packet`` and returns the answer to the newest one.
+        """Processes every frame of ``packet`` and returns the result of the newest one.
 
-        Before the first frame, the events are looked at: a recording may have no frames at all.
+        Before the first frame it uses the events: a recording may have no frames at all.
         """
         rest = None if packet.frames else self.detector.watch(packet)
         for frame in packet.frames:
@@ -56,21 +56,21 @@ class InlineRest:
 
 
 class ThreadedRest:
-    """Looks at frames in a thread. Both mailboxes hold one letter, the newest wins, nobody waits.
+    """Processes frames in a thread. Both directions hold one item; the newest wins, nobody waits.
 
-    A queue is a deque of length one: ``append`` and ``pop`` are atomic, the line takes no lock.
-    Before the first frame, packets queue up for the thread, which adds up their events.
+    Each direction is a deque of length one: ``append`` and ``pop`` are atomic, so the pipeline
+    needs no lock. Before the first frame, packets queue up for the thread, which sums their events.
 
     Args:
-        detector: says of every frame whether the gel is at rest.
-        finder: the one that ``detector`` uses; nobody else does.
+        detector: decides for every frame whether the gel is at rest.
+        finder: the blob finder of ``detector``; nobody else may use it.
     """
 
     def __init__(self, detector: RestDetector, finder: BlobFinder) -> None:
         self.detector = detector
         self._finder = finder
         self._frames: deque[Frame] = deque(maxlen=1)
-        self._sights: deque[FrameResult] = deque(maxlen=1)
+        self._results: deque[FrameResult] = deque(maxlen=1)
         self._packets: deque[EventPacket] = deque(maxlen=WATCHED_PACKETS)
         self._wake = threading.Event()
         self._stopped = False
@@ -78,18 +78,18 @@ class ThreadedRest:
         self._thread.start()
 
     def exchange(self, packet: EventPacket) -> FrameResult | None:
-        """Takes the answer that is ready, if any, and posts the newest frame of ``packet``.
+        """Takes the result that is ready, if any, and hands over the newest frame of ``packet``.
 
-        In this order, so that no answer is to the very frame that is handed over with it.
+        In this order, so that no result belongs to the frame that is handed over in the same call.
         """
-        sight = self._sights.pop() if self._sights else None
+        result = self._results.pop() if self._results else None
         if packet.frames:
             self._frames.append(packet.frames[-1])
             self._wake.set()
         elif self.detector.is_watching:
             self._packets.append(packet)
             self._wake.set()
-        return sight
+        return result
 
     def close(self) -> None:
         """Ends the thread."""
@@ -108,8 +108,8 @@ class ThreadedRest:
                 frame = self._frames.pop()
                 rest = self.detector.update(frame)
                 blobs = self._finder.find(frame.pixels).copy()  # the next search overwrites them
-                self._sights.append(FrameResult(rest, (frame, blobs)))
+                self._results.append(FrameResult(rest, (frame, blobs)))
             while self._packets:
                 rest = self.detector.watch(self._packets.popleft())
                 if rest is not None:
-                    self._sights.append(FrameResult(rest))
+                    self._results.append(FrameResult(rest))

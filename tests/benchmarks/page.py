@@ -42,13 +42,12 @@ def main() -> None:
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 20.0
     with tempfile.TemporaryDirectory() as folder:
         os.environ["RUNTIME_DIRECTORY"] = folder
-        stopwatch = Stopwatch()
-        pipeline = Pipeline.build(load_profile("default"), GestureConfig(), stopwatch=stopwatch)
-        session = Session(pipeline, stopwatch, UserSettings())
+        pipeline = Pipeline.build(load_profile("default"), GestureConfig())
+        session = Session(pipeline, UserSettings())
         packets = Simulator(find_scene("tour"), seed=1)
         steps = [pipeline.advance(packet) for packet, _ in zip(packets, range(600), strict=False)]
         facts = {"source": lambda: "sim:tour", "file": lambda: "", "device": lambda: "memory"}
-        with Publisher(Path(folder), StateEncoder(session, stopwatch, facts)) as feed:
+        with Publisher(Path(folder), StateEncoder(session, facts)) as feed:
             alone = _play(feed, steps, seconds)
             print(f"the line's process, nobody looks: {alone:.2%} of a core")
             for hz in (30, 60):

@@ -18,9 +18,8 @@ PROFILE, USER = load_profile("default"), UserSettings()
 
 @pytest.fixture
 def session():
-    stopwatch = Stopwatch()
-    line = Pipeline.build(PROFILE, GestureConfig(), user=USER, stopwatch=stopwatch)
-    return Session(line, stopwatch, USER)
+    line = Pipeline.build(PROFILE, GestureConfig(), user=USER)
+    return Session(line, USER)
 
 
 @pytest.fixture
@@ -60,7 +59,7 @@ def test_an_answer_says_what_holds_afterwards(commands, session, patient, orders
         for order in orders:
             asked = asker.submit(commands.answer, {"command": order})
             while not asked.done():  # the line takes its orders between two slices
-                session.obey()
+                session.apply_commands()
                 time.sleep(0.001)
     assert asked.result()["done"]
     assert asked.result()["text"].startswith(words)
@@ -69,11 +68,11 @@ def test_an_answer_says_what_holds_afterwards(commands, session, patient, orders
 
 def test_too_many_orders_are_refused_but_never_a_panic(commands, session):
     for _ in range(64):
-        session.tell("pause")
+        session.submit("pause")
     refused = commands.answer({"command": "resume"})
     assert (refused["ok"], "too many" in refused["error"]) == (False, True)
     assert commands.answer({"command": "panic"})["ok"]
-    session.obey()
+    session.apply_commands()
     assert commands.answer({"command": "status"})["state"] == "panic"
 
 

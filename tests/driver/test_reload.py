@@ -28,11 +28,10 @@ class Driver:
     """A line that turns without slices, with a watch over its profile."""
 
     def __init__(self, name: str, user: UserSettings | None = None) -> None:
-        stopwatch = Stopwatch()
         profile = load_profile(name)
         user = user or UserSettings()
-        self.pipeline = Pipeline.build(profile, GestureConfig(), user=user, stopwatch=stopwatch)
-        self.session = Session(self.pipeline, stopwatch, user)
+        self.pipeline = Pipeline.build(profile, GestureConfig(), user=user)
+        self.session = Session(self.pipeline, user)
         self.said: list[str] = []
         self.prepared: list[str] = []
         self._done = threading.Event()
@@ -50,7 +49,7 @@ class Driver:
     def _turn(self) -> None:
         t_us = 0
         while not self._done.wait(0.01):
-            self.session.obey()
+            self.session.apply_commands()
             t_us += 10_000
             self.pipeline.mapping.update(no_gesture(t_us))
 

@@ -152,7 +152,7 @@ def test_other_values_of_the_person_hold_at_once(programs, tmp_path: Path) -> No
     programs("aplay", f"touch {tmp_path}/heard")
     stage = Stage(UserSettings())
     stage.session.switch(parse(BUTTONS), feedback("tones"))
-    stage.session.obey()
+    stage.session.apply_commands()
     stage.mapping.panic()
     stage.turn()
     wait((tmp_path / "heard").exists)

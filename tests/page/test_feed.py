@@ -35,11 +35,10 @@ class Line:
 
     def __init__(self, folder, packets):
         self.packets = packets
-        stopwatch = Stopwatch()
         profile = parse_profile(PROFILE, "mine.yaml")
-        self.pipeline = Pipeline.build(profile, GestureConfig(), stopwatch=stopwatch)
-        session = Session(self.pipeline, stopwatch, UserSettings())
-        self.observer = StateEncoder(session, stopwatch, {"source": lambda: "sim:push"})
+        self.pipeline = Pipeline.build(profile, GestureConfig())
+        session = Session(self.pipeline, UserSettings())
+        self.observer = StateEncoder(session, {"source": lambda: "sim:push"})
         self.feed = Publisher(folder, self.observer)
 
     def play(self, n=None, pace_s=0.0):

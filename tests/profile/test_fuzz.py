@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from ruamel.yaml import YAML
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.reading.document import parse_document
+from neurotouch_hid.profile.document import parse_document
 from neurotouch_hid.profile.reading.library import find_shipped_folder
 from neurotouch_hid.profile.reading.load import check_user, parse_profile
 

@@ -11,7 +11,7 @@ from neurotouch_hid.errors import GelNotFoundError
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline, run_pipeline
-from neurotouch_hid.runtime.loop import LIVE_STALL_S, STALL_S
+from neurotouch_hid.runtime.stall import LIVE_STALL_S, STALL_S
 
 
 @pytest.fixture
@@ -124,6 +124,6 @@ def test_while_a_live_source_has_nothing_the_loop_turns_obeys_and_ends(push, lin
         if len(n_turns) == 60:
             stop.set()
 
-    stats = run_pipeline(Live(), line, MemoryDevice(), stop=stop, turned=count)
+    stats = run_pipeline(Live(), line, MemoryDevice(), stop=stop, on_round=count)
     assert stats.slices == 50
     assert len(n_turns) == 60

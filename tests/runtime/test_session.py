@@ -25,7 +25,7 @@ class Line:
             load_profile(profile), GestureConfig(), user=user, stopwatch=stopwatch
         )
         self.session = Session(self.pipeline, stopwatch, user or UserSettings())
-        self.session.listen(self.heard.append)
+        self.session.on_command(self.heard.append)
 
     def play(self, happenings=None):
         """Runs; ``happenings`` maps the time of a slice in ms to what happens before it."""
@@ -68,7 +68,7 @@ def test_a_button_of_who_plays_along_makes_a_chord_of_the_push(push, tmp_path):
     (tmp_path / "chord.yaml").write_text(CHORD)
     line = Line(push, profile=str(tmp_path / "chord.yaml"))
     held = set()
-    line.session.follow(lambda: frozenset(held))
+    line.session.set_helper(lambda: frozenset(held))
     line.play({1200: lambda: held.add(Button.X), 1400: held.clear})
     pressed = {step.gesture.t_us // 1000: step.pad.buttons for step in line.steps}
     assert pressed[1200] == {Button.B}
@@ -78,7 +78,7 @@ def test_a_button_of_who_plays_along_makes_a_chord_of_the_push(push, tmp_path):
 
 def test_pause_releases_in_the_same_slice_and_tracking_goes_on(push):
     line = Line(push)
-    line.play({1300: lambda: line.session.tell("pause")})
+    line.play({1300: lambda: line.session.submit("pause")})
     assert max(line.pressed_ms()) == 1300
     assert line.heard == ["pause"]
     after = [step for step in line.steps if step.gesture.t_us == 1_500_000]
@@ -88,7 +88,9 @@ def test_pause_releases_in_the_same_slice_and_tracking_goes_on(push):
 
 def test_resume_acts_at_the_next_gesture_not_in_the_middle_of_one(push):
     line = Line(push)
-    line.play({1200: lambda: line.session.tell("pause"), 1300: lambda: line.session.tell("resume")})
+    line.play(
+        {1200: lambda: line.session.submit("pause"), 1300: lambda: line.session.submit("resume")}
+    )
     assert max(line.pressed_ms()) == 1200
     assert line.session.status()["state"] == "running"
 
@@ -99,12 +101,14 @@ def test_toggle_pauses_and_resumes_but_does_not_end_a_panic(push):
 
     def toggle():
         states.append(line.session.status()["state"])
-        line.session.tell("toggle")
+        line.session.submit("toggle")
 
     line.play(dict.fromkeys((100, 200, 300), toggle))
     assert states == ["running", "paused", "running"]
     line = Line(push)
-    line.play({100: lambda: line.session.tell("panic"), 200: lambda: line.session.tell("toggle")})
+    line.play(
+        {100: lambda: line.session.submit("panic"), 200: lambda: line.session.submit("toggle")}
+    )
     assert line.session.status()["state"] == "panic"
     assert line.pressed_ms() == []
 
@@ -114,8 +118,8 @@ def test_panic_outlasts_pause_and_a_switch_of_profile_and_of_the_person(push):
     racing = load_profile("racing")
     line.play(
         {
-            100: lambda: line.session.tell("panic"),
-            200: lambda: line.session.tell("pause"),
+            100: lambda: line.session.submit("panic"),
+            200: lambda: line.session.submit("pause"),
             300: lambda: line.session.switch(racing, UserSettings()),
             400: lambda: line.session.switch(racing, UserSettings(mirror=True)),
             500: lambda: line.session.switch(racing, UserSettings(mirror=True)),
@@ -131,7 +135,7 @@ def test_pause_outlasts_other_values_of_the_person(push):
     profile = load_profile("spacecraft")
     line.play(
         {
-            100: lambda: line.session.tell("pause"),
+            100: lambda: line.session.submit("pause"),
             200: lambda: line.session.switch(profile, UserSettings(mirror=True)),
         }
     )
@@ -181,7 +185,7 @@ def test_panic_throws_no_switch_of_profile_away_for_it_has_been_told_as_done():
 
 def test_order_while_the_line_stands_still_holds_from_its_return(push):
     line = Line(push)
-    done = line.session.tell("panic").done
+    done = line.session.submit("panic").done
     assert not done.done()
     line.play()
     assert done.done()
@@ -193,7 +197,7 @@ def test_commands_from_the_gel_are_told(push):
     step = line.play().steps[0]
     commands = ("rezero", "next_profile")
     pad = dataclasses.replace(step.pad, commands=commands)
-    line.session.note(dataclasses.replace(step, pad=pad))
+    line.session.record(dataclasses.replace(step, pad=pad))
     assert line.heard == list(commands)
 
 

@@ -21,8 +21,8 @@ def complete_paper(_ctx: click.Context, _param: click.Parameter, incomplete: str
 
 def complete_key(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Ways to the values of the profile that stands before on the line."""
+    from neurotouch_hid.profile.document import parse_document
     from neurotouch_hid.profile.editing import list_ways, take_paper
-    from neurotouch_hid.profile.reading.document import parse_document
 
     try:
         paper = take_paper(ctx.params.get("name") or "default", str)

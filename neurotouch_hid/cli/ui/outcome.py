@@ -11,7 +11,7 @@ from neurotouch_hid.cli.ui.output import print_json, say, show_changes
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile import Checked
-    from neurotouch_hid.profile.diagnostics.faults import Mark
+    from neurotouch_hid.profile.faults import Mark
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-from neurotouch_hid.profile.diagnostics.faults import Fault, Keys, format_path, suggest
-from neurotouch_hid.profile.reading.document import Node, find_key_mark, find_mark
-from neurotouch_hid.profile.reading.layering import merge_bindings
+from neurotouch_hid.profile.document import Node, find_key_mark, find_mark
+from neurotouch_hid.profile.faults import Fault, Keys, format_path, suggest
+from neurotouch_hid.profile.schema.layering import merge_bindings
 from neurotouch_hid.profile.schema.profile import Binding, Layer, Profile
 from neurotouch_hid.profile.schema.targets import LayerTarget
 

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 from typing import Final
 
 from neurotouch_hid.profile.diagnostics.consistency import find_bindings
-from neurotouch_hid.profile.diagnostics.faults import Fault, Keys, format_path
-from neurotouch_hid.profile.reading.document import Node, find_mark
-from neurotouch_hid.profile.reading.layering import merge_bindings
+from neurotouch_hid.profile.document import Node, find_mark
+from neurotouch_hid.profile.faults import Fault, Keys, format_path
 from neurotouch_hid.profile.schema.conditions import Condition, Sequence
 from neurotouch_hid.profile.schema.keys import is_order_to_kernel
+from neurotouch_hid.profile.schema.layering import merge_bindings
 from neurotouch_hid.profile.schema.profile import Binding, Profile
 from neurotouch_hid.profile.schema.targets import KeyTarget, LayerTarget
 from neurotouch_hid.profile.schema.timing import PRESETS

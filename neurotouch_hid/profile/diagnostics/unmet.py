@@ -4,8 +4,8 @@ from collections.abc import Collection, Iterator
 from typing import Final
 
 from neurotouch_hid.profile.diagnostics.consistency import find_bindings
-from neurotouch_hid.profile.diagnostics.faults import Fault, Keys, format_path
-from neurotouch_hid.profile.reading.document import Node, find_mark
+from neurotouch_hid.profile.document import Node, find_mark
+from neurotouch_hid.profile.faults import Fault, Keys, format_path
 from neurotouch_hid.profile.schema.conditions import Condition, Sequence
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.profile import Binding, Profile, make_step

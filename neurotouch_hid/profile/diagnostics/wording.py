@@ -6,7 +6,8 @@ from typing import Any, Final
 
 from pydantic import BaseModel, ValidationError
 
-from neurotouch_hid.profile.diagnostics.faults import (
+from neurotouch_hid.profile.document import Node, find_key_mark, find_mark, find_node
+from neurotouch_hid.profile.faults import (
     Fault,
     Keys,
     Mark,
@@ -14,7 +15,6 @@ from neurotouch_hid.profile.diagnostics.faults import (
     make_printable,
     suggest,
 )
-from neurotouch_hid.profile.reading.document import Node, find_key_mark, find_mark, find_node
 from neurotouch_hid.profile.schema.conditions import Condition, WeakRelease
 from neurotouch_hid.profile.schema.conditions import Sequence as Steps
 from neurotouch_hid.profile.schema.feedback import Feedback, Volumes

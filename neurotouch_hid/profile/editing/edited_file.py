@@ -11,11 +11,10 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.diagnostics.faults import make_printable
 from neurotouch_hid.profile.editing.revision import MODELINE, adopt
 from neurotouch_hid.profile.editing.store import Store
+from neurotouch_hid.profile.faults import make_printable
 from neurotouch_hid.profile.reading.library import (
-    NAME_PATTERN,
     OWN_VALUES,
     find_profile,
     find_shipped_folder,
@@ -32,6 +31,7 @@ from neurotouch_hid.profile.reading.load import (
 )
 from neurotouch_hid.profile.schema.profile import Profile
 from neurotouch_hid.profile.schema.user import UserSettings
+from neurotouch_hid.vocabulary import NAME_PATTERN
 
 Stamp = Callable[[], str]
 """The present moment as letters, digits, ``-`` and ``_``."""

@@ -5,7 +5,6 @@ from typing import Any, Final
 from pydantic import BaseModel
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.diagnostics.faults import Keys, suggest
 from neurotouch_hid.profile.editing.changes import (
     append_item,
     insert_key,
@@ -14,6 +13,7 @@ from neurotouch_hid.profile.editing.changes import (
 )
 from neurotouch_hid.profile.editing.layout import read_layout
 from neurotouch_hid.profile.editing.paths import find_way, list_known, name_bindings
+from neurotouch_hid.profile.faults import Keys, suggest
 from neurotouch_hid.profile.schema.profile import Profile
 
 VERSION: Final = 1

@@ -5,7 +5,7 @@ from typing import Final
 
 from neurotouch_hid.profile.diagnostics.description import describe_binding, describe_condition
 from neurotouch_hid.profile.editing.values import format_value
-from neurotouch_hid.profile.reading.layering import merge_bindings
+from neurotouch_hid.profile.schema.layering import merge_bindings
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.profile import Binding, Layer, Profile
 from neurotouch_hid.profile.schema.timing import resolve_times

@@ -9,7 +9,7 @@ from neurotouch_hid.profile.engine.binding_runner import BindingRunner
 from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
 from neurotouch_hid.profile.engine.output import Outputs
 from neurotouch_hid.profile.engine.pointer import PointerCare
-from neurotouch_hid.profile.reading.layering import merge_bindings
+from neurotouch_hid.profile.schema.layering import merge_bindings
 from neurotouch_hid.profile.schema.profile import Binding, Profile
 from neurotouch_hid.profile.schema.targets import CommandTarget, LayerTarget, MouseMotionTarget
 from neurotouch_hid.profile.schema.timing import Times

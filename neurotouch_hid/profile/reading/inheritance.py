@@ -1,6 +1,6 @@
 """A profile built on others: what it says itself comes first, the rest is theirs."""
 
-from neurotouch_hid.profile.reading.layering import uncovered
+from neurotouch_hid.profile.schema.layering import uncovered
 from neurotouch_hid.profile.schema.profile import Layer, Profile
 
 

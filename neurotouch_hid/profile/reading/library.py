@@ -7,11 +7,9 @@ from typing import Final
 
 from neurotouch_hid.client import find_player
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.diagnostics.faults import make_printable, suggest
+from neurotouch_hid.profile.faults import make_printable, suggest
 from neurotouch_hid.resources import PACKAGE_FOLDER, find_resources
-
-NAME_PATTERN: Final = r"^[a-z0-9_-]{1,64}$"
-"""The name of a profile; never a path."""
+from neurotouch_hid.vocabulary import NAME_PATTERN
 
 OWN_VALUES: Final = "user"
 """What commands call the person's own values; no profile has this name."""

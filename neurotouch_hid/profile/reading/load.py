@@ -11,7 +11,11 @@ from pydantic import BaseModel, ValidationError
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.profile.diagnostics.consistency import check_layers
-from neurotouch_hid.profile.diagnostics.faults import (
+from neurotouch_hid.profile.diagnostics.lint import find_warnings
+from neurotouch_hid.profile.diagnostics.unmet import find_unmet
+from neurotouch_hid.profile.diagnostics.wording import locate_faults
+from neurotouch_hid.profile.document import Node, find_mark, parse_document
+from neurotouch_hid.profile.faults import (
     Fault,
     Mark,
     format_faults,
@@ -19,10 +23,6 @@ from neurotouch_hid.profile.diagnostics.faults import (
     make_printable,
     suggest,
 )
-from neurotouch_hid.profile.diagnostics.lint import find_warnings
-from neurotouch_hid.profile.diagnostics.unmet import find_unmet
-from neurotouch_hid.profile.diagnostics.wording import locate_faults
-from neurotouch_hid.profile.reading.document import Node, find_mark, parse_document
 from neurotouch_hid.profile.reading.inheritance import build_on
 from neurotouch_hid.profile.reading.library import find_profile, find_user_file
 from neurotouch_hid.profile.schema.movements import MOVEMENTS

@@ -9,7 +9,6 @@ from typing import Annotated, Any, Final, Literal, Self
 from pydantic import AfterValidator, BaseModel, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from neurotouch_hid.profile.reading.library import NAME_PATTERN
 from neurotouch_hid.profile.schema.conditions import Condition, GestureName, Sequence, When
 from neurotouch_hid.profile.schema.shaping import Linear, Planar, Shaped
 from neurotouch_hid.profile.schema.strict import Strict, give_unit, make_optional
@@ -23,7 +22,7 @@ from neurotouch_hid.profile.schema.targets import (
     Target,
 )
 from neurotouch_hid.profile.schema.timing import FilterName, TimingSetting
-from neurotouch_hid.vocabulary import GestureKind
+from neurotouch_hid.vocabulary import NAME_PATTERN, GestureKind
 
 FIRST_LAYER: Final = "base"
 """What the layer of a profile without layers is called."""

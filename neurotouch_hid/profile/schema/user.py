@@ -5,12 +5,12 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from neurotouch_hid.profile.reading.library import NAME_PATTERN
 from neurotouch_hid.profile.schema.feedback import Feedback
 from neurotouch_hid.profile.schema.movements import MovementName
 from neurotouch_hid.profile.schema.profile import check_version, make_schema
 from neurotouch_hid.profile.schema.strict import Strict, give_unit, make_optional
 from neurotouch_hid.profile.schema.timing import FilterName, TimingSetting
+from neurotouch_hid.vocabulary import NAME_PATTERN
 
 
 class Range(Strict):

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.profile import check_content
-from neurotouch_hid.profile.diagnostics.faults import format_path
+from neurotouch_hid.profile.document import parse_document
 from neurotouch_hid.profile.editing import (
     bind,
     list_ways,
@@ -21,7 +21,7 @@ from neurotouch_hid.profile.editing import (
     unbind,
 )
 from neurotouch_hid.profile.editing.paths import find_way
-from neurotouch_hid.profile.reading.document import parse_document
+from neurotouch_hid.profile.faults import format_path
 
 TEXT = """\
 version: 1

@@ -5,6 +5,7 @@ import pytest
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.profile import check_content, check_profile
 from neurotouch_hid.profile.diagnostics.description import describe_target, describe_when
+from neurotouch_hid.profile.document import parse_document
 from neurotouch_hid.profile.editing import (
     adopt,
     bind,
@@ -18,7 +19,6 @@ from neurotouch_hid.profile.editing import (
     upgrade,
 )
 from neurotouch_hid.profile.editing.paths import find_way
-from neurotouch_hid.profile.reading.document import parse_document
 from neurotouch_hid.profile.reading.library import find_shipped_folder
 from neurotouch_hid.profile.schema.user import UserSettings
 

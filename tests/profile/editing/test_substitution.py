@@ -3,8 +3,8 @@
 import pytest
 
 from neurotouch_hid.profile import Mapping, UserSettings, check_content, perform, rehearse
+from neurotouch_hid.profile.document import parse_document
 from neurotouch_hid.profile.editing import avoid, hand_over, list_wishes, make_when
-from neurotouch_hid.profile.reading.document import parse_document
 from neurotouch_hid.profile.reading.library import find_shipped_folder
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 

@@ -52,7 +52,7 @@ def test_a_push_is_felt_through_the_camera_and_again_after_it_was_pulled_out(pus
     player = Player(push.packets)
     with DavisSource(cameras=player.cable, max_delay_us=60_000_000) as source:
         run_pipeline(
-            source, pipeline, player.pad, [player.look], stop=player.stop, turned=player.turned
+            source, pipeline, player.pad, [player.look], stop=player.stop, on_round=player.turned
         )
     before, after = player.seen[: player.pulled_at], player.seen[player.pulled_at :]
     assert not before[-1].pad.is_neutral

@@ -697,7 +697,7 @@ def test_the_line_goes_neutral_when_the_camera_falls_silent_and_ends_on_demand(p
     turned = []
     with Silent(cameras=camera) as source:
         stats = run_pipeline(
-            source, line, device, [look], stop=stop, turned=lambda: turned.append(1)
+            source, line, device, [look], stop=stop, on_round=lambda: turned.append(1)
         )
     assert stats.slices == 150
     assert len(turned) > 150

@@ -23,7 +23,7 @@ from ruamel.yaml.events import (
 )
 from ruamel.yaml.reader import ReaderError
 
-from neurotouch_hid.profile.diagnostics.faults import Fault, Keys, Mark, format_path
+from neurotouch_hid.profile.faults import Fault, Keys, Mark, format_path
 
 MAX_DEPTH: Final = 16
 MAX_NODES: Final = 5_000
