@@ -105,7 +105,7 @@ def open_gel(
 
     Args:
         source: ``davis:`` (the camera), ``file:NAME.aedat4``, ``sim:NAME``, a source of a plug-in,
-            or ``driver:``: what the running driver sees. ConditionedGesture a driver changes nothing there;
+            or ``driver:``: what the running driver sees. Reading a driver changes nothing there;
             who reads slowly misses states and always gets the newest. The other options do not
             apply to it, except ``player``.
         profile: name or path of the profile that makes ``Touch.pad``.

@@ -24,9 +24,7 @@ _COLOURS = {"OK": "green", "WARNING": "yellow", "FAILED": "red", "SKIPPED": "cya
     "  neurotouch doctor --json | jq '.[] | select(.status == \"FAILED\")'\n\n"
     "Exit code 0 if nothing failed, 1 otherwise."
 )
-@click.option(
-    "--keys", is_flag=True, help="Try the keys that stop everything, without realtime_priority."
-)
+@click.option("--keys", is_flag=True, help="Try the keys that stop everything, without hurry.")
 @click.option(
     "--fix-script", is_flag=True, help="Print a shell script with the fixes; run nothing."
 )

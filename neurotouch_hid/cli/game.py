@@ -12,7 +12,7 @@ import click
 @click.option("--open/--no-open", "open_browser", default=True, help="Open it in your browser.")
 @click.option("--port", type=click.IntRange(0, 65535), help="Default: 7878, or any if it is taken.")
 def command(open_browser: bool, port: int | None) -> None:
-    """Open the spacecraft game in your browser: rings, no realtime_priority, no punishment.
+    """Open the spacecraft game in your browser: rings, no hurry, no punishment.
 
     It reads the virtual pad as any game does, so a running driver flies it. Without one it flies by
     itself. Ctrl-C ends; where 'neurotouch view' or a demo serves the page already, this only opens

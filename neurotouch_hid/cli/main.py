@@ -25,7 +25,7 @@ _SUMMARIES = {
     "reload": "Have the running driver load its profile anew.",
     "status": "Say what the running driver does.",
     "profile": "Look at profiles, change them, try them, share them.",
-    "calibrate": "Measure your own range of each movement, without realtime_priority.",
+    "calibrate": "Measure your own range of each movement, without hurry.",
     "explain": "Say what the code of a fault means.",
     "schema": "Print the JSON Schema of profiles, for editors.",
     "emulate": "Plug in an emulated camera, for those who have none.",

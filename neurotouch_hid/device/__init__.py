@@ -16,10 +16,10 @@ from neurotouch_hid.device.outputs.spec import ExtraDevice
 
 __all__ = [
     "ChordReader",
-    "ExtraDevice",
     "CompositeDevice",
     "Copilot",
     "Device",
+    "ExtraDevice",
     "MemoryDevice",
     "RumbleRouter",
     "SharedDevice",

@@ -24,7 +24,7 @@ class Device(Protocol):
         """What the user is told it is."""
 
     def prepare(self, extra_devices: Iterable[ExtraDevice]) -> None:
-        """Make those of the extra_devices that are missing; call it with each new profile.
+        """Make those of the extra devices that are missing; call it with each new profile.
 
         Raises:
             DeviceError: they cannot be made.

@@ -81,7 +81,7 @@ def check_keyboard() -> Verdict:
 def try_chords(
     say: Callable[[str], object], wait: Callable[[Callable[[], bool]], bool], **places: Path
 ) -> Verdict:
-    """Has the person press each chord, without any realtime_priority.
+    """Has the person press each chord, without any hurry.
 
     Args:
         say: tells the person what to press.
@@ -95,7 +95,7 @@ def try_chords(
         missed = []
         for name, keys in chords.items():
             words = " + ".join(key.removeprefix("KEY_").capitalize() for key in keys)
-            say(f"Hold {words} together ({name}). No realtime_priority; S and Enter skips.")
+            say(f"Hold {words} together ({name}). No hurry; S and Enter skips.")
             if not wait(partial(heard.__contains__, name)):
                 missed.append(name)
             else:

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Checked",
-    "MappingDecision",
     "Mapping",
+    "MappingDecision",
     "Moment",
     "Profile",
     "UserSettings",

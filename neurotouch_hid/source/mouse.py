@@ -28,8 +28,8 @@ LONGEST_BYTES: Final = 8 * 1024
 class MouseSource:
     """Packets of a gel under a hand that is led through a Unix socket; a source.
 
-    Every message is one wish, see ``simulator.hand.HandCommand``; the newest counts. Unlike a script, a
-    slice is computed when its time has come and not before.
+    Every message is one ``HandCommand``; the newest counts. Unlike with a script, a slice is
+    computed when its time has come and not before.
 
     Args:
         folder: where the socket is made; the driver's own.

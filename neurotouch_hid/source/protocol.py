@@ -50,11 +50,11 @@ class ActivityAware(Protocol):
     """A source that hands over its slices as the line needs them."""
 
     def set_activity(self, *, is_idle: bool, wants_frames: bool = True) -> None:
-        """Says what the line does; it takes no note of any of this before.
+        """Tells the source what the pipeline does; before the first call it does none of this.
 
-        While it is idle, slices that hold nothing but noise may come as one, with fewer frames if
-        it wants no more. Otherwise the head of a slice (``EventPacket.is_partial``) may come shortly
-        before its end.
+        While the pipeline is idle, slices with nothing but noise may come as one, with fewer
+        frames if it wants no more. Otherwise a partial slice (``EventPacket.is_partial``) may come
+        shortly before the end of the slice.
         """
         ...
 

@@ -18,7 +18,7 @@ from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.monitor.encoder import StateEncoder
 from neurotouch_hid.monitor.publisher import Publisher
 from neurotouch_hid.profile import UserSettings, load_profile
-from neurotouch_hid.runtime import Pipeline, Session, Stopwatch
+from neurotouch_hid.runtime import Pipeline, Session
 from neurotouch_hid.source.simulator import Simulator, find_scene
 
 SLICE_S = 0.01

@@ -23,9 +23,7 @@ def plug(tmp_path):
     cables = []
 
     def plug(**identity):
-        config = CameraConfig(
-            identity=Identity(**identity), realtime_priority=True, await_reset=True
-        )
+        config = CameraConfig(identity=Identity(**identity), unpaced=True, await_reset=True)
         cables.append(plug_in(EmulatedCamera(SCENE, config)))
         return cables[-1]
 

@@ -292,7 +292,7 @@ def test_an_upgrade_adds_the_version_and_the_schema_line(home):
     (home / "profiles" / "old.yaml").write_text(old, encoding="utf-8")
     assert run("profile", "upgrade", "old")[1] == 0
     assert own(home, "old").splitlines()[1:] == ["version: 1", *old.splitlines()]
-    assert "present version" in run("profile", "upgrade", "old")[0]
+    assert "current version" in run("profile", "upgrade", "old")[0]
 
 
 PROFILE = """\

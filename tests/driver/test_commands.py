@@ -11,7 +11,7 @@ from neurotouch_hid.driver.reload import ProfileWatch
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.profile import UserSettings, load_profile
-from neurotouch_hid.runtime import Pipeline, Session, Stopwatch
+from neurotouch_hid.runtime import Pipeline, Session
 
 PROFILE, USER = load_profile("default"), UserSettings()
 

@@ -12,7 +12,7 @@ from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import no_gesture
 from neurotouch_hid.profile import UserSettings, load_profile
-from neurotouch_hid.runtime import Pipeline, Session, Stopwatch
+from neurotouch_hid.runtime import Pipeline, Session
 
 LIMIT_S = 60.0
 """Far more than the second that is promised: tests are not timed."""

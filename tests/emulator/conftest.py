@@ -13,7 +13,7 @@ def plug():
 
     def plug(config=None, *faults, scene=SCENE):
         camera = EmulatedCamera(
-            scene, config or CameraConfig(realtime_priority=True, lead_us=700_000), faults
+            scene, config or CameraConfig(unpaced=True, lead_us=700_000), faults
         )
         cables.append(plug_in(camera))
         return cables[-1]

@@ -61,7 +61,7 @@ def own() -> Iterator[Batch]:
     """neurotouch_hid."""
     from neurotouch_hid.source.davis import DavisSource
 
-    # The emulated camera is in a realtime_priority: here old slices are as good as new ones.
+    # The emulated camera is in a hurry: here old slices are as good as new ones.
     with DavisSource(max_delay_us=60_000_000) as source:
         for packet in source.turns():
             if packet is None:

@@ -225,7 +225,7 @@ def test_told_to_wait_it_loses_nothing():
 
 def test_in_a_hurry_it_goes_as_fast_as_it_is_read_and_loses_nothing():
     scene = make_scene(n_events=100_000)
-    host = Host(scene, CameraConfig(realtime_priority=True, lead_us=1000, fifo_bytes=1 << 17))
+    host = Host(scene, CameraConfig(unpaced=True, lead_us=1000, fifo_bytes=1 << 17))
     host.switch_on()
     host.wait(105_000)
     while not host.camera.ended:

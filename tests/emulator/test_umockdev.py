@@ -17,16 +17,14 @@ pytestmark = pytest.mark.filterwarnings("ignore:DynamicImporter:ImportWarning") 
 def test_every_driver_sees_what_was_shown(plug, driver, tmp_path):
     out = tmp_path / "seen.npz"
     resets = driver != "neuromorphic"  # the others reset the clock, and show nothing before
-    config = CameraConfig(
-        realtime_priority=True, await_reset=resets, lead_us=700_000 * (not resets)
-    )
+    config = CameraConfig(unpaced=True, await_reset=resets, lead_us=700_000 * (not resets))
     run(plug(config), "-m", "tests.emulator.drivers", driver, str(out), "20000", "6", "200")
     assert_same(np.load(out), SCENE)
 
 
 @pytest.mark.parametrize("orientation", [5, 6, 7])
 def test_another_driver_undoes_the_flips_as_we_do_them(plug, orientation, tmp_path):
-    config = CameraConfig(realtime_priority=True, lead_us=700_000, orientation=orientation)
+    config = CameraConfig(unpaced=True, lead_us=700_000, orientation=orientation)
     scene = make_scene(n_events=500, length_us=60_000, n_frames=1)
     out = tmp_path / "seen.npz"
     cable = plug(config, scene=scene)

@@ -16,7 +16,7 @@ from neurotouch_hid.monitor.publisher import MOST_HZ, MOST_LISTENERS, Publisher
 from neurotouch_hid.page.text_view import LineWriter, draw_picture
 from neurotouch_hid.profile import UserSettings
 from neurotouch_hid.profile.reading.load import parse_profile
-from neurotouch_hid.runtime import Pipeline, Session, Stopwatch
+from neurotouch_hid.runtime import Pipeline, Session
 from neurotouch_hid.snapshot import read_head
 from neurotouch_hid.subscriber import Subscriber
 

@@ -37,8 +37,8 @@ class CameraConfig:
         lead_us: how long the scene waits after the sensors have been switched on.
         await_reset: the scene also waits until the host has then reset the clock, as our driver
             and the vendor's do; however long they take, they miss nothing of it.
-        realtime_priority: the scene goes as fast as the host reads and nothing is ever lost; else it takes its
-            time, and a slow host loses events, as with a real camera.
+        unpaced: the scene goes as fast as the host reads and nothing is ever lost; otherwise it
+            takes its time, and a slow host loses events, as with a real camera.
         pace: microseconds of the camera's time in one of the host's. Below 1 the camera lives in
             slow motion, for a machine too slow to play at its own pace.
     """
@@ -51,7 +51,7 @@ class CameraConfig:
     fifo_bytes: int = 1 << 20
     lead_us: int = 0
     await_reset: bool = False
-    realtime_priority: bool = False
+    unpaced: bool = False
     pace: float = 1.0
 
 
@@ -194,7 +194,7 @@ class EmulatedCamera:
             self._jump(elapsed_ns // 1000)
             return
         began = self._watching and self._t_ns >= 1000 * self._resume_us
-        if self.config.realtime_priority and began and not self._scene.ended:
+        if self.config.unpaced and began and not self._scene.ended:
             self._hurry()
             return
         self._produce(elapsed_ns)

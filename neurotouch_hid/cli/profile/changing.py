@@ -170,7 +170,7 @@ def upgrade(name: str, as_json: bool, plain: bool) -> None:
     edited = take_profile(name, make_stamp)
     text = upgrade_text(edited.text, find_schema(edited.store.path))
     if text == edited.text:
-        current = Outcome(f"{edited.name} is of the present version.", file=edited.store.path)
+        current = Outcome(f"{edited.name} is of the current version.", file=edited.store.path)
         current.tell(plain=plain, as_json=as_json)
         return
     save_edited(edited, text, plain=plain, as_json=as_json)

@@ -68,7 +68,7 @@ class SharedDevice:
         return "nothing moves the pointer" if self._mice is None else self._mice.describe()
 
     def prepare(self, extra_devices: Iterable[ExtraDevice]) -> None:
-        """Make those of the extra_devices that are missing.
+        """Make those of the extra devices that are missing.
 
         Raises:
             DeviceError: they cannot be made.

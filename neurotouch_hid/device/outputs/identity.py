@@ -39,12 +39,12 @@ _NO_PART: Final = (
 )
 _NO_END: Final = (
     *(
-        " PointerMotion Sensors",
+        " Motion Sensors",
         " IMU",
         " Touchpad",
         " Accelerometer",
         " IR",
-        " PointerMotion Plus",
+        " Motion Plus",
     ),
     *(" Nunchuk", " Pen", " Finger", " System Control"),
 )

@@ -20,7 +20,7 @@ class ExtraDevice(StrEnum):
 
 
 def find_needed(state: GamepadState) -> set[ExtraDevice]:
-    """Return the extra_devices that a state cannot be shown without."""
+    """Return the extra devices that a state cannot be shown without."""
     needed = set()
     if state.keys:
         needed.add(ExtraDevice.KEYBOARD)

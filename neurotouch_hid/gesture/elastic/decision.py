@@ -156,7 +156,7 @@ class KindDecider:
         self.confidence = self._believe(size_mm) * self._prefer(size_mm, noise_mm)
 
     def _find_on(self, noise_mm: float) -> float:
-        """FingerMotion of a finger that begins a gesture now."""
+        """Motion of a finger that begins a gesture now."""
         config = self._config
         on_mm = max(config.on_mm, config.on_noise * noise_mm, self._least_mm + config.again_mm)
         return on_mm + config.sway_gain * self._sway_mm + self._swing_mm

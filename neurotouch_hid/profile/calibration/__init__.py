@@ -1,4 +1,4 @@
-"""Measuring what a hand can do, without realtime_priority: noise, tremor, the range of eight movements."""
+"""Measuring what a hand can do, without hurry: noise, tremor, the range of eight movements."""
 
 from neurotouch_hid.profile.calibration.repetition import Repetition
 from neurotouch_hid.profile.calibration.result import WeakSide, find_weak_sides, write_ranges
@@ -6,8 +6,8 @@ from neurotouch_hid.profile.calibration.session import CalibrationSession
 from neurotouch_hid.profile.calibration.tremor import Tremor
 
 __all__ = [
-    "Repetition",
     "CalibrationSession",
+    "Repetition",
     "Tremor",
     "WeakSide",
     "find_weak_sides",

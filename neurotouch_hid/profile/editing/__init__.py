@@ -33,8 +33,8 @@ from neurotouch_hid.profile.editing.values import parse_value
 
 __all__ = [
     "EditedFile",
-    "Store",
     "Remapping",
+    "Store",
     "Version",
     "adopt",
     "avoid",

@@ -159,7 +159,7 @@ def adopt(text: str, name: str, schema: str) -> str:
 
 
 def upgrade(text: str, schema: str) -> str:
-    """The text in the present version of the format, with a schema line for editors.
+    """The text in the current version of the format, with a schema line for editors.
 
     Raises:
         ProfileError: it is of a version we do not know.

@@ -24,7 +24,7 @@ from neurotouch_hid.profile.schema.targets import Acting, LayerTarget
 from neurotouch_hid.profile.schema.timing import Times
 
 WEAK_DROP: Final = 0.35
-"""Contribution of the peak by which the intensity falls where a weak hand wants to let go."""
+"""Share of the peak by which the intensity falls where a weak hand wants to let go."""
 
 
 class StageFactory:

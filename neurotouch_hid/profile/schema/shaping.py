@@ -20,7 +20,7 @@ class Expo(Strict):
     expo: float = Field(
         ge=-1.0,
         le=1.0,
-        description="Contribution of the cubic, -1 (quick in the middle) to 1 (fine in the middle); 0 is "
+        description="Share of the cubic, -1 (quick in the middle) to 1 (fine in the middle); 0 is "
         "a straight line. No default.",
         json_schema_extra=give_unit("1"),
     )
@@ -100,7 +100,7 @@ class Shaped(Strict):
         default=0.05,
         ge=0.0,
         le=0.9,
-        description="Contribution of the range that stays exactly 0; what is left is stretched, so "
+        description="Share of the range that stays exactly 0; what is left is stretched, so "
         "nothing jumps. Default: 0.05.",
         json_schema_extra=give_unit("1"),
     )

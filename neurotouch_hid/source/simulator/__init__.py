@@ -19,8 +19,8 @@ from neurotouch_hid.source.simulator.strokes import (
 __all__ = [
     "CameraConfig",
     "Finger",
-    "GelConfig",
     "Fingertips",
+    "GelConfig",
     "LightConfig",
     "Script",
     "SensorConfig",

@@ -189,7 +189,7 @@ def _rise(t_us: float, length_us: float) -> float:
 
 
 def _return(stroke: Stroke, t_us: float) -> float:
-    """Contribution of the motion that is left ``t_us`` after the finger let go."""
+    """Share of the motion that is left ``t_us`` after the finger let go."""
     slipped = stroke.slip * _rise(t_us, min(SLIP_US, stroke.release_us))
     swift = (1.0 - stroke.slip - stroke.creep) * _rise(t_us, stroke.release_us)
     tail_us = stroke.release_us + 4.0 * stroke.creep_us

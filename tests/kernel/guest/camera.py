@@ -66,7 +66,7 @@ def serve(orders: Connection) -> None:
                 Identity(serial),
                 lead_us=LEAD_US * (not resets),
                 await_reset=resets,
-                realtime_priority=True,
+                unpaced=True,
             )
             cables.append(UsbIp(EmulatedCamera(make_scene(**SCENE), config)))
         orders.send("done")

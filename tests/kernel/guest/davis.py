@@ -263,7 +263,7 @@ def count_open() -> tuple[int, int]:
 
 
 def claim_second() -> Iterator[None]:
-    """DeviceSpec the second camera, as somebody else's program does."""
+    """Claim the second camera, as somebody else's program does."""
     wait_for(lambda: len(find_cameras()) == 2)
     (node,) = (info.node for info in find_cameras() if info.serial == "00000002")
     fcntl.ioctl(os.open(node, os.O_RDWR), CLAIM, bytearray(4))

@@ -24,7 +24,7 @@ N_FRAMES = sum(len(packet.frames) for packet in SCENE)
 
 def play(library, *faults, n_events=N_EVENTS):
     """What a driver in a process of its own saw of the scene."""
-    config = CameraConfig(await_reset=True, realtime_priority=True)
+    config = CameraConfig(await_reset=True, unpaced=True)
     camera = EmulatedCamera(SCENE, config, [Fault.parse(fault) for fault in faults])
     with plug_in(camera) as bed:
         done = subprocess.run(

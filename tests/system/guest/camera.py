@@ -98,7 +98,7 @@ class Camera:
 
 def rehearse(packets: Iterator[EventPacket]) -> None:
     """Reads the camera as a host would, as far as its first frames."""
-    camera = EmulatedCamera(packets, CameraConfig(realtime_priority=True))
+    camera = EmulatedCamera(packets, CameraConfig(unpaced=True))
     switches = (CHIP_RUN, USB_RUN, TIMESTAMP_RUN, MUX_RUN, DVS_RUN, APS_RUN, TIMESTAMP_RESET)
     for switch in switches:
         camera.write(switch, 1)

@@ -188,7 +188,7 @@ def draw_reliability(reports: Reports) -> Figure:
     axes.set_ylim(0, 1.04)
     axes.set_yticks(*_PERCENT)
     axes.set_title("Slices whose type is right")
-    amounts.set_title("Contribution of the slices")
+    amounts.set_title("Share of the slices")
     amounts.set_ylim(0, 1)
     amounts.set_yticks([0, 0.5, 1], ["0", "50", "100 %"])
     amounts.set_xlabel("confidence")

@@ -113,7 +113,7 @@ def _draw_results(evaluations: Mapping[str, Evaluation], reports: Reports) -> It
     yield _picture(
         "timing-types",
         draw_times(timings, reports),
-        "Contribution of the gestures whose type is recognised, over the time since the labelled "
+        "Share of the gestures whose type is recognised, over the time since the labelled "
         "intensity reached 2.5 mm; bars of the gestures that change type, and of the false "
         "gestures in 10 minutes at rest. The table above holds the numbers.",
         "A gesture whose type is never recognised keeps its line below 100 %.",
@@ -121,7 +121,7 @@ def _draw_results(evaluations: Mapping[str, Evaluation], reports: Reports) -> It
     yield _picture(
         "confidence-reliability",
         draw_reliability(reports),
-        "Contribution of right types over the confidence they were called with, and how often each "
+        "Share of right types over the confidence they were called with, and how often each "
         "confidence is given. The table below holds all numbers.",
         "Slices in which a gesture is recognised. On the dotted line a confidence means what it "
         "says: of those called with 0.9, nine in ten are right.",
