@@ -9,6 +9,8 @@
     ├── ProfileError           6   a profile says something we cannot do (file, line, column)
     ├── DeviceError            7   the virtual gamepad cannot be made or written
     ├── PageError              1   the local web page cannot be served
+    ├── PluginError            1   a method or source of another package cannot be used
+    ├── DesktopError           1   the desktop does not say which window is active
     └── DriverError            8   the running driver cannot be reached, or it refuses
         ├── NotRunningError    8   no driver is running
         └── AlreadyRunningError  75  another driver is running, which goes on undisturbed
@@ -90,3 +92,7 @@ class AlreadyRunningError(DriverError):
 
 class DesktopError(NeuroTouchError):
     """The desktop does not say which window is active."""
+
+
+class PluginError(NeuroTouchError):
+    """A method or a source of another package cannot be used."""

@@ -145,7 +145,7 @@ def open_gel(
             player=player,
             speed=speed,  # type: ignore[arg-type]  # checked above
             rate_hz=rate_hz,
-            method=method,  # type: ignore[arg-type]  # the recogniser checks it
+            method=method,
             seed=seed,
             personal=personal,
             listens=False,

@@ -3,15 +3,12 @@
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import click
 
 from neurotouch_hid.cli.ui.group import LazyGroup
 from neurotouch_hid.cli.ui.options import method_option
-
-if TYPE_CHECKING:
-    from neurotouch_hid.gesture import Method
 
 _SUMMARIES: Final = {
     "pointing": "Measure how well you point (ISO 9241-411).",
@@ -74,7 +71,7 @@ _RANKS = ("median", "p99", "p99.9")
 @click.option("--json", "json_path", type=click.Path(path_type=Path, dir_okay=False))
 @click.option("--long", is_flag=True, help="Play the sustained rates for ten minutes each.")
 @click.pass_context
-def command(ctx: click.Context, method: "Method", json_path: Path | None, long: bool) -> None:
+def command(ctx: click.Context, method: str, json_path: Path | None, long: bool) -> None:
     """Measure the speed of every stage on this machine, on one core.
 
     The stages get slices of 10 ms at the paper's speeds; then the line plays live, in the sensor's

@@ -3,14 +3,11 @@
 import json
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from neurotouch_hid.cli.ui.options import METHODS, rate_option
-
-if TYPE_CHECKING:
-    from neurotouch_hid.gesture import Method
+from neurotouch_hid.cli.ui.options import MethodName, rate_option
 
 
 @click.command(
@@ -25,8 +22,8 @@ if TYPE_CHECKING:
 @click.option(
     "--method",
     "methods",
-    type=click.Choice(METHODS),
-    default=METHODS[:1],
+    type=MethodName(),
+    default=("neurotouch",),
     multiple=True,
     show_default=True,
     help="How gestures are recognised; several times to compare methods.",
@@ -56,7 +53,7 @@ if TYPE_CHECKING:
 @rate_option
 def command(
     files: tuple[Path, ...],
-    methods: "tuple[Method, ...]",
+    methods: tuple[str, ...],
     rate_hz: float | None,
     json_path: Path | None,
     report_path: Path | None,

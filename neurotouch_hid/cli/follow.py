@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
-    from neurotouch_hid.gesture import Method
     from neurotouch_hid.messages import Step
 
 
@@ -12,7 +11,7 @@ def read_steps(
     source: str,
     speed: Literal["recorded", "max"] = "recorded",
     seed: int = 0,
-    method: "Method" = "neurotouch",
+    method: str = "neurotouch",
     *,
     profile: str = "default",
     seconds: float | None = None,

@@ -16,7 +16,6 @@ from neurotouch_hid.cli.ui.options import (
 
 if TYPE_CHECKING:
     from neurotouch_hid.driver import DeviceKind
-    from neurotouch_hid.gesture import Method
 
 
 @click.command(
@@ -82,7 +81,7 @@ def command(
     player: int,
     speed: Literal["recorded", "max"],
     rate_hz: float | None,
-    method: "Method",
+    method: str,
     seed: int,
     trace: Path | None,
     show: str,

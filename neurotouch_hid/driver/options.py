@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from neurotouch_hid.gesture import Method
 from neurotouch_hid.source import Speed
 
 DeviceKind = Literal["uinput", "hid", "memory"]
@@ -42,7 +41,7 @@ class DriverOptions:
     player: int = 1
     speed: Speed = "recorded"
     rate_hz: float | None = None
-    method: Method = "neurotouch"
+    method: str = "neurotouch"
     seed: int = 0
     shows_rumble: bool = False
     wait: bool = False

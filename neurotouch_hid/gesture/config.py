@@ -1,11 +1,9 @@
 """How gestures are recognised."""
 
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal
 
-Method = Literal["neurotouch", "paper"]
 NeutralPose = Literal["lifted", "resting"]
-METHODS: tuple[Method, ...] = get_args(Method)
 
 
 @dataclass(frozen=True, slots=True)
@@ -13,7 +11,8 @@ class GestureConfig:
     """Hyper-parameters of the gesture stage.
 
     Attributes:
-        method: how a gesture is found; ``paper`` is [NT, "Methodology"].
+        method: how a gesture is found: ``neurotouch``, ``paper`` [NT, "Methodology"], or the name
+            that another package gives its own (``neurotouch.methods``).
         neutral: what counts as no gesture: ``lifted``, the gel untouched, or ``resting``, the pose
             of a hand that stays on it, known once it has been still, see ``Neutral``.
         min_tracked: measured markers, about half, without which nothing is recognised: a lost gel
@@ -28,7 +27,7 @@ class GestureConfig:
             largest of all such means stays below 0.4 px.
     """
 
-    method: Method = "neurotouch"
+    method: str = "neurotouch"
     neutral: NeutralPose = "lifted"
     min_tracked: int = 90
     radius_px: float = 30.0

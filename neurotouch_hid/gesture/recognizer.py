@@ -1,20 +1,16 @@
 """From marker displacements to a gesture, one slice at a time."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import Rig, fit_rig
 from neurotouch_hid.gesture.config import GestureConfig, NeutralPose
-from neurotouch_hid.gesture.elastic import ElasticMethod
+from neurotouch_hid.gesture.method import make_method
 from neurotouch_hid.gesture.neutral import Neutral
 from neurotouch_hid.gesture.paper.kernels import displace
 from neurotouch_hid.messages import Gesture, GestureKind, MarkerField, no_gesture
-
-if TYPE_CHECKING:
-    from neurotouch_hid.gesture.paper.method import PaperMethod
 
 FIRST_STEP_US = 10_000  # the length of a slice [NT, "Results"], until two have been seen
 
@@ -37,7 +33,7 @@ class GestureRecognizer:
     def choose_neutral(self, pose: NeutralPose) -> None:
         """From now on counts from another pose; a gesture that is being made ends."""
         self._config = replace(self._config, neutral=pose)
-        self._method = _make_method(self._config)
+        self._method = make_method(self._config)
         self._neutral = Neutral(is_resting=pose == "resting")
 
     def rezero(self) -> None:
@@ -76,12 +72,3 @@ class GestureRecognizer:
         contacts_px = self._neutral.displace(gesture.contacts_px, rest_px.astype(np.float64))
         contacts_mm = self._rig.to_mm(contacts_px)
         return replace(gesture, contacts_px=contacts_px, contacts_mm=contacts_mm)
-
-
-def _make_method(config: GestureConfig) -> "PaperMethod | ElasticMethod":
-    if config.method == "paper":
-        # With OpenCV, which takes 60 MB and a twentieth of every start.
-        from neurotouch_hid.gesture.paper.method import PaperMethod  # noqa: PLC0415
-
-        return PaperMethod(config)
-    return ElasticMethod(config)

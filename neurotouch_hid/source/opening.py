@@ -2,7 +2,8 @@
 
 from typing import TYPE_CHECKING, Literal
 
-from neurotouch_hid.errors import SourceError
+from neurotouch_hid.errors import PluginError, SourceError
+from neurotouch_hid.plugins import SOURCES, list_plugins, load_plugin
 from neurotouch_hid.source.pacing import PacedSource
 from neurotouch_hid.source.protocol import Source
 
@@ -14,6 +15,7 @@ PAPER_US = 10_000
 """Slices of recordings and simulations [NT, "Results"], so that figures stay comparable."""
 LIVE_US = 4_000
 """Slices of a camera: an event waits for the end of its slice, for half of one on average."""
+_MEMBERS = ("name", "rig", "is_live", "is_simulated", "__iter__", "close", "__enter__", "__exit__")
 FORMS = ("davis:", "davis:SERIAL", "file:NAME.aedat4", "sim:NAME")
 
 
@@ -31,7 +33,8 @@ def open_source(
 
     Args:
         spec: ``davis:`` (the first camera) or ``davis:SERIAL``, ``file:NAME.aedat4`` (or just the
-            path), ``sim:NAME``.
+            path), ``sim:NAME``, or ``KIND:REST`` of another package: its entry point KIND in
+            ``neurotouch.sources`` is called as ``make(REST, slice_us=..., seed=...)``.
         slice_us: length of a slice of sensor time; without, ``LIVE_US`` of a camera and
             ``PAPER_US`` of anything else.
         speed: ``recorded`` plays no faster than it happened, ``max`` as fast as it is asked for; a
@@ -52,7 +55,7 @@ def open_source(
         if spec.endswith(".aedat4"):
             kind, rest = "file", spec
         else:
-            raise SourceError(f"{spec!r} is not a source", hint=f"give one of {', '.join(FORMS)}")
+            return _open_plugin(spec, slice_us or PAPER_US, speed, seed)
     if kind == "davis":
         from neurotouch_hid.source.davis import MAX_DELAY_US, DavisSource  # noqa: PLC0415
 
@@ -65,6 +68,23 @@ def open_source(
         )
     source = _open(kind, rest, slice_us or PAPER_US, seed)
     return PacedSource(source) if speed == "recorded" else source
+
+
+def _open_plugin(spec: str, slice_us: int, speed: Speed, seed: int) -> Source:
+    """Opens a source of another package, see ``plugins``."""
+    kind, colon, rest = spec.partition(":")
+    make = load_plugin(SOURCES, kind) if colon else None
+    if make is None:
+        forms = [*FORMS, *(f"{name}:" for name in list_plugins(SOURCES))]
+        raise SourceError(f"{spec!r} is not a source", hint=f"give one of {', '.join(forms)}")
+    source: Source = make(rest, slice_us=slice_us, seed=seed)
+    missing = [each for each in _MEMBERS if not hasattr(source, each)]
+    if missing:
+        raise PluginError(
+            f"The source '{kind}:' has no {', '.join(missing)}.",
+            hint="It must be what neurotouch_hid.source.Source describes.",
+        )
+    return PacedSource(source) if speed == "recorded" and not source.is_live else source
 
 
 def _open(kind: str, rest: str, slice_us: int, seed: int) -> Source:

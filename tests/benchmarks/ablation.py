@@ -59,7 +59,7 @@ VARIANTS = {
         ("elastic/decision.py", "swing: float = 0.1", "swing: float = 0.0"),
     ),
     "one finger at most": (("elastic/fingers.py", "most: int = MOST", "most: int = 1"),),
-    "method: paper": (("config.py", 'method: Method = "neurotouch"', 'method: Method = "paper"'),),
+    "method: paper": (("config.py", 'method: str = "neurotouch"', 'method: str = "paper"'),),
 }  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.device import Device, check_device, open_device, shows_change
 from neurotouch_hid.errors import DeviceError
-from neurotouch_hid.gesture import GestureConfig, Method
+from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EventPacket, GamepadState
 from neurotouch_hid.process.realtime import realtime_priority
 from neurotouch_hid.profile import load_profile
@@ -84,7 +84,7 @@ class Sent:
 
 def measure_latency(
     kind: str,
-    method: Method,
+    method: str,
     progress: Callable[[str], None],
     *,
     source: str = SCENE,

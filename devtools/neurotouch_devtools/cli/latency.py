@@ -1,14 +1,11 @@
 """``neurotouch bench latency``: from the last event of a slice to another program."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from neurotouch_hid.cli.ui.options import method_option
 from neurotouch_hid.cli.ui.output import json_option, print_json
-
-if TYPE_CHECKING:
-    from neurotouch_hid.gesture import Method
 
 _BAR = 40
 _ROWS = (
@@ -40,7 +37,7 @@ _ROWS = (
 )
 @method_option
 @json_option
-def command(device: str, source: str, seconds: float, method: "Method", as_json: bool) -> None:
+def command(device: str, source: str, seconds: float, method: str, as_json: bool) -> None:
     """Measure how long it takes from the last event of a slice until a game has its input.
 
     Slices are played in their own time through the whole line; another process reads the pad's

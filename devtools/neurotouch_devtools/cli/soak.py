@@ -1,14 +1,9 @@
 """``neurotouch bench soak``: whether memory stays flat over hours of play."""
 
-from typing import TYPE_CHECKING
-
 import click
 
 from neurotouch_hid.cli.ui.options import method_option
 from neurotouch_hid.cli.ui.output import json_option, print_json
-
-if TYPE_CHECKING:
-    from neurotouch_hid.gesture import Method
 
 
 @click.command(
@@ -26,7 +21,7 @@ if TYPE_CHECKING:
 )
 @method_option
 @json_option
-def command(minutes: float, method: "Method", as_json: bool) -> None:
+def command(minutes: float, method: str, as_json: bool) -> None:
     """Play all gestures again and again through the whole line, and watch the memory."""
     from neurotouch_devtools.bench.soak import measure_soak
     from neurotouch_hid.gesture import GestureConfig

@@ -19,7 +19,7 @@ from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.evaluation.accuracy.files import evaluate_files
 from neurotouch_hid.evaluation.speed.decoding import measure_decoding
 from neurotouch_hid.evaluation.speed.pace import run_live_benchmark
-from neurotouch_hid.gesture import GestureConfig, GestureRecognizer, Method
+from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
 from neurotouch_hid.messages import EventPacket, GestureKind, Truth
 from neurotouch_hid.profile import Mapping, load_profile
 from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
@@ -58,7 +58,7 @@ class Spread:
 
 
 def run_benchmark(
-    method: Method, progress: Callable[[str], None], *, long: bool = False
+    method: str, progress: Callable[[str], None], *, long: bool = False
 ) -> dict[str, Any]:
     """Measures everything while nothing else runs.
 

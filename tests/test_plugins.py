@@ -1,0 +1,137 @@
+"""Methods and sources of other packages: the two examples, and packages that are wrong."""
+
+import json
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+WRONG = """
+class NoReset:
+    def __init__(self, config): ...
+    def update(self, *_): ...
+
+class NoGesture(NoReset):
+    def reset(self): ...
+
+def no_source(rest, *, slice_us, seed):
+    return object()
+"""
+
+
+@pytest.fixture
+def installed(tmp_path):
+    """Makes packages look installed, as pip does: the code, and a .dist-info folder beside it."""
+
+    def install(name, code, entry_points):
+        (tmp_path / f"{name}.py").write_text(code)
+        info = tmp_path / f"{name}-1.0.dist-info"
+        info.mkdir()
+        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
+        lines = [
+            line
+            for group, points in entry_points.items()
+            for line in (f"[{group}]", *(f"{key} = {value}" for key, value in points.items()))
+        ]
+        (info / "entry_points.txt").write_text("\n".join(lines))
+        return tmp_path
+
+    def install_example(folder):
+        project = tomllib.loads((EXAMPLES / folder / "pyproject.toml").read_text())["project"]
+        (module,) = (EXAMPLES / folder).glob("*.py")
+        return install(module.stem, module.read_text(), project["entry-points"])
+
+    install.example = install_example
+    return install
+
+
+def run(folder, *arguments):
+    program = f"import sys; sys.path.append({str(folder)!r}); " + (
+        "from neurotouch_hid.__main__ import main; main()"
+    )
+    return subprocess.run(
+        [sys.executable, "-c", program, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+
+
+def play(folder, tmp_path, *arguments):
+    trace = tmp_path / "trace.jsonl"
+    fast = ("--speed", "max", "--device", "memory", "--show", "nothing", "--trace", trace)
+    done = run(folder, "run", *arguments, *fast)
+    assert done.returncode == 0, done.stderr
+    return [json.loads(line) for line in trace.read_text().splitlines()]
+
+
+def test_the_example_of_a_method_recognises_pushes(installed, tmp_path):
+    folder = installed.example("own_method")
+    steps = play(folder, tmp_path, "--source", "sim:push", "--method", "mean_push")
+    assert {step["gesture"] for step in steps} == {"none", "push"}
+    assert max(step["intensity_mm"] for step in steps) > 2.0
+
+
+def test_the_example_of_a_source_mirrors_the_push(installed, tmp_path):
+    folder = installed.example("own_source")
+    strongest = max(
+        play(folder, tmp_path, "--source", "mirrored:sim:push"), key=lambda s: s["intensity_mm"]
+    )
+    assert strongest["gesture"] == "push"
+    assert abs(abs(strongest["direction_deg"]) - 180) < 15  # to the left: the push goes right
+
+
+def test_names_are_offered_where_one_is_wrong(installed):
+    folder = installed.example("own_method")
+    done = run(folder, "run", "--method", "mean_pusch", "--source", "sim:push")
+    assert done.returncode == 2
+    assert "methods: neurotouch, paper, mean_push. Did you mean 'mean_push'?" in done.stderr
+    installed.example("own_source")
+    done = run(folder, "run", "--source", "mirored:sim:push", "--device", "memory")
+    assert done.returncode == 3
+    assert "mirrored:" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("points", "arguments", "sentence"),
+    [
+        (
+            {"neurotouch.methods": {"bad": "wrong:Missing"}},
+            ("--method", "bad", "--source", "sim:push"),
+            "'bad' of the package wrong cannot be loaded: AttributeError",
+        ),
+        (
+            {"neurotouch.methods": {"bad": "wrong:NoReset"}},
+            ("--method", "bad", "--source", "sim:push"),
+            "The method 'bad' has no function 'reset'.",
+        ),
+        (
+            {"neurotouch.methods": {"bad": "wrong:NoGesture"}},
+            ("--method", "bad", "--source", "sim:push"),
+            "The method 'bad' returned NoneType, not a Gesture.",
+        ),
+        (
+            {"neurotouch.sources": {"bad": "wrong:no_source"}},
+            ("--source", "bad:x"),
+            "The source 'bad:' has no name, rig, is_live",
+        ),
+    ],
+)
+def test_what_is_wrong_in_a_package_is_said_in_one_sentence(installed, points, arguments, sentence):
+    folder = installed("wrong", WRONG, points)
+    done = run(folder, "run", *arguments, "--device", "memory", "--speed", "max")
+    assert done.returncode == 1
+    assert sentence in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_the_ten_lines_print_gestures():
+    program = EXAMPLES / "ten_lines" / "read_gel.py"
+    done = subprocess.run(
+        [sys.executable, program, "sim:push"], capture_output=True, text=True, check=True
+    )
+    assert "push" in done.stdout
