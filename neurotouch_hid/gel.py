@@ -35,6 +35,8 @@ class Touch:
         contacts_mm: (K, 2) float64, the contact points, columns x, y, in mm from the centre of the
             gel; x right, y towards the user.
         translation_mm: (x, y), the common motion of the gel around the contacts, in mm.
+        rotation_rad: the rotation of the gel around the contacts, clockwise positive.
+        scale: its scaling, 1 at rest, below 1 for a pinch.
         confidence: 0 to 1.
         pad: the state of the virtual gamepad.
         markers_mm: (177, 2) float32, how far each marker is from its rest, columns x, y, in mm.
@@ -48,6 +50,8 @@ class Touch:
     intensity_mm: float
     contacts_mm: NDArray[np.float64]
     translation_mm: tuple[float, float]
+    rotation_rad: float
+    scale: float
     confidence: float
     pad: GamepadState
     markers_mm: NDArray[np.float32] = field(repr=False)
@@ -176,6 +180,8 @@ def _from_step(step: "Step", markers: MarkerWriter) -> Touch:
         gesture.intensity_mm,
         gesture.contacts_mm,
         gesture.translation_mm,
+        gesture.rotation_rad,
+        gesture.scale,
         gesture.confidence,
         step.pad,
         markers.measure(step.markers),
@@ -204,6 +210,8 @@ def _from_state(state: bytes) -> Touch:
         gesture["mm"],
         np.array(gesture["contacts"], np.float64).reshape(-1, 2),
         tuple(gesture["moved_mm"]),
+        gesture["turned_rad"],
+        gesture["scale"],
         gesture["confidence"],
         _read_pad(head["t_us"], head["pad"]),
         moved_mm,

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.vocabulary import Axis, Button, GestureKind, Phase
+from neurotouch_hid.vocabulary import Axis, Button, GestureKind
 
 __all__ = [
     "EVENT_DTYPE",
@@ -26,7 +26,6 @@ __all__ = [
     "Gesture",
     "GestureKind",
     "MarkerField",
-    "Phase",
     "RestField",
     "Step",
     "Truth",
@@ -126,11 +125,6 @@ class Gesture:
         rotation_rad: their rotation about the mean contact, clockwise for the user is positive.
         scale: their scaling about the mean contact, 1 at rest, below 1 for a pinch.
         confidence: 0..1.
-        phase: attack, hold or release of the gesture; REST without one or where nobody knows.
-        speed_mm_s: how fast the strongest finger's motion grows; negative as it goes back.
-        finger_ids: (K,) a name for each contact that stays with its finger until rest; empty where
-            nobody follows them.
-        motion_mm: (K, 2) float64, how far each contact's finger has dragged the gel.
     """
 
     t_us: int
@@ -142,10 +136,6 @@ class Gesture:
     rotation_rad: float = 0.0
     scale: float = 1.0
     confidence: float = 1.0
-    phase: Phase = Phase.REST
-    speed_mm_s: float = 0.0
-    finger_ids: tuple[int, ...] = ()
-    motion_mm: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
 
 
 def no_gesture(t_us: int) -> Gesture:

@@ -13,7 +13,7 @@ from neurotouch_hid.profile import UserSettings, load_profile
 from neurotouch_hid.runtime import Pipeline, run_pipeline
 from neurotouch_hid.source.simulator import Simulator
 from neurotouch_hid.source.simulator.gel.motion import KNOT_US
-from neurotouch_hid.source.simulator.hand_model import GuidedHand, Wish
+from neurotouch_hid.source.simulator.hand_model import GuidedHand, HandCommand
 from neurotouch_hid.source.simulator.script import Finger, Stroke, sequence
 
 RIGHT, LEFT = Finger((9.0, 0.0)), Finger((-9.0, 0.0))
@@ -107,10 +107,10 @@ def test_fingers_that_rest_are_no_gesture_for_who_says_so_and_another_one_pushes
     """Two fingers lie down at 0.5 s and drag the gel by 1.2 mm; a third pushes from 4 to 5 s."""
     knot = count()
 
-    def ask() -> Wish:
+    def ask() -> HandCommand:
         t_us = next(knot) * KNOT_US
         pushes = 4_000_000 <= t_us < 5_000_000
-        return Wish(resting=t_us > 500_000, down=pushes, y_mm=-8.0, push_x_mm=7.0 * pushes)
+        return HandCommand(resting=t_us > 500_000, down=pushes, y_mm=-8.0, push_x_mm=7.0 * pushes)
 
     user = UserSettings(neutral=neutral)
     line = Pipeline.build(load_profile("default"), GestureConfig(), user=user)

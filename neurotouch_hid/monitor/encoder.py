@@ -166,7 +166,8 @@ def _write_gesture(shot: Sample) -> bytes:
         f'{{"kind":"{gesture.kind.label}","mm":{gesture.intensity_mm:.2f},'
         f'"movement":"{movement}","felt_mm":{reading.mm:.2f},"phase":"{reading.phase}",'
         f'"contacts":[{contacts}],"confidence":{gesture.confidence:.2f},'
-        f'"moved_mm":[{gesture.translation_mm[0]:.2f},{gesture.translation_mm[1]:.2f}]}}'
+        f'"moved_mm":[{gesture.translation_mm[0]:.2f},{gesture.translation_mm[1]:.2f}],'
+        f'"turned_rad":{gesture.rotation_rad:.3f},"scale":{gesture.scale:.3f}}}'
     ).encode()
 
 

@@ -14,9 +14,9 @@ import sys
 from neurotouch_hid.cli.calibrate_result import conclude
 from neurotouch_hid.cli.ui.keyboard import Keyboard
 from neurotouch_hid.profile import load_user, rehearse
-from neurotouch_hid.profile.calibration import Session
+from neurotouch_hid.profile.calibration import CalibrationSession
 
-session = Session(load_user(), guided=False)
+session = CalibrationSession(load_user(), guided=False)
 for gesture in rehearse(sys.argv[1]):
     session.take(gesture)
 conclude(

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from neurotouch_hid.desktop import DesktopError, open_window
+from neurotouch_hid.desktop import open_window
+from neurotouch_hid.errors import DesktopError
 
 
 class Compositor:

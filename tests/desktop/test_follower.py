@@ -3,7 +3,8 @@
 import threading
 import time
 
-from neurotouch_hid.desktop import DesktopError, Follower
+from neurotouch_hid.desktop import Follower
+from neurotouch_hid.errors import DesktopError
 
 LIMIT_S = 60.0
 

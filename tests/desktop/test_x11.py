@@ -7,7 +7,8 @@ import time
 
 import pytest
 
-from neurotouch_hid.desktop import DesktopError, Follower, open_window
+from neurotouch_hid.desktop import Follower, open_window
+from neurotouch_hid.errors import DesktopError
 
 xcffib = pytest.importorskip("xcffib")
 xproto = pytest.importorskip("xcffib.xproto")

@@ -12,9 +12,9 @@ from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
 from neurotouch_hid.source.simulator import Simulator
 from neurotouch_hid.source.simulator.script import sequence
-from neurotouch_hid.source.simulator.strokes import TypeTiming, push, twist
+from neurotouch_hid.source.simulator.strokes import StrokeTiming, push, twist
 
-TIMING = TypeTiming(200_000, 200_000, 200_000)
+TIMING = StrokeTiming(200_000, 200_000, 200_000)
 CONFIG = GestureConfig(method="paper")
 
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.gesture.elastic.decision import KindDecider
-from neurotouch_hid.messages import GestureKind, Phase
+from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.vocabulary import Phase
 
 
 def test_no_gesture_begins_while_everything_sways():

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.geometry import LATTICE_MM
-from neurotouch_hid.gesture import METHODS, GestureConfig, GestureRecognizer
-from neurotouch_hid.messages import GestureKind, MarkerField, Phase
+from neurotouch_hid.gesture import GestureConfig, GestureRecognizer, list_methods
+from neurotouch_hid.messages import GestureKind, MarkerField
 from tests.gesture.elastic import RIG, Scene, field, random_scene
 
 KINDS = list(GestureKind)[1:]
@@ -65,7 +65,7 @@ def kinds(steps):
 
 
 def test_it_is_the_default():
-    assert GestureConfig().method == METHODS[0] == "neurotouch"
+    assert GestureConfig().method == list_methods()[0] == "neurotouch"
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -94,7 +94,6 @@ def test_a_push_is_measured_below_the_pitch(heading):
         gesture = player.see(field(centre[None], motion[None]))
     np.testing.assert_allclose(gesture.contacts_mm, [centre + motion], atol=0.8)
     np.testing.assert_allclose(RIG.to_px(gesture.contacts_mm), gesture.contacts_px, atol=0.1)
-    np.testing.assert_allclose(gesture.motion_mm, [motion], atol=0.3)
     np.testing.assert_allclose(gesture.translation_mm, motion, atol=0.3)
     assert gesture.intensity_mm == pytest.approx(5, abs=0.3)
 
@@ -131,7 +130,7 @@ def test_a_finger_that_still_holds_shows_in_the_field(late, weak):
         drag = np.array([[6.0, 0.0], [-6.0 * weak, 0.0]]) * rise[:, None]
         gesture = player.see(field(np.array([[-12.0, 0.0], [12.0, 0.0]]), drag))
         if drag.max() >= 2.0:
-            shown.append((gesture.kind, len(gesture.finger_ids)))
+            shown.append((gesture.kind, len(gesture.contacts_mm)))
     assert {kind for kind, _ in shown} == {GestureKind.PINCH}
     assert shown[-1][1] == 2
 
@@ -157,31 +156,6 @@ def test_the_type_lasts_from_the_attack_to_rest():
         if strong < len(steps) - 1:
             assert kinds(steps[strong + 5 :]) == [kind]
         assert steps[-1][0].kind is GestureKind.NONE
-
-
-def test_phases_follow_one_another():
-    player = Player()
-    player.rest()
-    steps = player.play(two([[6, 0], [-6, 0]]))
-    phases = [gesture.phase for gesture, *_ in steps]
-    order = [p for i, p in enumerate(phases) if i == 0 or p is not phases[i - 1]]
-    assert order == [Phase.REST, Phase.ATTACK, Phase.HOLD, Phase.RELEASE, Phase.REST]
-    speed = [gesture.speed_mm_s for gesture, *_ in steps]
-    assert max(speed) > 20
-    assert min(speed) < -15
-
-
-def test_fingers_keep_their_names():
-    player = Player(5)
-    player.rest()
-    steps = player.play(two([[6, 0], [-6, 0]], 0.05, (1.0, 0.6)))
-    strong = [gesture for gesture, *_, mm in steps if mm >= 2.5]
-    assert {frozenset(g.finger_ids) for g in strong} == {frozenset(strong[0].finger_ids)}
-    left = {
-        g.finger_ids[int(g.contacts_mm[:, 0].argmin())] for g in strong if len(g.finger_ids) == 2
-    }
-    assert len(left) == 1
-    assert all(len(g.finger_ids) == len(g.contacts_mm) == len(g.motion_mm) for g in strong)
 
 
 def test_a_new_gesture_may_be_another_one():
@@ -242,9 +216,7 @@ def test_equal_input_gives_equal_answers_bit_for_bit():
         answers = []
         for kind in KINDS:
             for g, *_ in player.play(random_scene(player.rng, kind), 0.6):
-                answers.append(
-                    (g.kind, g.contacts_px.tobytes(), g.intensity_mm, g.confidence, g.finger_ids)
-                )
+                answers.append((g.kind, g.contacts_px.tobytes(), g.intensity_mm, g.confidence))
         return answers
 
     assert run() == run()
@@ -270,7 +242,7 @@ def test_a_finger_that_holds_still_is_a_contact_of_the_pinch():
     for size_mm in np.linspace(0.0, 4.0, 11).tolist() + [4.0] * 20:
         gesture = player.see(field(centres, np.array([[-size_mm, 0.0], [0.0, 0.0]])))
     assert gesture.kind is GestureKind.PINCH
-    assert sorted(np.hypot(*gesture.motion_mm.T)) == pytest.approx([0.0, 4.0], abs=0.3)
+    assert len(gesture.contacts_mm) == 2
     assert gesture.intensity_mm == pytest.approx(2.0, abs=0.2)
 
 
@@ -278,5 +250,5 @@ def test_the_command_line_offers_every_method():
     from neurotouch_hid.cli.run import command
 
     option = next(option for option in command.params if option.name == "method")
-    assert tuple(option.type.choices) == METHODS
-    assert option.default == METHODS[0]
+    assert option.type.get_metavar(option, None) == f"[{'|'.join(list_methods())}|...]"
+    assert option.default == list_methods()[0]

@@ -15,7 +15,7 @@ from neurotouch_hid.monitor.cue import Cue, CueKind
 from neurotouch_hid.monitor.player import play_cue
 from neurotouch_hid.monitor.tone import make_wave
 from neurotouch_hid.profile import Mapping, UserSettings, rehearse
-from neurotouch_hid.runtime import Pipeline, Session, Stopwatch
+from neurotouch_hid.runtime import Pipeline, Session
 from tests.monitor.stage import BUTTONS, FLICK, parse, turn
 
 LIMIT_S = 60.0
@@ -53,7 +53,7 @@ class Stage:
         profile = parse(BUTTONS)
         self.pipeline = Pipeline.build(profile, GestureConfig(), user=user)
         self.said: list[str] = []
-        self.session = Session(self.pipeline, Stopwatch(), user)
+        self.session = Session(self.pipeline, user)
         self.sound = SoundMonitor(self.session, self.said.append)
 
     @property

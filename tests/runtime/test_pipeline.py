@@ -38,7 +38,7 @@ def play_live(line, packet):
     looked_us = line._looked_us
     line.process_frames(step)
     if line._looked_us != looked_us:
-        wait_for(lambda: line.rest._sights)
+        wait_for(lambda: line.rest._results)
     return step
 
 

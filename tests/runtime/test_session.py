@@ -9,8 +9,9 @@ from neurotouch_hid.errors import DriverError
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import Button
 from neurotouch_hid.profile import UserSettings, load_profile, rehearse
-from neurotouch_hid.runtime import Pipeline, Session, Stopwatch, run_pipeline
+from neurotouch_hid.runtime import Pipeline, Session, run_pipeline
 from neurotouch_hid.runtime.command_queue import CAPACITY, Command, CommandQueue
+from neurotouch_hid.runtime.timing import KEPT
 
 
 class Line:
@@ -20,11 +21,8 @@ class Line:
         self.push = push
         self.heard = []
         self.steps = []
-        stopwatch = Stopwatch()
-        self.pipeline = Pipeline.build(
-            load_profile(profile), GestureConfig(), user=user, stopwatch=stopwatch
-        )
-        self.session = Session(self.pipeline, stopwatch, user or UserSettings())
+        self.pipeline = Pipeline.build(load_profile(profile), GestureConfig(), user=user)
+        self.session = Session(self.pipeline, user or UserSettings())
         self.session.on_command(self.heard.append)
 
     def play(self, happenings=None):
@@ -164,21 +162,21 @@ def test_other_values_of_the_person_hold_from_the_next_gesture_on(push):
 
 def test_panic_throws_away_what_waits_and_finds_room(push):
     queue = CommandQueue()
-    letters = [queue.post(Command("resume")) for _ in range(CAPACITY)]
+    commands = [queue.submit(Command("resume")) for _ in range(CAPACITY)]
     with pytest.raises(DriverError, match="too many"):
-        queue.post(Command("resume"))
-    queue.post(Command("panic"))
+        queue.submit(Command("resume"))
+    queue.submit(Command("panic"))
     assert queue.take().order == "panic"
     assert queue.take() is None
     with pytest.raises(DriverError, match="panic"):
-        letters[0].done.result(0)
+        commands[0].done.result(0)
 
 
 def test_panic_throws_no_switch_of_profile_away_for_it_has_been_told_as_done():
     queue = CommandQueue()
     for order in ("pause", "switch", "resume", "switch"):
-        queue.post(Command(order))
-    queue.post(Command("panic"))
+        queue.submit(Command(order))
+    queue.submit(Command("panic"))
     assert [queue.take().order for _ in range(3)] == ["switch", "switch", "panic"]
     assert queue.take() is None
 
@@ -261,19 +259,12 @@ def test_status_names_what_was_held_for_long(push, monkeypatch):
     assert line.play().session.status()["long_holds"] == {"push_left": 1}
 
 
-def test_stopwatch_times_one_method_and_leaves_the_rest_alone():
-    class Stage:
-        size = 3
-
-        def update(self, value):
-            return value + self.size
-
-    stopwatch = Stopwatch()
-    stage = stopwatch.watch("stage", Stage(), "update")
-    assert stopwatch.spent_ns == {"stage": 0}
-    assert stage.update(4) == 7
-    assert stage.size == 3
-    assert stopwatch.spent_ns["stage"] > 0
-    assert 0.0 < stopwatch.spread_ms()["stage"][0] <= stopwatch.spread_ms()["stage"][-1]
-    with pytest.raises(AttributeError):
-        stage.nothing  # noqa: B018
+def test_every_stage_is_timed_where_it_runs(push):
+    line = Line(push).play()
+    timings = line.pipeline.timings
+    spread_ms = timings.spread_ms()
+    for stage in ("rest", "tracker", "gesture", "profile", "device"):
+        assert timings.spent_ns[stage] > 0
+        assert 0.0 < spread_ms[stage][0] <= spread_ms[stage][-1]
+        assert len(timings.recent_ns()[stage]) == min(KEPT, len(line.steps))
+    assert timings.spent_ns["head"] == 0  # only a live pipeline gets partial slices

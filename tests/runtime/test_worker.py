@@ -49,7 +49,7 @@ def test_thread_answers_as_the_line_does(push):
             expected = inline.exchange(packet)
             answer = beside.exchange(packet)
             assert answer is None
-            wait_for(lambda: beside._sights)
+            wait_for(lambda: beside._results)
             answer = beside.exchange(empty(packet))
             assert answer is not None
             assert answer.rest.t_us == expected.rest.t_us
@@ -76,7 +76,7 @@ def test_line_never_waits_and_the_newest_frame_wins(push):
         detector.go.release(2)
         wait_for(lambda: len(detector.seen) == 2)
         assert detector.seen == [framed[0].frames[-1].t_us, framed[-1].frames[-1].t_us]
-        wait_for(lambda: beside._sights)
+        wait_for(lambda: beside._results)
         assert beside.exchange(empty(framed[-1])) is not None
         assert beside.exchange(empty(framed[-1])) is None  # taken once
     finally:
@@ -91,7 +91,7 @@ def test_an_answer_never_comes_with_the_frame_that_it_is_to(push, monkeypatch):
 
     def wake_and_lose_the_core() -> None:
         wake()
-        wait_for(lambda: beside._sights)
+        wait_for(lambda: beside._results)
 
     try:
         monkeypatch.setattr(beside._wake, "set", wake_and_lose_the_core)
@@ -111,7 +111,7 @@ def test_thread_finds_the_gel_in_events_alone(push):
         for packet in frameless:
             answers.append(beside.exchange(packet))
             wait_for(lambda: not beside._packets)  # as slow as a camera; a fast one loses the rest
-        wait_for(lambda: beside._sights or any(answers))
+        wait_for(lambda: beside._results or any(answers))
         answer = next(filter(None, [*answers, beside.exchange(empty(frameless[-1]))]))
         assert answer.rest.t_us == expected.rest.t_us
         assert (answer.rest.position_px == expected.rest.position_px).all()

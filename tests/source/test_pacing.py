@@ -14,6 +14,7 @@ class Packets:
 
     name = "packets"
     rig = None
+    is_live = is_simulated = False
 
     def __init__(self):
         self.closed = False

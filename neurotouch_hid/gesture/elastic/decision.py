@@ -4,7 +4,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from neurotouch_hid.messages import GestureKind, Phase
+from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.vocabulary import Phase
 
 
 @dataclass(frozen=True, slots=True)

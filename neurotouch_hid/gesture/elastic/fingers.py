@@ -154,15 +154,11 @@ class Contacts(NamedTuple):
     Attributes:
         mm: (k, 2), gel coordinates.
         px: (k, 2), the same in the image.
-        drags_mm: (k, 2), how far each has dragged the gel.
-        names: (k,), see ``Gesture.finger_ids``.
-        intensity_mm: the mean length of the drags.
+        intensity_mm: how far they have dragged the gel in the mean.
     """
 
     mm: Floats
     px: Floats
-    drags_mm: Floats
-    names: tuple[int, ...]
     intensity_mm: float
 
 
@@ -266,8 +262,7 @@ class FingerTracker:
         Args:
             least: so many are shown even if they hardly move.
         """
-        mm, px, drags, names, intensity_mm = show(self.fits, self.gel, self._rules, least)
-        return Contacts(mm, px, drags, tuple(names.tolist()), intensity_mm)
+        return Contacts(*show(self.fits, self.gel, self._rules, least))
 
 
 def _lay_out_gel(n_sites: int) -> np.dtype[np.void]:

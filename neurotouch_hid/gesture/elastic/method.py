@@ -100,10 +100,6 @@ class ElasticMethod:
             rotation_rad=motion.rotation_rad,
             scale=motion.scale,
             confidence=decision.confidence,
-            phase=decision.phase,
-            speed_mm_s=decision.speed_mm_s,
-            finger_ids=contacts.names,
-            motion_mm=contacts.drags_mm,
         )
 
     def _listen(self, step_us: int) -> None:

@@ -119,7 +119,7 @@ def follow(
 @njit(cache=True, nogil=True)
 def show(
     fits: NDArray[np.void], gel: NDArray[np.void], config: NDArray[np.void], least: int
-) -> tuple[Floats, Floats, Floats, NDArray[np.int64], float]:
+) -> tuple[Floats, Floats, float]:
     """The contacts that are shown of the fingers in ``NOW``, at least one finger.
 
     Args:
@@ -129,16 +129,15 @@ def show(
         least: so many are shown in any case, if there are as many.
 
     Returns:
-        Where they are, (k, 2) mm of the gel and (k, 2) px; how far each has dragged the gel,
-        (k, 2) mm; (k,) their names; the mean of the lengths of these drags, mm.
+        Where they are, (k, 2) mm of the gel and (k, 2) px; how far they have dragged the gel in
+        the mean, mm.
     """
     fit = fits[NOW]
     n = fit.count
     chosen = np.empty(n, np.bool_)
     still_mm = config[0].still_share * fit.largest_mm
     count = choose_shown(fit.radii[:n], fit.motions[:n], still_mm, fit.shown[:n], least, chosen)
-    mm, px, drags = np.empty((count, 2)), np.empty((count, 2)), np.empty((count, 2))
-    names = np.empty(count, np.int64)
+    mm, px = np.empty((count, 2)), np.empty((count, 2))
     total_mm = 0.0
     rig = gel[0].rig
     k = 0
@@ -146,14 +145,12 @@ def show(
         if not chosen[j]:
             continue
         x, y, dx, dy = locate(fit.centres[j], fit.radii[j], fit.motions[j], fit.press[j])
-        drags[k, 0], drags[k, 1] = dx, dy
         mm[k, 0], mm[k, 1] = x, y
         px[k, 0] = rig[2] * mm[k, 0] - rig[3] * mm[k, 1] + rig[0]
         px[k, 1] = rig[3] * mm[k, 0] + rig[2] * mm[k, 1] + rig[1]
-        names[k] = fit.ids[j]
         total_mm += math.hypot(dx, dy)
         k += 1
-    return mm, px, drags, names, total_mm / count
+    return mm, px, total_mm / count
 
 
 @njit(cache=True, nogil=True)
