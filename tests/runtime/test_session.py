@@ -166,7 +166,7 @@ def test_panic_throws_away_what_waits_and_finds_room(push):
     with pytest.raises(DriverError, match="too many"):
         queue.submit(Command("resume"))
     queue.submit(Command("panic"))
-    assert queue.take().order == "panic"
+    assert queue.take().name == "panic"
     assert queue.take() is None
     with pytest.raises(DriverError, match="panic"):
         commands[0].done.result(0)
@@ -177,7 +177,7 @@ def test_panic_throws_no_switch_of_profile_away_for_it_has_been_told_as_done():
     for order in ("pause", "switch", "resume", "switch"):
         queue.submit(Command(order))
     queue.submit(Command("panic"))
-    assert [queue.take().order for _ in range(3)] == ["switch", "switch", "panic"]
+    assert [queue.take().name for _ in range(3)] == ["switch", "switch", "panic"]
     assert queue.take() is None
 
 
