@@ -1,4 +1,6 @@
-"""Every error a user can meet, with the exit code the command line ends with::
+"""Every error a person can meet.
+
+The exit codes of the command line::
 
     NeuroTouchError            1   anything else that we can explain
     ├── SourceError            3   a source cannot be opened or has failed
