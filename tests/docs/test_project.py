@@ -49,3 +49,10 @@ def test_every_path_in_documents_exists():
         if not (ROOT / path).exists()
     ]
     assert lost == []
+
+
+def test_every_shipped_profile_is_on_the_page_for_players():
+    page = (ROOT / "docs" / "play.md").read_text()
+    names = [file.stem for file in (ROOT / "profiles").glob("*.yaml")]
+    assert [name for name in names if f"`{name}`" not in page] == []
+    assert len(names) == 13  # the page says how many
