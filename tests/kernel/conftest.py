@@ -83,7 +83,7 @@ def prepare(machine: str, recording: Path) -> None:
     Bytecode too, which nobody else writes where PYTHONDONTWRITEBYTECODE is set: the guest would
     take half a minute for each program that it starts.
     """
-    run("compileall", "-q", "neurotouch_hid", "tests")
+    run("compileall", "-q", "neurotouch_hid", "devtools", "tests")
     play = ["run", "--source", f"file:{recording}", "--device", "memory", "--speed", "max"]
     run("tests.kernel.tour", str(recording))
     if machine == "cameras":

@@ -8,9 +8,9 @@ import sys
 
 from neurotouch_hid.recording import RecordingWriter
 from neurotouch_hid.source.simulator import (
-    Hand,
+    Fingertips,
     Simulator,
-    Timing,
+    StrokeTiming,
     pinch,
     push,
     sequence,
@@ -18,7 +18,7 @@ from neurotouch_hid.source.simulator import (
     zoom,
 )
 
-TIMING = Timing(attack_us=200_000, hold_us=150_000, release_us=200_000)
+TIMING = StrokeTiming(attack_us=200_000, hold_us=150_000, release_us=200_000)
 
 STROKES = (
     push(0.0, 10.0, timing=TIMING),
@@ -26,7 +26,7 @@ STROKES = (
     push(math.pi / 2, 10.0, timing=TIMING),
     push(-math.pi / 2, 10.0, timing=TIMING),
     pinch(7.0, timing=TIMING),
-    zoom(6.0, Hand(spread_mm=8.0), timing=TIMING),
+    zoom(6.0, Fingertips(spread_mm=8.0), timing=TIMING),
     twist(0.6, timing=TIMING),
     twist(-0.6, timing=TIMING),
 )

@@ -7,9 +7,9 @@ pull the cable.
 import sys
 
 from neurotouch_hid.recording import RecordingWriter
-from neurotouch_hid.source.simulator import Simulator, Timing, push, sequence
+from neurotouch_hid.source.simulator import Simulator, StrokeTiming, push, sequence
 
-QUICK = Timing(attack_us=150_000, hold_us=500_000, release_us=150_000)
+QUICK = StrokeTiming(attack_us=150_000, hold_us=500_000, release_us=150_000)
 
 
 def main() -> None:
