@@ -19,7 +19,9 @@ MOST_LINES = 6
 MOST_COLUMNS = 120
 README_LINES = 120
 
-_SKIPPED = {"_build", "contributing.md", "method.md", "speed.md"}  # made, or included from the top
+_SKIPPED = {"contributing.md", "method.md", "speed.md"}
+"""Of ``docs`` itself: what is included from the top, and notebooks of before."""
+
 # A sentence ends before a space and a beginning. "V. Hoffmann" and "e.g. this" go on.
 _END = re.compile(r"""(?<![A-Z]\.)(?<!e\.g\.)(?<=[.!?])["')\]]*\s+(?=["'(\[]*[A-Z0-9`])""")
 _WORD = re.compile(r"\w")
@@ -46,8 +48,10 @@ class Paragraph:
 def pages() -> list[Path]:
     """All documents for people, from the repository's root."""
     top = ["README.md", "CONTRIBUTING.md", "SECURITY.md"]
-    inside = sorted((ROOT / "docs").rglob("*.md"))
-    return [ROOT / name for name in top] + [page for page in inside if not _SKIPPED & {*page.parts}]
+    docs = ROOT / "docs"
+    inside = [page for page in sorted(docs.rglob("*.md")) if "_build" not in page.parts]
+    skipped = {docs / name for name in _SKIPPED}
+    return [ROOT / name for name in top] + [page for page in inside if page not in skipped]
 
 
 def read_paragraphs(text: str) -> list[Paragraph]:
