@@ -64,7 +64,7 @@ _RANKS = ("median", "p99", "p99.9")
     "  neurotouch bench pointing                        how well you point, see its --help\n"
     "  neurotouch bench profile                         what tremor filters do; cost of a profile\n"
     "  neurotouch bench latency                         from the last event to another program\n"
-    "  neurotouch bench curves docs/pictures            draws what docs/speed.md shows\n"
+    "  neurotouch bench curves docs/pictures            draws what the notebook shows\n"
     "  neurotouch bench soak                            memory over half an hour of play",
 )
 @method_option

@@ -1,4 +1,4 @@
-"""What each part of ``method: neurotouch`` buys: the table of docs/method.md. Run by hand.
+"""What each part of ``method: neurotouch`` buys: the table of docs/research/notebook-recognition.md. Run by hand.
 
     python tests/benchmarks/ablation.py
 

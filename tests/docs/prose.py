@@ -19,9 +19,8 @@ MOST_LINES = 6
 MOST_COLUMNS = 120
 README_LINES = 120
 
-_SKIPPED = {"contributing.md", "method.md", "speed.md"}
-"""Of ``docs`` itself: what is included from the top, and notebooks of before."""
-
+_SKIPPED = {"contributing.md"}
+"""Of ``docs`` itself: it is included from the top."""
 # A sentence ends before a space and a beginning. "V. Hoffmann" and "e.g. this" go on.
 _END = re.compile(r"""(?<![A-Z]\.)(?<!e\.g\.)(?<=[.!?])["')\]]*\s+(?=["'(\[]*[A-Z0-9`])""")
 _WORD = re.compile(r"\w")
