@@ -27,7 +27,7 @@ def shake(results: Path) -> dict[str, Any]:
     """What SDL 2, SDL 3 and plain evdev make of a pad that claims to rumble, and what we hear."""
     heard: list[Rumble] = []
     seen: dict[str, Any] = {}
-    sys.setswitchinterval(0.001)  # as the driver has it, see runtime/priority.py
+    sys.setswitchinterval(0.001)  # as the driver has it, see process/realtime.py
     with open_device("uinput", hear_rumble=heard.append) as pad:
         device = find_node(PHYS)
         run("udevadm", "settle", "--timeout=60")
