@@ -5,17 +5,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, get_args
 
-from neurotouch_hid.profile import UserSettings, check_profile, load_user
+from neurotouch_hid.profile import check_profile, load_user
 from neurotouch_hid.profile.diagnostics.description import describe_target, describe_when
 from neurotouch_hid.profile.editing import name_bindings
 from neurotouch_hid.profile.engine.one_euro import FILTERS, OneEuro
 from neurotouch_hid.profile.engine.response import make_response
+from neurotouch_hid.profile.mapping import choose_filter
 from neurotouch_hid.profile.reading.library import find_shipped_folder, find_user_folder
 from neurotouch_hid.profile.schema.layering import merge_bindings
 from neurotouch_hid.profile.schema.movements import MovementName
 from neurotouch_hid.profile.schema.profile import FIRST_LAYER, Binding, Profile
 from neurotouch_hid.profile.schema.shaping import Expo, Points, Power, Shaped
-from neurotouch_hid.profile.schema.timing import FilterName, resolve_times
+from neurotouch_hid.profile.schema.timing import FilterName
 from neurotouch_hid.vocabulary import GestureKind
 
 MOVEMENTS: Final = get_args(MovementName)
@@ -99,14 +100,6 @@ def list_places(written: Profile) -> list[Place]:
             for name, binding in zip(names, layer.bindings, strict=True)
         ]
     return places
-
-
-def choose_filter(profile: Profile, user: UserSettings) -> FilterName:
-    """The tremor filter that holds, chosen as the mapping does."""
-    own = user.filter
-    if own is None and user.timing is None:
-        own = profile.filter
-    return own or resolve_times(profile.timing, user.timing).filter
 
 
 def measure_lag(name: FilterName) -> float:

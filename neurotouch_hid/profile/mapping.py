@@ -60,7 +60,7 @@ class Mapping:
     @property
     def layer(self) -> str:
         """The name of the layer that holds."""
-        return self._deck.name
+        return self._layers.name
 
     @property
     def state(self) -> State:
@@ -95,7 +95,7 @@ class Mapping:
             self._user = user
             self._tiredness = FatigueMonitor(user, self._journal)
         self._take(profile)
-        self._deck.armed = False
+        self._layers.armed = False
 
     def pause(self) -> None:
         """Lets go of everything until ``resume`` or the gesture that pauses."""
@@ -120,14 +120,14 @@ class Mapping:
         """All outputs for this gesture, given what came before it."""
         t_us = self._journal.t_us = gesture.t_us
         if self._t_us is not None and not 0 <= t_us - self._t_us <= SILENCE_US:
-            self._reader.forget()
-            self._deck.release()
+            self._conditioner.forget()
+            self._layers.release()
         self._t_us = t_us
-        reading = self._reading = self._reader.read(gesture)
+        reading = self._reading = self._conditioner.read(gesture)
         reading.helper = self._helper
         self._tiredness.update(reading)
-        if self._reader.at_rest:
-            self._deck.armed = True
+        if self._conditioner.at_rest:
+            self._layers.armed = True
         outputs = self._run(reading)
         commands, self._commands = tuple(self._commands), []
         return GamepadState(
@@ -145,9 +145,9 @@ class Mapping:
         wanted = self._hear_safety(reading)
         outputs = Outputs()
         if self._state == "running" and not wanted:
-            outputs = self._deck.run(reading, wanted)
+            outputs = self._layers.run(reading, wanted)
         elif self._state == "paused" and not wanted:
-            self._deck.listen(reading, wanted)
+            self._layers.listen(reading, wanted)
         for command in wanted:
             self._obey(command)
         return outputs if self._state == "running" else Outputs()
@@ -178,27 +178,20 @@ class Mapping:
     def _enter(self, state: State, command: str) -> None:
         self._tiredness.rest()
         self._state = state
-        self._deck.release()
+        self._layers.release()
         self._commands.append(command)
         self._journal.note("command", command)
 
     def _take(self, profile: Profile) -> None:
         self._profile = profile
         times = resolve_times(profile.timing, self._user.timing)
-        self._deck = LayerStack(profile, times, self._journal)
+        self._layers = LayerStack(profile, times, self._journal)
         self._safety = self._make_safety(profile)
-        kinds = self._deck.kinds.union(*(channel.kinds for channel, _ in self._safety))
+        kinds = self._layers.kinds.union(*(channel.kinds for channel, _ in self._safety))
         latch = profile.latch is not False
-        self._reader = InputConditioner(
-            self._user, self._choose_filter(profile), kinds, latch=latch
+        self._conditioner = InputConditioner(
+            self._user, choose_filter(profile, self._user), kinds, latch=latch
         )
-
-    def _choose_filter(self, profile: Profile) -> FilterName:
-        """The user's own, else that of the user's patience, else the profile's in the same way."""
-        own = self._user.filter
-        if own is None and self._user.timing is None:
-            own = profile.filter
-        return own or resolve_times(profile.timing, self._user.timing).filter
 
     def _make_safety(self, profile: Profile) -> list[tuple[BindingRunner, str]]:
         gestures: tuple[tuple[CommandName, SafetyGesture | None], ...] = (
@@ -218,3 +211,11 @@ class Mapping:
             for name, gesture in gestures
             if gesture is not None
         ]
+
+
+def choose_filter(profile: Profile, user: UserSettings) -> FilterName:
+    """Returns the tremor filter: the person's own, that of their patience, or the profile's."""
+    own = user.filter
+    if own is None and user.timing is None:
+        own = profile.filter
+    return own or resolve_times(profile.timing, user.timing).filter

@@ -1,4 +1,6 @@
-"""What each part of ``method: neurotouch`` buys: the table of docs/research/notebook-recognition.md. Run by hand.
+"""What each part of ``method: neurotouch`` buys: a table of the notebook on recognition.
+
+Run by hand:
 
     python tests/benchmarks/ablation.py
 

@@ -20,5 +20,5 @@ def test_an_example_has_no_mistake(text):
 
 def test_there_are_examples_and_a_wrong_one_is_found():
     assert len(EXAMPLES) >= 3
-    wrong = EXAMPLES[0].replace("button: a", "buton: a")
+    wrong = EXAMPLES[0].replace("button: a", "buttons: a")
     assert check_content(wrong.encode(), "example.yaml").whole is None
