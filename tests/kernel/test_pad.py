@@ -312,7 +312,7 @@ class TestHid(PadTests):
         assert (found["vendor_id"], found["product_id"]) == (0x1209, 0x4E54)
         assert found["product_string"] == "NeuroTouch Gamepad"
         assert found["serial_number"] == "neurotouch/pad0"
-        assert (found["usage_page"], found["usage"]) == (1, 8)  # see device/descriptor.py
+        assert (found["usage_page"], found["usage"]) == (1, 8)  # see device/outputs/descriptor.py
         assert found["interface_number"] == -1
 
     def test_hidapi_reads_our_descriptor(self, claims):
