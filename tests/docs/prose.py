@@ -19,8 +19,6 @@ MOST_LINES = 6
 MOST_COLUMNS = 120
 README_LINES = 120
 
-_SKIPPED = {"contributing.md"}
-"""Of ``docs`` itself: it is included from the top."""
 # A sentence ends before a space and a beginning. "V. Hoffmann" and "e.g. this" go on.
 _END = re.compile(r"""(?<![A-Z]\.)(?<!e\.g\.)(?<=[.!?])["')\]]*\s+(?=["'(\[]*[A-Z0-9`])""")
 _WORD = re.compile(r"\w")
@@ -49,8 +47,8 @@ def pages() -> list[Path]:
     top = ["README.md", "CONTRIBUTING.md", "SECURITY.md"]
     docs = ROOT / "docs"
     inside = [page for page in sorted(docs.rglob("*.md")) if "_build" not in page.parts]
-    skipped = {docs / name for name in _SKIPPED}
-    return [ROOT / name for name in top] + [page for page in inside if page not in skipped]
+    inside.remove(docs / "contributing.md")  # it shows the one at the top
+    return [ROOT / name for name in top] + inside
 
 
 def read_paragraphs(text: str) -> list[Paragraph]:
