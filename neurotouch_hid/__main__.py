@@ -1,6 +1,5 @@
 """``python -m neurotouch_hid`` is the same as the ``neurotouch`` command: it starts here."""
 
-import gc
 import os
 import signal
 import sys
@@ -11,7 +10,7 @@ _EXIT_INTERRUPTED = 130
 def main() -> None:
     """Runs the command line and ends the process with the documented exit code.
 
-    The orders one gives in need take a way of their own, which imports next to nothing.
+    The commands of an emergency take a way of their own, which imports next to nothing.
     """
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:  # as in the background
         signal.signal(signal.SIGINT, _leave)
@@ -19,11 +18,15 @@ def main() -> None:
         from neurotouch_hid.cli.order import give_order
 
         sys.exit(give_order(sys.argv[1]))
-    # While a program is loaded hardly anything becomes garbage, yet looking for it took 0.2 s.
-    gc.set_threshold(100_000)
-    # numba loads SciPy's linear algebra where it is installed, which takes 0.2 s of every start.
-    # No kernel needs any, and nothing else here needs SciPy: None is "there is no such module".
-    sys.modules.setdefault("scipy", None)  # type: ignore[arg-type]
+    from neurotouch_hid.process.startup import (
+        collect_rarely,
+        leave_out_pydantic_plugins,
+        leave_out_scipy,
+    )
+
+    collect_rarely()
+    leave_out_scipy()
+    leave_out_pydantic_plugins()
     from neurotouch_hid.cli.main import main as run_command_line
 
     run_command_line()

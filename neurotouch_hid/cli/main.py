@@ -3,7 +3,6 @@
 Only ``click`` is imported before a sub-command is chosen, so that ``neurotouch --help`` is instant.
 """
 
-import os
 import sys
 
 import click
@@ -73,8 +72,6 @@ def cli(ctx: click.Context) -> None:
 
 def main() -> None:
     """Runs the command line and ends the process with the documented exit code."""
-    # pydantic would search every installed package for plugins, and run those it finds
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     try:
         heed_interrupts()
         code = cli.main(standalone_mode=False)

@@ -1,12 +1,9 @@
 """``neurotouch profile``: look at profiles, change them, try them, share them."""
 
-import gc
-import sys
-from types import ModuleType
-
 import click
 
 from neurotouch_hid.cli.ui.group import LazyGroup
+from neurotouch_hid.process.startup import collect_rarely, hasten_pydantic
 
 _SUMMARIES = {
     "list": "Print every profile: yours and those shipped.",
@@ -41,7 +38,6 @@ _MODULES = {
     "history": {"diff": "diff", "history": "history", "undo": "undo"},
     "sharing": {"export": "export", "import": "import_command"},
 }
-_MANY_OBJECTS = 100_000
 
 
 @click.group(
@@ -66,14 +62,5 @@ def command() -> None:
     Profiles that are shipped are never changed: the first change makes your own copy. Every change
     is checked before it is saved, shown, and can be undone.
     """
-    _hasten()
-
-
-def _hasten() -> None:
-    """Takes a tenth off the start of pydantic, which is most of what these commands do."""
-    gc.set_threshold(_MANY_OBJECTS)  # the models are many objects and no garbage
-    # To look for plugins, also where they are disabled (see main), it imports importlib.metadata
-    # and with it the parsers of e-mail and zip files. Where it no longer asks, this does nothing.
-    loader = ModuleType("pydantic.plugin._loader")
-    loader.get_plugins = tuple  # type: ignore[attr-defined]
-    sys.modules.setdefault(loader.__name__, loader)
+    collect_rarely()
+    hasten_pydantic()

@@ -3,13 +3,13 @@
 import contextlib
 import logging
 import time
-import weakref
 from collections.abc import Iterator
 from typing import Any, Final
 
 import usb1
 
 from neurotouch_hid.errors import CameraBusyError, CameraError
+from neurotouch_hid.process.finalizers import skip_finalizers
 from neurotouch_hid.source.davis.registers import (
     ENDPOINT,
     INTERFACE,
@@ -200,12 +200,9 @@ class LibusbTransport:
 
 
 def _abandon(transport: LibusbTransport) -> None:
-    """Leave it as it is, also when the program ends: usb1 would wait for the transfers for ever."""
+    """Leaves it as it is, also when the program ends, where usb1 would wait for ever."""
     _abandoned.append(transport)
-    for finalizer in list(weakref.finalize._registry):  # type: ignore[attr-defined]
-        alive = finalizer.peek()
-        if alive and type(alive[0]).__module__ == usb1.__name__:
-            finalizer.atexit = False
+    skip_finalizers(usb1.__name__)
 
 
 class LibusbWatch:

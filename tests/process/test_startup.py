@@ -1,0 +1,70 @@
+"""Each trick is still needed: whoever sees one of these fail may delete the trick."""
+
+import subprocess
+import sys
+import weakref
+
+import pytest
+
+from neurotouch_hid.process.finalizers import skip_finalizers
+
+PREPARED = "from neurotouch_hid.process.startup import *; "
+
+
+def say(program, prefix=""):
+    done = subprocess.run(
+        [sys.executable, "-c", prefix + program],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={"PATH": "/usr/bin:/bin", "PYTHONPATH": ":".join(sys.path)},
+    )
+    return done.stdout.strip()
+
+
+def test_numba_loads_scipy_unless_it_is_left_out():
+    program = (
+        "import numba; from numba import njit; "
+        "njit(lambda x: x)(1); import sys; print(bool(sys.modules.get('scipy')))"
+    )
+    assert say(program) == "True", "numba no longer loads SciPy: leave_out_scipy may go"
+    assert say(program, PREPARED + "leave_out_scipy(); ") == "False"
+
+
+def test_python_looks_for_garbage_while_it_loads_unless_told_otherwise():
+    program = (
+        "import gc; import numpy, pydantic; import neurotouch_hid.profile.schema.profile; "
+        "print(sum(each['collections'] for each in gc.get_stats()))"
+    )
+    often, rarely = int(say(program)), int(say(program, PREPARED + "collect_rarely(); "))
+    assert often > 20, "Python looks for garbage rarely by itself: collect_rarely may go"
+    assert rarely < often / 5
+
+
+def test_pydantic_looks_for_plugins_unless_it_is_hastened():
+    program = "import sys, pydantic; pydantic.create_model('A', a=(int, 0)); print({})"
+    looked = program.format("'importlib.metadata' in sys.modules")
+    disabled = PREPARED + "leave_out_pydantic_plugins(); "
+    assert say(looked, disabled) == "True", "pydantic no longer looks: hasten_pydantic may go"
+    assert say(looked, disabled + "hasten_pydantic(); ") == "False"
+
+
+def test_finalizers_of_a_module_are_skipped_and_no_others():
+    mine = type("Mine", (), {"__module__": "here"})()
+    other = type("Other", (), {"__module__": "elsewhere"})()
+    ends = weakref.finalize(mine, str), weakref.finalize(other, str)
+    skip_finalizers("here")
+    assert [end.atexit for end in ends] == [False, True]
+    for end in ends:
+        end.detach()
+
+
+def test_usb1_would_wait_at_the_end():
+    usb1 = pytest.importorskip("usb1")
+    with usb1.USBContext() as context:
+        waits = [
+            each
+            for each in list(weakref.finalize._registry)
+            if each.alive and each.atexit and each.peek()[0] is context
+        ]
+        assert waits, "usb1 finalizes nothing at the end: skip_finalizers may go"
