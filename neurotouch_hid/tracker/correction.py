@@ -55,8 +55,8 @@ class FrameCorrection:
         tracks.lost[~astray & (self._missed < correction.MAX_MISSED)] = False
         if not astray.any():
             return
-        t_us = float(tracks.state[:, track_kernels.T].max())
-        now_px = tracks.state[:, :2].copy()
+        t_us = float(tracks.state["t_us"].max())
+        now_px = np.stack([tracks.state["x"], tracks.state["y"]], axis=1)
         self._expect(now_px, ~astray)
         unknown = ~np.isfinite(self._expected_px)
         self._expected_px[unknown] = rest.position_px[unknown]

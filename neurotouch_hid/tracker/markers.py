@@ -115,7 +115,7 @@ def make_tracks(neighbours: NDArray[np.intp], config: TrackerConfig) -> track_ke
     """
     n, n_tiles = len(neighbours), nearest.ROWS * nearest.COLUMNS
     return track_kernels.Tracks(
-        state=np.zeros((n, track_kernels.ROW)),
+        state=np.zeros(n, track_kernels.MARKER),
         aim_px=np.zeros((n, 4)),
         near=np.zeros((nearest.CAPACITY, n_tiles), np.uint16),
         n_near=np.zeros(n_tiles, np.uint8),
@@ -123,14 +123,12 @@ def make_tracks(neighbours: NDArray[np.intp], config: TrackerConfig) -> track_ke
         n_new=np.zeros(n, np.int64),
         rate_hz=np.zeros(n),
         r_px2=np.full(n, config.r_px2),
-        noise_hz=np.zeros(1),
         lost=np.zeros(n, np.bool_),
         rest_px=np.full((n, 2), np.nan),
         neighbours=neighbours.copy(),  # writeable: kernels are compiled for one type only
         past_px=np.zeros((_PAST, n, 2)),
         past_us=np.full(_PAST, -1, np.int64),
-        clock=np.zeros(3, np.int64),
-        frame_us=np.full(1, _NEVER_US),
+        common=np.array([(0, 0, 0, _NEVER_US, 0.0)], track_kernels.COMMON),
     )
 
 
@@ -216,7 +214,7 @@ class MarkerTracker:
             self._n_events,
             self._n_anchors,
             self._n_gaps,
-            int(self._tracks.clock[2]),
+            int(self._tracks.common["n_repairs"][0]),
             int((~self._tracks.lost).sum()) if self._anchored else 0,
         )
 
@@ -244,11 +242,12 @@ class MarkerTracker:
     def _restart(self, t_us: int) -> None:
         """Events are missing: forget velocities and the past, keep positions."""
         tracks = self._tracks
-        tracks.state[:, track_kernels.VX : track_kernels.VY + 1] = 0.0
-        tracks.state[:, track_kernels.A : track_kernels.C + 1] = (1.0, 0.0, 100.0)
-        tracks.state[:, track_kernels.T] = t_us
-        tracks.state[:, track_kernels.LEAD_X :] = 0.0
+        state = tracks.state
+        for name in ("vx", "vy", "cov_xv", "lead_x", "lead_y"):
+            state[name] = 0.0
+        state["var_x"], state["var_v"], state["t_us"] = 1.0, 100.0, t_us
         track_kernels.aim(float(t_us), tracks, self._tuning)
         tracks.n_new[:] = 0
         tracks.past_us[:] = -1
-        tracks.clock[0] = -(-t_us // self._config.check_us) * self._config.check_us
+        check_us = self._config.check_us
+        tracks.common["next_check_us"] = -(-t_us // check_us) * check_us

@@ -47,20 +47,20 @@ def test_the_past_is_remembered_between_checks_and_no_longer_than_the_ring():
     tracks = make_tracks(NEIGHBOURS, TrackerConfig())
     tracks.rest_px[:] = REST_PX
     track_kernels.place(np.arange(177), REST_PX, 1.0, 0.0, tracks, TUNING)
-    tracks.state[:, track_kernels.VX] = 100.0
+    tracks.state["vx"] = 100.0
     out = np.empty((177, 2))
     for t_us in range(0, 200_000, 2_000):
         kernels.check(t_us, tracks, TUNING)
-        tracks.clock[0] += 2_000
+        tracks.common["next_check_us"] += 2_000
     assert recall(197_000, tracks, out)
-    ring = tracks.past_px[(tracks.clock[1] - 1) % 64]
+    ring = tracks.past_px[(tracks.common["n_checks"][0] - 1) % 64]
     np.testing.assert_allclose(out, ring, atol=1e-9)
     assert recall(198_500, tracks, out)  # after the last check
     assert not recall(70_000, tracks, out)
     assert not recall(260_000, tracks, out)
     kernels.check(206_000, tracks, TUNING)  # it had waited
     assert recall(204_000, tracks, out)
-    before, after = (tracks.past_px[(tracks.clock[1] - k) % 64] for k in (2, 1))
+    before, after = (tracks.past_px[(tracks.common["n_checks"][0] - k) % 64] for k in (2, 1))
     np.testing.assert_allclose(out, before + 0.75 * (after - before), atol=1e-9)
 
 

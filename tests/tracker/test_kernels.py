@@ -32,6 +32,11 @@ def put(tracks, markers, at_px, t_us=0.0):
     track_kernels.place(np.array(markers, np.intp), at_px, 1.0, t_us, tracks, TUNING)
 
 
+def rows(tracks):
+    """The markers as (n, 16) float64, in the order of the fields; a view."""
+    return tracks.state.view(np.float64).reshape(len(tracks.state), -1)
+
+
 def find_nearest(x, y, on, gate_px, tracks):
     i, px2 = nearest_kernels.nearest(
         x, y, on, gate_px**2, tracks.aim_px, tracks.near, tracks.n_near
@@ -58,18 +63,16 @@ def test_filter_equals_a_matrix_filter_with_a_search_of_all(seed, scatter, searc
     near = rng.integers(0, len(position), 600)  # most events lie around a marker
     events["x"][:500] = np.clip(position[near, 0] + rng.normal(0, 2, 600), 0, 345)[:500]
     events["y"][:500] = np.clip(position[near, 1] + rng.normal(0, 2, 600), 0, 259)[:500]
-    tracks.state[:, track_kernels.LEAD_X : track_kernels.LEAD_Y + 1] = rng.uniform(
-        -0.7, 0.7, (177, 2)
-    )
+    rows(tracks)[:, 8:10] = rng.uniform(-0.7, 0.7, (177, 2))
     tracks.r_px2[:] = rng.uniform(5, 50, 177)
     track_kernels.aim(10_000.0, tracks, tuning)
-    state, aim = tracks.state.tolist(), tracks.aim_px.tolist()
+    state, aim = rows(tracks).tolist(), tracks.aim_px.tolist()
 
     assert kernels.filter_events(events, 0, 20_000, tracks, tuning) == 600
 
     taken = reference.filter_events(events.tolist(), state, aim, tracks.r_px2, tuning)
     assert sum(i >= 0 for i in taken) > 300
-    np.testing.assert_allclose(tracks.state, state, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(rows(tracks), state, rtol=1e-9, atol=1e-9)
 
 
 def test_filter_stops_at_the_moment_given():
@@ -77,7 +80,7 @@ def test_filter_stops_at_the_moment_given():
     tracks = make_tracks(REST_PX)
     cut = kernels.filter_events(events, 0, 9_000, tracks, TUNING)
     assert cut == (events["t"] < 9_000).sum()
-    assert tracks.state[:, track_kernels.T].max() < 9_000
+    assert tracks.state["t_us"].max() < 9_000
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -88,10 +91,10 @@ def test_lists_hide_no_marker_wherever_they_wander(seed):
     for i in rng.integers(0, 177, 20):
         put(tracks, [i], rng.uniform((-900, -900), (900, 900)))
     lead_px = rng.uniform(-0.7, 0.7, (177, 2))
-    tracks.state[:, track_kernels.LEAD_X : track_kernels.LEAD_Y + 1] = lead_px
+    rows(tracks)[:, 8:10] = lead_px
     track_kernels.aim(0.0, tracks, TUNING)
     for on in (True, False):
-        expected = (tracks.state[:, :2] + (lead_px if on else -lead_px)).tolist()
+        expected = (rows(tracks)[:, :2] + (lead_px if on else -lead_px)).tolist()
         for x, y in rng.integers(0, (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX), (100, 2)).tolist():
             twin = reference.nearest(x, y, 3.5, expected)
             assert find_nearest(x, y, on, 3.5, tracks) == twin
@@ -122,12 +125,12 @@ def test_check_brings_a_runaway_back_and_leaves_a_steep_field_alone():
     kernels.check(2_000, tracks, TUNING)
     assert not tracks.lost.any()
 
-    put(tracks, [60], tracks.state[60, :2] + (0.0, 17.0), 2_000.0)
+    put(tracks, [60], rows(tracks)[60, :2] + (0.0, 17.0), 2_000.0)
     kernels.check(4_000, tracks, TUNING)
     kernels.check(6_000, tracks, TUNING)
     assert np.flatnonzero(tracks.lost).tolist() == [60]
-    np.testing.assert_allclose(tracks.state[60, :2], (REST_PX + field)[60], atol=4.0)
-    assert tracks.clock[1:].tolist() == [3, 1]
+    np.testing.assert_allclose(rows(tracks)[60, :2], (REST_PX + field)[60], atol=4.0)
+    assert tracks.common[["n_checks", "n_repairs"]].tolist() == [(3, 1)]
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -163,7 +166,7 @@ def test_a_patch_that_sits_one_place_off_heals_as_it_moves_on():
     for k in range(1, 12):
         tracks.n_new[patch] = 10  # they make events, most others none
         kernels.check(k * 2_000, tracks, TUNING)
-    np.testing.assert_allclose(tracks.state[:, :2], REST_PX, atol=0.1)
+    np.testing.assert_allclose(rows(tracks)[:, :2], REST_PX, atol=0.1)
     assert not tracks.lost.any()
 
 
@@ -182,7 +185,7 @@ def test_a_marker_that_follows_its_neighbour_is_not_valid():
     tracks.rest_px[:] = REST_PX
     kernels.check(2_000, tracks, TUNING)
     assert np.flatnonzero(tracks.lost).tolist() == [88]
-    np.testing.assert_allclose(tracks.state[88, :2], REST_PX[88], atol=0.5)
+    np.testing.assert_allclose(rows(tracks)[88, :2], REST_PX[88], atol=0.5)
 
 
 @given(
@@ -194,25 +197,24 @@ def test_a_marker_that_follows_its_neighbour_is_not_valid():
 def test_weights_are_those_of_the_plain_twin(seed, n_checks, elapsed_us):
     rng = np.random.default_rng(seed)
     tracks = make_tracks(REST_PX)
-    tracks.state[:, track_kernels.VX : track_kernels.VY + 1] = rng.normal(0, 200, (177, 2))
-    tracks.state[:, track_kernels.T] = rng.uniform(-30_000, 2_000, 177)
+    rows(tracks)[:, 2:4] = rng.normal(0, 200, (177, 2))
+    tracks.state["t_us"] = rng.uniform(-30_000, 2_000, 177)
     tracks.rate_hz[:] = rng.uniform(0, 2000, 177)
     tracks.n_new[:] = rng.integers(0, 20, 177)
-    tracks.noise_hz[0] = rng.uniform(0, 2000)
-    tracks.clock[1] = n_checks
+    tracks.common["noise_hz"][0] = rng.uniform(0, 2000)
+    tracks.common["n_checks"] = n_checks
     twin = reference.weigh(
-        10_000, tracks.state[:, [2, 3, 7]].tolist(), tracks.n_new.tolist(), tracks.rate_hz.tolist(),
-        float(tracks.noise_hz[0]), NEIGHBOURS.tolist(), n_checks, 10_000 - elapsed_us, TUNING,
+        10_000, rows(tracks)[:, [2, 3, 7]].tolist(), tracks.n_new.tolist(), tracks.rate_hz.tolist(),
+        float(tracks.common["noise_hz"][0]), NEIGHBOURS.tolist(), n_checks, 10_000 - elapsed_us,
+        TUNING,
     )  # fmt: skip
     tracks.past_us[(n_checks - 1) % len(tracks.past_us)] = 10_000 - elapsed_us
     kernels.weigh(10_000, tracks, TUNING)
     rate, noise, r_px2, lead_px = twin
     np.testing.assert_allclose(tracks.rate_hz, rate)
-    np.testing.assert_allclose(tracks.noise_hz[0], noise)
+    np.testing.assert_allclose(tracks.common["noise_hz"][0], noise)
     np.testing.assert_allclose(tracks.r_px2, r_px2)
-    np.testing.assert_allclose(
-        tracks.state[:, track_kernels.LEAD_X : track_kernels.LEAD_Y + 1], lead_px
-    )
+    np.testing.assert_allclose(rows(tracks)[:, 8:10], lead_px)
     assert not tracks.n_new.any()
 
 
@@ -220,13 +222,13 @@ def test_weights_are_those_of_the_plain_twin(seed, n_checks, elapsed_us):
 def test_a_gel_without_motion_is_checked_less_often(n_events, n_checks):
     tracks = make_tracks(REST_PX)
     track_kernels.place(np.arange(177), REST_PX, 1.0, 0.0, tracks, TUNING)
-    tracks.clock[0] = 2_000
+    tracks.common["next_check_us"] = 2_000
     events = np.zeros(50 * n_events, EVENT_DTYPE)  # in each 2 ms some of one marker
     events["t"] = np.repeat(1_000 + 2_000 * np.arange(50), n_events)
     events["x"], events["y"] = REST_PX[80].round()
     field, valid = np.empty((177, 2), np.float32), np.empty(177, np.bool_)
     kernels.advance(events, 0, 100_000, tracks, TUNING, field, valid)
-    assert tracks.clock[1] == n_checks
+    assert tracks.common["n_checks"][0] == n_checks
     checked_us = tracks.past_us[:n_checks]
     assert checked_us[0] == 2_000
     assert np.diff(checked_us).max() <= kernels.STILL_US
@@ -239,15 +241,15 @@ def test_noise_is_not_believed_and_motion_is():
         tracks.n_new[:] = k % 2
         tracks.n_new[80:90] += 2 * (k > 90)  # then ten of them move
         kernels.weigh(2_000 * k, tracks, TUNING)
-        tracks.clock[1] += 1
-    assert tracks.noise_hz[0] == pytest.approx(250.0, rel=0.2)
+        tracks.common["n_checks"] += 1
+    assert tracks.common["noise_hz"][0] == pytest.approx(250.0, rel=0.2)
     assert tracks.r_px2[85] < 4.0 * TUNING.r_px2
     assert tracks.r_px2[20] > 10.0 * TUNING.r_px2
 
 
 def test_prediction_goes_on_for_a_while_and_then_stops():
     tracks = make_tracks(REST_PX[:1])
-    tracks.state[0, track_kernels.VX] = 100.0
+    tracks.state["vx"][0] = 100.0
     out = np.empty((1, 2))
 
     def travelled(t_us):

@@ -295,9 +295,10 @@ def test_a_bumped_camera_moves_the_rest_position_at_once():
 def swap(tracker, i, j):
     """Let two tracks change places, as crossing markers would."""
     state = tracker._tracks.state
-    state[[i, j], :2] = state[[j, i], :2]
+    for name in ("x", "y"):
+        state[name][[i, j]] = state[name][[j, i]]
     for k in (i, j):
-        tracker._tracks.past_px[:, k] = state[k, :2]
+        tracker._tracks.past_px[:, k] = state["x"][k], state["y"][k]
 
 
 def test_swapped_markers_are_told_apart_at_the_next_rest(gestures):

@@ -21,7 +21,7 @@ MIN_MATCHED = 60  # a third; with fewer the picture or all tracks are wrong
 @njit(cache=True, nogil=True)
 def recall(t_us: int, tracks: Tracks, out_px: NDArray[np.float64]) -> bool:
     """All positions at a past moment: out (n, 2), filled in; False if nobody remembers it."""
-    past_us, n_checks = tracks.past_us, tracks.clock[1]
+    past_us, n_checks = tracks.past_us, tracks.common[0].n_checks
     before = after = (n_checks - 1) % len(past_us)
     for back in range(len(past_us)):
         before = (n_checks - 1 - back) % len(past_us)
@@ -155,7 +155,7 @@ def correct(
         by_px[k] = points_px[blob[i]] - then_px[i]
         missed[i] = 0
         tracks.lost[i] = False
-    tracks.frame_us[0] = end_us
+    tracks.common[0].last_frame_us = end_us
     for i in range(n):
         if missed[i] >= MAX_MISSED:
             tracks.lost[i] = True

@@ -9,24 +9,7 @@ from numpy.typing import NDArray
 from neurotouch_hid.tracker.kernels.matching import select
 from neurotouch_hid.tracker.kernels.nearest import assign, find_event
 from neurotouch_hid.tracker.kernels.neighbours import collide, expect, strays, tear
-from neurotouch_hid.tracker.kernels.tracks import (
-    LEAD_X,
-    LEAD_Y,
-    SECOND,
-    VX,
-    VY,
-    A,
-    B,
-    C,
-    T,
-    Tracks,
-    Tuning,
-    X,
-    Y,
-    aim,
-    place,
-    predict,
-)
+from neurotouch_hid.tracker.kernels.tracks import SECOND, Tracks, Tuning, aim, place, predict
 
 BLOCK = 512  # events whose markers are looked for before they move these markers
 MIN_TRUST = 0.05  # a marker that seems to be at rest still follows, slowly
@@ -78,33 +61,33 @@ def filter_events(
             e, i = events[np.uint64(taken[k])], np.uint64(owner[k])
             s = state[i]
             sign = 1.0 if e.p else -1.0
-            elapsed = max((e.t - s[T]) * SECOND, 0.0)
+            elapsed = max((e.t - s.t_us) * SECOND, 0.0)
             dt = min(elapsed, tuning.memory_s)
             keep = 1.0 - dt * forget
             step = 0.5 * dt * (1.0 + keep)
             # What makes no events does not move, and a lone event is likely noise: uncertainty
             # grows less, not more, when a marker has been quiet.
             dt = elapsed * quiet_s2 / (quiet_s2 + elapsed * elapsed)
-            b = s[B] + dt * s[C]
-            a = s[A] + dt * (s[B] + b) + tuning.q_x * dt
-            c = s[C] + tuning.q_v * dt
-            px, py = s[X] + s[VX] * step, s[Y] + s[VY] * step
-            dx, dy = e.x - px - sign * s[LEAD_X], e.y - py - sign * s[LEAD_Y]
+            b = s.cov_xv + dt * s.var_v
+            a = s.var_x + dt * (s.cov_xv + b) + tuning.q_x * dt
+            c = s.var_v + tuning.q_v * dt
+            px, py = s.x + s.vx * step, s.y + s.vy * step
+            dx, dy = e.x - px - sign * s.lead_x, e.y - py - sign * s.lead_y
             # Heavy-tailed noise: an event far from the marker is more likely to be nobody's.
             far = (dx * dx + dy * dy) * tail
             inverse = 1.0 / (a + r_px2[i] * (1.0 + far * far))
             k1, k2 = a * inverse, b * inverse
-            s[X], s[Y] = px + k1 * dx, py + k1 * dy
-            s[VX], s[VY] = s[VX] * keep + k2 * dx, s[VY] * keep + k2 * dy
-            s[A], s[B], s[C] = a - k1 * a, b - k1 * b, c - k2 * b
-            s[T] = e.t
+            s.x, s.y = px + k1 * dx, py + k1 * dy
+            s.vx, s.vy = s.vx * keep + k2 * dx, s.vy * keep + k2 * dy
+            s.var_x, s.cov_xv, s.var_v = a - k1 * a, b - k1 * b, c - k2 * b
+            s.t_us = e.t
             n_new[i] += 1
     return int(stop)
 
 
 @njit(cache=True, nogil=True, inline="always")
 def _last_check_us(tracks: Tracks) -> int:
-    return int(tracks.past_us[(tracks.clock[1] - 1) % len(tracks.past_us)])
+    return int(tracks.past_us[(tracks.common[0].n_checks - 1) % len(tracks.past_us)])
 
 
 @njit(cache=True, nogil=True)
@@ -135,10 +118,10 @@ def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
         rate[i] += share * (n_new[i] / dt - rate[i])
         n_new[i] = 0
     quiet = select(rate, n // 4)  # a quarter of the gel is at rest, now or soon
-    noise = tracks.noise_hz[0]
-    rise_s = min(NOISE_RISE_S, dt * (tracks.clock[1] + 1))  # fast at first
+    noise = tracks.common[0].noise_hz
+    rise_s = min(NOISE_RISE_S, dt * (tracks.common[0].n_checks + 1))  # fast at first
     noise += (quiet - noise) * dt / (NOISE_FALL_S if quiet < noise else rise_s)
-    tracks.noise_hz[0] = noise
+    tracks.common[0].noise_hz = noise
     spread_hz = tuning.n_sigma * math.sqrt(noise / (2.0 * tuning.rate_s))
     for i in range(n):
         total, used = rate[i], 1
@@ -161,13 +144,13 @@ def _lead(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     n = len(state)
     v, per_speed = np.empty((2, n)), np.empty(n)
     for i in range(n):
-        keep = 1.0 - min(max((t_us - state[i, T]) * SECOND / tuning.memory_s, 0.0), 1.0)
-        v[0, i], v[1, i] = state[i, VX] * keep, state[i, VY] * keep
+        keep = 1.0 - min(max((t_us - state[i].t_us) * SECOND / tuning.memory_s, 0.0), 1.0)
+        v[0, i], v[1, i] = state[i].vx * keep, state[i].vy * keep
     for i in range(n):  # apart from what is around it, the processor does eight of these at once
         square = v[0, i] * v[0, i] + v[1, i] * v[1, i] + SLOW_PX_S * SLOW_PX_S
         per_speed[i] = tuning.lead_px / math.sqrt(square)
     for i in range(n):
-        state[i, LEAD_X], state[i, LEAD_Y] = v[0, i] * per_speed[i], v[1, i] * per_speed[i]
+        state[i].lead_x, state[i].lead_y = v[0, i] * per_speed[i], v[1, i] * per_speed[i]
 
 
 @njit(cache=True, nogil=True)
@@ -192,10 +175,10 @@ def check_neighbours(
         for i in astray:
             position_px[i] = expected[i]
             tracks.lost[i] = True
-        tracks.clock[2] += len(astray)
-    if t_us - tracks.frame_us[0] < FRAMELESS_US:
+        tracks.common[0].n_repairs += len(astray)
+    if t_us - tracks.common[0].last_frame_us < FRAMELESS_US:
         return
-    noise = tracks.noise_hz[0]
+    noise = tracks.common[0].noise_hz
     least_hz = noise + tuning.n_sigma * math.sqrt(noise / (2.0 * tuning.rate_s)) + SEEN_HZ
     for k in range(n):
         if tracks.lost[k] and not stray[k] and tracks.rate_hz[k] > least_hz:
@@ -211,15 +194,15 @@ def check(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
 
     The neighbours take half of the time and serve as well every second time.
     """
-    slot = tracks.clock[1] % len(tracks.past_us)
+    slot = tracks.common[0].n_checks % len(tracks.past_us)
     position = tracks.past_px[slot]
     predict(float(t_us), tuning.memory_s, tracks, position)
-    if tracks.clock[1] % 2 == 0:
+    if tracks.common[0].n_checks % 2 == 0:
         check_neighbours(t_us, position, tracks, tuning)
     weigh(t_us, tracks, tuning)
     aim(float(t_us + tuning.check_us), tracks, tuning)
     tracks.past_us[slot] = t_us
-    tracks.clock[1] += 1
+    tracks.common[0].n_checks += 1
 
 
 @njit(cache=True, nogil=True)
@@ -248,12 +231,12 @@ def advance(
     Returns:
         The index of the first event at or after ``until_us``.
     """
-    clock = tracks.clock
-    while clock[0] <= until_us:
-        start = filter_events(events, start, clock[0], tracks, tuning)
-        if not _may_wait(clock[0], tracks):
-            check(clock[0], tracks, tuning)
-        clock[0] += tuning.check_us
+    common = tracks.common[0]
+    while common.next_check_us <= until_us:
+        start = filter_events(events, start, common.next_check_us, tracks, tuning)
+        if not _may_wait(common.next_check_us, tracks):
+            check(common.next_check_us, tracks, tuning)
+        common.next_check_us += tuning.check_us
     start = filter_events(events, start, until_us, tracks, tuning)
     now_px = np.empty(position_px.shape)
     predict(float(until_us), tuning.memory_s, tracks, now_px)

@@ -1,6 +1,6 @@
 """What is known about the markers, and the compiled loops that move them."""
 
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -8,20 +8,57 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.tracker.kernels.nearest import OFF_X, OFF_Y, ON_X, ON_Y, list_markers
 
-X, Y, VX, VY, A, B, C, T, LEAD_X, LEAD_Y = range(10)
-ROW = 16  # numbers in a row of state: two cache lines
 SECOND = 1e-6  # in µs
+
+MARKER: Final = np.dtype(
+    [
+        ("x", "f8"),
+        ("y", "f8"),
+        ("vx", "f8"),
+        ("vy", "f8"),
+        ("var_x", "f8"),
+        ("cov_xv", "f8"),
+        ("var_v", "f8"),
+        ("t_us", "f8"),
+        ("lead_x", "f8"),
+        ("lead_y", "f8"),
+        ("padding", "f8", 6),
+    ]
+)
+"""What the filter knows of one marker, in two cache lines.
+
+- ``x``, ``y``: position, px; ``vx``, ``vy``: velocity, px/s.
+- ``var_x`` (px²), ``cov_xv`` (px²/s) and ``var_v`` (px²/s²): variance of the position, covariance
+  of position and velocity, variance of the velocity. Both axes share them.
+- ``t_us``: the moment of all these, µs.
+- ``lead_x``, ``lead_y``: a moving marker makes ON events this far ahead of its centre, px, and OFF
+  events as far behind it.
+"""
+
+COMMON: Final = np.dtype(
+    [
+        ("next_check_us", "i8"),
+        ("n_checks", "i8"),
+        ("n_repairs", "i8"),
+        ("last_frame_us", "i8"),
+        ("noise_hz", "f8"),
+    ]
+)
+"""What the filter knows of all markers together.
+
+- ``next_check_us``: the moment of the next check, µs.
+- ``n_checks``: checks so far.
+- ``n_repairs``: how often a marker was moved to the place that its neighbours gave.
+- ``last_frame_us``: the end of the last frame that showed the markers, µs.
+- ``noise_hz``: events per second of a marker that does not move.
+"""
 
 
 class Tracks(NamedTuple):
     """All that is known about n markers.
 
     Attributes:
-        state: (n, 16) float64, two cache lines each. Columns: position X, Y (px), velocity VX, VY
-            (px/s), the covariance A = var(position) (px²), B = cov(position, velocity) (px²/s),
-            C = var(velocity) (px²/s²), the same for x and y, the moment T (µs) of all these, and
-            LEAD_X, LEAD_Y (px): how far ahead of its centre a marker makes ON events, and behind
-            it OFF events.
+        state: (n,) ``MARKER``.
         aim_px: (n, 4) float64, where ON (x, y) and OFF events (x, y) of each marker are expected
             up to the next check: about where it will be then, for tracks lag a little.
         near: (k, tiles) uint16, the markers that the events of a tile may belong to.
@@ -30,17 +67,15 @@ class Tracks(NamedTuple):
         n_new: (n,) int64, events of each marker since the last check.
         rate_hz: (n,) float64, events of each marker per second, lately.
         r_px2: (n,) float64, variance of an event about its marker's centre now.
-        noise_hz: (1,) float64, rate of a marker that does not move.
         lost: (n,) bool, the position is a guess.
         rest_px: (n, 2) float64, positions while the gel is undeformed.
         neighbours: (n, 8) intp, -1 where there is none.
         past_px: (k, n, 2) float64, ring of the positions at the last k checks.
         past_us: (k,) int64, the moments of these checks, -1 where there is none.
-        clock: (3,) int64: moment of the next check (µs), checks done, markers seated anew.
-        frame_us: (1,) int64, the end of the last frame that showed the markers.
+        common: (1,) ``COMMON``.
     """
 
-    state: NDArray[np.float64]
+    state: NDArray[np.void]
     aim_px: NDArray[np.float64]
     near: NDArray[np.uint16]
     n_near: NDArray[np.uint8]
@@ -48,14 +83,12 @@ class Tracks(NamedTuple):
     n_new: NDArray[np.int64]
     rate_hz: NDArray[np.float64]
     r_px2: NDArray[np.float64]
-    noise_hz: NDArray[np.float64]
     lost: NDArray[np.bool_]
     rest_px: NDArray[np.float64]
     neighbours: NDArray[np.intp]
     past_px: NDArray[np.float64]
     past_us: NDArray[np.int64]
-    clock: NDArray[np.int64]
-    frame_us: NDArray[np.int64]
+    common: NDArray[np.void]
 
 
 class Tuning(NamedTuple):
@@ -89,16 +122,16 @@ def predict(t_us: float, memory_s: float, tracks: Tracks, out_px: NDArray[np.flo
     """Where every marker is at ``t_us``."""
     for i in range(len(tracks.state)):
         s = tracks.state[i]
-        step = _fade(t_us - s[T], memory_s)
-        out_px[i, 0] = s[X] + s[VX] * step
-        out_px[i, 1] = s[Y] + s[VY] * step
+        step = _fade(t_us - s.t_us, memory_s)
+        out_px[i, 0] = s.x + s.vx * step
+        out_px[i, 1] = s.y + s.vy * step
 
 
 @njit(cache=True, nogil=True, inline="always")
 def _aim_at(x: float, y: float, i: int, tracks: Tracks) -> None:
     s, aim_px = tracks.state[i], tracks.aim_px
-    aim_px[i, ON_X], aim_px[i, ON_Y] = x + s[LEAD_X], y + s[LEAD_Y]
-    aim_px[i, OFF_X], aim_px[i, OFF_Y] = x - s[LEAD_X], y - s[LEAD_Y]
+    aim_px[i, ON_X], aim_px[i, ON_Y] = x + s.lead_x, y + s.lead_y
+    aim_px[i, OFF_X], aim_px[i, OFF_Y] = x - s.lead_x, y - s.lead_y
 
 
 @njit(cache=True, nogil=True)
@@ -106,8 +139,8 @@ def aim(t_us: float, tracks: Tracks, tuning: Tuning) -> None:
     """Expect the events of all markers where these will be at ``t_us``."""
     for i in range(len(tracks.state)):
         s = tracks.state[i]
-        step = _fade(t_us - s[T], tuning.memory_s)
-        _aim_at(s[X] + s[VX] * step, s[Y] + s[VY] * step, i, tracks)
+        step = _fade(t_us - s.t_us, tuning.memory_s)
+        _aim_at(s.x + s.vx * step, s.y + s.vy * step, i, tracks)
     list_markers(tracks.aim_px, tracks.near, tracks.n_near, tracks.listed)
 
 
@@ -127,14 +160,14 @@ def place(
     for k in range(len(markers)):
         i = markers[k]
         s = tracks.state[i]
-        step = _fade(t_us - s[T], tuning.memory_s)
-        dx, dy = at_px[k, 0] - s[X] - s[VX] * step, at_px[k, 1] - s[Y] - s[VY] * step
+        step = _fade(t_us - s.t_us, tuning.memory_s)
+        dx, dy = at_px[k, 0] - s.x - s.vx * step, at_px[k, 1] - s.y - s.vy * step
         for slot in range(len(tracks.past_px)):
             tracks.past_px[slot, i, 0] += dx
             tracks.past_px[slot, i, 1] += dy
-        s[X], s[Y], s[VX], s[VY], s[T] = at_px[k, 0], at_px[k, 1], 0.0, 0.0, t_us
-        s[A], s[B], s[C] = variance_px2, 0.0, 100.0
-        _aim_at(s[X], s[Y], i, tracks)
+        s.x, s.y, s.vx, s.vy, s.t_us = at_px[k, 0], at_px[k, 1], 0.0, 0.0, t_us
+        s.var_x, s.cov_xv, s.var_v = variance_px2, 0.0, 100.0
+        _aim_at(s.x, s.y, i, tracks)
     list_markers(tracks.aim_px, tracks.near, tracks.n_near, tracks.listed)
 
 
@@ -146,7 +179,7 @@ def shift(markers: NDArray[np.intp], by_px: NDArray[np.float64], tracks: Tracks)
         i = markers[k]
         dx, dy = by_px[k, 0], by_px[k, 1]
         s, aim_px = tracks.state[i], tracks.aim_px[i]
-        s[X], s[Y] = s[X] + dx, s[Y] + dy
+        s.x, s.y = s.x + dx, s.y + dy
         aim_px[ON_X], aim_px[ON_Y] = aim_px[ON_X] + dx, aim_px[ON_Y] + dy
         aim_px[OFF_X], aim_px[OFF_Y] = aim_px[OFF_X] + dx, aim_px[OFF_Y] + dy
         all_px[i, 0], all_px[i, 1] = dx, dy
