@@ -1,6 +1,8 @@
 """Every path that the page names is there."""
 
 import re
+import subprocess
+from pathlib import Path
 
 import pytest
 
@@ -21,3 +23,21 @@ def test_the_path_is_there(row):
     answer = row.split("?", 1)[1]
     for path in re.findall(r"`([^`]+)`", answer):
         assert (ROOT / "neurotouch_hid" / path).exists() or (ROOT / path).exists(), path
+
+
+DEVELOP = sorted((ROOT / "docs" / "develop").rglob("*.md"))
+
+
+@pytest.mark.parametrize("page", DEVELOP, ids=lambda page: page.stem)
+def test_files_that_a_page_names_are_there(page: Path):
+    named = re.findall(r"`((?:[\w.-]+/)*[\w-]+\.(?:py|toml))`", page.read_text(encoding="utf-8"))
+    tracked = ["/" + path for path in list_files()]
+    gone = [name for name in named if not any(path.endswith("/" + name) for path in tracked)]
+    assert gone == []
+
+
+def list_files() -> list[str]:
+    """All files under version control, from the repository's root."""
+    command = ["git", "ls-files"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    return done.stdout.splitlines()
