@@ -7,7 +7,6 @@ from neurotouch_hid.geometry import Rig
 from neurotouch_hid.gesture.config import GestureConfig
 from neurotouch_hid.gesture.paper.classify import classify, fit_similarity, measure_reach
 from neurotouch_hid.gesture.paper.contacts import find_contacts
-from neurotouch_hid.gesture.paper.intensity import measure_intensity
 from neurotouch_hid.gesture.paper.kernels import find_near, smooth_displacement
 from neurotouch_hid.messages import Gesture, no_gesture
 
@@ -59,12 +58,25 @@ class PaperMethod:
             kind=kind,
             contacts_mm=rig.to_mm(contacts),
             contacts_px=contacts,
-            intensity_mm=measure_intensity(rig.vector_to_mm(position - rest)),
+            intensity_mm=_measure_intensity(rig.vector_to_mm(position - rest)),
             translation_mm=(float(translation[0]), float(translation[1])),
             rotation_rad=motion.rotation_rad,
             scale=motion.scale,
             confidence=confidence,
         )
+
+
+def _measure_intensity(displacement_mm: NDArray[np.float64]) -> float:
+    """Returns the mean displacement of the markers around the contacts, mm.
+
+    [NT, "Gesture Classification and Intensity Prediction"], in millimetres of the gel.
+
+    Args:
+        displacement_mm: (n, 2) float64 mm, the markers of A(t_k). Without markers the result is 0.
+    """
+    if not len(displacement_mm):
+        return 0.0
+    return float(np.linalg.norm(displacement_mm, axis=1).mean())
 
 
 def _at_rest(
