@@ -55,7 +55,7 @@ class Frame:
 
     @property
     def t_us(self) -> int:
-        """The moment the picture stands for: the middle of the exposure."""
+        """The middle of the exposure, µs."""
         return (self.exposure_begin_us + self.exposure_end_us) // 2
 
 
@@ -69,7 +69,7 @@ class EventPacket:
         events: (n,) EVENT_DTYPE, ascending in ``t``, all in [t_begin_us, t_end_us).
         frames: frames whose exposure ended in the slice, oldest first.
         gap: events lost since the packet before, as far as the source knows.
-        is_partial: this is only what has come of a slice so far; the whole slice comes next.
+        is_partial: this is a partial slice; the whole slice comes next.
     """
 
     t_begin_us: int
@@ -113,7 +113,7 @@ class MarkerField:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Gesture:
-    """What the hand does at one moment.
+    """The gesture at one moment.
 
     Attributes:
         t_us: the moment.
@@ -139,7 +139,7 @@ class Gesture:
 
 
 def no_gesture(t_us: int) -> Gesture:
-    """Nothing is done at the moment."""
+    """Returns a record without a gesture at ``t_us``."""
     return Gesture(t_us, GestureKind.NONE, np.zeros((0, 2)), np.zeros((0, 2)), 0.0)
 
 
@@ -190,7 +190,7 @@ class Truth:
         kind: the gesture type.
         contacts_px: (K, 2) float64, image points of the contacts, columns x, y.
         intensity_mm: mean displacement of the contact points since the gesture began.
-        markers_px: (177, 2) float32, true marker positions, or None where nobody knows them.
+        markers_px: (177, 2) float32, true marker positions, or None where they are unknown.
     """
 
     t_us: int
@@ -202,10 +202,10 @@ class Truth:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Step:
-    """One turn of the line: what went in, what each stage said.
+    """One step of the pipeline: its packet and the result of each stage.
 
     It holds no host time, so that two runs can be compared bit by bit. ``rest`` is the anchor taken
-    in this turn, or None.
+    in this step, or None.
     """
 
     packet: EventPacket

@@ -42,7 +42,7 @@ class FrameCorrection:
     def anchor(self, rest: RestField) -> None:
         """Correct all tracks by a frame that shows the gel at rest, however late that is known.
 
-        At rest the position tells who is who. So a track that was elsewhere then has followed a
+        At rest the position identifies each marker. So a track that was elsewhere had followed a
         neighbour: it is put where its own neighbours say that it is now.
         """
         then_px = np.empty((N_MARKERS, 2))

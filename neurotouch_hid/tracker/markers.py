@@ -1,4 +1,4 @@
-"""The tracker of all markers: events one by one, neighbours every 4 ms, frames as they come."""
+"""Tracks all markers: by each event, by their neighbours every 4 ms, and by each frame."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -21,7 +21,7 @@ _DRIFT_US = 20e6  # time in which the rest position follows: a rig drifts over m
 _TOUCH_US = 300e6  # ... while a soft touch may be held for long
 _LONGEST_US = 200_000  # a rest position stands for no more time than that
 _NEVER_US = -(1 << 60)
-_MAX_HOLE_US = 100_000  # a camera that was away longer tells nothing about who is who
+_MAX_HOLE_US = 100_000  # a camera that was away longer does not tell which marker is which
 _SHOWN_DRIFT_PX = 0.1  # smaller changes of the rest position are not shown to later stages
 
 
@@ -30,7 +30,7 @@ class TrackerConfig:
     """How events move markers.
 
     Attributes:
-        gate_px: an event farther from every marker than this is nobody's; at most 3.5.
+        gate_px: an event farther from every marker than this belongs to none; at most 3.5.
             A third of the pitch: markers that are pressed together come within 3.5 px.
         r_px2: variance of an event about its marker's centre, px². Larger than the marker: its
             events are not independent of each other.
@@ -68,7 +68,7 @@ class TrackerConfig:
     search: Literal["tiles", "all"] = "tiles"
 
     def tuning(self) -> track_kernels.Tuning:
-        """The same as the kernels take it."""
+        """Returns the same constants for the kernels."""
         return track_kernels.Tuning(
             self.gate_px,
             self.r_px2,
@@ -89,13 +89,13 @@ class TrackerConfig:
 
 @dataclass(frozen=True, slots=True)
 class TrackerStats:
-    """What the tracker did so far.
+    """Counts of the tracker so far.
 
     Attributes:
         n_events: events looked at.
         n_anchors: rest positions taken.
         n_gaps: times events were missing.
-        n_repairs: markers seated anew because their neighbours said so.
+        n_repairs: how often a marker was moved to the place that its neighbours gave.
         n_valid: markers that are measured now.
     """
 
@@ -107,7 +107,7 @@ class TrackerStats:
 
 
 def make_tracks(neighbours: NDArray[np.intp], config: TrackerConfig) -> track_kernels.Tracks:
-    """Tracks of n markers that are nowhere yet.
+    """Returns tracks of n markers without positions.
 
     Args:
         neighbours: (n, 8), the lattice neighbours of each, -1 where there is none.
@@ -138,7 +138,7 @@ class MarkerTracker:
     def __init__(
         self, config: TrackerConfig | None = None, finder: BlobFinder | None = None
     ) -> None:
-        """Start without a gel; the first ``anchor`` gives one.
+        """Starts without a gel; the first ``anchor`` gives one.
 
         Args:
             config: how events move markers.
@@ -157,7 +157,7 @@ class MarkerTracker:
         self._n_events = self._n_anchors = self._n_gaps = 0
 
     def anchor(self, rest: RestField) -> None:
-        """Take a rest position, which may be late: ``rest.t_us`` says which moment it describes.
+        """Takes a rest position, which may be late: ``rest.t_us`` says which moment it describes.
 
         The first one, and one that lies elsewhere (the camera was bumped), is taken as it is.
         After that the rest position follows slowly.
@@ -180,7 +180,7 @@ class MarkerTracker:
             self._rest_px = tracks.rest_px.astype(np.float32)
 
     def update(self, packet: EventPacket) -> MarkerField:
-        """All markers at the end of a slice."""
+        """Returns all markers at the end of a slice."""
         if not self._anchored:
             return self._unknown(packet.t_end_us)
         if packet.gap or self._end_us != packet.t_begin_us:
@@ -204,12 +204,12 @@ class MarkerTracker:
         return MarkerField(packet.t_end_us, self._rest_px, position_px, valid)
 
     def correct(self, frame: Frame, blobs: Blobs) -> None:
-        """Take in a frame of a slice that is over, by what others have found in it."""
+        """Corrects the tracks by the blobs found in a frame of an earlier slice."""
         if self._anchored:
             self._correction.apply(frame, blobs)
 
     def stats(self) -> TrackerStats:
-        """What was done so far."""
+        """Returns the counts so far."""
         return TrackerStats(
             self._n_events,
             self._n_anchors,
@@ -219,7 +219,7 @@ class MarkerTracker:
         )
 
     def _drift(self, off_px: NDArray[np.float64], elapsed_us: int) -> None:
-        """Let the rest position follow, but not where a soft touch passed for rest.
+        """Lets the rest position follow, but not where a soft touch passed for rest.
 
         The whole gel drifts together; what single markers are off beyond that is touch, or the gel
         creeping back from one.
@@ -240,7 +240,7 @@ class MarkerTracker:
         return MarkerField(t_us, self._rest_px, nowhere, np.zeros(N_MARKERS, np.bool_))
 
     def _restart(self, t_us: int) -> None:
-        """Events are missing: forget velocities and the past, keep positions."""
+        """Forgets velocities and the past, because events are missing; keeps positions."""
         tracks = self._tracks
         state = tracks.state
         for name in ("vx", "vy", "cov_xv", "lead_x", "lead_y"):

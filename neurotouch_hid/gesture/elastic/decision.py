@@ -1,4 +1,4 @@
-"""When a gesture begins and ends, in which phase it is, and which type it is, over sensor time."""
+"""Decides over sensor time when a gesture begins and ends, its phase, and its kind."""
 
 import math
 from collections.abc import Sequence
@@ -10,40 +10,47 @@ from neurotouch_hid.vocabulary import Phase
 
 @dataclass(frozen=True, slots=True)
 class KindDeciderConfig:
-    """Times and sizes of a decision.
+    """Thresholds and times of ``KindDecider``.
+
+    The size of a gesture is the largest motion of a finger, mm.
 
     Attributes:
-        on_mm: a motion of a finger that begins a gesture; people label from about 0.3 mm.
-        on_noise: the same in errors of a marker.
-        again_mm: how much more than the least since the last one begins the next: the gel creeps
-            back for a while.
-        swing: how much more at first, as a share of the largest motion of the last one: a gel that
-            is let go swings, ...
-        swing_us: ... but not for long: time constant in which that is forgotten.
-        sway_gain: how much more than the greatest motion of everything of late: the tracker follows
-            no knock exactly.
-        still_mm: such a motion of everything doubles ``on_us``: a knock may just begin.
-        sway_us: time constant in which that is forgotten.
-        messy_noise: while everything moves, what the fingers of a new gesture leave unexplained may
-            be so many errors of a marker, ...
-        messy_share: ... or this share of their motion: of a knock they explain little.
-        off_mm: all motions below it end the gesture; a small gesture, after which the gel has
-            nothing to creep back, goes on ...
-        least_off_mm: ... down to this ...
-        creep: ... and so much of its largest motion.
-        on_us, off_us: for how long.
-        memory_us: time constant of the evidence for a type.
-        latch_mm: motion from which the type is final.
-        latch_us: how long one type must have led by then.
-        settle_us: until when a new finger opens the question again; fingers of one gesture come
-            within a tenth of a second of each other.
-        overrule: evidence over the latched type's that still changes it.
-        moving_mm_s: speed of a finger that is no hold.
-        blur_mm: how sharply people see a gesture's first motion, width of a logistic curve.
-        linger_mm: how much more must be left for people to see one when fingers let go: the gel
-            follows them late.
-        unsure_mm: error of a motion that neither the noise nor its size explains, mostly of the
-            press of fingers that touch down.
+        on_mm: a gesture begins above this size. People label from about 0.3 mm.
+        on_noise: a gesture begins above this size, in errors of a marker.
+        again_mm: a gesture begins this far above the smallest size since the previous gesture,
+            because the gel creeps back for a while.
+        swing: after a gesture, the size that begins the next one rises by this share of
+            its largest size, because a released gel swings.
+        swing_us: time constant with which the rise by ``swing`` fades.
+        sway_gain: the size that begins a gesture rises by this multiple of the recent motion of the
+            whole gel, because the tracker follows no knock exactly.
+        still_mm: if the whole gel recently moved by this much, a gesture takes twice ``on_us`` to
+            begin, because the motion may be the start of a knock.
+        sway_us: time constant with which the recent motion of the whole gel fades.
+        messy_noise: while the whole gel moves, no gesture begins if its fingers leave more than
+            this unexplained, in errors of a marker; the larger of this limit and ``messy_share``
+            counts.
+        messy_share: the limit of ``messy_noise`` as a share of the size. Fingers explain little of
+            a knock.
+        off_mm: a large gesture ends below this size.
+        least_off_mm: the smallest gesture ends below this size, because the gel then has nothing
+            to creep back.
+        creep: the size at which a gesture ends rises from ``least_off_mm`` by this share of the
+            gesture's largest size, up to ``off_mm``.
+        on_us: how long the size must be above the limit before a gesture begins.
+        off_us: how long the size must be below the limit before a gesture ends.
+        memory_us: time constant of the evidence for each kind.
+        latch_mm: the kind can become final only at or above this size.
+        latch_us: how long one kind must have led before it becomes final.
+        settle_us: within this time of the begin, a new finger discards the evidence. The fingers of
+            one gesture arrive within a tenth of a second of each other.
+        overrule: a final kind still changes if another has this many times its evidence.
+        moving_mm_s: above this speed a gesture grows or shrinks; below it, it is held.
+        blur_mm: how sharply people see the first motion of a gesture: width of a logistic curve.
+        linger_mm: while fingers leave, this much more size must be left for people to see a
+            gesture, because the gel follows late.
+        unsure_mm: error of a size that neither noise nor size explains, mostly from the press of
+            fingers that touch down.
     """
 
     on_mm: float = 0.26
@@ -73,7 +80,7 @@ class KindDeciderConfig:
 
 
 class KindDecider:
-    """One gesture at a time, from rest to rest."""
+    """Decides the kind of one gesture at a time, from rest to rest."""
 
     def __init__(self, config: KindDeciderConfig | None = None) -> None:
         self._config = config or KindDeciderConfig()
@@ -81,7 +88,7 @@ class KindDecider:
         self.reset()
 
     def reset(self) -> None:
-        """Back to rest."""
+        """Returns to rest."""
         self.kind = GestureKind.NONE
         self.phase = Phase.REST
         self.speed_mm_s = 0.0
@@ -95,12 +102,12 @@ class KindDecider:
 
     @property
     def is_forming(self) -> bool:
-        """The gesture may still turn out to be another one."""
+        """True while the gesture may still become another kind."""
         return self.kind is GestureKind.NONE or not self.is_latched
 
     @property
     def is_falling(self) -> bool:
-        """The fingers let go."""
+        """True while the fingers leave the gel."""
         return self.speed_mm_s < -self._config.moving_mm_s
 
     def update(
@@ -119,7 +126,7 @@ class KindDecider:
             step_us: time since the slice before.
             size_mm: the largest motion of a finger.
             parts_mm: (6,), what speaks for each type, see ``FingerMotion``.
-            n_fingers: that were found.
+            n_fingers: the number of fingers found.
             noise_mm: error of a marker, one axis.
             sway_mm: how far everything moved together.
             error_mm: rms of what the fingers leave unexplained, one axis.
@@ -149,7 +156,7 @@ class KindDecider:
         self.age_us += step_us
         self._most_mm = max(self._most_mm, size_mm)
         if n_fingers > self._n_fingers and self.age_us < config.settle_us:
-            self._evidence = [0.0] * len(GestureKind)  # it was about another hand
+            self._evidence = [0.0] * len(GestureKind)  # it came from fewer fingers
             self.is_latched, self._led_us = False, 0
         self._n_fingers = n_fingers
         self._follow(step_us, size_mm)
@@ -157,27 +164,27 @@ class KindDecider:
         self.confidence = self._believe(size_mm) * self._prefer(size_mm, noise_mm)
 
     def _find_on(self, noise_mm: float) -> float:
-        """Motion of a finger that begins a gesture now."""
+        """Returns the size at which a gesture begins now, mm."""
         config = self._config
         on_mm = max(config.on_mm, config.on_noise * noise_mm, self._least_mm + config.again_mm)
         return on_mm + config.sway_gain * self._sway_mm + self._swing_mm
 
     def _is_knock(self, size_mm: float, noise_mm: float, error_mm: float) -> bool:
-        """True if everything moves and fingers do not explain what remains."""
+        """True if the whole gel moves and the fingers explain too little of the rest."""
         config = self._config
         if self._sway_mm < config.still_mm or size_mm >= config.latch_mm:
             return False
         return error_mm > max(config.messy_noise * noise_mm, config.messy_share * size_mm)
 
     def _believe(self, size_mm: float) -> float:
-        """Probability that people see a gesture of this size."""
+        """Returns the probability that people see a gesture of this size."""
         middle = 0.5 * (self._config.on_mm + self._config.off_mm)
         if self.phase is Phase.RELEASE:
             middle += self._config.linger_mm
         return 1.0 / (1.0 + math.exp(-(size_mm - middle) / self._config.blur_mm))
 
     def _prefer(self, size_mm: float, noise_mm: float) -> float:
-        """Probability of the type given a gesture: its lead over the next in standard errors."""
+        """Returns the probability of the kind: its lead over the next one, in standard errors."""
         others = self._evidence.copy()
         lead = others.pop(self.kind) - max(others)
         error = math.hypot(self._config.unsure_mm, noise_mm / 3.0, 0.02 * size_mm)

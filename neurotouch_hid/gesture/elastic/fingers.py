@@ -1,4 +1,4 @@
-"""The fingers on the gel, followed from slice to slice by fitting the field they cause."""
+"""Follows the fingers on the gel by fitting the displacements that they cause."""
 
 import math
 from dataclasses import astuple, dataclass, fields
@@ -21,32 +21,37 @@ MOST: Final = 3
 
 @dataclass(frozen=True, slots=True)
 class FingerConfig:
-    """How fingers are found in the field.
+    """How fingers are found in the displacements of the markers.
+
+    The largest motion is that of the finger that moves most, mm.
 
     Attributes:
-        radius_mm: of a fingertip's contact patch, to begin with.
-        reach_mm: no finger's middle is further from the gel's centre.
-        spacing_mm: two fingertips cannot be nearer.
-        fresh_mm: a new finger is looked for no nearer to a known one, which may have been fitted
-            to the middle of both.
-        most: fingers that are looked for, ``MOST`` or less.
-        noise_gain: sum of squares, in noise variances, that a finger must explain.
-        field_gain: the same, in squares of the largest motion. For one finger, finite elements and
-            the closed form differ by 0.2 (nine in ten); a second finger brings 0.7 where both push
-            side by side and 1.3 to 10 elsewhere. With 0.3, still fingers are found more often, also
-            those of a hand that rests, beside which a push then passes for a pinch.
-        keep: share of the above that a finger must go on explaining.
-        model_error: rms difference of the gel and the closed form, share of the largest motion.
-        outlier: residual of a marker, in standard errors, that halves its weight.
-        most_unexplained: share of the field's squares; where the followed fingers leave more, and
-            more than one finger must explain, they are looked for anew.
-        still_share: a finger that moves by less than this share of the largest motion is no part of
-            the gesture. 0 makes a pinch of a finger that drags towards one that holds; of a hand
-            that rests, such a finger only lies there.
-        least_mm: a motion below this is no finger yet.
-        least_noise_mm: the least error of a tracked marker, one axis.
-        sure: share of what a finger must explain: where the field has less, no site need be asked;
-            the rest is for rounding.
+        radius_mm: initial radius of a fingertip's contact patch.
+        reach_mm: fingers are searched for no further than this from the gel's centre.
+        spacing_mm: least distance of two fingertips.
+        fresh_mm: a new finger is searched for no nearer to a known one than this, because the known
+            one may have been fitted to the middle of both.
+        most: the number of fingers that are searched for, at most ``MOST``.
+        noise_gain: the sum of squares that a finger must explain, in noise variances; it adds to
+            that of ``field_gain``.
+        field_gain: the sum of squares that a finger must explain, in squares of the largest motion.
+            For one finger, finite elements and the closed form differ by 0.2 (nine in ten). A
+            second finger adds 0.7 where both push side by side, and 1.3 to 10 elsewhere. A value of
+            0.3 finds still fingers more often, also those of a resting hand; a push beside that
+            hand then passes for a pinch.
+        keep: the share of the required sum that a finger must go on explaining to be kept.
+        model_error: rms difference of the gel and the closed form, as a share of the largest
+            motion.
+        outlier: residual that halves a marker's weight, in standard errors.
+        most_unexplained: if the followed fingers leave more than this share of the field's squares,
+            and more than the required sum of one finger, fingers are searched for from nothing.
+        still_share: a finger takes no part in the gesture if it moves less than this share of the
+            largest motion. With 0, a finger that drags towards a still one makes a pinch. Beside a
+            resting hand such a still finger only rests, so it needs a larger value.
+        least_mm: a smaller motion is no finger.
+        least_noise_mm: the least error of a tracked marker on one axis.
+        sure: a search stops if less than this share of the required sum is left in the field. It
+            stays below 1 because of rounding.
     """
 
     radius_mm: float = 6.5
@@ -121,7 +126,7 @@ type, see ``measure_motion``."""
 
 
 class FingerMotion(NamedTuple):
-    """What the fingers do together.
+    """The common motion of the fingers.
 
     Attributes:
         n_fingers: how many take part; without one only ``sway_mm`` means anything, the rest is 0,
@@ -129,10 +134,10 @@ class FingerMotion(NamedTuple):
         largest_mm: the largest motion of a finger.
         sway_mm: how far everything moved together.
         error_mm: rms of what the fingers leave unexplained, one axis.
-        x_mm: translation of the fingers' mean position.
-        y_mm: the same.
-        rotation_rad: about it, clockwise for the user positive.
-        scale: about it, 1 at rest.
+        x_mm: translation of the fingers' mean position along x.
+        y_mm: the same along y.
+        rotation_rad: rotation about the mean position, clockwise for the user positive.
+        scale: scaling about the mean position, 1 at rest.
         parts_mm: what speaks for each GestureKind, as a motion of the fingers since they landed;
             NONE has 0.
     """
@@ -149,7 +154,7 @@ class FingerMotion(NamedTuple):
 
 
 class Contacts(NamedTuple):
-    """What is shown of the fingers.
+    """The contacts that are shown.
 
     Attributes:
         mm: (k, 2), gel coordinates.
@@ -186,18 +191,18 @@ class FingerTracker:
         self.reset()
 
     def reset(self) -> None:
-        """Forget all fingers."""
+        """Forgets all fingers."""
         self.fits["count"] = 0
         self.fits["trust"] = 0.0
         self.state[0] = 0
         self.state["unsought_us"] = TURN_US
 
     def measure_noise(self) -> float:
-        """How far the markers of the last slice lie about their common motion, mm an axis."""
+        """Returns the spread of the last slice's markers about their common motion, mm an axis."""
         return float(measure_spread(self.state["moved"][0], self.state["weight"][0]))
 
     def place(self, rest_px: NDArray[np.float32], rig: Rig) -> None:
-        """Take new positions (177, 2) px of the markers at rest."""
+        """Takes new positions (177, 2) px of the markers at rest."""
         gel = self.gel[0]
         gel["rig"] = (
             *rig.centre_px,
@@ -229,18 +234,18 @@ class FingerTracker:
         forming: bool,
         falling: bool = False,
     ) -> FingerMotion:
-        """Fit the fingers to the displacements of one slice.
+        """Fits the fingers to the displacements of one slice.
 
         Args:
             moved_px: (177, 2) px.
             use: (177,), measured markers.
             noise_mm: error of a marker, one axis.
             step_us: time since the slice before.
-            forming: the gesture has just begun: look at everything afresh.
-            falling: the fingers let go, so that none joins them.
+            forming: the gesture may still become another one; also search for fingers from nothing.
+            falling: the fingers leave the gel; then no finger is added.
 
         Returns:
-            What they do together.
+            Their common motion.
         """
         told = follow(
             self.state,
@@ -257,7 +262,7 @@ class FingerTracker:
         return FingerMotion._make((*told, self._parts.tolist()))
 
     def show(self, least: int = 1) -> Contacts:
-        """The contacts of the fingers found in the last slice.
+        """Returns the contacts of the fingers found in the last slice.
 
         Args:
             least: so many are shown even if they hardly move.

@@ -11,7 +11,7 @@ from neurotouch_hid.tracker.kernels.matching import match_points
 from neurotouch_hid.tracker.kernels.neighbours import expect, strays
 from neurotouch_hid.tracker.kernels.tracks import Tracks, Tuning
 
-GATE_PX = 3.5  # a third of the pitch: nobody else's blob
+GATE_PX = 3.5  # a third of the pitch: no other marker's blob
 MAX_BLUR_PX = 2.0  # smeared markers merge with their neighbours
 MAX_AREA_RATIO = 1.8  # to the median: two markers in one blob
 MAX_MISSED = 3  # sharp frames without a blob before a marker counts as lost
@@ -20,7 +20,7 @@ MIN_MATCHED = 60  # a third; with fewer the picture or all tracks are wrong
 
 @njit(cache=True, nogil=True)
 def recall(t_us: int, tracks: Tracks, out_px: NDArray[np.float64]) -> bool:
-    """All positions at a past moment: out (n, 2), filled in; False if nobody remembers it."""
+    """Writes all positions at a past moment to out (n, 2); False if the ring does not reach it."""
     past_us, n_checks = tracks.past_us, tracks.common[0].n_checks
     before = after = (n_checks - 1) % len(past_us)
     for back in range(len(past_us)):

@@ -73,7 +73,7 @@ def filter_events(
             c = s.var_v + tuning.q_v * dt
             px, py = s.x + s.vx * step, s.y + s.vy * step
             dx, dy = e.x - px - sign * s.lead_x, e.y - py - sign * s.lead_y
-            # Heavy-tailed noise: an event far from the marker is more likely to be nobody's.
+            # Heavy-tailed noise: an event far from the marker is likelier noise.
             far = (dx * dx + dy * dy) * tail
             inverse = 1.0 / (a + r_px2[i] * (1.0 + far * far))
             k1, k2 = a * inverse, b * inverse
@@ -157,7 +157,7 @@ def _lead(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
 def check_neighbours(
     t_us: int, position_px: NDArray[np.float64], tracks: Tracks, tuning: Tuning
 ) -> None:
-    """Place anew what is not where its neighbours say: ``position_px`` (n, 2) too is put right.
+    """Moves markers that contradict their neighbours, also in ``position_px`` (n, 2).
 
     While there are no frames, a lost marker that moves with its neighbours again, by events of its
     own, is lost no longer: nothing else finds it, and lost neighbours need its say.

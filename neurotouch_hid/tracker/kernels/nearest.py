@@ -142,7 +142,7 @@ def assign(
         events: (m,) EVENT_DTYPE.
         start: the first event.
         stop: the event after the last one, at most ``len(taken)`` further.
-        gate_px: an event farther from every marker is nobody's.
+        gate_px: an event farther from every marker belongs to none.
         of_all: look among all markers, not in the lists.
         aim_px: see ``list_markers``, as ``near`` and ``n_near``.
         near: the lists.

@@ -1,4 +1,4 @@
-"""Compiled rules of the hand: which fingers are kept, added, left out and looked for anew.
+"""Compiled rules that keep, add and remove fingers, and search for new ones.
 
 Fingers that explain a field are records ``fit``, kept in a few places of one array; ``NOW`` holds
 those that are believed. A function that is given a place changes what lies there.
@@ -63,7 +63,7 @@ def follow(
         noise_mm: error of a marker, one axis.
         step_us: time since the slice before.
         forming: the gesture has just begun: look at everything afresh.
-        falling: the fingers let go, so that none joins them.
+        falling: the fingers leave the gel; then no finger is added.
 
     Returns:
         The number of fingers that take part; their largest motion, how far everything moved
@@ -272,7 +272,7 @@ def _extend(fits: NDArray[np.void], me: Any, gel: Any, rules: Any) -> None:
     fit = fits[WARM]
     price = _price(fit, me, rules)
     if fit.count >= rules.most or fit.cost < rules.sure * 0.4 * price:
-        return  # nobody explains more than there is
+        return  # a finger explains no more than is left
     site, gain = _find(fit, me, gel, rules, 0.4 * price)
     if gain < 0.4 * price:
         return
