@@ -21,7 +21,7 @@ _SUMMARIES = {
     "pause": "Release everything and stop acting until you resume.",
     "resume": "Go on after a pause or a panic.",
     "panic": "Release everything and stay released, whatever happens, until you resume.",
-    "reload": "Have the running driver load its profile anew.",
+    "reload": "Make the running driver load its profile again.",
     "status": "Say what the running driver does.",
     "profile": "Look at profiles, change them, try them, share them.",
     "calibrate": "Measure your own range of each movement, without hurry.",

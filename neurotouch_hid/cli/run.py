@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 @click.option(
     "--identity",
     show_default="xbox360; own with hid",
-    help="What the pad claims to be: xbox360, own, playstation, or a .toml file of your own.",
+    help="Controller model to emulate: xbox360, own, playstation, or a .toml file of your own.",
 )
 @click.option(
     "--copilot",
@@ -53,7 +53,7 @@ if TYPE_CHECKING:
     default=1,
     envvar="NEUROTOUCH_PLAYER",
     show_default=True,
-    help="Whose gel it is; each player has a driver, a pad and a profile of their own.",
+    help="Player number; each player has a driver, a pad and a profile of their own.",
 )
 @speed_option
 @rate_option

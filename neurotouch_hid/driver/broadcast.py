@@ -53,7 +53,7 @@ class Broadcast:
             DriverError: enough do.
         """
         if len(self._listeners) >= MAX_LISTENERS:
-            raise DriverError(f"{MAX_LISTENERS} programs record or look on already.")
+            raise DriverError(f"{MAX_LISTENERS} programs already record or watch.")
 
     def close(self) -> None:
         """Lets all listeners have what still waits for them, then the end."""

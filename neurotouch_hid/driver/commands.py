@@ -19,7 +19,7 @@ COMMANDS: Final = ("pause", "resume", "panic", "reload", "status", "use", "recor
 
 SAID: Final = {
     "pause": "Paused: everything is released. Go on with: neurotouch resume",
-    "resume": "Resumed: the next gesture acts.",
+    "resume": "Resumed: the next gesture counts.",
     "panic": "Stopped: everything is released until: neurotouch resume",
 }
 """What the person is told of an order that has taken effect."""
@@ -66,7 +66,8 @@ class Commands:
                 if _is_done(done, _WAIT_S):
                     return {"done": True, "text": SAID[_BEGINS[done.result()]]}
                 text = (
-                    f"The source is silent and the pad released; '{order}' is heard on its return."
+                    f"No data from the source. The pad is released; '{order}' takes effect when "
+                    "data resumes."
                 )
                 return {"done": False, "text": text}
             case "reload":
@@ -95,9 +96,9 @@ class Commands:
         if not _is_done(done, LOADING_S):
             raise DriverError(
                 f"The profile is still being loaded after {LOADING_S:g} s.",
-                hint="See later which one holds: neurotouch status",
+                hint="See later which one is active: neurotouch status",
             )
-        return {"done": True, "text": f"The profile '{done.result()}' holds."}
+        return {"done": True, "text": f"Profile '{done.result()}' is now active."}
 
 
 def _is_done(done: Future[Any], wait_s: float) -> bool:

@@ -155,7 +155,7 @@ def _prepare_folder(folder: Path, *, open_to_all: bool) -> None:
                 hint="See what it does: neurotouch status. If it is the service, end it: "
                 "sudo systemctl stop neurotouch",
             )
-        raise DriverError(f"{folder} is no folder of yours, so no control socket is made there.")
+        raise DriverError(f"{folder} is not owned by you, so no control socket is made there.")
     if stat.S_IMODE(found.st_mode) != mode:
         folder.chmod(mode)
 

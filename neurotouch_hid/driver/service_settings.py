@@ -42,7 +42,7 @@ class ServiceSettings(Strict):
     )
     identity: Annotated[str, Field(min_length=1, max_length=256)] | None = Field(
         default=None,
-        description="What the pad claims to be: the name of an identity, or the path of a file. "
+        description="Controller model to emulate: the name of an identity, or the path of a file. "
         "Default: that of the kind of device.",
         json_schema_extra=make_optional(),
     )

@@ -51,5 +51,5 @@ class CameraWatchdog:
         elif now_s - self._well_s > PATIENCE_S:
             raise CameraError(
                 "Linux shows a camera, but this process cannot find it.",
-                hint="Start the driver anew; the service is started anew by itself.",
+                hint="Restart the driver; the service restarts by itself.",
             )

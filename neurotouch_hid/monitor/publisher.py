@@ -52,7 +52,9 @@ class Publisher:
         try:
             self._listener = listen_at(self._path, open_to_all=admits is not None)
         except OSError as error:
-            raise DriverError(f"Nobody can look on: {error.strerror} ({self._path}).") from error
+            raise DriverError(
+                f"The live view cannot be served: {error.strerror} ({self._path})."
+            ) from error
         self._period_s = 0.0  # 0: nobody wants anything
         self._due_s = 0.0
         self._shots: deque[Sample] = deque(maxlen=1)  # the newest wins

@@ -146,9 +146,9 @@ class Server:
             return _reply(http.HTTPStatus.MISDIRECTED_REQUEST, b"This is not your server.\n")
         if request.path == STREAM:
             if "Origin" not in request.headers:  # browsers always send it
-                return _reply(http.HTTPStatus.FORBIDDEN, b"Who asks?\n")
+                return _reply(http.HTTPStatus.FORBIDDEN, b"Missing Origin header\n")
             if self._n_connections >= MOST_CONNECTIONS:
-                return _reply(http.HTTPStatus.SERVICE_UNAVAILABLE, b"Too many look on already.\n")
+                return _reply(http.HTTPStatus.SERVICE_UNAVAILABLE, b"Too many viewers.\n")
             return None
         if request.path not in self._files:
             return _reply(http.HTTPStatus.NOT_FOUND, b"There is no such page.\n")
@@ -165,7 +165,7 @@ class Server:
                 await connection.close(1008, "the token is wrong")
                 return
             if self._hub.n_clients >= MOST_CLIENTS:
-                await connection.close(1013, "four pages look on already")
+                await connection.close(1013, "too many viewers (4)")
                 return
             hz = said.get("hz")
             await self._hub.serve(Client(connection), hz if isinstance(hz, int) else 30)

@@ -50,7 +50,7 @@ class MouseSource:
             self._listener = listen_at(self._path)
         except OSError as error:
             raise SourceError(
-                f"No mouse can lead the gel: {error.strerror} ({self._path})."
+                f"Cannot open the socket of the mouse gel: {error.strerror} ({self._path})."
             ) from error
         self._peers: list[socket.socket] = []
         self._slice_us = slice_us

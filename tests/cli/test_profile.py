@@ -446,7 +446,7 @@ def test_output_in_a_pipe_is_plain_and_errors_have_their_code(home):
         check=False,
     )
     assert done.returncode == 6
-    assert done.stderr.startswith("Error: 'x.y' leads to nothing in this file\nFix: ")
+    assert done.stderr.startswith("Error: No such key: 'x.y'\nFix: ")
     assert "Traceback" not in done.stderr
     assert "\x1b" not in done.stdout + done.stderr
 

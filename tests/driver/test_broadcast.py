@@ -111,7 +111,7 @@ def test_only_so_many_may_listen(broadcast):
     lines = [listen(broadcast)[0] for _ in range(MAX_LISTENERS - 1)]
     broadcast.require_place()
     lines.append(listen(broadcast)[0])
-    with pytest.raises(DriverError, match="record or look on already"):
+    with pytest.raises(DriverError, match="already record or watch"):
         broadcast.require_place()
     for line in lines:
         line.close()

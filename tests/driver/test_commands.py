@@ -39,7 +39,7 @@ def test_order_to_a_silent_source_is_noted(commands):
     answer = commands.answer({"command": "panic"})
     assert answer["ok"]
     assert answer["done"] is False
-    assert "silent" in answer["text"]
+    assert "No data from the source" in answer["text"]
 
 
 @pytest.mark.parametrize(
@@ -137,7 +137,11 @@ def test_what_is_loaded_slowly_is_answered_in_the_end(load_through, gate, comman
         assert not wait([asked], timeout=1.5).done
         gate.set()
     if fault is None:
-        assert asked.result() == {"ok": True, "done": True, "text": f"The profile '{name}' holds."}
+        assert asked.result() == {
+            "ok": True,
+            "done": True,
+            "text": f"Profile '{name}' is now active.",
+        }
     else:
         assert asked.result() == {"ok": False, "error": "It has an error.", "hint": "Mend it."}
 

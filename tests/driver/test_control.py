@@ -125,7 +125,7 @@ def test_folder_open_to_others_is_closed_to_them(folder):
 def test_link_in_place_of_the_folder_is_refused(folder, tmp_path):
     (tmp_path / "elsewhere").mkdir()
     folder.symlink_to(tmp_path / "elsewhere")
-    with pytest.raises(DriverError, match="no folder of yours"):
+    with pytest.raises(DriverError, match="is not owned by you"):
         ControlSocket(folder)
 
 

@@ -88,7 +88,7 @@ def test_the_desktop_sees_the_end_of_what_it_saw_begin_and_nothing_more(guest):
 
 def test_what_is_held_at_the_begin_is_waited_for(guest):
     said = guest("copilot_keyboard")["while_held"]
-    assert said == "Helper keyboard plays along once all its buttons are let go"
+    assert said == "Helper keyboard plays along once all its buttons are released"
 
 
 def test_chords_are_heard_on_a_keyboard_that_plays_along(guest):

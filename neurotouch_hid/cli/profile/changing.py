@@ -64,7 +64,9 @@ def new(name: str, template: str, as_json: bool, plain: bool) -> None:
 @click.argument("name", shell_complete=complete_paper)
 @click.argument("key", shell_complete=complete_key)
 @click.argument("value", required=False)
-@click.option("--default", "to_default", is_flag=True, help="Remove it, so its default holds.")
+@click.option(
+    "--default", "to_default", is_flag=True, help="Remove it, so that its default applies."
+)
 @json_option
 @plain_option
 def set_command(
@@ -199,7 +201,7 @@ def use(name: str, as_json: bool, plain: bool) -> None:
     if known is None or known.resolve() != path.resolve():
         raise ProfileError(
             f"{path} is not among your profiles",
-            hint=f"Take it in first: neurotouch profile import {name}",
+            hint=f"Import it first: neurotouch profile import {name}",
         )
     slots = [stem, *(slot for slot in load_user().slots if slot != stem)]
     edited = take_user(make_stamp)

@@ -18,7 +18,7 @@ def see_gesture(source: str) -> str | None:
     from neurotouch_hid.profile.calibration import CalibrationSession
 
     session = CalibrationSession(load_user(), guided=False)
-    click.echo("Make the gesture, and let go.")
+    click.echo("Make the gesture, then lift your fingers.")
     for gesture in (step.gesture for step in read_steps(source)):
         repetition = session.take(gesture)
         if repetition is not None and session.accepts(repetition):
@@ -36,7 +36,7 @@ def try_on_gel(source: str, profile: "Profile") -> None:
     from neurotouch_hid.profile import Mapping, load_user
 
     mapping = Mapping(profile, load_user())
-    click.echo("Make the gesture, and let go.")
+    click.echo("Make the gesture, then lift your fingers.")
     due_us: int | None = None
     for gesture in (step.gesture for step in read_steps(source)):
         pad = mapping.update(gesture)

@@ -87,7 +87,7 @@ class Copilot:
         if self._open is None:
             return f"{self._device.name} is unplugged; it goes on when it comes back"
         if not self._grabbed:
-            return f"{self._device.name} plays along once all its buttons are let go"
+            return f"{self._device.name} plays along once all its buttons are released"
         return f"{self._device.name} ({self._open.path})"
 
     def start(self, hear: HearShare) -> None:

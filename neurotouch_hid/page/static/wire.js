@@ -59,7 +59,7 @@ export function connect(hz, handlers) {
         call("lost", `This page may not look on: ${reason || "the token is wrong"}. ` +
           "Open the link that the terminal shows.");
       } else if (code === 1013) {
-        call("lost", "Four pages look on already. Close one.");
+        call("lost", "Too many viewers (4). Close one.");
       } else {
         call("lost", "The connection is lost. Is neurotouch view still running?");
       }

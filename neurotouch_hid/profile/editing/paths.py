@@ -209,7 +209,7 @@ def _advise(value: Any, part: str, keys: Keys, model: type[BaseModel]) -> str:
 def _refuse(path: str, hint: str) -> ProfileError:
     shown = make_printable(path[:100])
     example = "For example: push.curve.expo, layers.menu.pinch.on_mm, timing."
-    return ProfileError(f"'{shown}' leads to nothing in this file", hint=hint or example)
+    return ProfileError(f"No such key: '{shown}'", hint=hint or example)
 
 
 def _list_bindings(bindings: Any, prefix: str) -> Iterator[str]:
