@@ -15,9 +15,9 @@ def main() -> None:
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:  # as in the background
         signal.signal(signal.SIGINT, _leave)
     if sys.argv[1:] in (["pause"], ["resume"], ["panic"]):
-        from neurotouch_hid.cli.order import give_order
+        from neurotouch_hid.cli.send import send_command
 
-        sys.exit(give_order(sys.argv[1]))
+        sys.exit(send_command(sys.argv[1]))
     from neurotouch_hid.process.startup import (
         collect_rarely,
         leave_out_pydantic_plugins,

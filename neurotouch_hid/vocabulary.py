@@ -74,3 +74,24 @@ class Axis(StrEnum):
     RIGHT_TRIGGER = "right_trigger"
     DPAD_X = "dpad_x"
     DPAD_Y = "dpad_y"
+
+
+class SourceKind(StrEnum):
+    """What a source is, by the first word of its name."""
+
+    CAMERA = "davis"
+    RECORDING = "file"
+    SIMULATION = "sim"
+    OTHER = "other"
+
+
+def find_source_kind(name: str) -> SourceKind:
+    """Returns what a source is.
+
+    Args:
+        name: as a person writes it, for example ``sim:tour`` or ``play.aedat4``.
+    """
+    kind, colon, _ = name.partition(":")
+    if colon and kind in ("davis", "file", "sim"):
+        return SourceKind(kind)
+    return SourceKind.RECORDING if name.endswith(".aedat4") else SourceKind.OTHER

@@ -7,6 +7,7 @@ import click
 
 from neurotouch_hid.cli.ui.output import json_option, print_json
 from neurotouch_hid.errors import CameraError
+from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
 if TYPE_CHECKING:
     from neurotouch_hid.doctor.inventory import Pad
@@ -40,7 +41,7 @@ def command(watch: bool, as_json: bool) -> None:
 
     cameras = [(info, *_identify(info)) for info in find_cameras()]
     playing = str((find_driver() or {}).get("source", "")) if cameras else ""
-    if playing.startswith("davis:"):
+    if find_source_kind(playing) is SourceKind.CAMERA:
         has = f"the running driver plays {playing}"
         cameras = [(info, known, f"{why}; {has}" if why else "") for info, known, why in cameras]
     pads = find_pads()

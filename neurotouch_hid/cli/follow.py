@@ -3,6 +3,8 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Literal
 
+from neurotouch_hid.vocabulary import SourceKind, find_source_kind
+
 if TYPE_CHECKING:
     from neurotouch_hid.messages import Step
 
@@ -35,4 +37,4 @@ def read_steps(
 
 def is_guided(source: str, speed: Literal["recorded", "max"]) -> bool:
     """True if somebody moves now and can be asked; false of what has been recorded."""
-    return speed == "recorded" and not source.startswith("file:")
+    return speed == "recorded" and find_source_kind(source) is not SourceKind.RECORDING

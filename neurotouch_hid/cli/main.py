@@ -40,14 +40,22 @@ _SUMMARIES = {
     "completion": "Print the tab completion for bash, zsh or fish.",
 }
 
+_CONTROL = ("pause", "resume", "panic", "reload")
+
+
+def _find_place(name: str) -> tuple[str, str]:
+    """Returns the module of a command, and its name there."""
+    if name in _CONTROL:
+        return "neurotouch_hid.cli.control", name
+    if name == "emulate":
+        return "neurotouch_devtools.cli.emulate", "command"
+    return f"neurotouch_hid.cli.{name}", "command"
+
 
 @click.group(
     cls=LazyGroup,
     invoke_without_command=True,
-    places={
-        name: (f"neurotouch_{'devtools' if name == 'emulate' else 'hid'}.cli.{name}", "command")
-        for name in _SUMMARIES
-    },
+    places={name: _find_place(name) for name in _SUMMARIES},
     summaries=_SUMMARIES,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog="\b\nExamples:\n"

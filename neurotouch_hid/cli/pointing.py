@@ -15,6 +15,7 @@ from neurotouch_hid.cli.ui.options import (
     source_option,
     speed_option,
 )
+from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
 if TYPE_CHECKING:
     from neurotouch_hid.evaluation.people.pointing import Pointing
@@ -95,7 +96,7 @@ def command(
     user = load_user()
     name = profile or user.slots[0]
     test = Pointing(dwell=select == "dwell", targets=int(targets))
-    is_simulated = simulated or source.startswith("sim:")
+    is_simulated = simulated or find_source_kind(source) is SourceKind.SIMULATION
     if is_simulated:
         click.echo(_SIMULATED)
     if simulated:

@@ -16,6 +16,7 @@ import click
 
 from neurotouch_hid.cli.ui.output import json_option, plain_option, print_json, say
 from neurotouch_hid.errors import NeuroTouchError, NotRunningError, RecordingError, SourceError
+from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
 if TYPE_CHECKING:
     from neurotouch_hid.messages import EventPacket
@@ -86,7 +87,7 @@ def command(
     fault: NeuroTouchError | None = None
     with ExitStack() as stack:
         # The simulator has no end: without --seconds it is as slow as a camera.
-        whole = source is not None and not source.startswith("sim:")
+        whole = source is not None and find_source_kind(source) is not SourceKind.SIMULATION
         opened = _open(stack, source, "max" if seconds or whole else "recorded", seed)
         stack.callback(_heed_signals)  # before the source is closed: that may hang
         recorder = Recorder(RecordingWriter(out, in_place=True))
@@ -145,7 +146,7 @@ def _open(stack: ExitStack, source: str | None, speed: "Speed", seed: int) -> _O
     packets = stack.enter_context(
         open_source(source, speed=speed, seed=seed, camera=camera, max_delay_us=_MAX_DELAY_US)
     )
-    return _Opened(packets.name, packets, live=packets.name.startswith("davis:"))
+    return _Opened(packets.name, packets, live=packets.is_live)
 
 
 def _record(opened: _Opened, recorder: "Recorder", seconds: float | None) -> None:

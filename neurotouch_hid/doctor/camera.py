@@ -8,6 +8,7 @@ from neurotouch_hid.doctor.inventory import find_driver
 from neurotouch_hid.doctor.rights import SERVICE_RULE, install_rule
 from neurotouch_hid.source.davis import CameraInfo, find_cameras, identify
 from neurotouch_hid.source.davis.finding import SUPER_SPEED_MBIT_S, SYSFS
+from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
 _LOOK_AGAIN: Final = (
     "sudo udevadm control --reload",
@@ -39,7 +40,8 @@ def check_right() -> Verdict:
             f"{found.logic} patch {found.logic_patch}."
         )
     running = find_driver()
-    if running is not None and str(running.get("source", "")).startswith("davis:"):
+    source = str(running.get("source", "")) if running is not None else ""
+    if find_source_kind(source) is SourceKind.CAMERA:
         return approve("The running driver has the camera.")
     if "no right" in info.reason:
         return _explain_right(info)

@@ -23,6 +23,7 @@ from neurotouch_hid.process.realtime import realtime_priority
 from neurotouch_hid.profile import Profile, UserSettings, load_profile, load_user
 from neurotouch_hid.runtime import LoopStats, Pipeline, Tap, run_pipeline, warm_up
 from neurotouch_hid.source import Source, open_source
+from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
 _PATIENCE_S: Final = 1.0
 """After this time of loading the person is told why."""
@@ -287,7 +288,7 @@ class Driver(Closing):
         text = "Loading (the first time compiles for this processor, half a minute) ..."
         with _notice(text, self._announce):
             warm_up(Pipeline.build(self.profile, GestureConfig(method=self.options.method)))
-            if self.options.source.startswith("sim:"):
+            if find_source_kind(self.options.source) is SourceKind.SIMULATION:
                 with open_source(self.options.source, speed="max") as first_slices:
                     for _ in islice(first_slices, _WARM_SLICES):
                         pass

@@ -4,6 +4,8 @@ import re
 from collections.abc import Iterator
 from typing import Any, Final
 
+from neurotouch_hid.vocabulary import SourceKind, find_source_kind
+
 SAY_S: Final = 0.5
 """Shortest time between two sentences about the same thing, so that a reader can follow."""
 
@@ -40,7 +42,7 @@ class LineWriter:
         if place != self._place:
             self._place = place
             profile, layer, state, source = place
-            simulated = "SIMULATED " if source.startswith("sim:") else ""
+            simulated = "SIMULATED " if find_source_kind(source) is SourceKind.SIMULATION else ""
             yield f"driver: {state}, profile {profile}, layer {layer}, source {simulated}{source}"
         yield from self._write_actions(head["actions"])
         shape = re.sub(r"[\d.]+", "", head["say"])

@@ -9,6 +9,7 @@ from neurotouch_hid.errors import RecordingError, SourceError
 from neurotouch_hid.recording import RecordingWriter
 from neurotouch_hid.source import open_source
 from neurotouch_hid.source.rig_file import rig_path
+from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 from tests.recording.streams import make_packets
 
 
@@ -120,3 +121,20 @@ def test_a_missing_recording_is_not_an_unknown_source(tmp_path):
 def test_recordings_keep_the_papers_slices_unless_told_otherwise(recorded):
     lengths = {packet.t_end_us - packet.t_begin_us for packet in play(recorded, slice_us=None)}
     assert lengths == {10_000}
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("davis:", SourceKind.CAMERA),
+        ("davis:00000002", SourceKind.CAMERA),
+        ("file:a:b.aedat4", SourceKind.RECORDING),
+        ("play.aedat4", SourceKind.RECORDING),
+        ("sim:tour", SourceKind.SIMULATION),
+        ("mirrored:sim:tour", SourceKind.OTHER),
+        ("sim", SourceKind.OTHER),
+        ("", SourceKind.OTHER),
+    ],
+)
+def test_a_name_says_what_a_source_is(name, kind):
+    assert find_source_kind(name) is kind

@@ -9,13 +9,11 @@ import sys
 from neurotouch_hid.client import ask, list_players
 from neurotouch_hid.errors import DriverError, NotRunningError
 
-ORDERS = ("pause", "resume", "panic")
 
-
-def give_order(order: str, *, as_json: bool = False) -> int:
-    """Tells the drivers of all players, prints what they answer, and returns the exit code."""
+def send_command(command: str, *, as_json: bool = False) -> int:
+    """Sends a command to the drivers of all players, prints the answers, returns the exit code."""
     try:
-        texts = _tell(order)
+        texts = _ask_all(command)
     except DriverError as error:
         if as_json:
             print(json.dumps({"status": "FAILED", "message": error.message, "fix": error.hint}))
@@ -29,8 +27,8 @@ def give_order(order: str, *, as_json: bool = False) -> int:
     return 0
 
 
-def _tell(order: str) -> list[str]:
-    """What they answer; one that fails does not keep the others from hearing it.
+def _ask_all(command: str) -> list[str]:
+    """Returns the answers; a driver that fails does not keep the others from getting the command.
 
     Raises:
         DriverError: none runs, or one refuses.
@@ -40,7 +38,7 @@ def _tell(order: str) -> list[str]:
     for player in players:
         whose = f"Player {player}: " if len(players) > 1 else ""
         try:
-            texts.append(whose + ask(order, player=player)["text"])
+            texts.append(whose + ask(command, player=player)["text"])
         except NotRunningError as error:  # a killed driver has left its socket behind
             missing = error
         except DriverError as error:

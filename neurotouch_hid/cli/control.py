@@ -1,0 +1,48 @@
+"""``neurotouch pause``, ``resume``, ``panic`` and ``reload``: the help pages; ``send`` does it."""
+
+import click
+
+from neurotouch_hid.cli.send import send_command
+
+_json = click.option("--json", "as_json", is_flag=True, help="Print the answer as JSON.")
+
+
+@click.command(epilog="\b\nExamples:\n  neurotouch pause")
+@_json
+def pause(as_json: bool) -> None:
+    """Release everything and stop acting; tracking goes on.
+
+    The same gesture of the profile that pauses, if it has one, or 'neurotouch resume' ends it.
+    """
+    raise SystemExit(send_command("pause", as_json=as_json))
+
+
+@click.command(epilog="\b\nExamples:\n  neurotouch resume")
+@_json
+def resume(as_json: bool) -> None:
+    """Go on at the next gesture, after a pause or a panic.
+
+    Nothing acts before the gel has been at rest.
+    """
+    raise SystemExit(send_command("resume", as_json=as_json))
+
+
+@click.command(epilog="\b\nExamples:\n  neurotouch panic")
+@_json
+def panic(as_json: bool) -> None:
+    """Release everything and stay released until you resume.
+
+    Only 'neurotouch resume' or a new start of the driver ends this.
+    """
+    raise SystemExit(send_command("panic", as_json=as_json))
+
+
+@click.command(epilog="\b\nExamples:\n  neurotouch reload")
+@_json
+def reload(as_json: bool) -> None:
+    """Load the profile and your own values again, now.
+
+    Saved files are noticed within a second anyway. A profile with errors changes nothing: the
+    answer says why, and the exit code is 8.
+    """
+    raise SystemExit(send_command("reload", as_json=as_json))
