@@ -65,7 +65,7 @@ def ask(command: str, *, player: int | None = None, **arguments: str) -> Answer:
     """
     question = json.dumps({"command": command, **arguments}).encode() + b"\n"
     patience_s = _PATIENCE_S + (LOADING_S if command in ("reload", "use") else 0.0)
-    answer, line = _ask_somebody(question, patience_s, player)
+    answer, line = _ask_any(question, patience_s, player)
     line.close()
     if answer.get("ok") is not True:
         raise DriverError(str(answer.get("error")), hint=answer.get("hint"))
@@ -82,7 +82,7 @@ def open_stream(command: str) -> tuple[Answer, socket.socket]:
         NotRunningError: no driver is running.
         DriverError: it does not answer, or it refuses.
     """
-    answer, line = _ask_somebody(json.dumps({"command": command}).encode() + b"\n", _PATIENCE_S)
+    answer, line = _ask_any(json.dumps({"command": command}).encode() + b"\n", _PATIENCE_S)
     if answer.get("ok") is not True:
         line.close()
         raise DriverError(str(answer.get("error")), hint=answer.get("hint"))
@@ -162,7 +162,7 @@ def _list_folders_of_first() -> list[Path]:
     return list(dict.fromkeys([*folders, _SERVICE]))
 
 
-def _ask_somebody(
+def _ask_any(
     question: bytes, patience_s: float, player: int | None = None
 ) -> tuple[Answer, socket.socket]:
     for path in map(find_socket, list_folders(player)):

@@ -1,4 +1,4 @@
-"""Unix sockets between the line and the processes that look on or lead a simulated hand."""
+"""Unix sockets between the line and the processes that watch or lead a simulated hand."""
 
 import os
 import socket

@@ -103,7 +103,9 @@ def _say_findings(session: "CalibrationSession", before: "UserSettings") -> None
         click.echo("Tremor: none")
     for name, range_ in session.ranges.items():
         old = getattr(before.range, name)
-        was = f"{old.rest:g} to {old.full:g} mm" if old is not None else "a usual hand's"
+        was = (
+            f"{old.rest:g} to {old.full:g} mm" if old is not None else "that of the reference hand"
+        )
         if name in before.unused:
             was = "not used"
         now = f"{range_.rest:g} to {range_.full:g} mm" if range_ is not None else "not used"

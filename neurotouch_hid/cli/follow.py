@@ -36,5 +36,5 @@ def read_steps(
 
 
 def is_guided(source: str, speed: Literal["recorded", "max"]) -> bool:
-    """True if somebody moves now and can be asked; false of what has been recorded."""
+    """True if a person moves now and can be asked; false of what has been recorded."""
     return speed == "recorded" and find_source_kind(source) is not SourceKind.RECORDING

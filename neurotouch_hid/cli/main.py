@@ -30,7 +30,7 @@ _SUMMARIES = {
     "emulate": "Plug in an emulated camera, for those who have none.",
     "simulate": "Write a simulated data set, recordings with labels.",
     "evaluate": "Measure the recognition on labelled recordings, as the paper does.",
-    "bench": "Measure the speed of every stage; how well somebody points.",
+    "bench": "Measure the speed of every stage; how well a person points.",
     "setup": "Install what the system needs for a camera and a pad, if you use pip.",
     "service": "Drive the pad as a service of the system; systemd runs this.",
     "record": "Record events and frames to an AEDAT4 file, alone or while playing.",

@@ -1,4 +1,4 @@
-"""``neurotouch bench pointing``: how well somebody points, before and after a change."""
+"""``neurotouch bench pointing``: how well a person points, before and after a change."""
 
 import json
 from collections.abc import Iterator

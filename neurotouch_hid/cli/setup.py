@@ -90,7 +90,7 @@ def _remove(files: dict[Path, Path]) -> list[str]:
         "udevadm control --reload",
         # The first look still finds the mark that the rule has left, and gives the right once more.
         *_have_udev_look_again(),
-        # Rights once given stay with the node: this hides them, and other rules give theirs anew.
+        # Rights once given stay with the node: this hides them, and other rules give theirs again.
         "if [ -e /dev/uinput ]; then chmod 600 /dev/uinput; fi",
         *_have_udev_look_again(),
     ]

@@ -11,7 +11,7 @@ from neurotouch_hid.profile.faults import make_printable
 
 POLL_S: Final = 0.5
 AGAIN_S: Final = 5.0
-"""Until a desktop that does not answer is asked anew: it may be starting, or start again."""
+"""Until a desktop that does not answer is asked again: it may be starting, or start again."""
 
 CLOSE_S: Final = 3.0
 """More than a desktop takes for an answer that it gives."""

@@ -1,4 +1,4 @@
-"""Where somebody asks for a true HID pad: can it be made?"""
+"""Where a person asks for a true HID pad: can it be made?"""
 
 import os
 import shlex

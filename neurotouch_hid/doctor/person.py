@@ -51,7 +51,7 @@ def check_calibration(file: Path | None = None) -> Verdict:
     measured = [name for name in type(ranges).model_fields if getattr(ranges, name) is not None]
     if not measured:
         return skip(
-            "Not calibrated: a usual hand is assumed. Whenever you like: neurotouch calibrate"
+            "Not calibrated: the reference hand is assumed. Whenever you like: neurotouch calibrate"
         )
     found = _CALIBRATED.search(file.read_text(encoding="utf-8", errors="replace"))
     sentence = f"{len(measured)} of 8 movements are calibrated"

@@ -36,7 +36,7 @@ class Commands:
     Args:
         session: the running line.
         profiles: what loads its profiles.
-        facts: what else ``status`` tells, asked anew each time.
+        facts: what else ``status`` tells, asked again each time.
         broadcast: hands out what the line sees.
     """
 

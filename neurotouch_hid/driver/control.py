@@ -142,8 +142,8 @@ def _prepare_folder(folder: Path, *, open_to_all: bool) -> None:
     """Makes the folder if need be; nobody else may reach into it unless it is open to all.
 
     Raises:
-        AlreadyRunningError: it is somebody else's, whose driver runs.
-        DriverError: it is somebody else's.
+        AlreadyRunningError: it belongs to another user, whose driver runs.
+        DriverError: it belongs to another user.
     """
     mode = 0o755 if open_to_all else 0o700
     folder.mkdir(mode=mode, exist_ok=True)

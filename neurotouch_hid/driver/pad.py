@@ -32,7 +32,7 @@ class DriverPad:
 
     @property
     def facts(self) -> dict[str, Callable[[], Any]]:
-        """What those who look on are told."""
+        """What viewers are told."""
         copilot = self.copilot
         return {
             "copilot": copilot.describe if copilot else lambda: "none",
@@ -55,7 +55,7 @@ def open_pad(
 ) -> DriverPad:
     """Return a new, neutral pad on which the gel plays, and a co-pilot if one is wanted.
 
-    Games may shake it only if something can rumble: the co-pilot's device, or somebody who looks
+    Games may shake it only if something can rumble: the co-pilot's device, or a viewer who watches
     on. A pad that claims to rumble and does not would keep games from saying so.
 
     Args:
@@ -65,7 +65,7 @@ def open_pad(
         identity: what the pad claims to be.
         player: whose pad it is, from 1 on.
         copilot: which device plays along; None means as the settings say, an empty text none.
-        shows_rumble: somebody looks on who wants to see the rumble.
+        shows_rumble: a viewer wants to see the rumble.
         wait: the co-pilot's device need not be there yet.
         make: makes the device; called as ``open_device`` is.
 

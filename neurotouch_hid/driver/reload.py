@@ -27,7 +27,7 @@ Action = Literal["reload", "use", "follow", "next", "say", "stop"]
 
 @dataclass(frozen=True, slots=True)
 class _Wish:
-    """What somebody wants to be loaded; ``done`` gets the name of the profile that then holds."""
+    """What a person wants to be loaded; ``done`` gets the name of the profile that then holds."""
 
     action: Action
     name: str | None = None
@@ -77,7 +77,7 @@ class ProfileWatch:
         return self._name
 
     def reload(self) -> Future[str]:
-        """Loads the files anew, changed or not. A signal handler may call this."""
+        """Loads the files again, changed or not. A signal handler may call this."""
         return self._wish("reload")
 
     def use(self, name: str) -> Future[str]:
@@ -167,7 +167,7 @@ class ProfileWatch:
         try:
             new = profile, user = load_profile(name), load_user(player=self._player)
             if only_if_changed and new == self._held:
-                return  # another file, or a comment: no reason to let go of anything
+                return  # another file, or a comment: no reason to release anything
             self._prepare(profile)
             self._session.switch(profile, user)
         except NeuroTouchError as error:

@@ -112,7 +112,7 @@ class Wiring(Closing):
             self._facts["desktop"] = follower.describe
 
     def reload(self) -> None:
-        """Loads the profile anew; safe in a signal handler."""
+        """Loads the profile again; safe in a signal handler."""
         self._profiles.reload()
 
     def __enter__(self) -> Self:

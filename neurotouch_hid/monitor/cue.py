@@ -1,4 +1,4 @@
-"""What is worth hearing in a turn of the line."""
+"""What is worth hearing in a step of the pipeline."""
 
 from dataclasses import dataclass
 from enum import StrEnum

@@ -1,4 +1,4 @@
-"""What those who look on are told of the line: counted in its thread, put in words in another."""
+"""What viewers are told of the line: counted in its thread, put in words in another."""
 
 import json
 import time
@@ -23,7 +23,7 @@ Facts = Mapping[str, Callable[[], Any]]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """A turn of the line with what its mapping says, taken in the line's thread."""
+    """A step of the pipeline with what its mapping says, taken in the line's thread."""
 
     step: Step
     reading: ConditionedGesture
@@ -53,7 +53,7 @@ class StateEncoder:
 
     Args:
         session: the running line.
-        facts: what else is told, or told better, asked for anew twice a second: ``source``,
+        facts: what else is told, or told better, asked for again twice a second: ``source``,
             ``device``, ``file``.
     """
 
@@ -70,7 +70,7 @@ class StateEncoder:
         self._place: tuple[tuple[str, ...], bytes] = ((), b"")
 
     def count(self, step: Step) -> None:
-        """Takes notice of a turn."""
+        """Counts a step."""
         counts, packet = self._counts, step.packet
         counts.slices += 1
         counts.events += len(packet.events)

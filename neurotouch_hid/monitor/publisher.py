@@ -36,7 +36,7 @@ class Publisher:
     Args:
         folder: where the socket is made; the driver's own.
         observer: puts states in bytes.
-        admits: which other users may look on, by uid; the service lets in who sits at the machine.
+        admits: which other users may watch, by uid; the service lets in who sits at the machine.
             Without, nobody else can even reach the socket.
 
     Raises:

@@ -20,7 +20,7 @@ CLOSE_S: Final = 6.0
 class Speaker:
     """A thread that plays the newest cue.
 
-    The mailbox before it holds one cue and the newest wins: a player that is slow or hangs loses
+    The queue before it has one cue and the newest wins: a player that is slow or hangs loses
     sounds, never time of who posts them.
 
     Args:
@@ -33,7 +33,7 @@ class Speaker:
 
     def __init__(self, announce: Callable[[str], object]) -> None:
         self._announce = announce
-        self._mailbox: deque[tuple[Cue, SoundName, int]] = deque(maxlen=1)
+        self._queue: deque[tuple[Cue, SoundName, int]] = deque(maxlen=1)
         self._wake = threading.Event()
         self._stopped = threading.Event()
         self._said: set[str] = set()
@@ -50,7 +50,7 @@ class Speaker:
             volume: 0 to 100 percent; 0 is silence.
         """
         if mode != "none" and volume:
-            self._mailbox.append((cue, mode, volume))
+            self._queue.append((cue, mode, volume))
             self._wake.set()
 
     def close(self) -> None:
@@ -65,9 +65,9 @@ class Speaker:
             self._wake.clear()
             if self._stopped.is_set():
                 return
-            if self._mailbox:
+            if self._queue:
                 begun = time.monotonic()
-                self._play(*self._mailbox.pop())
+                self._play(*self._queue.pop())
                 self._stopped.wait(max(0.0, begun + GAP_S - time.monotonic()))
 
     def _play(self, cue: Cue, mode: SoundName, volume: int) -> None:

@@ -19,7 +19,7 @@ def describe_turn(step: Step, state: str) -> str:
     """For example ``Zoom 3.2 mm, 2 fingers → right trigger 61 %``.
 
     Args:
-        step: one turn of the line.
+        step: one step of the pipeline.
         state: of the mapping: running, paused or panic.
     """
     said = describe_gesture(step.gesture)

@@ -87,7 +87,7 @@ class Hub:
 
     @property
     def n_clients(self) -> int:
-        """How many browsers look on."""
+        """How many browsers watch."""
         return len(self._clients)
 
     async def run(self) -> None:
@@ -191,7 +191,7 @@ class Hub:
                     client.tell(throughput=await asyncio.to_thread(_measure, wish.get("trials")))
                 case "set" | "undo" | "pause" | "resume" if not self._edit:
                     client.tell(
-                        refused="This page only looks on. To change things: neurotouch view --edit",
+                        refused="This page only shows. To change things: neurotouch view --edit",
                         n=wish.get("n"),
                     )
                 case "set":

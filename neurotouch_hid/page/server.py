@@ -60,7 +60,7 @@ def open_sockets(address: str | None, port: int | None) -> list[socket.socket]:
                 raise
             sockets.append(_listen("127.0.0.1", 0))
         port = sockets[0].getsockname()[1]
-        with suppress(OSError):  # a machine without IPv6, or somebody else has it there
+        with suppress(OSError):  # a machine without IPv6, or another program has it there
             sockets.append(_listen("::1", port))
         if address is not None:
             sockets.append(_listen(address, port))

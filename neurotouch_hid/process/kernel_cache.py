@@ -1,4 +1,4 @@
-"""Where compiled loops are kept, and when they are compiled anew.
+"""Where compiled loops are kept, and when they are compiled again.
 
 numba looks whether the file of a loop has changed. But a loop contains the loops that it calls, and
 the constants of their files: after an update that changed only these, it would go on as before.

@@ -96,7 +96,7 @@ class _RealTime:
 
     def _prefer(self, threads: set[int]) -> None:
         _, most = resource.getrlimit(resource.RLIMIT_RTTIME)
-        # Anew each time: the kernel raises it by a second whenever it is reached.
+        # Again each time: the kernel raises it by a second whenever it is reached.
         resource.setrlimit(resource.RLIMIT_RTTIME, (MOST_BUSY_US, most))
         for thread in _list_threads() & threads:
             with suppress(OSError):  # it may have ended

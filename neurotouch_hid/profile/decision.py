@@ -1,4 +1,4 @@
-"""What the mapping decided, for those who look on: the live view, ``profile test``, bug reports."""
+"""What the mapping decided, for viewers: the live view, ``profile test``, bug reports."""
 
 from collections import deque
 from dataclasses import dataclass

@@ -30,15 +30,15 @@ class Mapping:
 
     Every gesture gives all outputs. Where two bindings move one axis, the larger magnitude wins;
     where they are equal, the binding that stands earlier. A button is down as long as one of its
-    bindings holds it. No gesture, or a measurement that is not a number, lets go of everything
+    bindings holds it. No gesture, or a measurement that is not a number, releases everything
     that is not toggled, sticky or the end of a tap.
 
-    A change of layer or profile, a pause and a gap in the stream let go of everything; then the
-    gesture at hand must end before another one acts.
+    A change of layer or profile, a pause and a gap in the stream release everything; then the
+    current gesture must end before another one acts.
 
     Args:
         profile: what the gestures mean.
-        user: the person's own values; a usual hand without.
+        user: the person's own values; the reference hand without.
     """
 
     def __init__(self, profile: Profile, user: UserSettings | None = None) -> None:
@@ -49,7 +49,7 @@ class Mapping:
         self._t_us: int | None = None
         self._helper: frozenset[Button] = frozenset()
         self._reading = ConditionedGesture(0)
-        self._tiredness = FatigueMonitor(self._user, self._journal)
+        self._fatigue = FatigueMonitor(self._user, self._journal)
         self._take(profile)
 
     @property
@@ -69,7 +69,7 @@ class Mapping:
 
     @property
     def reading(self) -> ConditionedGesture:
-        """What the bindings were last asked about, in millimetres of a usual hand."""
+        """What the bindings were last asked about, in millimetres of the reference hand."""
         return self._reading
 
     def decisions(self) -> tuple[MappingDecision, ...]:
@@ -78,14 +78,14 @@ class Mapping:
 
     def usages(self) -> tuple[MovementUsage, ...]:
         """What the movements have cost so far: whether they fade, whether some are held long."""
-        return self._tiredness.usages()
+        return self._fatigue.usages()
 
     def shares(self) -> dict[str, float]:
         """The share of its full range that each movement needs now, where that is less than 1."""
-        return self._tiredness.shares()
+        return self._fatigue.shares()
 
     def switch(self, profile: Profile, user: UserSettings | None = None) -> None:
-        """Lets go of everything and goes on with another profile at the next gesture.
+        """Releases everything and goes on with another profile at the next gesture.
 
         Args:
             profile: the new one, or the same after an edit.
@@ -93,17 +93,17 @@ class Mapping:
         """
         if user is not None:
             self._user = user
-            self._tiredness = FatigueMonitor(user, self._journal)
+            self._fatigue = FatigueMonitor(user, self._journal)
         self._take(profile)
         self._layers.armed = False
 
     def pause(self) -> None:
-        """Lets go of everything until ``resume`` or the gesture that pauses."""
+        """Releases everything until ``resume`` or the gesture that pauses."""
         if self._state == "running":
             self._enter("paused", "pause")
 
     def panic(self) -> None:
-        """Lets go of everything until ``resume``."""
+        """Releases everything until ``resume``."""
         if self._state != "panic":
             self._enter("panic", "panic")
 
@@ -125,7 +125,7 @@ class Mapping:
         self._t_us = t_us
         reading = self._reading = self._conditioner.read(gesture)
         reading.helper = self._helper
-        self._tiredness.update(reading)
+        self._fatigue.update(reading)
         if self._conditioner.at_rest:
             self._layers.armed = True
         outputs = self._run(reading)
@@ -176,7 +176,7 @@ class Mapping:
                 self._journal.note("command", command)
 
     def _enter(self, state: State, command: str) -> None:
-        self._tiredness.rest()
+        self._fatigue.rest()
         self._state = state
         self._layers.release()
         self._commands.append(command)

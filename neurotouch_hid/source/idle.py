@@ -1,4 +1,4 @@
-"""Slices in which nothing happens come together, so that an idle line is seldom woken."""
+"""Slices in which nothing happens come together, so that an idle pipeline is seldom woken."""
 
 from typing import Final
 
@@ -8,7 +8,7 @@ from neurotouch_hid.messages import EVENT_DTYPE, EventPacket
 
 LONGEST_US: Final = 48_000
 """Twelve slices of a camera; the tracker remembers twice that and an exposure, so what frames tell
-is of use. What stands out of the noise ends a lull at once; a push so slow that it does not (a
+is of use. What stands out of the noise ends this at once; a push so slow that it does not (a
 twentieth of the usual events) is answered later by half of this on average."""
 MOST_EVENTS: Final = 4_000
 """What the tracker takes 0.1 ms for; the slice after what came together must not be late for it.

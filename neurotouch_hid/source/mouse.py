@@ -89,7 +89,7 @@ class MouseSource:
 
     @property
     def facts(self) -> dict[str, Callable[[], Any]]:
-        """What those who look on are told of it."""
+        """What viewers are told of it."""
         return {"hand_ms": self.measure_lag, "backlog_ms": self.measure_backlog}
 
     def measure_backlog(self) -> float:

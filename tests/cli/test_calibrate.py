@@ -57,8 +57,8 @@ def conclude(script, *options, answers=""):
 def test_what_came_out_is_shown_saved_and_relieved(home):
     output = conclude(WEAK_ZOOM, answers="1\n1\n2\n")
     assert "Tremor: 5.1 Hz, 1.0 mm" in output or "Tremor: 5.0 Hz, 1.0 mm" in output
-    assert "pinch: was a usual hand's, now 0.6 to " in output
-    assert "zoom: was a usual hand's, now 0.6 to 2.4 mm" in output
+    assert "pinch: was that of the reference hand, now 0.6 to " in output
+    assert "zoom: was that of the reference hand, now 0.6 to 2.4 mm" in output
     settings = load_user()
     assert settings.range.zoom.full == 2.4
     assert settings.filter == "medium"

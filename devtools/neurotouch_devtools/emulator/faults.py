@@ -111,7 +111,7 @@ class Fault:
 
 
 class FaultError(Exception):
-    """The transfer at hand ends in a fault; the transport lets the host feel it."""
+    """The current transfer ends in a fault; the transport lets the host feel it."""
 
     def __init__(self, kind: FaultKind) -> None:
         super().__init__(kind)

@@ -1,4 +1,4 @@
-"""What the emulated camera looks at: packets of somebody else, pulled a little ahead of time."""
+"""What the emulated camera looks at: packets of another source, pulled a little ahead of time."""
 
 from collections import deque
 from collections.abc import Iterable

@@ -55,7 +55,7 @@ class WordEncoder:
         """
         t_us = events["t"] + shift_us
         rows, columns = ("x", "y") if self._swap else ("y", "x")
-        # copies: for each way to lie in memory the kernel would be compiled anew, in mid-stream
+        # copies: for each way to lie in memory the kernel would be compiled again, in mid-stream
         row, column, on = (events[name].copy() for name in (rows, columns, "p"))
         parts, first = [], 0
         while True:

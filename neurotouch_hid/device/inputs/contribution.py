@@ -19,7 +19,7 @@ _GROUPS: Final = (
 )
 
 _MOVES: Final = 0.1
-"""From where on somebody moves a stick who has priority: worn sticks rest a few per cent off their
+"""From where on a person moves a stick who has priority: worn sticks rest a few per cent off their
 centre, and would take it from the other for ever."""
 
 

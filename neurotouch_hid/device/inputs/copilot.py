@@ -46,7 +46,7 @@ class Copilot:
         self._keys = keys
         self._device: Input | None = None
         self._trouble = ""  # why it does not play, before it has come for the first time
-        self._others: set[Path] = set()  # devices of the same kind that are somebody else's
+        self._others: set[Path] = set()  # devices of the same kind that are not the helper's
         self._hear: HearShare = _ignore
         self._chords: Mapping[str, frozenset[int]] = {}
         self._hear_chord: Callable[[str], object] = _ignore

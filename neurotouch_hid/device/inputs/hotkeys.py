@@ -130,7 +130,7 @@ class ChordReader:
         return ". ".join(filter(None, explain_keyboards(self._keyboards)))
 
     def close(self) -> None:
-        """End the thread and let go of the keyboards. Harmless when repeated."""
+        """End the thread and release the keyboards. Harmless when repeated."""
         if not self._thread.is_alive():
             return
         os.write(self._wake_write, b"x")

@@ -1,4 +1,4 @@
-"""Notices when somebody moves the real mouse, so that our pointer can wait."""
+"""Notices when a person moves the real mouse, so that our pointer can wait."""
 
 import os
 import selectors

@@ -1,4 +1,4 @@
-"""What the codes of somebody's pad, keyboard or switch mean on ours."""
+"""What the codes of another pad, keyboard or switch mean on ours."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -54,7 +54,7 @@ class CompositeDevice:
             player: whose nodes these are, from 1 on; it stands in the place where they claim to be
                 plugged in.
             hear_rumble: is told how games shake the pad; without, it does not claim to rumble.
-            open_descriptor: gives ``/dev/uinput``, opened anew for each node; a service manager may
+            open_descriptor: gives ``/dev/uinput``, opened for each node; a service manager may
                 have opened it.
             ioctl: the system call; tests record it.
 

@@ -98,7 +98,7 @@ class ReportFormat:
         """Return the descriptor.
 
         The outer collection is a multi-axis controller, because for a game pad the kernel would
-        declare a fuzz of 1/256 of the range, and a stick let go of would not come back to 0. It
+        declare a fuzz of 1/256 of the range, and a released stick would not come back to 0. It
         names buttons by the inner collection, the game pad.
         """
         return b"".join(

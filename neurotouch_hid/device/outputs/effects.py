@@ -9,7 +9,7 @@ from evdev import ecodes, ff
 _FULL: Final = 0xFFFF
 _FULL_PERIODIC: Final = 0x7FFF
 _LONGEST_S: Final = 30.0
-"""Levels are told anew after this time, for effects without an end."""
+"""Levels are told again after this time, for effects without an end."""
 
 
 @dataclass(frozen=True, slots=True)

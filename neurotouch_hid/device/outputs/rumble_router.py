@@ -1,4 +1,4 @@
-"""Hands the rumble of games to whoever wants it: a physical pad, those who look on."""
+"""Hands the rumble of games to whoever wants it: a physical pad, viewers."""
 
 import time
 from collections import deque
@@ -9,7 +9,7 @@ from neurotouch_hid.device.outputs.effects import STILL, Rumble
 from neurotouch_hid.device.outputs.rumble import HearRumble
 
 _SHOWN_S: Final = 0.6
-"""Who looks on looks twice a second, and must not miss a short knock."""
+"""A viewer looks twice a second, and must not miss a short knock."""
 
 
 class RumbleRouter:

@@ -58,7 +58,7 @@ class DeviceSpec:
         phys: where it claims to be plugged in; udev rules and we find our own nodes by it.
         controls: what a report gives the values of, in this order.
         motions: the EV_REL codes, which have no value but only steps.
-        rumbles: games may make it shake; then somebody must answer them.
+        rumbles: games may make it shake; then a program must answer them.
     """
 
     name: str

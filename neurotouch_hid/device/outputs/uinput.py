@@ -69,7 +69,7 @@ class UinputNode:
     If the process dies, the kernel releases the pressed keys and removes the node. The caller sees
     to it that two threads do not write at once.
 
-    Force feedback is declared only if somebody hears of it: a pad that declares it and does not
+    Force feedback is declared only if something hears of it: a pad that declares it and does not
     answer freezes games for a minute.
     """
 

@@ -67,7 +67,7 @@ class Subject:
         return Gesture(t_us, GestureKind.PUSH, contact, np.zeros((1, 2)), mm, self._mm)
 
     def lift(self) -> None:
-        """Takes the hand off the gel, forgets what it saw and aims anew."""
+        """Takes the hand off the gel, forgets what it saw and aims again."""
         self._seen.clear()
         self._mm = (0.0, 0.0)
         x, y = self._rng.normal(0.0, AIM, 2)

@@ -1,4 +1,4 @@
-"""How well somebody points: throughput, errors and movement time, as ISO 9241-411 defines them."""
+"""How well a person points: throughput, errors and movement time, as ISO 9241-411 defines them."""
 
 import json
 import math

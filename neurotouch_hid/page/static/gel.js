@@ -10,7 +10,7 @@ const GESTURES = {
   push_down: "↓ Push down", pinch: "Pinch (−)", zoom: "Zoom (+)",
   twist_ccw: "↺ Twist (Q)", twist_cw: "↻ Twist (E)",
 };
-const AGAIN_MS = 100; // a held wish is repeated, so that the simulator knows somebody is there
+const AGAIN_MS = 100; // a held wish is repeated, so that the simulator knows a person is there
 const LEAST_MS = 6; // mice may report a thousand times a second; the gel has 250 moments
 
 const find = (id) => document.getElementById(id);

@@ -118,11 +118,11 @@ function draw() {
   showSlow(state);
 }
 
-function showLayer(anew) {
+function showLayer(fresh) {
   const found = about && about.layers && about.layers.find((each) => each.name === layer);
   const edit = Boolean(about && about.edit);
   // What is being dragged stays in the hand; the new values come when it is let go.
-  late = anew && document.querySelector(".mark.held") !== null;
+  late = fresh && document.querySelector(".mark.held") !== null;
   if (late) return;
   const focused = document.activeElement;
   const { key, mark } = (focused && focused.dataset) || {};

@@ -56,7 +56,7 @@ export function connect(hz, handlers) {
     socket.onclose = ({ code, reason }) => {
       if (code === 1008) {
         ended = true;
-        call("lost", `This page may not look on: ${reason || "the token is wrong"}. ` +
+        call("lost", `This page may not watch: ${reason || "the token is wrong"}. ` +
           "Open the link that the terminal shows.");
       } else if (code === 1013) {
         call("lost", "Too many viewers (4). Close one.");

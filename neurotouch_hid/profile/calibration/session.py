@@ -37,7 +37,7 @@ class _Measured:
 
 
 class CalibrationSession:
-    """Measures one step after another; each lasts until somebody says so.
+    """Measures one step after another; each lasts until a person says so.
 
     Args:
         user: the person; orientation and neutral hold, ranges and filter do not.

@@ -1,4 +1,4 @@
-"""A binding in words, for people who look on, listen or test."""
+"""A binding in words, for people who watch, listen or test."""
 
 from neurotouch_hid.profile.schema.conditions import Condition, Sequence
 from neurotouch_hid.profile.schema.profile import Binding

@@ -63,12 +63,12 @@ class Store:
             keep: whether what stood there becomes a version.
 
         Raises:
-            ProfileError: somebody else changed the file meanwhile, or it cannot be written; then
+            ProfileError: another program has changed the file, or it cannot be written; then
                 it is as it was.
         """
         if self.read() != over:
             raise ProfileError(
-                f"{self.path} was changed by somebody else meanwhile", hint="Do it once more."
+                f"{self.path} was changed by another program meanwhile", hint="Do it once more."
             )
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)

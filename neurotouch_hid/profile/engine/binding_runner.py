@@ -134,7 +134,7 @@ class BindingRunner:
         )
 
     def withdraw(self, t_us: int) -> None:
-        """The gesture at hand is another's: forgets it; what is toggled or sticky stays."""
+        """The current gesture is another's: forgets it; what is toggled or sticky stays."""
         self._threshold.reset()
         if self._steps is not None:
             self._steps.update(ConditionedGesture(t_us))

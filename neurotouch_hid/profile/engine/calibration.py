@@ -1,4 +1,4 @@
-"""A person's own range of each movement, converted to that of a usual hand."""
+"""A person's own range of each movement, converted to that of the reference hand."""
 
 import math
 from collections.abc import Callable
@@ -12,7 +12,7 @@ Convert = Callable[[GestureKind, float, Vector | None], float]
 
 
 def make_conversion(ranges: Ranges) -> Convert | None:
-    """A function from (kind, intensity in mm, way of a push) to mm of a usual hand.
+    """A function from (kind, intensity in mm, way of a push) to mm of the reference hand.
 
     None if no range is set.
     What the person's ``rest`` is becomes 1 mm, what is ``full`` becomes the default full of that

@@ -18,7 +18,7 @@ class ConditionedGesture:
     Attributes:
         t_us: the moment.
         kind: the gesture; NONE at rest and while it is not clear what begins.
-        mm: its intensity, in mm of a usual hand.
+        mm: its intensity, in mm of the reference hand.
         way: the direction of a push, a unit vector, or None.
         four: its sector of four, or None.
         eight: its sector of eight, or None.

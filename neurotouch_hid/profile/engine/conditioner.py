@@ -3,7 +3,7 @@
 orientation ─ unused ─ notch ─ filter ─ range ─ onset and latch ─ direction, zone, ...
 
 The order is fixed: the person's orientation comes first, then the tremor filter (in real
-millimetres), then the conversion to a usual hand, so that thresholds count in its millimetres.
+millimetres), then the conversion to the reference hand, so that thresholds count in its mm.
 """
 
 import math
@@ -103,7 +103,7 @@ class InputConditioner:
         return self._memory.onset_us is None
 
     def forget(self) -> None:
-        """Begins anew, as if the hand had been lifted."""
+        """Starts again, as if the hand had been lifted."""
         self._memory = _Memory()
         for smooth in self._filters:
             smooth.reset()

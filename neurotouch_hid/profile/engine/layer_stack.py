@@ -25,7 +25,7 @@ class LayerStack:
 
     Attributes:
         kinds: every gesture that any binding waits for.
-        armed: the gesture at hand may act; false after a change until it has ended.
+        armed: the current gesture may act; false after a change until it has ended.
     """
 
     def __init__(self, profile: Profile, times: Times, journal: Journal) -> None:
@@ -49,7 +49,7 @@ class LayerStack:
         return self._names[self._current]
 
     def release(self) -> None:
-        """Lets go of everything, back to the first layer."""
+        """Releases everything, back to the first layer."""
         self._enter(0)
 
     def run(self, reading: ConditionedGesture, commands: list[str]) -> Outputs:
@@ -122,7 +122,7 @@ class LayerStack:
         return Outputs()
 
     def _enter(self, index: int, holder: BindingRunner | None = None) -> None:
-        """Lets go of everything but the channel that holds the layer to come."""
+        """Releases everything but the channel that holds the layer to come."""
         for channel in (*self._layers[self._current].channels, self._holder):
             if channel is not None and channel is not holder and channel.busy:
                 channel.reset()
@@ -169,8 +169,8 @@ class _Layer:
         """The channels that must not hear this gesture, because it is a chord's.
 
         A longer chord wins over a shorter one: while its button is held, the gesture is the chord's
-        alone. Once the button is let go of, what follows the gesture goes on, but what is pressed
-        waits for the next gesture, or two things let go of one after the other would press a third.
+        alone. Once the button is released, what follows the gesture goes on, but what is pressed
+        waits for the next gesture, or two things released one after the other would press a third.
         What pauses or panics is always heard.
         """
         if not self._chords:

@@ -104,7 +104,7 @@ def make_mode(
     repeat_us: tuple[int, int] | None,
     turbo_us: tuple[int, int],
 ) -> Callable[[], Mode] | None:
-    """How to make a binding's mode anew; None where the output simply follows the press.
+    """How to make a new mode for a binding; None where the output simply follows the press.
 
     Args:
         name: the mode's name in the profile.

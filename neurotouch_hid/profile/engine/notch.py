@@ -14,7 +14,7 @@ QUALITY: Final = 0.7
 6 Hz are left around 5 Hz. It costs about 45 ms."""
 
 WINDOW_US: Final = 3_000_000
-"""The tremor is looked for anew in each 3 s of a hold."""
+"""The tremor is looked for again in each 3 s of a hold."""
 
 
 class Notch:
@@ -35,7 +35,7 @@ class Notch:
         self.reset()
 
     def reset(self) -> None:
-        """Begins anew, at whatever comes next."""
+        """Starts again, at whatever comes next."""
         self._started = False
         self._first = self._second = 0.0
 

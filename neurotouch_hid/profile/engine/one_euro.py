@@ -38,7 +38,7 @@ class OneEuro:
         self._speed = 0.0
 
     def reset(self, to: float | None = None) -> None:
-        """Begins anew, at ``to`` or at the next value."""
+        """Starts again, at ``to`` or at the next value."""
         self._value = to
         self._speed = 0.0
 

@@ -33,7 +33,7 @@ class Press(Protocol):
     busy: bool
 
     def update(self, held: bool, reading: ConditionedGesture, since_us: int, /) -> bool:
-        """Whether it is pressed; ``since_us`` is when the press at hand began."""
+        """Whether it is pressed; ``since_us`` is when the current press began."""
         ...
 
 

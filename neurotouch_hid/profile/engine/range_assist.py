@@ -24,7 +24,7 @@ MOST_GAIN: Final = 2.0
 """Above that a movement counts at most double, or it could not be steered any more."""
 
 _Bend = tuple[float, float]
-"""Up to the first nothing changes; the second counts as full. Both in mm of a usual hand."""
+"""Up to the first nothing changes; the second counts as full. Both in mm of the reference hand."""
 
 
 class RangeAssist:

@@ -28,7 +28,7 @@ WEAK_DROP: Final = 0.35
 
 
 class StageFactory:
-    """The stages of a channel, to be made anew at every reset."""
+    """The stages of a channel, to be made new at every reset."""
 
     def __init__(
         self,

@@ -35,7 +35,7 @@ class MovementUsage:
     Attributes:
         movement: as in the user's ranges, ``push_left`` or ``zoom``.
         uses: how often it was made.
-        peak_mm: median peak of the latest uses, in mm of a usual hand.
+        peak_mm: median peak of the latest uses, in mm of the reference hand.
         share: how far it goes now, as a share of what it went; None while it has not faded.
         full_mm: the full range that fits this, in the person's own mm; None likewise.
         long_holds: how often it was held for more than 5 s: a toggle would be easier.

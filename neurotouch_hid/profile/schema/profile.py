@@ -211,12 +211,12 @@ class Safety(Strict):
 
     pause: SafetyGesture | None = Field(
         default=None,
-        description="Lets go of everything until the same gesture comes again. Default: none.",
+        description="Releases everything until the same gesture comes again. Default: none.",
         json_schema_extra=make_optional(),
     )
     panic: SafetyGesture | None = Field(
         default=None,
-        description="Lets go of everything until somebody resumes at the keyboard. Default: none.",
+        description="Releases everything until a person resumes at the keyboard. Default: none.",
         json_schema_extra=make_optional(),
     )
 

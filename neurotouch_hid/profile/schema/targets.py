@@ -204,7 +204,7 @@ class CommandTarget(Strict):
     """The program itself does something."""
 
     command: CommandName = Field(
-        description="pause: stop and let go of everything, or go on. panic: the same, and only a "
+        description="pause: stop and release everything, or go on. panic: the same, and only a "
         "person at the keyboard can go on. rezero: what the hand does now is rest. next_profile: "
         "the next of the favourites. No default."
     )

@@ -38,7 +38,7 @@ class Range(Strict):
 def _range(movement: str) -> Any:
     return Field(
         default=None,
-        description=f"The range of {movement}, in mm. Default: that of a usual hand.",
+        description=f"The range of {movement}, in mm. Default: that of the reference hand.",
         json_schema_extra=make_optional("mm"),
     )
 
@@ -66,8 +66,8 @@ class UserSettings(Strict):
     )
     range: Ranges = Field(
         default_factory=Ranges,
-        description="How far each movement comfortably goes; profiles count in millimetres of a "
-        "usual hand, and this converts. Default: a usual hand.",
+        description="How far each movement comfortably goes; profiles count in millimetres of the "
+        "reference hand, and this converts. Default: the reference hand.",
     )
     unused: Annotated[list[MovementName], Field(max_length=8)] = Field(
         default=[],

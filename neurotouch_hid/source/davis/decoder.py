@@ -54,7 +54,7 @@ class DecoderStats:
         orphans: events without a row.
         backward: times that did not go on.
         unknown: words that mean nothing.
-        resets: times the camera's clock began anew after the start.
+        resets: times the camera's clock started again after the start.
         bad_frames: frames that were cut off or had missing or surplus samples.
     """
 
@@ -103,7 +103,7 @@ class Decoder:
 
     @property
     def n_resets(self) -> int:
-        """Times the camera's clock began anew after the start."""
+        """Times the camera's clock started again after the start."""
         return int(self._counters[kernels.RESETS])
 
     def stats(self) -> DecoderStats:

@@ -150,7 +150,7 @@ def decode(
                 counters[BACKWARD] += 1
             now = max(now, origin)
         elif code == SPECIAL and data == RESET:
-            # The stream's time goes on from where the camera began anew.
+            # The stream's time goes on from where the camera started again.
             counters[RESETS] += 1
             counters[BAD_FRAMES] += state[IN_FRAME]
             state[IN_FRAME] = 0

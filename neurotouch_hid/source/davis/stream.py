@@ -31,7 +31,7 @@ CALM_REST_US: Final = 8_000
 """The same while nothing happens: this saves a third of its work, and the first motion is seen
 4 ms later on average. At 12 million events/s it fills half of the transfers."""
 SNAP_S: Final = 0.25
-"""How often a camera that rests is asked for a frame: so seldom that an idle line looks at each."""
+"""How often a camera that rests is asked for a frame: so seldom that an idle pipeline uses each."""
 COUNT_S: Final = 1.0
 """How often the camera is asked how much it has dropped."""
 SILENCE_S: Final = 2.0

@@ -16,7 +16,7 @@ from neurotouch_hid.source.simulator.script import PRESS_US, Script, Stroke
 from neurotouch_hid.source.simulator.simulator import Simulator
 
 KINDS = tuple(GestureKind)[1:]
-MODEL = 1  # raised when the simulator changes, so that old files are written anew
+MODEL = 1  # raised when the simulator changes, so that old files are written again
 REST_US = 600_000  # at the start of each recording, so that the gel can be found
 NONE_SHARE = 0.4  # [NT, figure of the labels]: 15,000 of 37,912 frames show no gesture
 HIDDEN_US = 350_000  # of each attack and release, below what is labelled

@@ -44,7 +44,7 @@ class Play(Protocol):
 
     @property
     def duration_us(self) -> int:
-        """When it ends or begins anew."""
+        """When it ends or starts again."""
 
     @property
     def endless(self) -> bool:

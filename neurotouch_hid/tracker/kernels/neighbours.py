@@ -126,7 +126,7 @@ def tear(
     """Markers whose motion would tear the gel are set in out (n,).
 
     The gel follows a finger far around it. A marker that has moved far while its neighbours have
-    not follows somebody else: so a whole patch that sits one place off heals from its corners.
+    not follows another one: so a whole patch that sits one place off heals from its corners.
 
     Args:
         position_px: (n, 2) float64, columns x, y.
