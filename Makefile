@@ -56,7 +56,7 @@ deb: $(VENV)/.dev $(WHEELHOUSE)/.complete ## build the package for the Debian th
 system-test: deb ## a whole Debian: install the package, plug, play, pull, purge (needs root and a core for half an hour)
 	NEUROTOUCH_SYSTEM_TEST=1 $(BIN)/pytest --timeout 0 tests/system
 
-lock: $(VENV)/.dev ## write anew which libraries the package carries, by hash
+lock: $(VENV)/.dev ## write which libraries the package carries, by hash
 	$(BIN)/uv pip compile --no-config --generate-hashes --universal --python-version 3.11 --quiet \
 		--no-annotate --custom-compile-command "make lock" pyproject.toml -o $(LOCK)
 

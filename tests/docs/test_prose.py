@@ -61,3 +61,8 @@ def test_sentences_end_where_a_reader_stops():
     text = "By V. Hoffmann, e.g. This one (see 1.2). Is it? `neurotouch run` plays. 12 more."
     sentences = read_paragraphs(text)[0].sentences()
     assert [count_words(one) for one in sentences] == [8, 2, 2, 2]
+
+
+def test_only_the_two_notebooks_are_exempt():
+    exempt = [page.name for page in pages() if page.read_text("utf-8").startswith(NOTEBOOK)]
+    assert exempt == ["notebook-recognition.md", "notebook-speed.md"]
