@@ -157,3 +157,19 @@ def test_ctrl_c_while_libraries_are_imported_is_no_traceback(library):
     process.send_signal(signal.SIGINT)
     _, text = process.communicate(timeout=300)
     assert_ended(process, text)
+
+
+@pytest.mark.parametrize(
+    "command", [("emulate", "--usb2"), ("bench", "soak"), ("bench", "curves", "x")]
+)
+def test_who_lacks_the_development_tools_is_told_how_to_get_them(command):
+    program = (
+        "import sys; sys.modules['neurotouch_devtools'] = None\n"
+        "from neurotouch_hid.__main__ import main; main()"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program, *command], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1
+    assert "belongs to the development tools" in done.stderr
+    assert "pip install ./devtools" in done.stderr

@@ -43,7 +43,7 @@ class LazyGroup(click.Group):
         try:
             command: click.Command = getattr(importlib.import_module(module), name)
         except ModuleNotFoundError as error:
-            if error.name != DEVTOOLS:
+            if (error.name or "").partition(".")[0] != DEVTOOLS:
                 raise
             return _explain_missing(cmd_name)
         command.name = cmd_name  # of the function it has "command"; the documents show this one
