@@ -9,9 +9,9 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
-from typing import Final, Self
+from typing import Final
 
+from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.ipc import FEED, find_peer, listen_at
 from neurotouch_hid.messages import Step
@@ -24,7 +24,7 @@ KEPT_BYTES: Final = 16 * 1024
 to catch up; the largest state is a third of it."""
 
 
-class Publisher:
+class Publisher(Closing):
     """A tap that shows its Steps on a Unix socket; a context manager.
 
     Whoever connects says how many states a second it wants, as a number in ASCII, at any time; the
@@ -85,17 +85,6 @@ class Publisher:
         self._thread.join()
         self._path.unlink(missing_ok=True)
         os.close(self._bell)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _work(self) -> None:
         with selectors.DefaultSelector() as selector:

@@ -2,9 +2,8 @@
 
 from typing import Final
 
-import numpy as np
-
-from neurotouch_hid.messages import EVENT_DTYPE, EventPacket
+from neurotouch_hid.events import join_events
+from neurotouch_hid.messages import EventPacket
 
 LONGEST_US: Final = 48_000
 """Twelve slices of a camera; the tracker remembers twice that and an exposure, so what frames tell
@@ -21,8 +20,6 @@ CALM_US: Final = 100_000
 _LEARN: Final = 1 / 64  # share of a slice in what is known of the noise: a quarter of a second
 _STANDS_OUT: Final = 5.0  # mean deviations, four standard ones: by chance once in two minutes
 _FEW: Final = 8.0  # events; a quiet sensor's deviation may be 0
-
-_BLOCK: Final = np.dtype(("V", EVENT_DTYPE.itemsize))  # numpy copies records field by field
 
 
 class IdleMerger:
@@ -111,6 +108,6 @@ class IdleMerger:
 def _join(packets: list[EventPacket]) -> EventPacket:
     if len(packets) == 1:
         return packets[0]
-    events = np.concatenate([packet.events.view(_BLOCK) for packet in packets]).view(EVENT_DTYPE)
+    events = join_events([packet.events for packet in packets])
     frames = tuple(frame for packet in packets for frame in packet.frames)
     return EventPacket(packets[0].t_begin_us, packets[-1].t_end_us, events, frames, packets[0].gap)

@@ -6,9 +6,9 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Final, Self
+from typing import Any, Final
 
+from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import SourceError
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.ipc import HAND, is_own_peer, listen_at
@@ -25,7 +25,7 @@ LATE_S: Final = 0.1
 LONGEST_BYTES: Final = 8 * 1024
 
 
-class MouseSource:
+class MouseSource(Closing):
     """Packets of a gel under a hand that is led through a Unix socket; a source.
 
     Every message is one ``HandCommand``; the newest counts. Unlike with a script, a slice is
@@ -101,17 +101,6 @@ class MouseSource:
         for each in (self._listener, *self._peers):
             each.close()
         self._path.unlink(missing_ok=True)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _ask(self) -> HandCommand | None:
         """The newest wish that has arrived."""

@@ -2,16 +2,15 @@
 
 import time
 from collections.abc import Callable, Iterator
-from types import TracebackType
-from typing import Self
 
+from neurotouch_hid.closing import Closing
 from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.source.idle import IdleMerger
 from neurotouch_hid.source.partial import LEAD_US, cut_partial
 from neurotouch_hid.source.protocol import Source
 
 
-class PacedSource:
+class PacedSource(Closing):
     """Another source at recorded speed.
 
     The clock starts when the first packet is there; opening and compiling are not made up for. Each
@@ -84,14 +83,3 @@ class PacedSource:
     def close(self) -> None:
         """Close the source that is played."""
         self._source.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()

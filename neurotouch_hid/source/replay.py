@@ -2,12 +2,11 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.messages import SENSOR_WIDTH_PX, EventPacket, Frame
 from neurotouch_hid.recording import Batch, Recording
@@ -15,7 +14,7 @@ from neurotouch_hid.source.rig_file import RigFile, load_rig_file, rig_path
 from neurotouch_hid.source.slicer import Slicer
 
 
-class Replay:
+class Replay(Closing):
     """Plays a recording as fast as it is asked for; each iteration starts at its beginning.
 
     A recording that is cut off plays up to the break, its last slice included, then raises.
@@ -58,17 +57,6 @@ class Replay:
 
     def close(self) -> None:
         """Nothing stays open between two iterations."""
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _batches(self) -> Iterator[Batch]:
         for events, frames in self._recording:

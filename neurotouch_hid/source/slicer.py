@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.events import join_events
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 from neurotouch_hid.source.partial import cut
 
@@ -12,8 +13,6 @@ MAX_SILENCE_US = 10_000_000
 """Longer times without any event are skipped instead of filled with empty slices: a camera has
 noise events all the time, so such a hole is a paused recording or a reset clock, and a jump of
 hours must not become millions of packets. The slices after it stay on the same grid."""
-
-_BLOCK = np.dtype(("V", EVENT_DTYPE.itemsize))
 
 
 class Slicer:
@@ -85,7 +84,7 @@ class Slicer:
         if sum(map(len, self._parts)) > most:
             return None
         if len(self._parts) > 1:
-            self._parts = [_join(self._parts)]
+            self._parts = [join_events(self._parts)]
         events = self._parts[0] if self._parts else np.empty(0, EVENT_DTYPE)
         return cut(EventPacket(begin_us, begin_us + self._slice_us, events), now_us)
 
@@ -105,7 +104,7 @@ class Slicer:
     def _cut(self, tail: NDArray[np.void], end_us: int) -> EventPacket:
         """The packet up to ``end_us``: the parts kept so far and ``tail``."""
         parts = [*self._parts, tail] if len(tail) else self._parts
-        events = parts[0] if len(parts) == 1 else _join(parts)
+        events = parts[0] if len(parts) == 1 else join_events(parts)
         frames = [f for f in self._frames if f.exposure_end_us < end_us]
         frames.sort(key=lambda f: f.exposure_end_us)
         self._frames = [f for f in self._frames if f.exposure_end_us >= end_us]
@@ -120,13 +119,6 @@ class Slicer:
         next_us = min([next_us, *(f.exposure_end_us for f in self._frames)])
         if next_us - self._begin_us > MAX_SILENCE_US:
             self._begin_us += (next_us - self._begin_us) // self._slice_us * self._slice_us
-
-
-def _join(parts: list[NDArray[np.void]]) -> NDArray[np.void]:
-    if not parts:
-        return np.empty(0, EVENT_DTYPE)
-    blocks = [part.view(_BLOCK) for part in parts]  # numpy copies records field by field
-    return np.concatenate(blocks).view(EVENT_DTYPE)
 
 
 def slice_stream(

@@ -3,9 +3,8 @@
 import threading
 from collections import deque
 from collections.abc import Iterable, Iterator
-from types import TracebackType
-from typing import Self
 
+from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.messages import EventPacket
 
@@ -13,7 +12,7 @@ N_AHEAD = 200
 """Packets: 2 s in slices of 10 ms."""
 
 
-class Prefetch:
+class Prefetch(Closing):
     """An iterator over packets that yields None whenever the next one is not there yet.
 
     Args:
@@ -62,14 +61,3 @@ class Prefetch:
                     self._ahead.append(packet)
         except NeuroTouchError as error:
             self._error = error
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()

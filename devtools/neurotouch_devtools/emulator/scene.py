@@ -6,12 +6,11 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
+from neurotouch_hid.events import join_events
+from neurotouch_hid.messages import EventPacket, Frame
 
 LOOK_AHEAD_US = 100_000
 """A frame is read from before its exposure on, but a packet holds it when the exposure is over."""
-
-_BLOCK = np.dtype(("V", EVENT_DTYPE.itemsize))
 
 
 class Scene:
@@ -56,10 +55,7 @@ class Scene:
             self._pending.popleft()
         if len(parts) == 1:
             return parts[0]
-        if not parts:
-            return np.empty(0, EVENT_DTYPE)
-        # as blocks: numpy copies records field by field
-        return np.concatenate([part.view(_BLOCK) for part in parts]).view(EVENT_DTYPE)
+        return join_events(parts)
 
     def look_ahead(self, until_us: int) -> int:
         """Pull what happens soon after a moment; return how far the scene can go, at most there."""

@@ -14,8 +14,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 from neurotouch_devtools.emulator.camera import EmulatedCamera
 from neurotouch_devtools.emulator.descriptors import (
@@ -27,6 +26,7 @@ from neurotouch_devtools.emulator.descriptors import (
 )
 from neurotouch_devtools.emulator.port import Port, UnpluggedError
 from neurotouch_devtools.emulator.requests import Setup
+from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import SourceError
 
 PRELOAD = "libumockdev-preload.so.0"
@@ -52,7 +52,7 @@ _CAN_DO = 0x01 | 0x04 | 0x10  # zero packets, no size limit, reaping after the e
 _PAUSE_S = 0.0005
 
 
-class Umockdev:
+class Umockdev(Closing):
     """An emulated camera in the device folder of programs that are started with ``environment``.
 
     Args:
@@ -107,17 +107,6 @@ class Umockdev:
         self.unplug()
         for address in range(2, self._address + 1):
             self._testbed.detach_ioctl(_node(address))
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 class _Socket:

@@ -13,12 +13,11 @@ import socket
 import struct
 import threading
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 from neurotouch_devtools.emulator.camera import EmulatedCamera
 from neurotouch_devtools.emulator.port import Completion, Port, UnpluggedError
 from neurotouch_devtools.emulator.requests import IN, Setup
+from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import NeuroTouchError, SourceError
 
 VHCI = Path("/sys/devices/platform/vhci_hcd.0")
@@ -33,7 +32,7 @@ _BUS = 1
 """Our name for the camera at the other end; nobody compares it with anything."""
 
 
-class UsbIp:
+class UsbIp(Closing):
     """A cable from an emulated camera to the kernel; a context manager, closing it unplugs.
 
     Args:
@@ -75,17 +74,6 @@ class UsbIp:
         if self._error is not None:
             raise self._error
         return not self._thread.is_alive()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _serve(self) -> None:
         # The cable is pulled here, or there, or by a fault.

@@ -4,9 +4,8 @@ from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import replace
 from threading import Lock
-from types import TracebackType
-from typing import Self
 
+from neurotouch_hid.closing import Closing
 from neurotouch_hid.device.device import Device
 from neurotouch_hid.device.inputs.contribution import Contribution, Priority, merge
 from neurotouch_hid.device.inputs.copilot import Copilot
@@ -19,7 +18,7 @@ YIELD_TO_MOUSE_S = 1.5
 """How long the mouse must be quiet before the gel moves the pointer again."""
 
 
-class SharedDevice:
+class SharedDevice(Closing):
     """Shows on a device what the gel and a co-pilot do together; the pointer yields to the mouse.
 
     A fault of the gel's (``neutral``) releases the gel's share only: the helper, who has noticed,
@@ -109,19 +108,6 @@ class SharedDevice:
             self._mice.close()
         with self._lock:
             self._device.close()
-
-    def __enter__(self) -> Self:
-        """Return the device itself."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Close the device."""
-        self.close()
 
     def _take(self, share: Contribution) -> None:
         """Show a change of the helper's, in the co-pilot's thread."""

@@ -4,9 +4,8 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from threading import Lock
-from types import TracebackType
-from typing import Self
 
+from neurotouch_hid.closing import Closing
 from neurotouch_hid.device.outputs import keyboard, mouse
 from neurotouch_hid.device.outputs.clock import SensorClock
 from neurotouch_hid.device.outputs.identity import Identity, PadKind, load_identities
@@ -23,7 +22,7 @@ _PARTING_S = 0.05
 """Time for readers to take the last frame: what is unread when a node goes away is lost to them."""
 
 
-class CompositeDevice:
+class CompositeDevice(Closing):
     """One to three nodes of the kernel that act as one device.
 
     The pad is always there: games look for it when they start, and one that comes later takes
@@ -137,19 +136,6 @@ class CompositeDevice:
                 time.sleep(_PARTING_S)
                 for node in (*self._extra_devices.values(), self._pad):
                     node.close()
-
-    def __enter__(self) -> Self:
-        """Return the device itself."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Close the device."""
-        self.close()
 
     def _make_pad(self, kind: PadKind, hear: HearRumble | None) -> VirtualDevice:
         if kind == "hid":  # Linux has no simple rumble for pads of no known maker

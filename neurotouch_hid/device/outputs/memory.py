@@ -3,9 +3,8 @@
 from collections import Counter, deque
 from collections.abc import Iterable
 from threading import Lock
-from types import TracebackType
-from typing import Self
 
+from neurotouch_hid.closing import Closing
 from neurotouch_hid.device.outputs import keyboard, mouse
 from neurotouch_hid.device.outputs.identity import load_identities
 from neurotouch_hid.device.outputs.spec import ExtraDevice, find_needed
@@ -17,7 +16,7 @@ _Report = tuple[int, ...]
 _LAYOUT = load_identities()["xbox360"].layout
 
 
-class MemoryDevice:
+class MemoryDevice(Closing):
     """Keeps the states that real nodes would have shown as a change, oldest first.
 
     Attributes:
@@ -76,19 +75,6 @@ class MemoryDevice:
         self.neutral()
         with self._lock:
             self._closed = True
-
-    def __enter__(self) -> Self:
-        """Return the device itself."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Close the device."""
-        self.close()
 
     def _require_open(self) -> None:
         if self._closed:

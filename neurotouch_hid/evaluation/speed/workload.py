@@ -5,13 +5,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from itertools import takewhile
-from types import TracebackType
-from typing import Final, Self
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.closing import Closing
 from neurotouch_hid.evaluation.speed.kernels import fill_slice
+from neurotouch_hid.events import copy_events
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import (
     EVENT_DTYPE,
@@ -27,7 +28,6 @@ TOUR_US: Final = 18_860_000
 SPREAD_PX: Final = 1.2
 """Of the events about a marker, one axis."""
 
-_BLOCK: Final = np.dtype(("V", EVENT_DTYPE.itemsize))  # numpy copies records field by field
 _POOL: Final = 1 << 14  # numbers that are drawn once and used in turn
 _MARGIN_PX: Final = 5.0
 
@@ -75,7 +75,7 @@ def shift_packet(
     if events is None and not shift_us:
         return packet
     if events is None:
-        events = packet.events.view(_BLOCK).copy().view(EVENT_DTYPE)
+        events = copy_events(packet.events)
         events["t"] += shift_us
     frames = tuple(
         Frame(f.pixels, f.exposure_begin_us + shift_us, f.exposure_end_us + shift_us)
@@ -86,7 +86,7 @@ def shift_packet(
     )
 
 
-class DenseSource:
+class DenseSource(Closing):
     """A scene played in turn for as long as wanted, with as many events as wanted.
 
     Each slice is made when it is asked for. It has its own events, in their order; what is missing
@@ -155,14 +155,3 @@ class DenseSource:
 
     def close(self) -> None:
         """Nothing is open."""
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()

@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.events import copy_events
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
 from neurotouch_hid.source.davis import kernels
-
-_BLOCK = np.dtype(("V", EVENT_DTYPE.itemsize))  # numpy copies records field by field
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,7 +137,7 @@ class Decoder:
             )
             if whole:
                 frames.append(self._copy_frame())
-        return self._events[:n].view(_BLOCK).copy().view(EVENT_DTYPE), frames
+        return copy_events(self._events[:n]), frames
 
     def forget(self) -> None:
         """Start afresh in mid-stream: bytes are missing; row, frame and odd byte are unknown."""

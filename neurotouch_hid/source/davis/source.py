@@ -6,9 +6,9 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import dataclass, field
-from types import TracebackType
-from typing import Final, Protocol, Self
+from typing import Final, Protocol
 
+from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import CameraError
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EventPacket
@@ -72,7 +72,7 @@ class DavisStats:
     decoder: DecoderStats = field(default_factory=DecoderStats)
 
 
-class DavisSource:
+class DavisSource(Closing):
     """Slices of a camera's time, as they happen; it may be iterated once.
 
     A thread of its own holds the camera. If that is unplugged, nothing comes until it is back;
@@ -179,17 +179,6 @@ class DavisSource:
         if self._camera is not None:  # it has never been played
             self._camera.transport.close()
             self._camera = None
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _work(self) -> None:
         """The thread: plays the camera, and waits for it when it is away."""

@@ -2,11 +2,10 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from types import TracebackType
-from typing import Self
 
 import numpy as np
 
+from neurotouch_hid.closing import Closing
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, Truth
 from neurotouch_hid.source.simulator.gel import KNOT_US, GelConfig, GelMotion
@@ -25,7 +24,7 @@ class SimulatorConfig:
     light: LightConfig = field(default_factory=LightConfig)
 
 
-class Simulator:
+class Simulator(Closing):
     """Plays a script; iterating gives equal slices of sensor time from 0 on.
 
     Events and frames depend on script, config and seed only, bit for bit, not on ``slice_us``.
@@ -56,17 +55,6 @@ class Simulator:
 
     def __iter__(self) -> Iterator[EventPacket]:
         return self._packets
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Stop; there is nothing to release."""
