@@ -57,7 +57,7 @@ def test_undo_goes_back_step_by_step_and_loses_nothing(tmp_path, stamp):
 def test_a_change_by_somebody_else_is_not_overwritten(tmp_path, stamp):
     store = make(tmp_path, stamp, 1)
     store.path.write_bytes(b"theirs")
-    with pytest.raises(ProfileError, match="somebody else"):
+    with pytest.raises(ProfileError, match="another program"):
         store.save(b"mine", over=b"1")
     assert store.read() == b"theirs"
 
