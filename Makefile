@@ -11,7 +11,7 @@ WHEELHOUSE := .cache/wheelhouse
 EPOCH := $(shell git log -1 --format=%ct 2>/dev/null || echo 315532800)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint kernel docs pictures bench dist deb lock system-test clean
+.PHONY: help demo test lint kernel docs pictures bench dist deb lock try-package system-test clean
 
 help: ## list the tasks
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -46,12 +46,16 @@ pictures: $(VENV)/.dev ## make the pictures of the documents (needs Chromium)
 bench: $(VENV)/.runtime ## measure the speed of every stage on this machine
 	@$(BIN)/neurotouch bench
 
-dist: $(VENV)/.dev ## build wheel and sdist into dist/
+dist: $(VENV)/.dev ## build wheel and sdist, and the wheel of the development tools, into dist/
 	SOURCE_DATE_EPOCH=$(EPOCH) $(BIN)/python -m build --no-isolation
+	SOURCE_DATE_EPOCH=$(EPOCH) $(BIN)/python -m build --no-isolation --wheel --outdir dist devtools
 
 deb: $(VENV)/.dev $(WHEELHOUSE)/.complete ## build the package for the Debian this is, into dist/
 	SOURCE_DATE_EPOCH=$(EPOCH) $(BIN)/python -m build --no-isolation --wheel
 	SOURCE_DATE_EPOCH=$(EPOCH) packaging/build-deb.sh "$$(ls -t dist/*.whl | head -n 1)" $(WHEELHOUSE) dist
+
+try-package: $(VENV)/.dev ## install the newest package of dist/ in a copy of this Debian, type everything that is written (needs root)
+	NEUROTOUCH_DEB="$$(ls -t dist/*.deb | head -n 1)" $(BIN)/pytest -n 0 --timeout 1500 tests/packaging/test_installed.py
 
 system-test: deb ## a whole Debian: install the package, plug, play, pull, purge (needs root and a core for half an hour)
 	NEUROTOUCH_SYSTEM_TEST=1 $(BIN)/pytest --timeout 0 tests/system

@@ -19,7 +19,6 @@ version = release = __version__
 extensions = [
     "command_pages",
     "myst_parser",
-    "profile_reference",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
 ]
@@ -44,7 +43,7 @@ nitpick_ignore_regex = [("py:.*", r"(?!neurotouch_hid\.(messages|errors|gel)\.).
 html_theme = "furo"
 html_title = "neurotouch_hid"
 html_static_path = ["pictures"]
-html_favicon = "../neurotouch_hid/page/static/icon.svg"
+html_favicon = "../neurotouch_hid/page/static/shared/icon.svg"
 html_show_sourcelink = False
 html_copy_source = False
 

@@ -12,9 +12,13 @@ changes its meaning. A name that will go warns for at least one minor version be
 
 import os
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
 
+# As ``typing.TYPE_CHECKING``, without importing ``typing``: until the command line can handle
+# Ctrl-C, every millisecond of imports is one in which Ctrl-C prints a traceback.
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any
+
     from neurotouch_hid.driver import Driver, DriverOptions
     from neurotouch_hid.errors import NeuroTouchError
     from neurotouch_hid.gel import Gel, Touch, open_gel
@@ -54,7 +58,7 @@ os.environ.setdefault(
 )
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> "Any":
     if name not in _MODULES:
         raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
     return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)

@@ -14,7 +14,8 @@ def main() -> None:
     """
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:  # as in the background
         signal.signal(signal.SIGINT, _leave)
-    if sys.argv[1:] in (["pause"], ["resume"], ["panic"]):
+    signal.signal(signal.SIGTERM, _leave)
+    if sys.argv[1:] in (["pause"], ["resume"], ["panic"], ["stop"]):
         from neurotouch_hid.cli.send import send_command
 
         sys.exit(send_command(sys.argv[1]))
@@ -33,7 +34,11 @@ def main() -> None:
 
 
 def _leave(*_: object) -> None:
-    """Ctrl-C before the command line itself can handle it: nothing is open yet, so just end."""
+    """Ends on Ctrl-C or SIGTERM before the command line can handle it: nothing is open yet."""
+    try:  # noqa: SIM105  # contextlib would be one import more before Ctrl-C is handled
+        os.write(2, b"Stopped.\n")
+    except OSError:  # nobody is there to read it
+        pass
     os._exit(_EXIT_INTERRUPTED)
 
 

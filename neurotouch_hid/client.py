@@ -1,4 +1,4 @@
-"""The running driver as other processes reach it: where its socket lies, and one question to it.
+"""The running driver as other processes reach it: where its socket is, and one question to it.
 
 A question is one line of JSON, ``{"command": "pause"}``, and so is its answer: ``ok``, with
 ``text`` for people if it was done, else with ``error`` and perhaps ``hint``. Only the standard
@@ -6,17 +6,22 @@ library is imported here, so that ``neurotouch panic`` is there at once.
 """
 
 import json
-import os
 import socket
 import time
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, NotRequired, TypedDict, cast
 
 from neurotouch_hid.errors import DriverError, NotRunningError
+from neurotouch_hid.players import (
+    SERVICE_FOLDER,
+    explain_start,
+    find_socket,
+    list_runtime_folders,
+)
 
-LIMIT_BYTES: Final = 64 * 1024
-"""The longest question or answer."""
+LIMIT_BYTES: Final = 1024 * 1024
+"""The longest question or answer: a person's settings, which are handed over whole."""
 
 REQUEST_S: Final = 1.0
 """A question must be there, and is answered, within this time."""
@@ -25,46 +30,130 @@ LOADING_S: Final = 10.0
 """What has a profile loaded, ``reload`` or ``use``, is answered within this time: the answer says
 what came of it."""
 
-PLAYER: Final = "NEUROTOUCH_PLAYER"
-PLAYERS: Final = ("1", "2", "3", "4")
-"""Each player has a driver of their own."""
+ENDING_S: Final = 10.0
+"""A driver that was asked to end has ended within this time."""
 
-_SOCKET: Final = "control"
-_SERVICE: Final = Path("/run/neurotouch")
 _PATIENCE_S: Final = 3 * REQUEST_S
 _AGAIN_S: Final = 0.1
 
 Answer = dict[str, Any]
 
+StageSpread = TypedDict("StageSpread", {"p50": float, "p99": float, "p99.9": float})
+"""Percentiles of the time in a stage since the start, in ms a slice."""
 
-def find_runtime_folder(player: int | None = None) -> Path:
-    """Returns the folder a driver of this user keeps its sockets in; it need not exist.
 
-    Args:
-        player: the player number; None means the one of the environment.
+class Fatigue(TypedDict):
+    """A movement that fades.
+
+    Attributes:
+        movement: its name, as in the person's ranges.
+        peak_mm: how far it goes now.
+        full_mm: what the range could be set to; None while it need not be.
+        needs: the share of its range that it needs now; 1 without help.
     """
-    return list_folders(player)[0]
+
+    movement: str
+    peak_mm: float
+    full_mm: float | None
+    needs: float
 
 
-def find_socket(folder: Path) -> Path:
-    """The control socket in a driver's folder."""
-    return folder / _SOCKET
+class ErrorNote(TypedDict):
+    """What went wrong: a sentence, and when, in s since 1970."""
+
+    at: float
+    error: str
 
 
-def ask(command: str, *, player: int | None = None, **arguments: str) -> Answer:
-    """The running driver's answer to a command.
+class PipelineStatus(TypedDict):
+    """What a running pipeline says of itself.
+
+    Attributes:
+        pid: the driver's process.
+        state: ``running``, ``paused`` or ``panic``.
+        profile: name of the profile that is active.
+        layer: name of its layer that is active.
+        markers_tracked: how many of the 177 are measured.
+        gel: ``found``, or what keeps it from being found.
+        gesture: the gesture now, ``none`` at rest.
+        ignored: the last gesture that came to nothing, and why, in a sentence; None without.
+        silent_s: for how long nothing has come from the source; 0 while it comes.
+        uptime_s: since the start.
+        slices: since the start.
+        slices_hz: slices per second.
+        events_hz: events per second.
+        events_lost: since the start.
+        stage_ms: mean host time a slice, by stage.
+        stage_spread_ms: its percentiles since the start.
+        fatigue: movements that fade.
+        long_holds: how often each movement was held for more than 5 s.
+        errors: the newest errors.
+    """
+
+    pid: int
+    state: str
+    profile: str
+    layer: str
+    markers_tracked: int
+    gel: str
+    gesture: str
+    ignored: str | None
+    silent_s: float
+    uptime_s: float
+    slices: int
+    slices_hz: float
+    events_hz: int
+    events_lost: int
+    stage_ms: dict[str, float]
+    stage_spread_ms: dict[str, StageSpread]
+    fatigue: list[Fatigue]
+    long_holds: dict[str, int]
+    errors: list[ErrorNote]
+
+
+class Status(PipelineStatus):
+    """The answer to ``status``: the pipeline's, and what surrounds it in a sentence each.
+
+    Attributes:
+        version: of this format: 1.
+        source: what is played.
+        device: the virtual gamepad.
+        keyboard: which keyboards can stop the driver.
+        desktop: which window has chosen the profile.
+        sound: how the driver is heard.
+        settings: whose settings apply.
+        copilot: the physical device that plays along.
+        mouse: which mice are watched.
+        rumble: how games shake the pad.
+    """
+
+    version: int
+    source: str
+    device: str
+    keyboard: str
+    desktop: str
+    sound: str
+    settings: str
+    copilot: NotRequired[str]
+    mouse: NotRequired[str]
+    rumble: NotRequired[str]
+
+
+def ask(command: str, *, player: int | None = None, **arguments: Any) -> Answer:
+    """Returns the running driver's answer to a command.
 
     Args:
-        command: ``pause``, ``resume``, ``panic``, ``reload``, ``status`` or ``use``.
+        command: ``pause``, ``resume``, ``panic``, ``reload``, ``status``, ``use`` or ``settings``.
         player: whose driver; as the environment says without.
-        arguments: what the command needs: ``profile``, a name or an absolute path, for ``use``.
+        arguments: what the command needs: ``profile``, a name or an absolute path, for ``use``; for
+            ``settings`` see ``handover``.
 
     Raises:
         NotRunningError: no driver is running.
         DriverError: it does not answer, or it refuses.
     """
     question = json.dumps({"command": command, **arguments}).encode() + b"\n"
-    patience_s = _PATIENCE_S + (LOADING_S if command in ("reload", "use") else 0.0)
+    patience_s = _PATIENCE_S + (LOADING_S if command in ("reload", "use", "settings") else 0.0)
     answer, line = _ask_any(question, patience_s, player)
     line.close()
     if answer.get("ok") is not True:
@@ -72,8 +161,18 @@ def ask(command: str, *, player: int | None = None, **arguments: str) -> Answer:
     return answer
 
 
+def ask_status() -> Status:
+    """Returns what the running driver says of itself.
+
+    Raises:
+        NotRunningError: no driver is running.
+        DriverError: it does not answer.
+    """
+    return cast(Status, ask("status"))
+
+
 def open_stream(command: str) -> tuple[Answer, socket.socket]:
-    """The running driver's answer, and the socket on which it goes on speaking.
+    """Returns the running driver's answer, and the socket on which it goes on speaking.
 
     Args:
         command: ``record``: packets follow, until either end closes.
@@ -91,12 +190,12 @@ def open_stream(command: str) -> tuple[Answer, socket.socket]:
 
 
 def is_service_running() -> bool:
-    """Whether the system's service is there, whoever may ask it anything."""
-    return is_served(_SERVICE)
+    """Returns whether the system's service runs, whether or not this user may ask it."""
+    return is_served(SERVICE_FOLDER)
 
 
 def is_served(folder: Path) -> bool:
-    """Whether a driver listens in a folder, of whatever user."""
+    """Returns whether a driver listens in a folder, of whatever user."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as line:
         line.settimeout(REQUEST_S)
         try:
@@ -106,66 +205,35 @@ def is_served(folder: Path) -> bool:
     return True
 
 
-def find_player() -> int:
-    """Whose driver is meant: 1, unless ``NEUROTOUCH_PLAYER`` names another player.
+def is_driver_running() -> bool:
+    """Returns whether a driver of the environment's player runs that this user may ask."""
+    try:
+        ask_status()
+    except DriverError:
+        return False
+    return True
+
+
+def wait_until_ended(player: int) -> None:
+    """Waits until no driver of this player listens any more.
 
     Raises:
-        DriverError: it names none.
+        DriverError: it still listens after 10 s.
     """
-    text = os.environ.get(PLAYER, "1")
-    if text not in PLAYERS:
-        raise DriverError(f"{PLAYER} must be one of {', '.join(PLAYERS)}, not {text!r}.")
-    return int(text)
-
-
-def list_players() -> list[int]:
-    """Those whose drivers may run: the one that the environment names, else all with a socket."""
-    if PLAYER in os.environ:
-        return [find_player()]
-    found = (
-        player
-        for player in map(int, PLAYERS)
-        if any(find_socket(folder).exists() for folder in list_folders(player))
-    )
-    return list(found) or [1]
-
-
-def list_folders(player: int | None = None) -> list[Path]:
-    """Where a driver may be, the user's own first, the system's service last.
-
-    Args:
-        player: whose driver; as the environment says without.
-    """
-    player = player or find_player()
-    folders = _list_folders_of_first()
-    if player == 1:
-        return folders
-    own = f"-{player}"  # which the folder of this player's service bears already
-    return [
-        folder if folder.name.endswith(own) else folder.with_name(folder.name + own)
-        for folder in folders
-    ]
-
-
-def _list_folders_of_first() -> list[Path]:
-    service = os.environ.get("RUNTIME_DIRECTORY", "").split(":")[0]
-    if service:  # we are a part of a service, for which systemd made this folder
-        return [Path(service)]
-    user = os.getuid()
-    session = Path(os.environ.get("XDG_RUNTIME_DIR", ""))
-    folders = [session / "neurotouch"] if session.is_absolute() else []
-    if Path(f"/run/user/{user}").is_dir():
-        folders.append(Path(f"/run/user/{user}/neurotouch"))
-    if user != 0 and not folders:
-        # The folder's owner and mode are checked before it is used.
-        folders.append(Path(f"/tmp/neurotouch-{user}"))  # noqa: S108
-    return list(dict.fromkeys([*folders, _SERVICE]))
+    deadline = time.monotonic() + ENDING_S
+    while any(map(is_served, list_runtime_folders(player))):
+        if time.monotonic() > deadline:
+            raise DriverError(
+                f"The driver has not ended within {ENDING_S:g} s.",
+                hint="Its pad is released. See: neurotouch status",
+            )
+        time.sleep(_AGAIN_S)
 
 
 def _ask_any(
     question: bytes, patience_s: float, player: int | None = None
 ) -> tuple[Answer, socket.socket]:
-    for path in map(find_socket, list_folders(player)):
+    for path in map(find_socket, list_runtime_folders(player)):
         try:
             return _ask_patiently(path, question, patience_s)
         except (FileNotFoundError, NotADirectoryError, ConnectionRefusedError):
@@ -178,11 +246,11 @@ def _ask_any(
             raise DriverError(f"The driver cannot be reached: {error.strerror} ({path}).") from None
         except ValueError:
             raise DriverError(f"What answers at {path} is not a driver.") from None
-    raise NotRunningError("No driver is running.", hint="Start it: neurotouch run")
+    raise NotRunningError("No driver is running.", hint=explain_start())
 
 
 def _ask_patiently(path: Path, question: bytes, patience_s: float) -> tuple[Answer, socket.socket]:
-    """The answer and the open line; while the driver is busy with others, asks again."""
+    """Returns the answer and the open line; while the driver is busy with others, asks again."""
     deadline = time.monotonic() + patience_s
     while time.monotonic() < deadline:
         with suppress(BlockingIOError):  # its queue is full
@@ -211,7 +279,7 @@ def _ask_once(path: Path, question: bytes, patience_s: float) -> tuple[Answer, s
 
 
 def _read_line(line: socket.socket) -> bytes:
-    """A line of text, and not a byte more: what comes after it may be no text."""
+    """Returns a line of text, and not a byte more: what comes after it may be no text."""
     text = b""
     while len(text) <= LIMIT_BYTES:
         ahead = line.recv(4096, socket.MSG_PEEK)

@@ -3,7 +3,7 @@
 import select
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import NeuroTouchError, NotRunningError
 from neurotouch_hid.messages import Axis, Button, Frame, GamepadState
-from neurotouch_hid.snapshot import MarkerWriter, read_head, read_markers
+from neurotouch_hid.players import explain_start
+from neurotouch_hid.snapshot import MarkerWriter, PadState, read_head, read_markers
 from neurotouch_hid.subscriber import Subscriber
 
 if TYPE_CHECKING:
@@ -132,12 +133,12 @@ def open_gel(
     if isinstance(player, bool) or player not in (1, 2, 3, 4):
         raise ValueError(f"player must be 1, 2, 3 or 4, not {player!r}")
     if rate_hz is not None and not 25 <= rate_hz <= 1000:
-        raise ValueError(f"rate_hz must lie between 25 and 1000, not {rate_hz!r}")
+        raise ValueError(f"rate_hz must be between 25 and 1000, not {rate_hz!r}")
     if source == DRIVER:
         subscriber = Subscriber(player)
         subscriber.want(_HZ)
         if subscriber.connect() is None:
-            raise NotRunningError("No driver is running.", hint="Start it: neurotouch run")
+            raise NotRunningError("No driver is running.", hint=explain_start())
         return Gel(_read_driver(subscriber), subscriber, source)
     from neurotouch_hid.driver import Driver, DriverOptions  # noqa: PLC0415  # needs numba
 
@@ -203,13 +204,14 @@ def _read_driver(subscriber: Subscriber) -> Iterator[Touch]:
 def _from_state(state: bytes) -> Touch:
     head = read_head(state)
     gesture = head["gesture"]
+    x_mm, y_mm = gesture["moved_mm"]
     moved_mm, measured = read_markers(state)
     return Touch(
         head["t_us"],
         gesture["kind"],
         gesture["mm"],
         np.array(gesture["contacts"], np.float64).reshape(-1, 2),
-        tuple(gesture["moved_mm"]),
+        (x_mm, y_mm),
         gesture["turned_rad"],
         gesture["scale"],
         gesture["confidence"],
@@ -219,13 +221,14 @@ def _from_state(state: bytes) -> Touch:
     )
 
 
-def _read_pad(t_us: int, pad: dict[str, Any]) -> GamepadState:
+def _read_pad(t_us: int, pad: PadState) -> GamepadState:
+    x, y = pad["pointer"]
     return GamepadState(
         t_us,
         frozenset(map(Button, pad["buttons"])),
         {Axis(name): value for name, value in pad["axes"].items()},
         frozenset(pad["keys"]),
         frozenset(pad["mouse"]),
-        tuple(pad["pointer"]),
+        (x, y),
         pad["wheel"],
     )

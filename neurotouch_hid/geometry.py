@@ -52,11 +52,11 @@ class Rig:
     mirrored: bool = False
 
     def to_px(self, points_mm: NDArray[np.floating]) -> NDArray[np.float64]:
-        """Image points (n, 2) of gel points (n, 2)."""
+        """Returns image points (n, 2) of gel points (n, 2)."""
         return np.asarray(points_mm, np.float64) @ self._matrix().T + self.centre_px
 
     def to_mm(self, points_px: NDArray[np.floating]) -> NDArray[np.float64]:
-        """Gel points (n, 2) of image points (n, 2)."""
+        """Returns gel points (n, 2) in mm of image points (n, 2)."""
         return (
             (np.asarray(points_px, np.float64) - self.centre_px)
             @ self._matrix()
@@ -64,7 +64,7 @@ class Rig:
         )
 
     def vector_to_mm(self, vector_px: NDArray[np.floating]) -> NDArray[np.float64]:
-        """Gel displacements (n, 2) in mm of image displacements (n, 2)."""
+        """Returns gel displacements (n, 2) in mm of image displacements (n, 2)."""
         return np.asarray(vector_px, np.float64) @ self._matrix() / self.px_per_mm**2
 
     def _matrix(self) -> NDArray[np.float64]:
@@ -76,7 +76,7 @@ class Rig:
 
 
 def fit_rig(rest_px: NDArray[np.floating]) -> Rig:
-    """The rig whose similarity maps the lattice to the markers at rest by least squares.
+    """Returns the rig whose similarity maps the lattice to the markers at rest by least squares.
 
     Args:
         rest_px: (177, 2) px, the markers at rest in the order of ``LATTICE_MM``; rows that are not

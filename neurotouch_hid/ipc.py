@@ -1,4 +1,4 @@
-"""Unix sockets between the line and the processes that watch or lead a simulated hand."""
+"""Unix sockets between the driver and the processes that watch it or command it."""
 
 import os
 import socket
@@ -13,22 +13,30 @@ HAND: Final = "hand"
 _CREDENTIALS: Final = struct.Struct("3i")  # pid, uid, gid
 
 
-def listen_at(path: Path, *, open_to_all: bool = False) -> socket.socket:
-    """A listening socket for whole messages, instead of one that a killed driver has left there.
+def listen_at(
+    path: Path,
+    *,
+    kind: socket.SocketKind = socket.SOCK_SEQPACKET,
+    open_to_all: bool = False,
+    backlog: int = 8,
+) -> socket.socket:
+    """Returns a listening socket that never waits; it replaces what a killed driver has left there.
 
     Args:
         path: where; its folder's mode keeps others away.
-        open_to_all: let everybody reach it; then who may stay is for the listener to say.
+        kind: whole messages, or a stream.
+        open_to_all: every user can reach it; then the listener says who may stay.
+        backlog: how many may wait for ``accept``.
 
     Raises:
         OSError: it cannot be made.
     """
-    listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    listener = socket.socket(socket.AF_UNIX, kind)
     try:
         path.unlink(missing_ok=True)
         listener.bind(str(path))
         path.chmod(0o666 if open_to_all else 0o600)
-        listener.listen(8)
+        listener.listen(backlog)
         listener.setblocking(False)
     except OSError:
         listener.close()
@@ -37,7 +45,7 @@ def listen_at(path: Path, *, open_to_all: bool = False) -> socket.socket:
 
 
 def connect_to(path: Path) -> socket.socket:
-    """A connection to such a socket that never waits.
+    """Returns a connection to such a socket that never waits.
 
     Raises:
         OSError: nobody listens there.
@@ -53,12 +61,12 @@ def connect_to(path: Path) -> socket.socket:
 
 
 def find_peer(peer: socket.socket) -> int:
-    """The user of the process at the other end, as the kernel knows it."""
+    """Returns the user of the process at the other end, as the kernel knows it."""
     credentials = peer.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _CREDENTIALS.size)
     uid: int = _CREDENTIALS.unpack(credentials)[1]
     return uid
 
 
 def is_own_peer(peer: socket.socket) -> bool:
-    """True if the process at the other end is ours or root's."""
+    """Returns True if the process at the other end is ours or root's."""
     return find_peer(peer) in (os.geteuid(), 0)

@@ -99,7 +99,7 @@ class MarkerField:
 
     Attributes:
         t_us: the end of the slice.
-        rest_px: (177, 2) float32, columns x, y: where each marker lies while the gel is
+        rest_px: (177, 2) float32, columns x, y: where each marker is while the gel is
             undeformed. The same array object until it changes; all NaN before the gel is found.
         position_px: (177, 2) float32: where each marker is now.
         valid: (177,) bool: the position is measured, not a guess from the neighbours.

@@ -6,6 +6,9 @@ A package offers a recogniser or a source under a name of its own, in its ``pypr
     mine = "my_package:make_method"
 """
 
+import inspect
+import traceback
+from collections.abc import Callable
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Final, Literal
 
@@ -15,6 +18,7 @@ Group = Literal["neurotouch.methods", "neurotouch.sources"]
 
 METHODS: Final[Group] = "neurotouch.methods"
 SOURCES: Final[Group] = "neurotouch.sources"
+_WHOLE_TRACEBACK: Final = "To see the whole traceback, set PYTHONDEVMODE=1."
 
 
 def list_plugins(group: Group) -> tuple[str, ...]:
@@ -22,11 +26,12 @@ def list_plugins(group: Group) -> tuple[str, ...]:
     return tuple(sorted({point.name for point in entry_points(group=group)}))
 
 
-def load_plugin(group: Group, name: str) -> Any:
-    """Returns what another package offers under a name; None if nobody offers it.
+def make_plugin(group: Group, name: str, *arguments: object, **options: object) -> Any:
+    """Returns what the function of another package makes; None if no package offers the name.
 
     Raises:
-        PluginError: the package cannot be imported, or two packages offer the same name.
+        PluginError: the package cannot be imported, its function takes other arguments, or two
+            packages offer the same name.
     """
     found = {point.value: point for point in entry_points(group=group, name=name)}
     if not found:
@@ -39,13 +44,60 @@ def load_plugin(group: Group, name: str) -> Any:
         )
     (point,) = found.values()
     try:
-        return point.load()
+        make = point.load()
     except Exception as error:
         raise PluginError(
             f"'{name}' of the package {find_owner(point)} cannot be loaded: "
             f"{type(error).__name__}: {error}.",
             hint="Update or uninstall that package.",
         ) from error
+    check_call(f"'{point.value}' of the package {find_owner(point)}", make, *arguments, **options)
+    return make(*arguments, **options)
+
+
+def check_call(
+    what: str, function: Callable[..., Any], *arguments: object, **options: object
+) -> None:
+    """Checks that a function can be called so.
+
+    Raises:
+        PluginError: it takes other arguments, or is no function.
+    """
+    try:
+        inspect.signature(function).bind(*arguments, **options)
+    except (TypeError, ValueError) as error:
+        raise PluginError(
+            f"{what} cannot be called: {error}.",
+            hint="GestureMethod and Source (docs/api.md) say which arguments it must take.",
+        ) from error
+
+
+def blame_plugin(error: Exception) -> PluginError | None:
+    """Returns what went wrong in a plug-in as one sentence.
+
+    Args:
+        error: what was raised, with its traceback.
+
+    Returns:
+        None if no code of a plug-in was running.
+    """
+    owners = {
+        point.module.partition(".")[0]: (group, point)
+        for group in (METHODS, SOURCES)
+        for point in entry_points(group=group)
+    }
+    for frame, line in reversed(list(traceback.walk_tb(error.__traceback__))):
+        found = owners.get(frame.f_globals.get("__name__", "").partition(".")[0])
+        if found is not None:
+            group, point = found
+            kind = "method" if group == METHODS else "source"
+            return PluginError(
+                f"The {kind} '{point.name}' of the package {find_owner(point)} failed: "
+                f"{type(error).__name__}: {error} "
+                f"({frame.f_code.co_filename}, line {line}).",
+                hint=f"Fix it there, or uninstall that package. {_WHOLE_TRACEBACK}",
+            )
+    return None
 
 
 def find_owner(point: EntryPoint) -> str:

@@ -15,7 +15,7 @@ _IN_CHECKOUT: Final[dict[Resource, str]] = {
 
 
 def find_resources(kind: Resource, package: Path = PACKAGE_FOLDER) -> Path:
-    """The folder of a kind of files: inside an installed package, beside it in a checkout.
+    """Returns the folder of a kind of files: inside an installed package, beside it in a checkout.
 
     Args:
         kind: what is looked for.

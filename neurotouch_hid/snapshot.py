@@ -1,13 +1,13 @@
 """The newest state of the pipeline as bytes: a head of JSON, then all 177 markers.
 
 4 bytes   length of the head, little-endian
-head      UTF-8 JSON, see ``StateEncoder.encode``
+head      UTF-8 JSON, see ``State``
 708 bytes int16 (177, 2): how far each marker is from its own rest, x and y, in 0.01 mm
 177 bytes uint8: 1 where the marker is measured, 0 where it is a guess
 """
 
 import json
-from typing import Any, Final
+from typing import Final, NotRequired, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,133 @@ from neurotouch_hid.geometry import N_MARKERS, fit_rig
 from neurotouch_hid.messages import MarkerField
 
 STEP_MM: Final = 0.01
+
+_encode: Final = json.JSONEncoder(separators=(",", ":"), ensure_ascii=False).encode
+
+Action = tuple[int, str, str, str]
+"""A decision of the mapping: when (µs of sensor time), the verdict, on what, and why."""
+
+
+class GestureState(TypedDict):
+    """The gesture as it is seen, and as the bindings feel it.
+
+    Attributes:
+        kind: its type, ``none`` at rest.
+        mm: intensity.
+        movement: what the bindings are asked about: ``push_left``, ``pinch``, ``none``.
+        felt_mm: its intensity after the tremor filter.
+        phase: ``begin``, ``hold``, ``release`` or ``idle``.
+        contacts: contact points [x, y] in mm.
+        confidence: 0 to 1.
+        moved_mm: the common motion [x, y] of the markers around the contacts.
+        turned_rad: their rotation, clockwise positive.
+        scale: their scaling.
+    """
+
+    kind: str
+    mm: float
+    movement: str
+    felt_mm: float
+    phase: str
+    contacts: list[list[float]]
+    confidence: float
+    moved_mm: list[float]
+    turned_rad: float
+    scale: float
+
+
+class PadState(TypedDict):
+    """All outputs; axes at rest are left out.
+
+    Attributes:
+        axes: -1 to 1, triggers 0 to 1.
+        buttons: those that are down.
+        keys: keyboard keys that are down.
+        mouse: mouse buttons that are down.
+        pointer: [x, y] in px/s.
+        wheel: in clicks per second.
+    """
+
+    axes: dict[str, float]
+    buttons: list[str]
+    keys: list[str]
+    mouse: list[str]
+    pointer: list[float]
+    wheel: float
+
+
+class Health(TypedDict):
+    """Facts, rates and times, worked out twice a second.
+
+    Attributes:
+        events_hz: events per second, mean of the last second.
+        slices_hz: slices per second.
+        frames_hz: frames per second.
+        lost: events lost since the start.
+        backlog_ms: how long a slice waits before the pipeline.
+        tracked: markers that are measured, of 177.
+        rezero_s: how long ago the gel was seen at rest; None before the first time.
+        window_ms: length of a slice.
+        stages: median and 95 % of the host time a slice in ms, by stage.
+        source: the source.
+        simulated: no sensor has seen it.
+        device: the virtual gamepad.
+        file: the file of the active profile, empty if it has gone.
+        accept_ms: how long a gesture must last before it acts, by the profile and the person.
+        plays_sound: whether the driver plays sounds itself; a service cannot.
+        copilot: the physical device that plays along.
+        mouse: which mice are watched.
+        rumble: how games shake the pad.
+        hand_ms: median and 95 % from the mouse to the pad in ms; of the mouse gel only.
+    """
+
+    events_hz: int
+    slices_hz: int
+    frames_hz: float
+    lost: int
+    backlog_ms: float
+    tracked: int
+    rezero_s: float | None
+    window_ms: float
+    stages: dict[str, list[float]]
+    source: str
+    simulated: bool
+    device: str
+    file: str
+    accept_ms: NotRequired[float]
+    plays_sound: NotRequired[bool]
+    copilot: NotRequired[str]
+    mouse: NotRequired[str]
+    rumble: NotRequired[str]
+    hand_ms: NotRequired[list[float] | None]
+
+
+class State(TypedDict):
+    """The head of a snapshot.
+
+    Attributes:
+        n: counts up.
+        t_us: the moment, in sensor time.
+        say: the sentence for people.
+        state: ``running``, ``paused`` or ``panic``.
+        profile: the active profile.
+        layer: its active layer.
+        gesture: the gesture.
+        pad: the outputs.
+        actions: the latest decisions, oldest first.
+        slow: facts, rates and times.
+    """
+
+    n: int
+    t_us: int
+    say: str
+    state: str
+    profile: str
+    layer: str
+    gesture: GestureState
+    pad: PadState
+    actions: list[Action]
+    slow: Health
 
 
 class MarkerWriter:
@@ -50,7 +177,9 @@ class MarkerWriter:
 
 
 def _find_steps(rest_px: NDArray[np.float32]) -> np.complex64 | None:
-    """What turns and scales displacements x + iy in pixels to steps; None while nobody knows.
+    """Returns what turns and scales displacements x + iy in pixels to steps.
+
+    None while nobody knows.
 
     One product of complex numbers instead of a product of matrices, whose library is large and cold
     when it is called thirty times a second.
@@ -61,14 +190,15 @@ def _find_steps(rest_px: NDArray[np.float32]) -> np.complex64 | None:
     return np.complex64(complex(x, y))
 
 
-def pack(head: bytes, markers: bytes) -> bytes:
-    """The bytes of a state."""
+def pack(state: State, markers: bytes) -> bytes:
+    """Returns the bytes of a state."""
+    head = _encode(state).encode()
     return len(head).to_bytes(4, "little") + head + markers
 
 
-def read_head(state: bytes) -> dict[str, Any]:
+def read_head(state: bytes) -> State:
     """Returns the head of a state."""
-    head: dict[str, Any] = json.loads(state[4 : _find_markers(state)])
+    head: State = json.loads(state[4 : _find_markers(state)])
     return head
 
 

@@ -4,9 +4,9 @@ import socket
 from contextlib import suppress
 from typing import Final
 
-from neurotouch_hid.client import list_folders
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.ipc import FEED, connect_to
+from neurotouch_hid.players import list_runtime_folders
 
 LARGEST_BYTES: Final = 64 * 1024
 
@@ -29,7 +29,7 @@ class Subscriber(Closing):
     def connect(self) -> socket.socket | None:
         """Looks for a driver; the connection, or None if none runs."""
         if self.peer is None:
-            for folder in list_folders(self._player):
+            for folder in list_runtime_folders(self._player):
                 with suppress(OSError):
                     self.peer = connect_to(folder / FEED)
                     self._tell()
@@ -43,7 +43,7 @@ class Subscriber(Closing):
             self._tell()
 
     def take(self) -> bytes | None:
-        """The newest state that has arrived since the last call, or None."""
+        """Returns the newest state that has arrived since the last call, or None."""
         newest = None
         while self.peer is not None:
             try:

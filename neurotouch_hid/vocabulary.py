@@ -31,19 +31,10 @@ class GestureKind(IntEnum):
         return self.name.lower()
 
 
-class Phase(StrEnum):
-    """How far a gesture is: [NT, "Creation of the Gesture Detection Dataset"]."""
-
-    REST = "rest"
-    ATTACK = "attack"
-    HOLD = "hold"
-    RELEASE = "release"
-
-
 class Button(StrEnum):
     """The buttons of the pad, by the words printed on it.
 
-    Not the kernel's names: there ``BTN_NORTH`` is the button labelled X, which lies west.
+    Not the kernel's names: there ``BTN_NORTH`` is the button labelled X, which is west.
     """
 
     __hash__ = str.__hash__

@@ -32,7 +32,7 @@ ln -s "$wheelhouse" "$tree/wheelhouse"
 cat > "$tree/debian/changelog" << END
 neurotouch-hid ($version) unstable; urgency=medium
 
-  * What is new stands in the project's own CHANGELOG.md.
+  * What is new is in the project's own CHANGELOG.md.
 
  -- The neurotouch_hid maintainers <maintainers@neurotouch-hid.invalid>  $(date -R -d "@$SOURCE_DATE_EPOCH")
 END

@@ -11,4 +11,6 @@ os.environ.setdefault("NUMBA_CACHE_DIR", f"{cache}/neurotouch")
 
 from neurotouch_hid.__main__ import main  # noqa: E402
 
-main()
+# A process of the evaluation imports this file again, and must not start the program again.
+if __name__ == "__main__":
+    main()

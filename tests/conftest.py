@@ -43,6 +43,7 @@ def pytest_configure(config: pytest.Config) -> None:
         home = Path(own.name) / name.lower()
         home.mkdir(mode=0o700)
         patch.setenv(name, str(home))
+    patch.setenv("CONFIGURATION_DIRECTORY", f"{own.name}/machine")
     # Only here: a driver that runs for root on this machine would be asked otherwise.
     patch.setenv("RUNTIME_DIRECTORY", f"{own.name}/neurotouch")
 

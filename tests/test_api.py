@@ -96,7 +96,7 @@ def test_a_closed_gel_says_so():
         ({"source": "sim:push", "profile": None}, TypeError, "profile must be a text"),
         ({"source": "sim:push", "speed": "fast"}, ValueError, "must be 'recorded' or 'max'"),
         ({"source": "sim:push", "player": 5}, ValueError, "player must be 1, 2, 3 or 4, not 5"),
-        ({"source": "sim:push", "rate_hz": 1}, ValueError, "must lie between 25 and 1000"),
+        ({"source": "sim:push", "rate_hz": 1}, ValueError, "must be between 25 and 1000"),
         ({"source": "sim:pusch"}, SourceError, "no simulated scene called 'pusch'"),
         ({"source": "driver:"}, NotRunningError, "No driver is running"),
     ],

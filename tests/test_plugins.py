@@ -1,6 +1,7 @@
 """Methods and sources of other packages: the two examples, and packages that are wrong."""
 
 import json
+import os
 import subprocess
 import sys
 import tomllib
@@ -10,12 +11,42 @@ import pytest
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 WRONG = """
+from dataclasses import replace
+import numpy as np
+from neurotouch_hid.messages import EventPacket, no_gesture
+
 class NoReset:
     def __init__(self, config): ...
     def update(self, *_): ...
 
 class NoGesture(NoReset):
     def reset(self): ...
+
+class Raises(NoReset):
+    def reset(self): ...
+    def update(self, *_): return 1 / 0
+
+class OneArgument(NoReset):
+    def reset(self): ...
+    def update(self, markers): ...
+
+class FlatContacts(NoReset):
+    def reset(self): ...
+    def update(self, t_us, *_):
+        return replace(no_gesture(t_us), contacts_mm=np.zeros(2))
+
+class Unready:
+    name, rig, is_live, is_simulated = "unready", None, False, True
+    def __init__(self, rest, **_): self.rest = rest
+    def __enter__(self): return self
+    def __exit__(self, *_): ...
+    def close(self): ...
+    def __iter__(self):
+        if self.rest == "raises":
+            raise KeyError("no frame")
+        yield EventPacket(0, 10_000, np.zeros(3))
+
+def takes_nothing(): ...
 
 def no_source(rest, *, slice_us, seed):
     return object()
@@ -48,7 +79,7 @@ def installed(tmp_path):
     return install
 
 
-def run(folder, *arguments):
+def run(folder, *arguments, environment=None):
     program = f"import sys; sys.path.append({str(folder)!r}); " + (
         "from neurotouch_hid.__main__ import main; main()"
     )
@@ -58,6 +89,7 @@ def run(folder, *arguments):
         text=True,
         timeout=600,
         check=False,
+        env={**os.environ, **(environment or {})},
     )
 
 
@@ -89,7 +121,7 @@ def test_names_are_offered_where_one_is_wrong(installed):
     folder = installed.example("own_method")
     done = run(folder, "run", "--method", "mean_pusch", "--source", "sim:push")
     assert done.returncode == 2
-    assert "methods: neurotouch, paper, mean_push. Did you mean 'mean_push'?" in done.stderr
+    assert "There is no method 'mean_pusch'.\nFix: Did you mean mean_push?" in done.stderr
     installed.example("own_source")
     done = run(folder, "run", "--source", "mirored:sim:push", "--device", "memory")
     assert done.returncode == 3
@@ -119,6 +151,36 @@ def test_names_are_offered_where_one_is_wrong(installed):
             ("--source", "bad:x"),
             "The source 'bad:' has no name, rig, is_live",
         ),
+        (
+            {"neurotouch.methods": {"bad": "wrong:Raises"}},
+            ("--method", "bad", "--source", "sim:push"),
+            "'bad' of the package wrong failed: ZeroDivisionError: division by zero (",
+        ),
+        (
+            {"neurotouch.methods": {"bad": "wrong:OneArgument"}},
+            ("--method", "bad", "--source", "sim:push"),
+            "The function 'update' of the method 'bad' cannot be called: too many",
+        ),
+        (
+            {"neurotouch.methods": {"bad": "wrong:takes_nothing"}},
+            ("--method", "bad", "--source", "sim:push"),
+            "'wrong:takes_nothing' of the package wrong cannot be called: too many",
+        ),
+        (
+            {"neurotouch.methods": {"bad": "wrong:FlatContacts"}},
+            ("--method", "bad", "--source", "sim:push"),
+            "The method 'bad' returned contacts of the shapes (2,) (mm) and (0, 2) (px).",
+        ),
+        (
+            {"neurotouch.sources": {"bad": "wrong:Unready"}},
+            ("--source", "bad:raises"),
+            "The source 'bad' of the package wrong failed: KeyError: 'no frame' (",
+        ),
+        (
+            {"neurotouch.sources": {"bad": "wrong:Unready"}},
+            ("--source", "bad:numbers"),
+            "The source 'bad:' gave events of the dtype float64.",
+        ),
     ],
 )
 def test_what_is_wrong_in_a_package_is_said_in_one_sentence(installed, points, arguments, sentence):
@@ -127,6 +189,16 @@ def test_what_is_wrong_in_a_package_is_said_in_one_sentence(installed, points, a
     assert done.returncode == 1
     assert sentence in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_the_whole_traceback_can_be_had(installed):
+    folder = installed("wrong", WRONG, {"neurotouch.methods": {"bad": "wrong:Raises"}})
+    arguments = ("run", "--method", "bad", "--source", "sim:push", "--device", "memory")
+    told = run(folder, *arguments)
+    assert f"({folder / 'wrong.py'}, line " in told.stderr
+    assert "PYTHONDEVMODE=1" in told.stderr
+    shown = run(folder, *arguments, environment={"PYTHONDEVMODE": "1"})
+    assert "return 1 / 0" in shown.stderr
 
 
 def test_the_ten_lines_print_gestures():

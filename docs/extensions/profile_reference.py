@@ -1,43 +1,39 @@
-"""Renders the profile's JSON Schema as tables, one for each model: ``{profile-schema} profile``.
+"""Writes the tables of the profile's keys into the documents, from the schema of the program.
 
-The schema comes from the models of the installed program, so that the page cannot go out of date.
+``python docs/extensions/profile_reference.py`` renews ``profile-format.md`` and ``user-format.md``.
 """
 
+import textwrap
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
-
-from docutils import nodes
-from docutils.parsers.rst import Directive
-from sphinx.application import Sphinx
-from sphinx.util.docutils import SphinxDirective
 
 from neurotouch_hid.profile import profile_schema, user_schema
 
-SCHEMAS = {"profile": profile_schema, "user": user_schema}
-WIDTHS = (20, 30, 50)
+DOCS = Path(__file__).parents[1]
+SCHEMAS = {"profile-format.md": profile_schema, "user-format.md": user_schema}
+MARK = "<!-- generated: python docs/extensions/profile_reference.py -->\n"
+COLUMNS = 120
 
 
-class ProfileSchema(SphinxDirective):
-    """Shows the keys of the whole file first, then each model that they use."""
+def renew(page: str, text: str) -> str:
+    """Returns a page with today's tables below the mark; what is above it stays."""
+    above, mark, _ = text.partition(MARK)
+    if not mark:
+        raise ValueError(f"{page} has no line '{MARK.strip()}'")
+    return f"{above}{MARK}\n{render_schema(SCHEMAS[page]())}"
 
-    required_arguments = 1
 
-    def run(self) -> list[nodes.Node]:
-        """Returns a section for the file and one for each model."""
-        name = self.arguments[0]
-        if name not in SCHEMAS:
-            raise self.error(f"No such schema: '{name}'. There are: {', '.join(SCHEMAS)}.")
-        schema = SCHEMAS[name]()
-        models = schema.get("$defs", {})
-        titles = _order(schema, models)
-        return [
-            _section(name, "The whole file", schema),
-            *(_section(name, title, models[title]) for title in titles),
-        ]
+def render_schema(schema: Mapping[str, Any]) -> str:
+    """Returns Markdown: a section for the whole file, then one for each model that it uses."""
+    models = schema.get("$defs", {})
+    sections = [_section("The whole file", schema)]
+    sections += [_section(title, models[title]) for title in _order(schema, models)]
+    return "\n".join(sections)
 
 
 def _order(schema: Mapping[str, Any], models: Mapping[str, Any]) -> list[str]:
-    """The models as a reader of the first table meets them."""
+    """Returns the models in the order in which a reader of the first table meets them."""
     titles: list[str] = []
     ahead = [schema]
     while ahead:
@@ -48,7 +44,7 @@ def _order(schema: Mapping[str, Any], models: Mapping[str, Any]) -> list[str]:
 
 
 def _references(part: object) -> list[str]:
-    """All models that a part of the schema names, once each; not those among ``$defs``."""
+    """Returns all models that a part of the schema names, once each, without ``$defs``."""
     if isinstance(part, Mapping):
         if "$ref" in part:
             return [str(part["$ref"]).rsplit("/", 1)[1]]
@@ -58,81 +54,59 @@ def _references(part: object) -> list[str]:
     return list(dict.fromkeys(title for value in inner for title in _references(value)))
 
 
-def _section(prefix: str, title: str, model: Mapping[str, Any]) -> nodes.section:
-    section = nodes.section(ids=[_anchor(prefix, title)], names=[])
-    section += nodes.title(text=title)
-    if model.get("description"):
-        for paragraph in str(model["description"]).split("\n\n"):
-            section += _plain(paragraph)
-    if "properties" in model:
-        section += _table(prefix, model)
-    else:
-        section += nodes.paragraph("", "", *_values(prefix, model))
-    return section
+def _section(title: str, model: Mapping[str, Any]) -> str:
+    paragraphs = [f"## {title}\n"]
+    for paragraph in str(model.get("description", "")).split("\n\n"):
+        if paragraph:
+            # A hyphen or a long word stays whole: a code span must not be cut.
+            wrapped = textwrap.fill(
+                _escape(paragraph), COLUMNS, break_long_words=False, break_on_hyphens=False
+            )
+            paragraphs.append(wrapped + "\n")
+    paragraphs.append(_table(model) if "properties" in model else _values(model) + "\n")
+    return "\n".join(paragraphs)
 
 
-def _table(prefix: str, model: Mapping[str, Any]) -> nodes.table:
-    table = nodes.table(classes=["profile-keys"])
-    group = nodes.tgroup(cols=len(WIDTHS))
-    table += group
-    for width in WIDTHS:
-        group += nodes.colspec(colwidth=width)
-    head = nodes.thead()
-    head += _row(*(nodes.paragraph(text=text) for text in ("key", "value", "meaning")))
-    body = nodes.tbody()
+def _table(model: Mapping[str, Any]) -> str:
     required = model.get("required", ())
+    rows = ["| key | value | meaning |", "| --- | --- | --- |"]
     for key, value in model["properties"].items():
-        named = nodes.paragraph("", "", nodes.literal(text=key))
-        if key in required:
-            named += nodes.Text(" (needed)")
-        body += _row(
-            named,
-            nodes.paragraph("", "", *_values(prefix, value)),
-            _plain(str(value.get("description", ""))),
-        )
-    group += [head, body]
-    return table
+        name = f"`{key}`" + (" (needed)" if key in required else "")
+        cells = (name, _values(value), _escape(str(value.get("description", ""))))
+        rows.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    return "\n".join(rows).replace("|  |", "| |") + "\n"
 
 
-def _row(*cells: nodes.paragraph) -> nodes.row:
-    row = nodes.row()
-    for cell in cells:
-        entry = nodes.entry()
-        entry += cell
-        row += entry
-    return row
+def _escape(words: str) -> str:
+    """Returns a description of the schema, in which only backticks mean something."""
+    parts = " ".join(words.split()).replace("``", "`").split("`")
+    for i in range(0, len(parts), 2):
+        for mark in "*_<[":
+            parts[i] = parts[i].replace(mark, f"\\{mark}")
+    return "`".join(parts)
 
 
-def _plain(words: str) -> nodes.paragraph:
-    """A description of the schema; only its double backticks mean something."""
-    paragraph = nodes.paragraph()
-    for i, part in enumerate(" ".join(words.split()).split("``")):
-        paragraph += nodes.literal(text=part) if i % 2 else nodes.Text(part)
-    return paragraph
-
-
-def _values(prefix: str, value: Mapping[str, Any]) -> list[nodes.Node]:
-    """What may stand there: a type, the words, the limits, or a link to a model."""
+def _values(value: Mapping[str, Any]) -> str:
+    """Returns the values that a key takes: a type, the words, the limits, or a link to a model."""
     if "$ref" in value:
         name = str(value["$ref"]).rsplit("/", 1)[1]
-        return [nodes.reference("", name, internal=True, refid=_anchor(prefix, name))]
+        return f"[{name}](#{name.lower()})"
     for key in ("oneOf", "anyOf"):
         if key in value:
-            return _joined([_values(prefix, one) for one in value[key]], " or ")
+            return " or ".join(_values(one) for one in value[key])
     if "const" in value:
-        return [nodes.literal(text=_yaml(value["const"]))]
+        return _yaml(value["const"])
     if "enum" in value:
-        return _joined([[nodes.literal(text=_yaml(word))] for word in value["enum"]], ", ")
+        return ", ".join(_yaml(word) for word in value["enum"])
     if value.get("type") == "array":
-        return _list(prefix, value)
-    return [nodes.Text(_scalar(value))]
+        return _list(value)
+    return _scalar(value)
 
 
-def _list(prefix: str, value: Mapping[str, Any]) -> list[nodes.Node]:
+def _list(value: Mapping[str, Any]) -> str:
     items = value.get("prefixItems") or [value.get("items", {})]
     size = _range(value.get("minItems"), value.get("maxItems"))
-    words = _joined([_values(prefix, item) for item in items], ", ")
-    return [nodes.Text(f"list of {size}: " if size else "list of: "), *words]
+    return (f"list of {size}: " if size else "list of: ") + ", ".join(map(_values, items))
 
 
 def _scalar(value: Mapping[str, Any]) -> str:
@@ -155,23 +129,11 @@ def _range(low: object, high: object) -> str:
     return f"up to {high}" if low is None else f"{low} to {high}"
 
 
-def _joined(parts: list[list[nodes.Node]], between: str) -> list[nodes.Node]:
-    joined: list[nodes.Node] = []
-    for part in parts:
-        joined += [nodes.Text(between), *part] if joined else part
-    return joined
-
-
 def _yaml(value: object) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
+    return f"`{str(value).lower() if isinstance(value, bool) else value}`"
 
 
-def _anchor(prefix: str, name: str) -> str:
-    return nodes.make_id(f"{prefix}-{name}")
-
-
-def setup(app: Sphinx) -> dict[str, bool]:
-    """Adds the directive."""
-    directive: type[Directive] = ProfileSchema
-    app.add_directive("profile-schema", directive)
-    return {"parallel_read_safe": True}
+if __name__ == "__main__":
+    for name in SCHEMAS:
+        path = DOCS / name
+        path.write_text(renew(name, path.read_text(encoding="utf-8")), encoding="utf-8")

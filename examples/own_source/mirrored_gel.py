@@ -1,6 +1,8 @@
-"""A source of 40 lines: any other source, seen in a mirror.
+"""A source of 30 lines: any other source, seen in a mirror.
 
-Install it with ``pip install .``; then ``neurotouch run --source mirrored:sim:push``.
+Install it with ``pip install .``; then ``neurotouch run --source mirrored:sim:push --device
+memory``
+(``memory`` needs no right to make a gamepad).
 """
 
 from dataclasses import replace
@@ -30,9 +32,3 @@ class MirroredGel:
     def close(self):
         """Closes the other source."""
         self._source.close()
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.close()

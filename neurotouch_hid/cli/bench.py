@@ -8,7 +8,7 @@ from typing import Any, Final
 import click
 
 from neurotouch_hid.cli.ui.group import LazyGroup
-from neurotouch_hid.cli.ui.options import method_option
+from neurotouch_hid.cli.ui.options import OutFile, method_option
 
 _SUMMARIES: Final = {
     "pointing": "Measure how well you point (ISO 9241-411).",
@@ -38,7 +38,7 @@ _ROWS: Final = (
     ("tracker", "tracker_ms", 1.0, "ms per slice", (), True),
     ("contacts, type, intensity", "gesture_ms", 1.0, "ms per slice", (0.3, 0.8), True),
     ("profile", "profile_ms", 1.0, "ms per slice", (), True),
-    ("the whole line", "advance_ms", 1.0, "ms per slice", (), True),
+    ("the whole pipeline", "advance_ms", 1.0, "ms per slice", (), True),
 )
 """Name, key, factor, unit, goals of median and p99, and whether they are the most or the least."""
 _LIVE: Final = (
@@ -49,7 +49,7 @@ _LIVE: Final = (
 )
 """Key of the load, name, goals of the latency's p50, p99 and p99.9, and of the processor time."""
 _BACKLOG_MS: Final = 4.0
-"""A slice: a line that is later at the end than at the begin by more falls behind."""
+"""A slice: a pipeline falls behind if it is later at the end than at the start by more."""
 _RANKS = ("median", "p99", "p99.9")
 
 
@@ -68,15 +68,15 @@ _RANKS = ("median", "p99", "p99.9")
     "  neurotouch bench soak                            memory over half an hour of play",
 )
 @method_option
-@click.option("--json", "json_path", type=click.Path(path_type=Path, dir_okay=False))
+@click.option("--json", "json_path", type=OutFile())
 @click.option("--long", is_flag=True, help="Play the sustained rates for ten minutes each.")
 @click.pass_context
 def command(ctx: click.Context, method: str, json_path: Path | None, long: bool) -> None:
     """Measure the speed of every stage on this machine, on one core.
 
-    The stages get slices of 10 ms at the paper's speeds; then the line plays live, in the sensor's
-    own time, at the rates that --rate of run gives. The player stands where the camera's driver
-    would; what it takes by itself is told beside what the whole takes.
+    The stages get slices of 10 ms at the paper's speeds; then the pipeline runs live, in sensor
+    time, at the rates that --rate of run gives. A player of recorded
+    events replaces the camera's driver; its own share is shown beside the total.
     """
     if ctx.invoked_subcommand is not None:
         return
@@ -96,7 +96,7 @@ def _format(result: dict[str, Any]) -> str:
     start, live = result["startup_s"], result["live"]
     for name, value, unit, goal, most in (
         ("tracker against full search", result["tracker_ratio"], "times as fast", 5, False),
-        ("recording, whole line", result["realtime_factor"], "x real time", 10, False),
+        ("recording, whole pipeline", result["realtime_factor"], "x real time", 10, False),
         ("evaluate, all cores", result["evaluate_factor"], "x real time", 40, False),
         ("neurotouch --help", start["help_cpu"], "s of processor", 0.15, True),
         ("run until the pad is there", start["pad"], "s", 1.0, True),
@@ -111,7 +111,7 @@ def _format(result: dict[str, Any]) -> str:
         lines.append(_line(name, values, "ms", latency_ms, most=True))
         alone = run["machine"]
         values = [alone["latency_ms"][rank] for rank in ("p50", "p99", "p99.9")]
-        lines.append(_line("  a line with nothing to do", values, "ms", (), most=True))
+        lines.append(_line("  an empty pipeline", values, "ms", (), most=True))
         lines.append(_line("", [100.0 * run["core"]], "% of a core", (core,), most=True))
         lines.append(_line("  of it the player", [100.0 * alone["core"]], "%", (), most=True))
         counts = f"{run['late']} late and {run['lost']} lost of {run['slices']:,} slices"
@@ -125,7 +125,7 @@ def _format(result: dict[str, Any]) -> str:
 def _line(
     name: str, values: Sequence[float], unit: str, goals: Sequence[float | None], *, most: bool
 ) -> str:
-    """A row, and whether every goal is reached."""
+    """Returns a row, and whether every goal is reached."""
     shown = "".join(f"{value:>10.3f}" for value in values) + " " * 10 * (len(_RANKS) - len(values))
     aims = [(v, g) for v, g in zip(values, goals, strict=False) if g is not None]
     goal = "/".join(f"{g:g}" for _, g in aims)

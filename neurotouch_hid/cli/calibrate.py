@@ -1,19 +1,20 @@
 """``neurotouch calibrate``: a person's own range of each movement."""
 
 from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from typing import TYPE_CHECKING, Literal
 
 import click
 
-from neurotouch_hid.cli.follow import is_guided, read_steps
+from neurotouch_hid.cli.follow import is_guided, open_silent_driver
 from neurotouch_hid.cli.ui.options import (
     method_option,
     seconds_option,
     seed_option,
-    source_option,
     speed_option,
 )
 from neurotouch_hid.cli.ui.output import json_option, plain_option
+from neurotouch_hid.errors import DriverError, NeuroTouchError
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 
 if TYPE_CHECKING:
@@ -29,11 +30,17 @@ _KEYS = "Enter = next, S = I cannot do this, B = back, Q = stop and save nothing
     epilog="\b\nExamples:\n"
     "  neurotouch calibrate                           all movements, about three minutes\n"
     "  neurotouch calibrate zoom pinch                only these two\n"
+    "  neurotouch calibrate --source davis:           the camera, not the running driver\n"
     "  neurotouch calibrate --source file:me.aedat4   from a recording, nothing to press\n"
     "  neurotouch calibrate --undo                    back to the calibration before"
 )
 @click.argument("gestures", nargs=-1, type=click.Choice(tuple(MOVEMENTS)), metavar="[GESTURE]...")
-@source_option
+@click.option(
+    "--source",
+    show_default="what the running driver sees, or else the camera",
+    help="driver:, davis: (the camera), file:NAME.aedat4 (a recording) or sim:NAME (the "
+    "simulator).",
+)
 @speed_option
 @seconds_option
 @seed_option
@@ -44,7 +51,7 @@ _KEYS = "Enter = next, S = I cannot do this, B = back, Q = stop and save nothing
 @plain_option
 def command(
     gestures: tuple[str, ...],
-    source: str,
+    source: str | None,
     speed: Literal["recorded", "max"],
     seconds: float | None,
     seed: int,
@@ -59,7 +66,16 @@ def command(
     Nothing is timed: each step lasts until you press Enter. Full output will need 0.8 of a
     comfortable movement. GESTURE: only these. With --json what you are asked goes to the standard
     error, and nothing is saved without --yes.
+
+    A running driver is paused meanwhile, and what it sees is measured: also the mouse gel of
+    'neurotouch demo --mouse', to rehearse it.
     """
+    from neurotouch_hid.client import is_driver_running
+    from neurotouch_hid.source.check import check_source
+
+    source = source or ("driver:" if is_driver_running() else "davis:")
+    if not undo:
+        check_source(source)
     from neurotouch_hid.cli.calibrate_result import conclude, undo_calibration
     from neurotouch_hid.cli.ui.keyboard import Keyboard
     from neurotouch_hid.cli.ui.voice import Voice
@@ -73,15 +89,55 @@ def command(
     keyboard = Keyboard()
     user = load_user()
     session = CalibrationSession(user, gestures, guided=guided)
-    steps = read_steps(source, speed, seed, method, seconds=seconds)
-    stream = (step.gesture for step in steps)
-    with Voice(user.feedback, err=as_json) as voice:
-        if guided:
-            _guide(session, stream, keyboard, voice)
-        else:
-            for gesture in stream:
-                _tell(session, session.take(gesture), voice)
-    conclude(session, None if as_json else keyboard, yes=yes, plain=plain, as_json=as_json)
+    with ExitStack() as stack:
+        voice = stack.enter_context(Voice(user.feedback, err=as_json))
+        stack.enter_context(_pause_driver(source, voice))
+        driver = stack.enter_context(open_silent_driver(source, speed, seed, method))
+        if driver.source.is_simulated:
+            voice.say("SIMULATED: this measures no hand.")
+        stream = (step.gesture for step in driver.steps(seconds=seconds))
+        with _tell_unsaved(voice):
+            if guided:
+                _guide(session, stream, keyboard, voice, seconds)
+            else:
+                for gesture in stream:
+                    _tell(session, session.take(gesture), voice)
+        conclude(
+            session,
+            None if as_json else keyboard,
+            yes=yes,
+            plain=plain,
+            as_json=as_json,
+            is_simulated=driver.source.is_simulated,
+        )
+
+
+@contextmanager
+def _tell_unsaved(voice: "Voice") -> Iterator[None]:
+    """Says that nothing was saved if the person leaves, or the keyboard's input ends."""
+    try:
+        yield
+    except (click.Abort, KeyboardInterrupt, NeuroTouchError):
+        voice.say("Nothing was saved.")
+        raise
+
+
+@contextmanager
+def _pause_driver(source: str, voice: "Voice") -> Iterator[None]:
+    """Keeps a running driver from acting on what is measured; goes on if it went before."""
+    from neurotouch_hid.client import ask, ask_status
+
+    if source != "driver:" or ask_status()["state"] != "running":
+        yield
+        return
+    ask("pause")
+    voice.say("The running driver is paused until this ends.")
+    try:
+        yield
+    finally:
+        with suppress(DriverError):  # it has ended
+            ask("resume")
+            voice.say("The driver goes on.")
 
 
 def _guide(
@@ -89,35 +145,66 @@ def _guide(
     stream: Iterator["Gesture"],
     keyboard: "Keyboard",
     voice: "Voice",
+    seconds: float | None,
 ) -> None:
-    """Asks for one movement after the other; what is pressed decides when it goes on."""
+    """Asks for one movement after the other; what is pressed decides when it goes on.
+
+    Args:
+        session: what is measured.
+        stream: the gestures, which end after the time or with the source.
+        keyboard: what the person presses.
+        voice: what the person is told by.
+        seconds: the time that was given, if any.
+    """
     requests = {
         "neutral": "Rest your hand as you will play, or keep it off the gel.",
         "hold": "Make any movement about half way, and keep it there. Ten seconds help.",
         **{
-            name: f"{movement.request}, as far as is comfortable; let go; as often as you like."
+            name: f"{movement.request}, as far as is comfortable; release; at least twice."
             for name, movement in MOVEMENTS.items()
         },
     }
     steps = ["neutral", "hold", *session.movements]
-    voice.say(_KEYS)
-    asked = None
+    asked, warned, begin_us, now_us = None, False, None, 0
     for gesture in stream:
+        begin_us, now_us = gesture.t_us if begin_us is None else begin_us, gesture.t_us
         if session.step is None:
             return
+        if asked is None:
+            voice.say(_KEYS)
         if session.step != asked:
-            asked = session.step
+            asked, warned = session.step, False
             voice.say(f"Step {steps.index(asked) + 1} of {len(steps)}. {requests[asked]}")
         _tell(session, session.take(gesture), voice)
         key = keyboard.poll()
         if key is not None:
-            _press(session, key.lower(), voice)
-    voice.say("The source has ended.")
+            warned = _press(session, key.lower(), voice, warned=warned)
+    at = f"in step {steps.index(asked) + 1} of {len(steps)}" if asked is not None else "at once"
+    if seconds is not None and begin_us is not None and now_us - begin_us > 0.9e6 * seconds:
+        voice.say(
+            f"The {seconds:g} s are over {at}. Without --seconds each step lasts until you press "
+            "Enter."
+        )
+    else:
+        voice.say(f"The source has ended {at}.")
 
 
-def _press(session: "CalibrationSession", key: str, voice: "Voice") -> None:
-    """What one pressed: Enter, S, B or Q."""
+def _press(session: "CalibrationSession", key: str, voice: "Voice", *, warned: bool) -> bool:
+    """Acts on a line from the keyboard: Enter, S, B or Q.
+
+    Returns:
+        Whether the person has now been told that this movement was made too seldom.
+    """
+    from neurotouch_hid.profile.calibration.result import LEAST_PEAKS
+
     match key:
+        case "" if session.missing and not warned:
+            made = LEAST_PEAKS - session.missing
+            voice.say(
+                f"{made} of {LEAST_PEAKS} so far. Make it again; or press Enter once more to leave "
+                "it as it was; or S if you cannot do this."
+            )
+            return True
         case "":
             session.next()
         case "s":
@@ -128,6 +215,8 @@ def _press(session: "CalibrationSession", key: str, voice: "Voice") -> None:
             raise click.Abort
         case _:
             voice.say(_KEYS)
+            return warned
+    return False
 
 
 def _tell(session: "CalibrationSession", repetition: "Repetition | None", voice: "Voice") -> None:

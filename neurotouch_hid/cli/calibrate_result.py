@@ -5,9 +5,17 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from neurotouch_hid.cli.profile.saving import save_edited
+from neurotouch_hid.cli.profile.saving import hand_over_saved, save_edited
 from neurotouch_hid.cli.ui.outcome import Outcome
-from neurotouch_hid.cli.ui.output import make_stamp, print_json, say, show_changes
+from neurotouch_hid.cli.ui.output import (
+    make_calibration_stamp,
+    make_stamp,
+    print_json,
+    say,
+    show_changes,
+)
+from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.profile.calibration.result import LEAST_PEAKS
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 
 if TYPE_CHECKING:
@@ -27,6 +35,7 @@ def conclude(
     yes: bool,
     plain: bool,
     as_json: bool = False,
+    is_simulated: bool = False,
 ) -> None:
     """Says what came out, saves it, offers relief.
 
@@ -36,12 +45,13 @@ def conclude(
         yes: save without asking.
         plain: one fact a line.
         as_json: print one JSON object; then nothing is asked.
+        is_simulated: no hand was measured.
     """
     from neurotouch_hid.profile import load_user
     from neurotouch_hid.profile.calibration import find_weak_sides, write_ranges
     from neurotouch_hid.profile.editing import compare, take_user
 
-    before, calm, edited = load_user(), session.tremor_filter, take_user(make_stamp)
+    before, calm, edited = load_user(), session.tremor_filter, take_user(make_calibration_stamp)
     asks = keyboard is not None and not yes and not as_json
     if not as_json:
         _say_findings(session, before)
@@ -63,18 +73,23 @@ def conclude(
         show_changes(lines, plain=plain)
     saves = yes
     if asks and keyboard is not None:
-        saves = keyboard.choose("Save this?", ["Save", "Save nothing"]) == 0
+        question = "Save this as your own, although it is simulated?"
+        question = question if is_simulated else "Save this?"
+        saves = keyboard.choose(question, ["Save", "Save nothing"]) == 0
     if not saves:
         outcome = Outcome("Nothing was saved.", file=path, lines=lines if as_json else ())
         _tell(outcome, session, before, plain=plain, as_json=as_json)
         return
     edited.save(text)
+    effect = hand_over_saved(edited.name)
     outcome = Outcome(
         f"Saved {path}",
+        effect.status,
         file=path,
         changed=True,
         lines=lines if as_json else (),
-        notes=("Back to the one before: neurotouch calibrate --undo",),
+        notes=(effect.text, "Back to the one before: neurotouch calibrate --undo"),
+        fix=effect.fix,
     )
     _tell(outcome, session, before, plain=plain, as_json=as_json)
     for side in find_weak_sides(session.ranges) if not as_json else ():
@@ -82,25 +97,51 @@ def conclude(
 
 
 def undo_calibration(*, plain: bool, as_json: bool) -> None:
-    """Takes back the last calibration."""
-    from neurotouch_hid.profile.editing import compare, read_text, take_user
+    """Takes back the last calibration; again, the one before. Everything else stays as it is.
+
+    Raises:
+        ProfileError: there is none to take back, or it cannot be saved.
+    """
+    from neurotouch_hid.profile.calibration import undo_ranges
+    from neurotouch_hid.profile.editing import compare, take_user
 
     edited = take_user(make_stamp)
-    edited.store.undo()
-    path = edited.store.path
-    lines = compare(edited.text, read_text(path)[0])
-    message = "Your values are as before the last calibration."
-    outcome = Outcome(message, file=path, changed=bool(lines), lines=lines)
+    for before, after in edited.store.changes("calibration"):
+        text = undo_ranges(edited.text, before.decode(), after.decode())
+        if text != edited.text:
+            edited.save(text)
+            break
+    else:
+        raise ProfileError(
+            "There is no calibration to undo.", hint="Versions: neurotouch profile history user"
+        )
+    path, lines = edited.store.path, compare(edited.text, text)
+    effect = hand_over_saved(edited.name)
+    outcome = Outcome(
+        "Ranges, unused movements and tremor are as before that calibration.",
+        effect.status,
+        file=path,
+        changed=True,
+        lines=lines,
+        notes=(effect.text,),
+        fix=effect.fix,
+    )
     outcome.tell(plain=plain, as_json=as_json)
 
 
 def _say_findings(session: "CalibrationSession", before: "UserSettings") -> None:
-    click.echo(f"Noise at rest: below {session.rest_mm:g} mm")
+    if session.ranges:  # else the rest may not have been measured to its end either
+        click.echo(f"Noise at rest: below {session.rest_mm:g} mm")
     tremor = session.tremor
     if tremor is not None:
         click.echo(f"Tremor: {tremor.frequency_hz:.1f} Hz, {tremor.amplitude_mm:.1f} mm")
     elif session.tremor_filter is not None:
         click.echo("Tremor: none")
+    for name, count in session.unfinished.items():
+        times = "once" if count == 1 else f"{count} times"
+        click.echo(
+            f"{MOVEMENTS[name].words}: made {times}, needs {LEAST_PEAKS}; it stays as it was"
+        )
     for name, range_ in session.ranges.items():
         old = getattr(before.range, name)
         was = (
@@ -127,7 +168,7 @@ def _tell(
 
 
 def _report(session: "CalibrationSession", before: "UserSettings") -> dict[str, Any]:
-    """What came out, as plain values."""
+    """Returns the results as plain values."""
     from neurotouch_hid.profile.calibration import find_weak_sides
 
     tremor = session.tremor
@@ -161,14 +202,14 @@ def _report_range(range_: "Range | None") -> dict[str, float] | None:
 def _ask_filter(
     session: "CalibrationSession", before: "UserSettings", keyboard: "Keyboard"
 ) -> "tuple[FilterName | None, float | None]":
-    """The filter and the frequency to be set, each None if that stays as it is."""
+    """Returns the filter and the frequency to set; None leaves one as it is."""
     calm, tremor = session.tremor_filter, session.tremor
     wanted = calm if calm != before.filter else None
     hz = tremor.frequency_hz if tremor is not None and calm not in (None, "none") else None
     if wanted is None and (hz is None or before.tremor_hz is not None):
         return None, None
-    question = f"The filter '{calm}' is calm enough for you. Your hand holds more exactly "
-    question += "the stronger it is, and everything comes a little later."
+    question = f"The filter '{calm}' is calm enough for you. A stronger filter keeps the output "
+    question += "steadier, and everything comes a little later."
     answers = [f"Leave it as it is ({before.filter or 'the profile decides'})"]
     if wanted is not None:
         answers.insert(0, f"Set it to {wanted}")
@@ -184,7 +225,7 @@ def _ask_filter(
 def _relieve(side: "WeakSide", keyboard: "Keyboard | None", *, plain: bool) -> None:
     """Offers the three assists for a weak side; without a keyboard it only names them."""
     from neurotouch_hid.profile import load_user
-    from neurotouch_hid.profile.editing import hand_over, list_wishes, make_when, take_profile
+    from neurotouch_hid.profile.editing import list_substitutes, make_when, remap, take_profile
 
     weak, strong = MOVEMENTS[side.weak].words, MOVEMENTS[side.strong].words
     user = load_user()
@@ -203,14 +244,14 @@ def _relieve(side: "WeakSide", keyboard: "Keyboard | None", *, plain: bool) -> N
     choice = keyboard.choose(f"{weak} {size} {strong}. What shall be done?", ways)
     if choice == 0:
         return
-    wishes = list_wishes(side.weak, user.unused)
+    substitutes = list_substitutes(side.weak, user.unused)
     if choice == 2:
         way = _SIDES[keyboard.choose("Which way?", _SIDES)]
         pushes = [make_when(f"push_{way}", press) for press in ("tap", "double", "hold")]
-        wishes = [*pushes, *wishes]
+        substitutes = [*pushes, *substitutes]
     edited = take_profile(profile, make_stamp)
     edited.check(edited.text).require()
-    done = hand_over(edited.text, side.weak, wishes)
+    done = remap(edited.text, side.weak, substitutes)
     for what in done.moved:
         click.echo(f"For you: {what}")
     for what in done.left:

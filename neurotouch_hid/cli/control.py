@@ -1,4 +1,4 @@
-"""``neurotouch pause``, ``resume``, ``panic`` and ``reload``: the help pages; ``send`` does it."""
+"""``neurotouch pause``, ``resume``, ``panic``, ``stop``, ``reload``: the help; ``send`` does it."""
 
 import click
 
@@ -12,7 +12,7 @@ _json = click.option("--json", "as_json", is_flag=True, help="Print the answer a
 def pause(as_json: bool) -> None:
     """Release everything and stop acting; tracking goes on.
 
-    The same gesture of the profile that pauses, if it has one, or 'neurotouch resume' ends it.
+    To go on: neurotouch resume. If the profile has a gesture for 'pause', that gesture resumes too.
     """
     raise SystemExit(send_command("pause", as_json=as_json))
 
@@ -35,6 +35,17 @@ def panic(as_json: bool) -> None:
     Only 'neurotouch resume' or a new start of the driver ends this.
     """
     raise SystemExit(send_command("panic", as_json=as_json))
+
+
+@click.command(epilog="\b\nExamples:\n  neurotouch stop")
+@_json
+def stop(as_json: bool) -> None:
+    """End the running driver; everything is released first.
+
+    The system's service ends with: sudo systemctl stop neurotouch. To release everything and go on
+    later, use pause or panic.
+    """
+    raise SystemExit(send_command("stop", as_json=as_json))
 
 
 @click.command(epilog="\b\nExamples:\n  neurotouch reload")

@@ -1,16 +1,23 @@
 """``neurotouch demo``: the simulated gel drives the pad."""
 
+from collections.abc import Callable
 from contextlib import ExitStack
+from functools import partial
+from typing import TYPE_CHECKING
 
 import click
 
 from neurotouch_hid.cli.ui.options import seconds_option
+from neurotouch_hid.cli.ui.usage import WrongUsage
+
+if TYPE_CHECKING:
+    from neurotouch_hid.source import Source
 
 
 @click.command(
     epilog="\b\nExamples:\n"
     "  neurotouch demo                      all gestures in turn, until Ctrl-C\n"
-    "  neurotouch demo --scene pinch --seconds 10\n"
+    "  neurotouch demo --scene pinch --seconds 10   repeats the pinch for ten seconds\n"
     "  neurotouch demo --mouse              press the gel yourself, on a page in your browser\n"
     "  neurotouch demo --show lines         plain lines, for screen readers"
 )
@@ -31,24 +38,41 @@ def command(
 ) -> None:
     """Let a simulated gel drive the pad: no camera needed.
 
-    Where this machine allows it, the pad is a real game controller that every program sees.
+    Where this machine allows it, the pad is a real game controller that every program sees. The
+    demo ends with its scene; the tour repeats until Ctrl-C, every scene until --seconds are over.
     """
     if mouse and not page:
-        raise click.UsageError("--mouse needs the page")
-    from neurotouch_hid.cli.demo_page import open_page
-    from neurotouch_hid.cli.play import announce, play
-    from neurotouch_hid.client import find_runtime_folder
-    from neurotouch_hid.driver import Driver, DriverOptions
-    from neurotouch_hid.source.mouse import MouseSource
+        raise WrongUsage("Option --mouse needs the page.", hint="Leave --no-page away.")
+    from neurotouch_hid.source.check import check_source
+
+    played = "sim:rest" if mouse else f"sim:{scene.removeprefix('sim:')}"
+    check_source(played)
+    from neurotouch_hid.driver import DriverOptions
+    from neurotouch_hid.driver.check import check_start
 
     options = DriverOptions(
-        source="sim:rest" if mouse else f"sim:{scene}",
+        source=played,
         profile=profile,
         copilot="",
         needs_device=False,
     )
-    hand = (lambda: MouseSource(find_runtime_folder())) if mouse else None
-    with Driver(options, announce=announce, make_source=hand) as driver, ExitStack() as stack:
+    check_start(options)
+    from neurotouch_hid.cli.demo_page import open_page
+    from neurotouch_hid.cli.play import announce, play
+    from neurotouch_hid.driver import Driver
+    from neurotouch_hid.players import find_runtime_folder
+    from neurotouch_hid.source import open_source
+    from neurotouch_hid.source.mouse import MouseSource
+
+    make_source: Callable[[], Source] | None = None
+    if mouse:
+        make_source = partial(MouseSource, find_runtime_folder())
+    elif seconds is not None:
+        make_source = partial(open_source, options.source, repeats=True)
+    with (
+        Driver(options, announce=announce, make_source=make_source) as driver,
+        ExitStack() as stack,
+    ):
         if isinstance(driver.source, MouseSource):
             driver.taps.append(driver.source.watch)
         if page:

@@ -1,13 +1,13 @@
 """The page beside a demo: a process of its own, which ends with the demo however that ends."""
 
 import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 import click
 
 from neurotouch_hid.page.address import forget_address, read_address
+from neurotouch_hid.process.own_command import make_own_command
 
 _PATIENCE_S = 5.0
 """For so long the page may take to end, twice: told by the end of its input, then by a signal."""
@@ -18,29 +18,30 @@ def open_page(page: str) -> Iterator[None]:
     """Serves the page and says its links; where one is served already, only says them.
 
     Args:
-        page: the page to name first: ``gel``, or empty for the live view.
+        page: the page to name first: ``gel``, or empty for the first page.
     """
     address = read_address()
     if address is not None:
         _say_links(page, address.link(page), address.link("game"))
         yield
         return
-    process = subprocess.Popen(
-        [sys.executable, "-m", "neurotouch_hid", "view", "--edit", "--until-stdin-ends"],
+    process = subprocess.Popen(  # noqa: S603  # our own command
+        make_own_command("view", "--edit", "--until-stdin-ends"),
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
         start_new_session=True,  # Ctrl-C is for the demo
     )
     try:
-        said = [process.stdout.readline() if process.stdout is not None else "" for _ in range(2)]
+        said = [process.stdout.readline() if process.stdout is not None else "" for _ in range(3)]
         if all(said):
-            view, game = (line.split(": ", 1)[1].strip() for line in said)
-            _say_links(page, view.replace("/#", f"/{page}#"), game)
+            home, _, game = (line.split(": ", 1)[1].strip() for line in said)
+            _say_links(page, home.replace("/#", f"/{page}#"), game)
+        else:
+            click.echo("Warning: the page could not be started. Try: neurotouch view", err=True)
         yield
     finally:
         _end(process)
-        click.echo("Play the spacecraft with it: neurotouch game", err=True)
 
 
 def _end(process: "subprocess.Popen[str]") -> None:

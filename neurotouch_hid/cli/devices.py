@@ -64,7 +64,7 @@ def command(watch: bool, as_json: bool) -> None:
 
 
 def _identify(info: "CameraInfo") -> "tuple[CameraVersions | None, str]":
-    """What the camera says of itself, or why it cannot be asked."""
+    """Returns what the camera says of itself, or why it cannot be asked."""
     from neurotouch_hid.source.davis import identify
 
     if info.reason:

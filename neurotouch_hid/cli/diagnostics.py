@@ -13,7 +13,7 @@ from neurotouch_hid.errors import NeuroTouchError
     epilog="\b\nExamples:\n"
     "  neurotouch diagnostics                        read it, then paste it\n"
     "  neurotouch diagnostics --json --out report.json\n\n"
-    "Exit code 0, also if the doctor finds faults: they stand in the report."
+    "Exit code 0, also if the doctor finds faults: they are in the report."
 )
 @click.option(
     "--out",
@@ -29,11 +29,11 @@ def command(out: Path | None, force: bool, as_json: bool) -> None:
     with the list of what was. It stays on this machine until you send it.
     """
     from neurotouch_hid.doctor import examine, list_checks
-    from neurotouch_hid.doctor.diagnosis import format_report, gather
+    from neurotouch_hid.doctor.bug_report import format_report, gather
 
     if out is not None and out.exists() and not force:
         raise NeuroTouchError(
-            f"{out} is there already.", hint="Give another name, or --force to replace it."
+            f"'{out}' is there already.", hint="Give another name, or --force to replace it."
         )
     click.echo("Looking at everything, about a quarter of a minute ...", err=True)
     report = gather(examine(list_checks()))
@@ -45,6 +45,6 @@ def command(out: Path | None, force: bool, as_json: bool) -> None:
         out.write_text(text, encoding="utf-8")
     except OSError as error:
         raise NeuroTouchError(
-            f"{out} cannot be written: {error.strerror}.", hint="Choose another folder."
+            f"'{out}' cannot be written: {error.strerror}.", hint="Choose another folder."
         ) from error
     click.echo(f"OK the report is in {out}. Read it before you send it.", err=True)

@@ -3,6 +3,7 @@
 import shlex
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -48,14 +49,18 @@ def command(
 ) -> None:
     """Check this machine and say how to fix what is missing.
 
-    Each check has its time; what hangs is said and left alone. Nothing is changed.
+    Each check has a time limit: one that hangs is reported and skipped. Nothing is changed.
     """
+    if source is not None:
+        from neurotouch_hid.source.check import check_source
+
+        check_source(source)
     from neurotouch_hid.doctor import Status, examine, list_checks
 
     checks = list_checks(picture, source)
     quiet = as_json or fix_script
     findings = []
-    for finding in examine(checks):
+    for finding in examine(checks, tell=lambda text: click.echo(text, err=True)):
         findings.append(finding)
         if not quiet:
             _show(finding, plain=plain)
@@ -99,28 +104,28 @@ def _write_script(findings: "list[Finding]") -> str:
         for line in fresh:
             lines += [f"echo {shlex.quote(f'+ {line}')}", line]
     if not done:
-        lines += ["", "# Nothing that a command could mend was found."]
+        lines += ["", "# Nothing that a command could fix was found."]
     return "\n".join([*lines, ""])
 
 
 def _try_keys() -> "Finding":
-    from neurotouch_hid.doctor import Finding, Status
+    from neurotouch_hid.doctor.finding import skip
     from neurotouch_hid.doctor.inventory import find_driver
     from neurotouch_hid.doctor.person import try_chords
 
     name = "stop keys"
     if not sys.stdin.isatty():
-        return Finding(name, Status.SKIPPED, "They can only be tried on a terminal.")
+        return replace(skip("They can only be tried in a terminal."), check=name)
     if find_driver() is not None:
         click.echo(
             "The running driver obeys them too; 'neurotouch resume' lets it go on.", err=True
         )
-    verdict = try_chords(lambda text: click.echo(text, err=True), _wait_or_skip)
-    return Finding(name, verdict.status, verdict.sentence, verdict.fix)
+    finding = try_chords(lambda text: click.echo(text, err=True), _wait_or_skip)
+    return replace(finding, check=name)
 
 
 def _wait_or_skip(happened: Callable[[], bool]) -> bool:
-    """True once it has happened, false if the person types S and Enter; waits for ever.
+    """Waits for it to happen; False if the person types S and Enter first.
 
     Other lines are no answer: Enter is part of a chord.
     """

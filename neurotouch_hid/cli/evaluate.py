@@ -2,12 +2,15 @@
 
 import json
 import os
+import shlex
+import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import click
 
-from neurotouch_hid.cli.ui.options import MethodName, rate_option
+from neurotouch_hid.cli.ui.options import MethodName, OutFile, rate_option
 
 
 @click.command(
@@ -31,7 +34,7 @@ from neurotouch_hid.cli.ui.options import MethodName, rate_option
 @click.option(
     "--json",
     "json_path",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=OutFile(),
     metavar="OUT",
     help="Write all figures to this file; of several methods, the first at the top and each "
     "under methods.NAME.",
@@ -60,20 +63,23 @@ def command(
     jobs: int,
 ) -> None:
     """Play each FILE.aedat4 and compare what is recognised with FILE.labels.csv beside it."""
+    from neurotouch_hid.recording import check_labelled
+
+    check_labelled(files)
+    from neurotouch_hid.driver import REFERENCE
     from neurotouch_hid.evaluation.accuracy import (
         Evaluation,
         combine_reports,
         evaluate_files,
         format_table,
+        trace_origin,
     )
-    from neurotouch_hid.gesture import GestureConfig
 
     if report_path is not None:
         from neurotouch_hid.evaluation.accuracy.report import check_folder, write_report
 
         check_folder(report_path)
     methods = tuple(dict.fromkeys(methods))
-    slice_us = None if rate_hz is None else round(1e6 / rate_hz)
     evaluations = dict[str, Evaluation]()
     done = 0
 
@@ -85,15 +91,15 @@ def command(
     for method in methods:
         if len(methods) > 1:
             click.echo(f"Method {method}", err=True)
-        config = GestureConfig(method=method)
-        evaluations[method] = evaluate_files(
-            files, config, slice_us=slice_us, jobs=jobs, progress=tell
-        )
+        options = replace(REFERENCE, method=method, rate_hz=rate_hz)
+        evaluations[method] = evaluate_files(files, options, jobs=jobs, progress=tell)
     reports = {method: evaluation.report() for method, evaluation in evaluations.items()}
+    origin = trace_origin(files, shlex.join(["neurotouch", *sys.argv[1:]]))
     if json_path is not None:
-        _write_json(json_path, combine_reports(reports))
+        _write_json(json_path, combine_reports(reports, origin))
     if report_path is not None:
-        write_report(report_path, evaluations, lambda doing: click.echo(doing, err=True))
+        write_report(report_path, evaluations, origin, lambda doing: click.echo(doing, err=True))
+    click.echo(f"{origin} {origin.program}, {origin.date}.")
     for name, report in reports.items():
         if len(reports) > 1:
             click.echo(f"\nmethod {name}")

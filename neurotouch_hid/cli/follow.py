@@ -6,19 +6,22 @@ from typing import TYPE_CHECKING, Literal
 from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
 if TYPE_CHECKING:
+    from neurotouch_hid.driver import Driver
     from neurotouch_hid.messages import Step
 
 
-def read_steps(
+def open_silent_driver(
     source: str,
     speed: Literal["recorded", "max"] = "recorded",
     seed: int = 0,
     method: str = "neurotouch",
     *,
     profile: str = "default",
-    seconds: float | None = None,
-) -> Iterator["Step"]:
-    """Gives the steps of a source, slice by slice, with the person's own values."""
+) -> "Driver":
+    """Returns a driver without a pad, with the person's own values; enter it."""
+    from neurotouch_hid.source.check import check_source
+
+    check_source(source)
     from neurotouch_hid.cli.play import announce
     from neurotouch_hid.driver import Driver, DriverOptions
 
@@ -31,10 +34,15 @@ def read_steps(
         seed=seed,
         listens=False,
     )
-    with Driver(options, announce=announce) as driver:
-        yield from driver.steps(seconds=seconds)
+    return Driver(options, announce=announce)
+
+
+def read_steps(source: str) -> Iterator["Step"]:
+    """Gives the steps of a source, slice by slice, with the person's own values."""
+    with open_silent_driver(source) as driver:
+        yield from driver.steps()
 
 
 def is_guided(source: str, speed: Literal["recorded", "max"]) -> bool:
-    """True if a person moves now and can be asked; false of what has been recorded."""
+    """Tells whether a person moves now and can be asked, which a recording cannot."""
     return speed == "recorded" and find_source_kind(source) is not SourceKind.RECORDING

@@ -15,20 +15,20 @@ def command(open_browser: bool, port: int | None) -> None:
     """Open the spacecraft game in your browser: rings, no hurry, no punishment.
 
     It reads the virtual pad as any game does, so a running driver flies it. Without one it flies by
-    itself. Ctrl-C ends; where 'neurotouch view' or a demo serves the page already, this only opens
-    it.
+    itself. The key P pauses and resumes the driver. Ctrl-C ends; where 'neurotouch view' or a demo
+    serves the page already, this only opens it.
     """
-    from neurotouch_hid.cli.view import serve_page
+    from neurotouch_hid.cli.view import serve_page, show_link
     from neurotouch_hid.page.address import Address, read_address
 
     def tell(address: Address) -> None:
         link = address.link("game")
         click.echo(f"Spacecraft: {link}")
-        if open_browser and click.launch(link) != 0:
-            click.echo("No browser can be opened from here: open the link yourself.", err=True)
+        if open_browser:
+            show_link(link)
 
     address = read_address()
     if address is not None:
         tell(address)
     else:
-        serve_page(tell, port=port)
+        serve_page(tell, edit=True, port=port)  # else nobody could pause on it

@@ -10,17 +10,18 @@ import click
 from neurotouch_hid import __version__
 from neurotouch_hid.cli.ui.group import LazyGroup
 from neurotouch_hid.errors import NeuroTouchError
-from neurotouch_hid.process.interrupts import EXIT_INTERRUPTED, heed_interrupts
+from neurotouch_hid.process.interrupts import EXIT_INTERRUPTED, handle_interrupts
 
 _SUMMARIES = {
     "run": "Drive the virtual gamepad from a camera, a recording or the simulator.",
     "demo": "Try it without a camera: a simulated gel drives the pad.",
     "view": "Show live what the driver does, as a page on this machine.",
-    "monitor": "Tell live what the driver does, in the terminal.",
+    "monitor": "Show live what the driver does, in the terminal.",
     "game": "Fly the spacecraft with the gel, in your browser.",
     "pause": "Release everything and stop acting until you resume.",
     "resume": "Go on after a pause or a panic.",
     "panic": "Release everything and stay released, whatever happens, until you resume.",
+    "stop": "End the running driver; everything is released first.",
     "reload": "Make the running driver load its profile again.",
     "status": "Say what the running driver does.",
     "profile": "Look at profiles, change them, try them, share them.",
@@ -33,14 +34,15 @@ _SUMMARIES = {
     "bench": "Measure the speed of every stage; how well a person points.",
     "setup": "Install what the system needs for a camera and a pad, if you use pip.",
     "service": "Drive the pad as a service of the system; systemd runs this.",
+    "session": "Connect the system's service with this session; systemd runs this.",
     "record": "Record events and frames to an AEDAT4 file, alone or while playing.",
     "devices": "List the cameras and the game controllers of this machine.",
     "doctor": "Check this machine and say how to fix what is missing.",
-    "diagnostics": "Write one report about this machine for a bug thread, without private things.",
+    "diagnostics": "Write one report about this machine for a bug report, without personal data.",
     "completion": "Print the tab completion for bash, zsh or fish.",
 }
 
-_CONTROL = ("pause", "resume", "panic", "reload")
+_CONTROL = ("pause", "resume", "panic", "stop", "reload")
 
 
 def _find_place(name: str) -> tuple[str, str]:
@@ -68,30 +70,39 @@ def _find_place(name: str) -> tuple[str, str]:
 def cli(ctx: click.Context) -> None:
     """A soft gel that every program sees as a standard game controller.
 
+    Without a command: the present state, the next step and, on a desktop, the page.
+
     Exit codes: 0 done, 1 other failure, 2 wrong usage, 3 source, 4 recording or labels, 5 no gel in
     the picture, 6 profile, 7 virtual gamepad, 8 no driver runs, or it refuses, 75 another driver
     runs or another program has the camera, 130 interrupted.
     """
     if ctx.invoked_subcommand is None:
-        from neurotouch_hid.cli.ui.welcome import welcome
+        from neurotouch_hid.cli.ui.welcome import has_desktop, welcome
 
         welcome()
+        if has_desktop():
+            from neurotouch_hid.cli.view import command as view
+
+            click.echo("The page opens in your browser. Ctrl-C ends it.")
+            ctx.invoke(view, edit=True, open_browser=True)
 
 
 def main() -> None:
     """Runs the command line and ends the process with the documented exit code."""
     try:
-        heed_interrupts()
-        code = cli.main(standalone_mode=False)
+        handle_interrupts()
+        code = cli.main(prog_name="neurotouch", standalone_mode=False)
         sys.stdout.flush()
     except NeuroTouchError as error:
-        click.echo(f"Error: {error.message}", err=True)
-        if error.hint:
-            click.echo(f"Fix: {error.hint}", err=True)
-        code = error.exit_code
-    except click.ClickException as error:
+        code = _tell(error.message, error.hint, error.exit_code)
+    except click.exceptions.NoArgsIsHelpError as error:
         error.show()
         code = error.exit_code
+    except click.UsageError as error:
+        from neurotouch_hid.cli.ui.usage import explain_usage
+
+        error.ctx = error.ctx or _find_context(sys.argv[1:])
+        code = _tell(*explain_usage(error), error.exit_code)
     except (KeyboardInterrupt, click.Abort):
         click.echo("Stopped.", err=True)
         code = EXIT_INTERRUPTED
@@ -102,7 +113,37 @@ def main() -> None:
     except OSError as error:
         # A full disk under `neurotouch ... > file`, a folder that vanished: files that we open
         # ourselves have sentences of their own.
-        click.echo(f"Error: {error.filename or 'the output'}: {error.strerror}.", err=True)
+        what = (
+            f"The file '{error.filename}' cannot be used"
+            if error.filename
+            else "The output cannot be written"
+        )
+        code = _tell(f"{what}: {error.strerror}.", None, 1)
         sys.stdout = None
-        code = 1
+    except Exception as error:
+        from neurotouch_hid.plugins import blame_plugin
+
+        fault = None if sys.flags.dev_mode else blame_plugin(error)
+        if fault is None:
+            raise
+        code = _tell(fault.message, fault.hint, fault.exit_code)
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def _find_context(words: list[str]) -> click.Context:
+    """Returns the context of the command that words call, which click leaves out of some errors."""
+    ctx = click.Context(cli, info_name="neurotouch")
+    for word in words:
+        group = ctx.command
+        found = group.get_command(ctx, word) if isinstance(group, click.Group) else None
+        if found is not None:
+            ctx = click.Context(found, info_name=word, parent=ctx)
+    return ctx
+
+
+def _tell(message: str, hint: str | None, exit_code: int) -> int:
+    """Prints an error and the way out of it; returns the exit code."""
+    click.echo(f"Error: {message}", err=True)
+    if hint:
+        click.echo(f"Fix: {hint}", err=True)
+    return exit_code

@@ -2,9 +2,12 @@
 
 import click
 
+from neurotouch_hid.cli.ui.options import Finite
 from neurotouch_hid.cli.ui.output import plain_option
 
 PICTURE_HZ = 12
+LOOK_S = 0.25
+"""How often it looks for a driver while none runs."""
 
 
 @click.command(
@@ -12,15 +15,17 @@ PICTURE_HZ = 12
     "  neurotouch monitor                   a picture that follows the hand\n"
     "  neurotouch monitor --plain           one line for each change, for screen readers\n"
     "  neurotouch monitor --json | jq .say\n\n"
-    "Ctrl-C ends; the driver goes on. The same as a page: neurotouch view"
+    "Without a driver it waits until one starts. It ends with the driver, after --seconds or by\n"
+    "Ctrl-C; the driver goes on. The same as a page: neurotouch view"
 )
 @plain_option
 @click.option("--json", "as_json", is_flag=True, help="Print each state as one line of JSON.")
-@click.option("--seconds", type=click.FloatRange(min=0.1), help="End by itself after so long.")
+@click.option("--seconds", type=Finite(min=0.1), help="End by itself after so long.")
 def command(plain: bool, as_json: bool, seconds: float | None) -> None:
-    """Tell what the running driver does: gesture, pad, what it ignored and why, times, health.
+    """Show what the running driver does: gesture, pad, what it ignored and why, times, health.
 
-    Exit code 0 when the driver ends, 8 if none runs.
+    Exit code 0 when the driver or the time ends, 8 if no driver came within --seconds, 130 after
+    Ctrl-C.
     """
     import json
     import select
@@ -29,15 +34,20 @@ def command(plain: bool, as_json: bool, seconds: float | None) -> None:
 
     from neurotouch_hid.errors import NotRunningError
     from neurotouch_hid.page.text_view import LineWriter, draw_picture
+    from neurotouch_hid.players import explain_start
     from neurotouch_hid.snapshot import read_head
     from neurotouch_hid.subscriber import Subscriber
 
+    end = float("inf") if seconds is None else time.monotonic() + seconds
     listener = Subscriber()
     listener.want(PICTURE_HZ)
-    peer = listener.connect()
-    if peer is None:
-        raise NotRunningError("No driver is running.", hint="Start it: neurotouch run")
-    end = float("inf") if seconds is None else time.monotonic() + seconds
+    if listener.connect() is None:
+        text = f"No driver is running; waiting for one (Ctrl-C stops). {explain_start()}"
+        click.echo(text, err=True)
+    while (peer := listener.connect()) is None:
+        if time.monotonic() >= end:
+            raise NotRunningError("No driver has started.", hint=explain_start())
+        time.sleep(LOOK_S)
     writer = LineWriter()
     height = 0
     while (left_s := end - time.monotonic()) > 0.0 and listener.peer is not None:

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.driver.signals import stop_on_signals
+from neurotouch_hid.cli.ui.output import is_plain
 from neurotouch_hid.monitor import LinesMonitor, PictureMonitor, TraceWriter
+from neurotouch_hid.process.signals import stop_on_signals
 
 if TYPE_CHECKING:
     from neurotouch_hid.driver import Driver
+    from neurotouch_hid.profile import MappingDecision
     from neurotouch_hid.runtime import Tap
 
 
@@ -22,17 +24,22 @@ def play(
 
     Args:
         driver: what to run; open.
-        show: ``picture``, ``lines``, ``nothing``, or ``auto``: a picture on a terminal, else lines.
+        show: ``picture``, ``lines``, ``nothing``, or ``auto``: a picture on a terminal, but lines
+            elsewhere and where plain output is asked for.
         trace: file for one JSON line per slice.
         seconds: ends after so much sensor time.
     """
     if show == "auto":
-        show = "picture" if sys.stdout.isatty() else "lines"
+        show = "lines" if is_plain() else "picture"
     stop = stop_on_signals(driver.reload if driver.options.is_listening else None)
-    title = f"{driver.source.name} → {driver.device.name}, profile {driver.profile.name}"
+    title = f"{driver.source.name} -> {driver.device.name}, profile {driver.profile.name}"
     if driver.source.is_simulated:
         title = f"SIMULATED {title}"
     click.echo(f"Gamepad ready: {title}. Ctrl-C ends.", err=True)
+
+    def read_decisions() -> "tuple[MappingDecision, ...]":
+        return driver.pipeline.mapping.decisions()  # other values of the person: a new mapping
+
     with ExitStack() as stack:
         taps: list[Tap] = []
         if trace is not None:
@@ -41,18 +48,23 @@ def play(
             taps.append(writer)
         if show != "nothing":
             monitor = (
-                PictureMonitor(sys.stdout, title) if show == "picture" else LinesMonitor(sys.stdout)
+                PictureMonitor(sys.stdout, title)
+                if show == "picture"
+                else LinesMonitor(sys.stdout, read_decisions)
             )
             stack.callback(monitor.close)
             taps.append(monitor)
         stats = driver.run(taps, seconds=seconds, stop=stop)
     seen = driver.pipeline.rest.detector.stats()
-    if seen.n_references and not seen.n_frames:
+    if stats.slices and not seen.n_references:
+        click.echo(f"Warning: no gel was found until the end: {seen.reason}.", err=True)
+    elif seen.n_references and not seen.n_frames:
         click.echo(f"Warning: the gel was {seen.reason}.", err=True)
-    speed = f", {stats.sensor_s / stats.host_s:.1f} times real time" if stats.host_s else ""
+    speed = ""
+    if stats.host_s and driver.options.speed == "max":
+        speed = f", {stats.sensor_s / stats.host_s:.1f} times as fast as recorded"
     click.echo(
-        f"Played {stats.sensor_s:.1f} s of sensor time, {stats.events:,} events{speed}. "
-        "The pad is neutral.",
+        f"Played {stats.sensor_s:.1f} s, {stats.events:,} events{speed}. The pad is neutral.",
         err=True,
     )
 

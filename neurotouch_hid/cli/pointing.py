@@ -7,14 +7,16 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from neurotouch_hid.cli.follow import is_guided, read_steps
+from neurotouch_hid.cli.follow import is_guided, open_silent_driver
 from neurotouch_hid.cli.ui.options import (
+    OutFile,
     method_option,
     profile_option,
     seed_option,
     source_option,
     speed_option,
 )
+from neurotouch_hid.cli.ui.usage import WrongUsage
 from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
 if TYPE_CHECKING:
@@ -55,7 +57,7 @@ _SIMULATED = "SIMULATED: a program moved, so the figures say nothing about a per
 @click.option(
     "--json",
     "json_path",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=OutFile(),
     help="Save the result to this file.",
 )
 @click.option(
@@ -91,7 +93,9 @@ def command(
     from neurotouch_hid.profile import Mapping, load_profile, load_user
 
     if simulated and select == "button":
-        raise click.UsageError("The simulated subject selects by dwell only.")
+        raise WrongUsage(
+            "The simulated subject selects by dwell only.", hint="Leave --select away."
+        )
     before = read_result(compare) if compare is not None else None
     user = load_user()
     name = profile or user.slots[0]
@@ -104,8 +108,9 @@ def command(
         for number, trial in enumerate(test.trials, 1):
             click.echo(_describe(number, test.total, trial))
     else:
-        steps = read_steps(source, speed, seed, method, profile=name)
-        _play(test, (step.pad for step in steps), guided=is_guided(source, speed))
+        with open_silent_driver(source, speed, seed, method, profile=name) as driver:
+            pads = (step.pad for step in driver.steps())
+            _play(test, pads, guided=is_guided(source, speed))
     figures = measure_pointing(test.trials)
     head = {"version": 1, "simulated": is_simulated, "profile": name, "select": select}
     result = {**head, "source": "subject" if simulated else source, **figures}
@@ -115,14 +120,14 @@ def command(
     if before is not None:
         for key in ("simulated", "select"):
             if before.get(key) != result[key]:
-                click.echo(f"WARNING: '{key}' was another before; this compares little.")
+                click.echo(f"WARNING: '{key}' differs; comparing the two means little.")
         mark = "SIMULATED " if is_simulated else ""
         for line in compare_results(before, result):
             click.echo(f"{mark}{line}")
 
 
 def _play(test: "Pointing", pads: Iterator["GamepadState"], *, guided: bool) -> None:
-    """Trial after trial until all are done or the source ends."""
+    """Runs trial after trial until all are done or the source ends."""
     from neurotouch_hid.cli.ui.keyboard import Keyboard
 
     keyboard = Keyboard() if guided else None
@@ -151,16 +156,15 @@ def _play(test: "Pointing", pads: Iterator["GamepadState"], *, guided: bool) -> 
 
 def _ask(test: "Pointing") -> str:
     width_px, _ = test.target
-    return (
-        f"Target {len(test.trials) + 1} of {test.total}, {width_px:.0f} wide: {_tell_next(test)}."
-    )
+    number = f"Target {len(test.trials) + 1} of {test.total}"
+    return f"{number}, {width_px:.0f} pixels wide: {_tell_next(test)}."
 
 
 def _tell_next(test: "Pointing") -> str:
     from neurotouch_hid.evaluation.people.pointing import name_way
 
     begin, end = test.start_px, test.target[1]
-    return f"{name_way(begin, end)}, {_measure(begin, end):.0f} away"
+    return f"{name_way(begin, end)}, {_measure(begin, end):.0f} pixels away"
 
 
 def _tell_way(test: "Pointing") -> str:
@@ -170,7 +174,7 @@ def _tell_way(test: "Pointing") -> str:
     left_px = _measure(test.pointer_px, end)
     if left_px <= 0.5 * width_px:
         return "on the target"
-    return f"{name_way(test.pointer_px, end)}, {left_px:.0f} left"
+    return f"{name_way(test.pointer_px, end)}, {left_px:.0f} pixels to go"
 
 
 def _measure(begin: tuple[float, float], end: tuple[float, float]) -> float:
@@ -190,9 +194,9 @@ def _format(result: dict[str, Any], total: int) -> list[str]:
         f"missed targets{mark}: {100.0 * result['error_rate']:.0f} % of {result['trials']}",
     ]
     lines += [
-        f"targets {block['width_px']:.0f} wide: {block['throughput_bit_s']:.2f} bit/s, "
-        f"effective width {block['effective_width_px']:.0f}, "
-        f"effective distance {block['effective_distance_px']:.0f}, "
+        f"targets {block['width_px']:.0f} pixels wide: {block['throughput_bit_s']:.2f} bit/s, "
+        f"effective width {block['effective_width_px']:.0f} pixels, "
+        f"effective distance {block['effective_distance_px']:.0f} pixels, "
         f"{block['movement_s']:.2f} s, {100.0 * block['error_rate']:.0f} % missed"
         for block in result["blocks"]
     ]

@@ -6,7 +6,7 @@ import signal
 import sys
 import threading
 from collections.abc import Iterable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict
 from pathlib import Path
 from types import TracebackType
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import click
 
+from neurotouch_hid.cli.ui.options import Finite
 from neurotouch_hid.cli.ui.output import json_option, plain_option, print_json, say
 from neurotouch_hid.errors import NeuroTouchError, NotRunningError, RecordingError, SourceError
 from neurotouch_hid.vocabulary import SourceKind, find_source_kind
@@ -21,7 +22,7 @@ from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 if TYPE_CHECKING:
     from neurotouch_hid.messages import EventPacket
     from neurotouch_hid.recording import Recorder, RecorderStats
-    from neurotouch_hid.source import Speed
+    from neurotouch_hid.source import Source, Speed
 
 _ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGALRM)
 _PATIENCE_S = 10.0
@@ -59,7 +60,7 @@ class _Silence(KeyboardInterrupt):
     show_default="what the running driver sees, else davis:",
     help="davis:SERIAL (a camera), file:NAME.aedat4 (a recording) or sim:NAME (the simulator).",
 )
-@click.option("--seconds", type=click.FloatRange(min=0.1), help="End after so much sensor time.")
+@click.option("--seconds", type=Finite(min=0.1), help="End after so much sensor time.")
 @click.option("--seed", default=0, show_default=True, help="Seed of the simulator.")
 @click.option("--force", is_flag=True, help="Replace OUT if it is there.")
 @plain_option
@@ -75,12 +76,16 @@ def command(
 ) -> None:
     """Record events and frames to the AEDAT4 file OUT, until Ctrl-C or the source ends.
 
-    While the driver runs this records what it sees, and the game goes on undisturbed. The file can
-    be read at every moment up to there: after Ctrl-C, on a full disk, and if this is killed.
+    While the driver runs this records what it sees, and the game goes on undisturbed. The file
+    stays readable, up to the last write: after Ctrl-C, on a full disk, and if this is killed.
 
-    A camera or driver that ends before it has given the --seconds, or is silent for 10 s, is told
-    of, and the exit code is 3.
+    If a camera or driver ends before --seconds, or is silent for 10 s, a message says so and the
+    exit code is 3.
     """
+    from neurotouch_hid.source.check import check_source
+
+    if source is not None:
+        check_source(source)
     from neurotouch_hid.recording import Recorder, RecordingWriter
 
     _require_place(out, source, force=force)
@@ -89,7 +94,7 @@ def command(
         # The simulator has no end: without --seconds it is as slow as a camera.
         whole = source is not None and find_source_kind(source) is not SourceKind.SIMULATION
         opened = _open(stack, source, "max" if seconds or whole else "recorded", seed)
-        stack.callback(_heed_signals)  # before the source is closed: that may hang
+        stack.callback(_restore_signals)  # before the source is closed: that may hang
         recorder = Recorder(RecordingWriter(out, in_place=True))
         click.echo(f"Recording {opened.name} to {out}. Ctrl-C ends.", err=True)
         with _Progress(recorder, out, plain=plain or not sys.stderr.isatty()):
@@ -105,7 +110,7 @@ def command(
             out.unlink(missing_ok=True)
             raise fault or RecordingError(
                 "Nothing was recorded, so no file was made.",
-                hint="Is the camera in? neurotouch doctor",
+                hint="Is the camera plugged in? Check: neurotouch doctor",
             )
         _tell(opened.name, out, stats, fault, as_json=as_json)
 
@@ -113,39 +118,36 @@ def command(
 def _require_place(out: Path, source: str | None, *, force: bool) -> None:
     if out.suffix.lower() != ".aedat4":
         raise RecordingError(
-            f"{out} is no name of an AEDAT4 file, and nothing else is written.",
+            f"'{out}' does not end in .aedat4, the only format that is written.",
             hint="Give a name that ends in .aedat4.",
         )
     if not out.exists():
         return
     played = Path((source or "").removeprefix("file:"))
     if source is not None and played.is_file() and played.samefile(out):
-        raise RecordingError(f"{out} cannot be recorded to itself.", hint="Give another name.")
+        raise RecordingError(f"'{out}' cannot be recorded to itself.", hint="Give another name.")
     if not force:
         raise RecordingError(
-            f"{out} is there already.", hint="Give another name, or --force to replace it."
+            f"'{out}' is there already.", hint="Give another name, or --force to replace it."
         )
 
 
 def _open(stack: ExitStack, source: str | None, speed: "Speed", seed: int) -> _Opened:
-    from neurotouch_hid.client import open_stream
     from neurotouch_hid.driver.camera_settings import load_camera_config
-    from neurotouch_hid.recording.wire import receive_packets
     from neurotouch_hid.source import open_source
 
+    def open_one(name: str) -> "Source":
+        camera = load_camera_config()
+        return stack.enter_context(
+            open_source(name, speed=speed, seed=seed, camera=camera, max_delay_us=_MAX_DELAY_US)
+        )
+
     if source is None:
-        try:
-            answer, line = open_stream("record")
-        except NotRunningError:
-            source = "davis:"
-        else:
-            stack.callback(line.close)
-            name = f"what the running driver sees ({answer['source']})"
-            return _Opened(name, receive_packets(line), live=True)
-    camera = load_camera_config()
-    packets = stack.enter_context(
-        open_source(source, speed=speed, seed=seed, camera=camera, max_delay_us=_MAX_DELAY_US)
-    )
+        with suppress(NotRunningError):
+            packets = open_one("driver:")
+            name = f"what the running driver sees ({packets.name.removeprefix('driver: ')})"
+            return _Opened(name, packets, live=True)
+    packets = open_one(source or "davis:")
     return _Opened(packets.name, packets, live=packets.is_live)
 
 
@@ -172,7 +174,7 @@ def _record(opened: _Opened, recorder: "Recorder", seconds: float | None) -> Non
 
 @contextmanager
 def _until_interrupted() -> Iterator[None]:
-    """Ctrl-C, SIGTERM, SIGHUP or silence end the block; none of them is heeded any more then.
+    """Ends the block on Ctrl-C, SIGTERM, SIGHUP or silence, and ignores later signals.
 
     Raises:
         SourceError: it was silence.
@@ -192,7 +194,7 @@ def _until_interrupted() -> Iterator[None]:
         raise SourceError(
             f"The source has been silent for {_PATIENCE_S:g} s, so the recording is shorter than "
             "was asked for.",
-            hint="Is the camera in? neurotouch doctor",
+            hint="Is the camera plugged in? Check: neurotouch doctor",
         ) from None
     except KeyboardInterrupt:
         pass
@@ -201,8 +203,8 @@ def _until_interrupted() -> Iterator[None]:
             signal.signal(number, signal.SIG_IGN)
 
 
-def _heed_signals() -> None:
-    """From now on they end the process as usual: all is written and said."""
+def _restore_signals() -> None:
+    """Lets signals end the process as usual from now on: everything is written."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_DFL)
 
@@ -273,11 +275,11 @@ class _Progress:
 def _tell(
     source: str, out: Path, stats: "RecorderStats", fault: NeuroTouchError | None, *, as_json: bool
 ) -> None:
-    """What has been recorded; a fault that ended it is raised, or told in the same JSON."""
+    """Reports what has been recorded; a fault that ended it is raised, or put into the JSON."""
     lost = stats.lost_before + stats.lost_here
     status = "WARNING" if lost or fault is not None else "OK"
     message = (
-        f"{out} holds {stats.seconds:.1f} s of {source}: {stats.events:,} events, "
+        f"{out} has {stats.seconds:.1f} s of {source}: {stats.events:,} events, "
         f"{stats.frames:,} frames, {stats.size_bytes / 1e6:.1f} MB."
     )
     if stats.lost_before:

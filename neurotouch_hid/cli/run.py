@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from neurotouch_hid.cli.ui.options import (
+    OutFile,
     method_option,
     profile_option,
     rate_option,
+    seconds_option,
     seed_option,
     source_option,
     speed_option,
@@ -20,11 +22,13 @@ if TYPE_CHECKING:
 
 @click.command(
     epilog="\b\nExamples:\n"
-    "  neurotouch run --source sim:tour --profile spacecraft\n"
+    "  neurotouch run --source sim:tour --device memory --seconds 20   simulated, no gamepad\n"
+    "  neurotouch run --profile spacecraft\n"
     "  neurotouch run --source file:play.aedat4 --speed max --device memory --trace play.jsonl\n"
     "  neurotouch run --copilot auto                    a game pad plays along\n"
     "  neurotouch run --player 2 --source davis:00000002 --device hid --profile racing\n\n"
-    "Ctrl-C ends; the pad goes neutral first."
+    "Ctrl-C ends; the pad goes neutral first. Exit code 0 at the end, also after --seconds or\n"
+    "Ctrl-C; 3 source, 4 recording, 5 no gel, 6 profile, 7 gamepad, 75 another driver runs."
 )
 @profile_option
 @source_option
@@ -59,9 +63,10 @@ if TYPE_CHECKING:
 @rate_option
 @method_option
 @seed_option
+@seconds_option
 @click.option(
     "--trace",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=OutFile(),
     help="Write one JSON line per slice to this file.",
 )
 @click.option(
@@ -83,12 +88,22 @@ def command(
     rate_hz: float | None,
     method: str,
     seed: int,
+    seconds: float | None,
     trace: Path | None,
     show: str,
 ) -> None:
-    """Drive the virtual gamepad from the gel until the source ends or Ctrl-C."""
-    from neurotouch_hid.cli.play import announce, play
-    from neurotouch_hid.driver import Driver, DriverOptions
+    """Drive the virtual gamepad from the gel until the source ends, the time is over or Ctrl-C.
+
+    A camera does not end; a recording ends once. Of the simulated scenes tour, noise, random and
+    rest repeat for ever; the others end after one pass: press, push, push-left, push-right,
+    push-up, push-down, pinch, zoom, twist-cw, twist-ccw, three-fingers and fast.
+    """
+    from neurotouch_hid.source.check import check_source
+
+    check_source(source)
+    from neurotouch_hid.driver import DriverOptions
+    from neurotouch_hid.driver.check import check_start
+    from neurotouch_hid.errors import DeviceError
 
     options = DriverOptions(
         source=source,
@@ -103,5 +118,16 @@ def command(
         seed=seed,
         shows_rumble=rumble,
     )
-    with Driver(options, announce=announce) as driver:
-        play(driver, show=show, trace=trace)
+    check_start(options)
+    from neurotouch_hid.cli.play import announce, play
+    from neurotouch_hid.driver import Driver
+
+    try:
+        with Driver(options, announce=announce) as driver:
+            play(driver, show=show, trace=trace, seconds=seconds)
+    except DeviceError as error:
+        if device == "memory":
+            raise
+        without = "To try it without a gamepad: --device memory."
+        hint = "\n".join(filter(None, (error.hint, without)))
+        raise DeviceError(error.message, hint=hint) from error

@@ -1,4 +1,4 @@
-"""``neurotouch pause``, ``resume`` and ``panic``: one word to the running driver, at once.
+"""``neurotouch pause``, ``resume``, ``panic``, ``stop``: one word to the running driver, at once.
 
 Nothing but the standard library is imported on the way here, not even the command line's own.
 """
@@ -6,8 +6,9 @@ Nothing but the standard library is imported on the way here, not even the comma
 import json
 import sys
 
-from neurotouch_hid.client import ask, list_players
+from neurotouch_hid.client import ask, wait_until_ended
 from neurotouch_hid.errors import DriverError, NotRunningError
+from neurotouch_hid.players import list_players
 
 
 def send_command(command: str, *, as_json: bool = False) -> int:
@@ -38,7 +39,10 @@ def _ask_all(command: str) -> list[str]:
     for player in players:
         whose = f"Player {player}: " if len(players) > 1 else ""
         try:
-            texts.append(whose + ask(command, player=player)["text"])
+            text = ask(command, player=player)["text"]
+            if command == "stop":
+                wait_until_ended(player)
+            texts.append(whose + text)
         except NotRunningError as error:  # a killed driver has left its socket behind
             missing = error
         except DriverError as error:

@@ -32,17 +32,20 @@ if TYPE_CHECKING:
 def command(source: str | None, only_compile: bool) -> None:
     """Drive the gamepad as a service: it waits for the camera, and keeps the pad without it.
 
-    Profile and camera are chosen in /etc/neurotouch/service.yaml; a person's own values lie beside
-    it, in user.yaml. Another player's service is neurotouch@2, its folder /etc/neurotouch/player-2.
+    The settings of the person at the machine apply, who changes them as everywhere: by 'neurotouch
+    calibrate', 'neurotouch profile' and the page. While nobody is there, and for people without
+    settings, those in /etc/neurotouch apply: service.yaml, user.yaml and profiles. Another player's
+    service is neurotouch@2, its folder /etc/neurotouch/player-2.
     """
     from neurotouch_hid.cli.play import announce
-    from neurotouch_hid.client import find_player
     from neurotouch_hid.driver import Driver, DriverOptions
-    from neurotouch_hid.driver.seat import find_seated_users
+    from neurotouch_hid.driver.admission import find_seated_users
+    from neurotouch_hid.driver.blind_camera import CameraWatchdog
+    from neurotouch_hid.driver.people import People, find_people_folder
     from neurotouch_hid.driver.service_settings import load_service_settings
-    from neurotouch_hid.driver.signals import stop_on_signals
     from neurotouch_hid.driver.systemd import ServiceManager
-    from neurotouch_hid.driver.watchdog import CameraWatchdog
+    from neurotouch_hid.players import find_player
+    from neurotouch_hid.process.signals import stop_on_signals
 
     manager = ServiceManager()
     choices = load_service_settings()
@@ -59,6 +62,7 @@ def command(source: str | None, only_compile: bool) -> None:
         announce=announce,
         make_device=partial(_make_pad, manager),
         guests=find_seated_users,
+        people=People(find_people_folder(), options.player),
         facts={
             "source": lambda: _describe(driver.source),
             "keyboard": lambda: "the service may not read keyboards, so none stops it",
@@ -85,7 +89,7 @@ def command(source: str | None, only_compile: bool) -> None:
 
 
 def _describe(source: "Source") -> str:
-    """The source, and why nothing comes from it."""
+    """Returns the source, and why nothing comes from it."""
     from neurotouch_hid.source.davis import DavisSource
 
     trouble = source.stats().trouble if isinstance(source, DavisSource) else ""
@@ -101,7 +105,7 @@ def _make_pad(
     player: int,
     hear_rumble: "HearRumble | None",
 ) -> "Device":
-    """The pad, at rest, through descriptors that systemd has opened, or else are opened now.
+    """Gives the pad at rest, through descriptors from systemd, or opened here.
 
     One for each node there may ever be: the right to open more may end once the service is up.
 

@@ -18,9 +18,9 @@ _PACKAGED: Final = Path("/usr/lib/udev/rules.d/70-neurotouch-service.rules")
 """Part of the Debian package."""
 
 _MEANING: Final = {
-    "70-neurotouch-uinput.rules": "lets whoever sits at the machine make virtual gamepads, "
+    "70-neurotouch-uinput.rules": "lets the person at the machine make virtual gamepads, "
     "keyboards and mice, with any program",
-    "70-neurotouch-camera.rules": "lets whoever sits at the machine open the camera",
+    "70-neurotouch-camera.rules": "lets the person at the machine open the camera",
     "neurotouch.conf": "loads the kernel's module for them at every start",
 }
 
@@ -38,7 +38,7 @@ _MEANING: Final = {
 def command(dry_run: bool, uninstall: bool, yes: bool) -> None:
     """Install the rules that camera and pad need, for those who installed with pip.
 
-    The Debian package brings all this along, and more narrowly: there only the service gets rights.
+    The Debian package does all this itself, with fewer rights: only its service gets them.
     """
     if _PACKAGED.exists() and not uninstall:
         raise NeuroTouchError(
@@ -66,7 +66,7 @@ def command(dry_run: bool, uninstall: bool, yes: bool) -> None:
 
 
 def _list_files() -> dict[Path, Path]:
-    """Each file that comes with the program, and where it goes."""
+    """Gives each file that comes with the program, and where it goes."""
     rules, modules = find_resources("udev"), find_resources("modules-load.d")
     return {
         rules / "70-neurotouch-uinput.rules": _RULES / "70-neurotouch-uinput.rules",
@@ -113,7 +113,7 @@ def _run_as_root(script: list[str]) -> None:
     if not shutil.which("udevadm"):
         raise NeuroTouchError(
             "There is no udev here, so there is nothing to set up.",
-            hint="In a container: run this on the host, and hand in /dev/uinput and the camera.",
+            hint="In a container: run this on the host; pass /dev/uinput and the camera to it.",
         )
     shell = ["sh", "-euc", "\n".join(script)]
     if os.geteuid() != 0:
@@ -121,12 +121,12 @@ def _run_as_root(script: list[str]) -> None:
         if gate is None:
             raise NeuroTouchError(
                 "There is neither sudo nor pkexec here to become root with.",
-                hint="Have the commands above run by root.",
+                hint="Ask an administrator to run the commands above.",
             )
         shell.insert(0, gate)
     done = subprocess.run(shell, check=False)  # noqa: S603 -- shown above, word by word
     if done.returncode != 0:
         raise NeuroTouchError(
-            f"It was not done to the end: exit code {done.returncode}.",
-            hint="What went wrong stands above. It can safely be run again.",
+            f"It stopped before the end: exit code {done.returncode}.",
+            hint="What went wrong is above. The command can safely be run again.",
         )

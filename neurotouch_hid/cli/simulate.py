@@ -1,9 +1,12 @@
 """``neurotouch simulate``: a labelled data set like the paper's."""
 
+import sys
 import time
 from pathlib import Path
 
 import click
+
+from neurotouch_hid.cli.ui.options import Finite
 
 
 @click.command(
@@ -16,7 +19,7 @@ import click
 @click.option("--users", type=click.IntRange(min=1), default=5, show_default=True)
 @click.option(
     "--minutes",
-    type=click.FloatRange(min=0.1),
+    type=Finite(min=0.1),
     default=25.0,
     show_default=True,
     help="Length of all recordings together.",
@@ -27,28 +30,30 @@ import click
     type=click.Choice(["half-space", "solid", "both"]),
     default="half-space",
     show_default=True,
-    help="How the gel deforms: by closed forms, by finite elements, or a half of the set each.",
+    help="How the gel deforms: by closed forms, by finite elements, or half of the set each.",
 )
-def command(out: Path, users: int, minutes: float, seed: int, gel: str) -> None:
+@click.option("--force", is_flag=True, help="Replace recordings that were made otherwise.")
+def command(out: Path, users: int, minutes: float, seed: int, gel: str, force: bool) -> None:
     """Write simulated recordings with labels into the folder OUT.
 
     One recording for each gel, user and gesture. Ctrl-C stops; the same command goes on from
-    there.
+    there. A set that was made otherwise is never replaced without --force.
     """
     from neurotouch_hid.source.simulator.dataset import Progress, write_dataset
     from neurotouch_hid.source.simulator.gel import ELASTICITIES
 
     begun = time.monotonic()
-    told = {"percent": -1}
+    told = {"percent": -100}
+    step = 1 if sys.stderr.isatty() else 10  # a log file needs fewer lines
 
     def tell(progress: Progress) -> None:
         percent = int(100 * (progress.n_done + progress.share) / progress.n_files)
-        if percent > told["percent"]:
+        if percent >= told["percent"] + step:
             told["percent"] = percent
             spent = time.monotonic() - begun
             click.echo(f"{percent:3d} %  {progress.path.name}  {spent:.0f} s", err=True)
 
     gels = [name for name in ELASTICITIES if gel in (name, "both")]
-    paths = write_dataset(out, users, minutes, seed, tell, gels)
+    paths = write_dataset(out, users, minutes, seed, tell, gels, replace=force)
     size_mb = sum(path.stat().st_size for path in paths) / 1e6
     click.echo(f"{len(paths)} recordings with labels, {size_mb:.0f} MB, are in {out}.")

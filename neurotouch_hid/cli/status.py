@@ -1,24 +1,24 @@
 """``neurotouch status``: what the running driver does."""
 
-import json
 import time
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
+
+from neurotouch_hid.cli.ui.output import json_option, print_json
+
+if TYPE_CHECKING:
+    from neurotouch_hid.client import Fatigue, Status
 
 _STATES = {
     "running": "OK: running",
     "paused": "WARNING: paused. Go on with: neurotouch resume",
     "panic": "WARNING: stopped by panic. Go on with: neurotouch resume",
 }
+_FIRST = {"profile": "profile", "layer": "layer", "source": "source", "device": "pad"}
 _FACTS = {
-    "pid": "process",
-    "source": "source",
-    "device": "pad",
-    "profile": "profile",
-    "layer": "layer",
-    "gel": "gel",
     "gesture": "gesture",
+    "settings": "settings",
     "copilot": "co-pilot",
     "keyboard": "keyboard",
     "mouse": "mouse",
@@ -27,29 +27,63 @@ _FACTS = {
 }
 
 
-@click.command(epilog="\b\nExamples:\n  neurotouch status\n  neurotouch status --json | jq .state")
-@click.option("--json", "as_json", is_flag=True, help="Print everything as one JSON object.")
-def command(as_json: bool) -> None:
-    """Say what the running driver does, one fact on each line.
+@click.command(
+    epilog="\b\nExamples:\n"
+    "  neurotouch status\n"
+    "  neurotouch status --verbose      the times of each stage too\n"
+    "  neurotouch status --json | jq .state"
+)
+@click.option("--verbose", is_flag=True, help="Add the process, rates and the times of each stage.")
+@json_option
+def command(verbose: bool, as_json: bool) -> None:
+    """Say what the running driver does, one fact on each line: the state first.
 
     Exit code 0 if a driver runs, 8 if none does.
     """
-    from neurotouch_hid.client import ask
+    from neurotouch_hid.client import ask_status
 
-    status = ask("status")
+    status = ask_status()
     if as_json:
-        click.echo(json.dumps(status, indent=2))
-    else:
-        click.echo("\n".join(_list_facts(status)))
+        print_json(status)
+        return
+    click.echo("\n".join(_list_facts(status)))
+    if verbose:
+        click.echo("\n".join(_list_times(status)))
 
 
-def _list_facts(status: dict[str, Any]) -> list[str]:
+def _list_facts(status: "Status") -> list[str]:
+    """Returns what concerns a person, the most important first."""
     lines = [_STATES.get(status["state"], status["state"])]
     if status["silent_s"]:
         lines.append(f"WARNING: nothing has come from the source for {status['silent_s']:.1f} s")
-    lines += [f"{label}: {status[key]}" for key, label in _FACTS.items() if key in status]
+    for error in status["errors"]:
+        at = time.strftime("%H:%M:%S", time.localtime(error["at"]))
+        lines.append(f"error at {at}: {error['error']}")
+    lines += _name_facts(status, _FIRST)
+    lines.append(f"gel: {status['gel']}, {status['markers_tracked']} of 177 markers tracked")
+    lines += _name_facts(status, _FACTS)
+    if status["events_lost"]:
+        lines.append(f"events lost: {status['events_lost']:,}")
+    lines += [_describe_fatigue(fading) for fading in status["fatigue"]]
     lines += [
-        f"markers: {status['markers_tracked']} of 177 tracked",
+        f"long holds: {movement.replace('_', ' ')}, {times} of more than 5 s. 'mode: toggle' in "
+        "the profile holds for you"
+        for movement, times in status["long_holds"].items()
+    ]
+    if status.get("ignored"):
+        lines.append(f"last {status['ignored']}")
+    return lines
+
+
+def _name_facts(status: "Status", labels: dict[str, str]) -> list[str]:
+    found = ((label, status.get(key)) for key, label in labels.items())
+    return [f"{label}: {value}" for label, value in found if value is not None]
+
+
+def _list_times(status: "Status") -> list[str]:
+    """Returns what concerns a bug report."""
+    lines = [
+        f"process: {status['pid']}, for {status['uptime_s']:.0f} s",
         f"events: {status['events_hz']:,} per second, {status['events_lost']:,} lost",
         f"slices: {status['slices_hz']:g} per second",
     ]
@@ -59,23 +93,15 @@ def _list_facts(status: dict[str, Any]) -> list[str]:
         f"p99.9 {spread['p99.9']:.3f} ms"
         for name, spread in status["stage_spread_ms"].items()
     ]
-    lines += [_describe_fatigue(**fading) for fading in status["fatigue"]]
-    lines += [
-        f"long holds: {movement.replace('_', ' ')}, {times} of more than 5 s. 'mode: toggle' in "
-        "the profile holds for you"
-        for movement, times in status["long_holds"].items()
-    ]
-    for error in status["errors"]:
-        at = time.strftime("%H:%M:%S", time.localtime(error["at"]))
-        lines.append(f"error at {at}: {error['error']}")
     return lines
 
 
-def _describe_fatigue(movement: str, peak_mm: float, full_mm: float | None, needs: float) -> str:
+def _describe_fatigue(fading: "Fatigue") -> str:
+    movement = fading["movement"]
     words = movement.replace("_", " ")
-    if needs < 1.0:
-        return f"fatigue: {words} needs {needs:.0%} of its range until the next pause"
+    if fading["needs"] < 1.0:
+        return f"fatigue: {words} needs {fading['needs']:.0%} of its range until the next pause"
     return (
-        f"fatigue: {words} has faded to {peak_mm:g} mm. A pause helps, or in user.yaml "
-        f"'range.{movement}.full: {full_mm:g}' or 'fatigue: auto'"
+        f"fatigue: {words} has faded to {fading['peak_mm']:g} mm. A pause helps, or in user.yaml "
+        f"'range.{movement}.full: {fading['full_mm']:g}' or 'fatigue: auto'"
     )

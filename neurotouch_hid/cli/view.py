@@ -1,9 +1,11 @@
-"""``neurotouch view``: the live view as a page on this machine."""
+"""``neurotouch view``: everything on a page of this machine."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+
+from neurotouch_hid.cli.ui.usage import WrongUsage
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -15,12 +17,12 @@ if TYPE_CHECKING:
     epilog="\b\nExamples:\n"
     "  neurotouch view                      prints the link of the page\n"
     "  neurotouch view --open               opens it in your browser\n"
-    "  neurotouch view --edit               thresholds and curves can be dragged, and saved\n"
+    "  neurotouch view --edit               everything can be changed, and saved\n"
     "  ssh -L 7878:localhost:7878 HOST      looks at a machine far away, safely\n"
     "  neurotouch view --listen 192.168.1.5 --token-file ~/page-token\n\n"
     "It shows whatever driver runs, now or later; closing either disturbs nobody. Ctrl-C ends."
 )
-@click.option("--edit", is_flag=True, help="Let the page change the profile and pause the driver.")
+@click.option("--edit", is_flag=True, help="Let the page start, pause, measure and change things.")
 @click.option("--open", "open_browser", is_flag=True, help="Open the page in your browser.")
 @click.option("--port", type=click.IntRange(0, 65535), help="Default: 7878, or any if it is taken.")
 @click.option(
@@ -43,26 +45,43 @@ def command(
     token_file: Path | None,
     until_stdin_ends: bool,
 ) -> None:
-    """Show live what the driver does: gesture, gel, curves, pad, times, and why it ignored what.
+    """Serve the page: start, change what a movement does, measure your range, watch, play.
 
+    It also shows live what the driver does: gesture, gel, curves, pad, times, ignored gestures.
     Terminals and screen readers get the same from 'neurotouch monitor --plain'.
     """
     if listen is not None and token_file is None:
-        raise click.UsageError("--listen needs a token of its own: add --token-file FILE")
+        raise WrongUsage("Option --listen needs a token of its own.", hint="Add --token-file FILE.")
+    from neurotouch_hid.page.address import read_address
+
     token = _read_token(token_file) if token_file is not None else None
 
     def tell(address: "Address") -> None:
-        click.echo(f"Live view: {address.link()}")
+        click.echo(f"Page: {address.link()}")
+        click.echo(f"Live view: {address.link('live')}")
         click.echo(f"Spacecraft: {address.link('game')}")
         if listen is not None:
             far = address.url.replace("127.0.0.1", f"[{listen}]" if ":" in listen else listen)
-            click.echo(f"From other machines: {far}#k=TOKEN, with what {token_file} holds")
+            click.echo(f"From other machines: {far}#k=TOKEN, with the content of {token_file}")
         if open_browser:
-            click.launch(address.link())
+            show_link(address.link())
 
+    served = read_address() if open_browser and listen is None and port is None else None
+    if served is not None and served.may_edit >= edit:  # the icon again, or a demo
+        show_link(served.link())
+        click.echo(f"Page: {served.link()}")
+        return
     serve_page(
         tell, edit=edit, port=port, listen=listen, token=token, until_stdin_ends=until_stdin_ends
     )
+
+
+def show_link(link: str) -> None:
+    """Opens a link in the browser; where that is impossible, says so."""
+    from neurotouch_hid.cli.ui.browser import open_link
+
+    if not open_link(link):
+        click.echo("No browser can be opened from here: open the link yourself.", err=True)
 
 
 def serve_page(
@@ -77,7 +96,6 @@ def serve_page(
     """Serves the page until Ctrl-C; ``tell`` is given its address once it is there."""
     import asyncio
     import os
-    import signal
     import sys
 
     from neurotouch_hid.cli.ui.output import make_stamp
@@ -88,19 +106,20 @@ def serve_page(
         write_address,
     )
     from neurotouch_hid.page.guard import Guard, make_token
-    from neurotouch_hid.page.server import Server, open_sockets
+    from neurotouch_hid.page.server import EndBySignal, Server, open_sockets
 
     token = token or make_token()
     guard = Guard(token, listen)
     server = Server(guard, open_sockets(listen, port), edit=edit, stamp=make_stamp)
-    address = Address(server.url, token, os.getpid())
+    address = Address(server.url, token, os.getpid(), may_edit=edit)
+
+    end = EndBySignal()
 
     async def serve() -> None:
-        loop, stop = asyncio.get_running_loop(), asyncio.Event()
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            loop.add_signal_handler(number, stop.set)
+        stop = asyncio.Event()
+        end.tell(asyncio.get_running_loop(), stop)
         if until_stdin_ends:  # a demo has started us and ends us, however it ends itself
-            loop.add_reader(sys.stdin.fileno(), stop.set)
+            asyncio.get_running_loop().add_reader(sys.stdin.fileno(), stop.set)
         await server.run(stop)
 
     if read_address() is None:  # else the other commands go on finding the first one
@@ -114,7 +133,7 @@ def serve_page(
 
 
 def _read_token(path: Path) -> str:
-    """The secret in a file.
+    """Returns the secret in a file.
 
     Raises:
         PageError: it cannot be read, or others can read it too.
@@ -123,10 +142,13 @@ def _read_token(path: Path) -> str:
 
     try:
         if path.stat().st_mode & 0o077:
-            raise PageError(f"Others can read {path}.", hint=f"chmod 600 {path}")
+            raise PageError(
+                f"Others can read {path}.", hint=f"Keep it for yourself: chmod 600 {path}"
+            )
         return path.read_text(encoding="ascii").strip()
     except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "it is not plain ASCII"
         raise PageError(
-            f"The token in {path} cannot be read: {error}.",
+            f"The token in {path} cannot be read: {reason}.",
             hint=f"Make one: (umask 077; head -c 24 /dev/urandom | base64 | tr +/ -_ > {path})",
         ) from None

@@ -30,7 +30,7 @@ class Sway:
         self._path = path
 
     def names(self) -> tuple[str, ...]:
-        """The focused window's ``app_id``, or class and instance of an X11 program."""
+        """Returns the focused window's ``app_id``, or class and instance of an X11 program."""
         request = _HEADER.pack(_MAGIC, 0, _GET_TREE)
         with _connect(self._path, self.desktop) as line:
             tree = _parse(_exchange_framed(line, request, self.desktop), self.desktop)
@@ -42,7 +42,7 @@ class Sway:
         return ()
 
     def close(self) -> None:
-        """Nothing stays open between two questions."""
+        """Does nothing: nothing stays open between two questions."""
 
 
 class Hyprland:
@@ -59,7 +59,7 @@ class Hyprland:
         self._path = str(Path(runtime) / "hypr" / signature / ".socket.sock")
 
     def names(self) -> tuple[str, ...]:
-        """The active window's class, now and as it was opened."""
+        """Returns the active window's class, now and as it was opened."""
         with _connect(self._path, self.desktop) as line:
             text = _exchange(line, b"j/activewindow", self.desktop)
         window = _parse(text, self.desktop)
@@ -67,7 +67,7 @@ class Hyprland:
         return tuple(dict.fromkeys(name for name in found if isinstance(name, str) and name))
 
     def close(self) -> None:
-        """Nothing stays open between two questions."""
+        """Does nothing: nothing stays open between two questions."""
 
 
 def _connect(path: str, desktop: str) -> socket.socket:
@@ -77,24 +77,28 @@ def _connect(path: str, desktop: str) -> socket.socket:
         line.connect(path)
     except OSError as error:
         line.close()
-        raise DesktopError(f"{desktop} cannot be reached: {error.strerror or error}.") from None
+        raise DesktopError(
+            f"The desktop {desktop} cannot be reached: {error.strerror or error}."
+        ) from None
     return line
 
 
 def _exchange(line: socket.socket, request: bytes, desktop: str) -> bytes:
-    """The answer up to the end of the connection."""
+    """Returns the answer up to the end of the connection."""
     text = b""
     try:
         line.sendall(request)
         while (piece := line.recv(65536)) and len(text) <= _LONGEST_BYTES:
             text += piece
     except OSError as error:
-        raise DesktopError(f"{desktop} does not answer: {error.strerror or error}.") from None
+        raise DesktopError(
+            f"The desktop {desktop} does not answer: {error.strerror or error}."
+        ) from None
     return text
 
 
 def _exchange_framed(line: socket.socket, request: bytes, desktop: str) -> bytes:
-    """The payload of the answer."""
+    """Returns the payload of the answer."""
     try:
         line.sendall(request)
         magic, length, _ = _HEADER.unpack(_receive(line, _HEADER.size))
@@ -102,7 +106,9 @@ def _exchange_framed(line: socket.socket, request: bytes, desktop: str) -> bytes
             raise DesktopError(f"What answers for {desktop} does not speak its language.")
         return _receive(line, length)
     except OSError as error:
-        raise DesktopError(f"{desktop} does not answer: {error.strerror or error}.") from None
+        raise DesktopError(
+            f"The desktop {desktop} does not answer: {error.strerror or error}."
+        ) from None
 
 
 def _receive(line: socket.socket, n_bytes: int) -> bytes:

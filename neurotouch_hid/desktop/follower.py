@@ -43,7 +43,7 @@ class Follower:
         self._thread.start()
 
     def describe(self) -> str:
-        """Which application is seen, or why none is."""
+        """Returns which application is seen, or why none is."""
         return self._said
 
     def close(self) -> None:

@@ -16,7 +16,7 @@ class ActiveWindow(Protocol):
     desktop: str
 
     def names(self) -> tuple[str, ...]:
-        """What the active window's application calls itself; empty if no window is active.
+        """Returns what the active window's application calls itself; empty if no window is active.
 
         Raises:
             DesktopError: the desktop does not answer any more.
@@ -27,7 +27,7 @@ class ActiveWindow(Protocol):
 
 
 def open_window(environment: Mapping[str, str]) -> ActiveWindow:
-    """A connection to the desktop that the environment names.
+    """Returns a connection to the desktop that the environment names.
 
     Under Wayland there is no common way to ask: sway and Hyprland have one of their own, GNOME and
     KDE have none. Where X11 programs run beside Wayland's, theirs are the only windows seen.
@@ -51,7 +51,7 @@ def open_window(environment: Mapping[str, str]) -> ActiveWindow:
     if environment.get("WAYLAND_DISPLAY"):
         desktop = environment.get("XDG_CURRENT_DESKTOP") or "This desktop"
         raise DesktopError(
-            f"{desktop} tells no program under Wayland which window is active.",
+            f"The desktop {desktop} tells no program under Wayland which window is active.",
             hint="Switch by hand: neurotouch profile use NAME, or a gesture with next_profile.",
         )
     raise DesktopError("No desktop is running here.")

@@ -38,7 +38,7 @@ class XServer:
             raise DesktopError(f"The X server {display} cannot be reached: {error}.") from None
 
     def names(self) -> tuple[str, ...]:
-        """The instance and the class of the active window."""
+        """Returns the instance and the class of the active window."""
         try:
             window = self._read(self._root, self._active)
             if len(window) < 4 or not any(window[:4]):

@@ -1,6 +1,6 @@
 """Fifth stage: the virtual gamepad that every program takes for a standard controller.
 
-Where a profile asks for them, a keyboard and a mouse stand beside it.
+Where a profile asks for them, a keyboard and a mouse belong to it.
 """
 
 from neurotouch_hid.device.device import Device, check_device, open_device, shows_change

@@ -17,34 +17,34 @@ from neurotouch_hid.messages import GamepadState
 
 
 class Device(Protocol):
-    """A pad, and what stands beside it, to be pressed. All calls may come from any thread."""
+    """A pad, and what comes with it, to be pressed. All calls may come from any thread."""
 
     @property
     def name(self) -> str:
         """What the user is told it is."""
 
     def prepare(self, extra_devices: Iterable[ExtraDevice]) -> None:
-        """Make those of the extra devices that are missing; call it with each new profile.
+        """Makes those of the extra devices that are missing; call it with each new profile.
 
         Raises:
             DeviceError: they cannot be made.
         """
 
     def write(self, state: GamepadState) -> None:
-        """Show everything in this state; one that changes nothing costs nothing.
+        """Shows everything in this state; one that changes nothing costs nothing.
 
         Raises:
             DeviceError: the state cannot be written.
         """
 
     def neutral(self) -> None:
-        """Release everything now. Harmless when nothing is pressed or the device is closed."""
+        """Releases everything now. Harmless when nothing is pressed or the device is closed."""
 
     def close(self) -> None:
-        """Release everything and take the pad away. Harmless when repeated."""
+        """Releases everything and takes the pad away. Harmless when repeated."""
 
     def __enter__(self) -> Self:
-        """Return the device itself."""
+        """Returns the device itself."""
 
     def __exit__(
         self,
@@ -52,11 +52,11 @@ class Device(Protocol):
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Close the device."""
+        """Closes the device."""
 
 
 def check_device(kind: str, identity: str | None = None) -> None:
-    """Find out whether ``open_device`` may succeed, without making a pad.
+    """Finds out whether ``open_device`` may succeed, without making a pad.
 
     Raises:
         DeviceError: the identity is no good, or ``/dev/uinput`` or ``/dev/uhid`` cannot be used.
@@ -68,6 +68,8 @@ def check_device(kind: str, identity: str | None = None) -> None:
         case "hid":
             choose_identity(identity, kind)
             os.close(open_uhid())
+        case _:
+            choose_identity(identity, "uinput")  # a name is a name, even where no pad is made
 
 
 def open_device(
@@ -78,7 +80,7 @@ def open_device(
     player: int = 1,
     hear_rumble: HearRumble | None = None,
 ) -> Device:
-    """Return a new, neutral device of a kind: ``uinput``, ``hid`` (real ones) or ``memory``.
+    """Returns a new, neutral device of a kind: ``uinput``, ``hid`` (real ones) or ``memory``.
 
     Args:
         kind: its name.
@@ -106,6 +108,6 @@ def open_device(
 
 
 def shows_change(before: GamepadState, after: GamepadState) -> bool:
-    """Say whether a pad of the usual layout shows two states differently."""
+    """Says whether a pad of the usual layout shows two states differently."""
     layout = load_identities()["xbox360"].layout
     return layout.encode(before) != layout.encode(after)

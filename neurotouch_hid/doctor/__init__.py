@@ -1,69 +1,7 @@
 """Examines a machine from Python to the finished gamepad; every failure comes with its way out."""
 
-from collections.abc import Callable
-from functools import cache
-from importlib import import_module
-from pathlib import Path
-from typing import Any
-
+from neurotouch_hid.doctor.checks import list_checks
 from neurotouch_hid.doctor.examination import Check, examine
-from neurotouch_hid.doctor.finding import Finding, Status, Verdict
+from neurotouch_hid.doctor.finding import Finding, Status
 
-__all__ = ["Check", "Finding", "Status", "Verdict", "examine", "list_checks"]
-
-
-def list_checks(picture: Path | None = None, source: str | None = None) -> tuple[Check, ...]:
-    """All checks, in the order from the machine to the person.
-
-    Args:
-        picture: where the picture of the gel is saved.
-        source: what to look at instead of the camera.
-    """
-
-    @cache
-    def view() -> Any:  # the gel is looked at once, for three checks
-        return _import("gel").GelView(picture, source)
-
-    return (
-        Check("python", _find("machine", "check_python")),
-        Check("kernel module", _find("rights", "check_module")),
-        Check("right to make a pad", _find("rights", "check_right")),
-        Check("udev rule", _find("rights", "check_rule")),
-        Check("HID pad", _find("hid", "check_hid")),
-        Check("service", _find("service", "check_service")),
-        Check("seat", _find("rights", "check_seat")),
-        Check("loop-back", _find("pad", "check_loopback")),
-        Check("recognised as a pad", _find("pad", "check_recognition")),
-        Check("Steam", _find("programs", "check_steam")),
-        Check("remappers", _find("programs", "check_remappers")),
-        Check("sandboxes", _find("programs", "check_sandboxes")),
-        Check("camera", _find("camera", "check_presence")),
-        Check("right to the camera", _find("camera", "check_right")),
-        Check("USB", _find("camera", "check_connection")),
-        Check("events and frames", lambda: view().check_stream(), 60.0),
-        Check("markers", lambda: view().check_markers(), 60.0),  # kernels may be compiled
-        Check("rest", lambda: view().check_rest()),
-        Check("line", _find("machine", "check_line"), 180.0),  # likewise
-        Check("timer", _find("machine", "check_timer")),
-        Check("profiles", _find("person", "check_profiles"), 20.0),
-        Check("calibration", _find("person", "check_calibration")),
-        Check("keyboard", _find("person", "check_keyboard")),
-        Check("sound", _find("person", "check_sound")),
-        Check("desktop", _find("programs", "check_desktop")),
-        Check("live view", _find("surroundings", "check_page")),
-        Check("terminal", _find("surroundings", "check_terminal")),
-    )
-
-
-def _find(area: str, name: str) -> Callable[[], Verdict]:
-    """A check that imports what it examines only when it is made: some of that may be missing."""
-
-    def look() -> Verdict:
-        verdict: Verdict = getattr(_import(area), name)()
-        return verdict
-
-    return look
-
-
-def _import(area: str) -> Any:
-    return import_module(f"{__name__}.{area}")
+__all__ = ["Check", "Finding", "Status", "examine", "list_checks"]

@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import Final
 
-from neurotouch_hid.doctor.finding import Verdict, approve, fail, skip, warn
+from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
 from neurotouch_hid.doctor.inventory import find_driver
 from neurotouch_hid.doctor.rights import SERVICE_RULE, install_rule
 from neurotouch_hid.source.davis import CameraInfo, find_cameras, identify
-from neurotouch_hid.source.davis.finding import SUPER_SPEED_MBIT_S, SYSFS
+from neurotouch_hid.source.davis.enumeration import SUPER_SPEED_MBIT_S, SYSFS
 from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
 _LOOK_AGAIN: Final = (
@@ -16,8 +16,8 @@ _LOOK_AGAIN: Final = (
 )
 
 
-def check_presence() -> Verdict:
-    """Is a DAVIS plugged in?"""
+def check_presence() -> Finding:
+    """Checks whether a DAVIS is plugged in."""
     cameras = find_cameras()
     if not cameras:
         return skip(
@@ -27,8 +27,8 @@ def check_presence() -> Verdict:
     return approve(f"Plugged in: {', '.join(map(_describe, cameras))}.")
 
 
-def check_right() -> Verdict:
-    """May we open it, and does it answer?"""
+def check_right() -> Finding:
+    """Checks whether this user may open the camera, and whether it answers."""
     cameras = find_cameras()
     if not cameras:
         return skip("Needs a camera.")
@@ -55,7 +55,7 @@ def check_right() -> Verdict:
     )
 
 
-def _explain_right(info: CameraInfo) -> Verdict:
+def _explain_right(info: CameraInfo) -> Finding:
     sentence = f"The camera {info.serial} is there, but not readable: {info.reason}."
     if SERVICE_RULE.exists():
         return fail(
@@ -66,14 +66,14 @@ def _explain_right(info: CameraInfo) -> Verdict:
         )
     return fail(
         sentence,
-        "Allow it for whoever sits at the machine, as 'neurotouch setup' does.",
+        "Allow it for the person at the machine, as 'neurotouch setup' does.",
         install_rule("70-neurotouch-camera.rules"),
         *_LOOK_AGAIN,
     )
 
 
-def check_connection(system: Path = SYSFS) -> Verdict:
-    """USB 3, and never sent to sleep?"""
+def check_connection(system: Path = SYSFS) -> Finding:
+    """Checks that the camera is on USB 3 and is never suspended."""
     cameras = find_cameras()
     if not cameras:
         return skip("Needs a camera.")

@@ -1,14 +1,17 @@
 """Runs checks one after another, each within its time."""
 
 import threading
+import time
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
-from neurotouch_hid.doctor.finding import Finding, Status, Verdict, fail
+from neurotouch_hid.doctor.finding import Finding, Status, fail
 from neurotouch_hid.errors import NeuroTouchError
 
 PATIENCE_S: Final = 10.0
+TELL_S: Final = 1.0
+TELL_AGAIN_S: Final = 10.0
 
 _AGAIN: Final = "Install it again: pip install --force-reinstall neurotouch-hid"
 
@@ -24,44 +27,56 @@ class Check:
     """
 
     name: str
-    look: Callable[[], Verdict]
+    look: Callable[[], Finding]
     patience_s: float = PATIENCE_S
 
 
-def examine(checks: Iterable[Check], *, patience: float = 1.0) -> Iterator[Finding]:
+def examine(
+    checks: Iterable[Check],
+    *,
+    patience: float = 1.0,
+    tell: Callable[[str], object] = str,  # says nothing
+) -> Iterator[Finding]:
     """Runs the checks in order; yields each finding as soon as it is known.
 
     Args:
         checks: what to look at.
         patience: factor on all times, for slow machines.
+        tell: is told what a check that takes its time is at, and again every ten seconds.
     """
     for check in checks:
-        verdict = _look(check, check.patience_s * patience)
-        yield Finding(check.name, verdict.status, verdict.sentence, verdict.fix, verdict.commands)
+        yield replace(_look(check, check.patience_s * patience, tell), check=check.name)
 
 
-def _look(check: Check, patience_s: float) -> Verdict:
-    """The verdict of a check, which is left alone if it does not come back in time."""
-    verdicts: list[Verdict] = []
+def _look(check: Check, patience_s: float, tell: Callable[[str], object]) -> Finding:
+    """Returns the finding of a check; a check that takes too long is abandoned."""
+    findings: list[Finding] = []
 
     def work() -> None:
         try:
-            verdicts.append(check.look())
+            findings.append(check.look())
         except NeuroTouchError as error:
-            verdicts.append(Verdict(Status.FAILED, error.message, error.hint))
+            findings.append(Finding(Status.FAILED, error.message, error.hint))
         except ImportError as error:
-            verdicts.append(fail(f"A part of the program cannot be loaded: {error}.", _AGAIN))
+            findings.append(fail(f"A part of the program cannot be loaded: {error}.", _AGAIN))
         except OSError as error:
             what = f"{error.filename}: " if error.filename else ""
             reason = error.strerror or str(error)
-            verdicts.append(fail(f"It could not be looked at: {what}{reason}.", "Report this."))
+            findings.append(fail(f"It could not be examined: {what}{reason}.", "Report this."))
 
     thread = threading.Thread(target=work, name=f"check {check.name}", daemon=True)
     thread.start()
-    thread.join(patience_s)
+    begun_s = time.monotonic()
+    thread.join(min(TELL_S, patience_s))
+    while thread.is_alive() and (passed_s := time.monotonic() - begun_s) < patience_s:
+        tell(
+            f"Checking: {check.name}. {passed_s:.0f} s of at most {patience_s:.0f} s; the first "
+            "time on a machine it compiles."
+        )
+        thread.join(min(TELL_AGAIN_S, patience_s - passed_s))
     if thread.is_alive():
         return fail(
             f"There was no answer within {patience_s:.0f} s.",
             "Something hangs below this program. Try again; if it stays, report this.",
         )
-    return verdicts[0] if verdicts else fail("The check itself broke.", "Report this as a bug.")
+    return findings[0] if findings else fail("The check itself failed.", "Report this as a bug.")

@@ -15,52 +15,43 @@ class Status(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
-    """What a check says.
+class Finding:
+    """The result of a check.
 
     Attributes:
         status: how bad it is.
         sentence: what was found.
-        fix: how to mend it, for people.
-        commands: the same for a shell, as an ordinary user who types them would.
+        fix: what to do, for people.
+        commands: the same for a shell, as an ordinary user types them.
+        check: the name of the check; empty until the examination fills it in.
     """
 
     status: Status
     sentence: str
     fix: str | None = None
     commands: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """A verdict with the name of its check."""
-
-    check: str
-    status: Status
-    sentence: str
-    fix: str | None = None
-    commands: tuple[str, ...] = ()
+    check: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """The same for programs."""
-        return asdict(self)
+        """Returns the same as plain values, the name of the check first."""
+        return {"check": self.check} | asdict(self)
 
 
-def approve(sentence: str) -> Verdict:
-    """All is well."""
-    return Verdict(Status.OK, sentence)
+def approve(sentence: str) -> Finding:
+    """Returns the finding that all is well."""
+    return Finding(Status.OK, sentence)
 
 
-def warn(sentence: str, fix: str, *commands: str) -> Verdict:
-    """It works, but not as it should."""
-    return Verdict(Status.WARNING, sentence, fix, commands)
+def warn(sentence: str, fix: str, *commands: str) -> Finding:
+    """Returns the finding that something works, but not as it should."""
+    return Finding(Status.WARNING, sentence, fix, commands)
 
 
-def fail(sentence: str, fix: str, *commands: str) -> Verdict:
-    """It does not work."""
-    return Verdict(Status.FAILED, sentence, fix, commands)
+def fail(sentence: str, fix: str, *commands: str) -> Finding:
+    """Returns the finding that something does not work."""
+    return Finding(Status.FAILED, sentence, fix, commands)
 
 
-def skip(sentence: str) -> Verdict:
-    """It could not be, or need not be, checked."""
-    return Verdict(Status.SKIPPED, sentence)
+def skip(sentence: str) -> Finding:
+    """Returns the finding that something could not be, or need not be, checked."""
+    return Finding(Status.SKIPPED, sentence)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid import client as driver
-from neurotouch_hid.doctor.finding import Verdict, approve, fail, skip, warn
+from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
 from neurotouch_hid.errors import NotRunningError
 from neurotouch_hid.geometry import N_MARKERS, fit_rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, EventPacket, Frame
@@ -28,7 +28,7 @@ LOOK_S: Final = 5.0
 FRAMES_HZ: Final = 25.0
 _MOST_OFF_HZ: Final = 5.0
 _MOST_EVENTS_HZ: Final = 500_000.0
-"""From a gel at rest. Our proposal: a tenth of what the line can follow."""
+"""From a gel at rest. Our proposal: a tenth of what the pipeline can follow."""
 
 _LEAST_MARKERS: Final = 160
 _LEAST_CONTRAST: Final = 40
@@ -90,17 +90,21 @@ class GelView:
         self._picture = picture or find_picture()
         self._source = source
 
-    def check_stream(self) -> Verdict:  # noqa: PLR0911
-        """Do frames and events arrive as they should?"""
+    def check_stream(self) -> Finding:  # noqa: PLR0911
+        """Checks whether frames and events arrive as they should."""
         seen = self._seen
         if seen is None:
             return skip("Needs a camera that can be opened, or a running driver.")
         if not seen.seconds:
-            return fail(f"Nothing comes from {seen.source}.", "Plug the camera out and in again.")
+            return fail(
+                f"Nothing comes from {seen.source}.", "Unplug the camera and plug it in again."
+            )
         frames_hz, events_hz = len(seen.frames) / seen.seconds, seen.events / seen.seconds
         sentence = f"{seen.source}: {frames_hz:.0f} frames/s, {events_hz:,.0f} events/s."
         if not seen.frames:
-            return fail(f"{sentence} There is no picture.", "Is another program's setting left?")
+            return fail(
+                f"{sentence} There is no picture.", "Did another program leave a setting behind?"
+            )
         if not seen.events:
             return fail(f"{sentence} There are no events.", "Is the lens cap off, the lamp on?")
         if abs(frames_hz - FRAMES_HZ) > _MOST_OFF_HZ:
@@ -113,8 +117,8 @@ class GelView:
             )
         return approve(sentence)
 
-    def check_markers(self) -> Verdict:
-        """Is the whole gel in the picture, and bright enough?"""
+    def check_markers(self) -> Finding:
+        """Checks whether the whole gel is in the picture, and bright enough."""
         seen, gel = self._seen, self._gel
         if seen is None or gel is None:
             return skip("Needs frames.")
@@ -143,16 +147,16 @@ class GelView:
                 )
         return approve(sentence)
 
-    def check_rest(self) -> Verdict:
-        """Is the gel at rest, and does it stay there?"""
+    def check_rest(self) -> Finding:
+        """Checks whether the gel is at rest, and stays there."""
         gel = self._gel
         if gel is None:
             return skip("Needs frames.")
         if gel.first_px is None or gel.last_px is None:
             return warn(
                 f"The gel was never at rest: {gel.reason}.",
-                "Take the hand off and look again. If your hand has to lie there: "
-                "'neutral: resting' in user.yaml makes how it lies the rest.",
+                "Take the hand off and look again. If your hand has to rest there: "
+                "'neutral: resting' in user.yaml takes the resting hand as neutral.",
             )
         moved_px = np.hypot(*(gel.last_px - gel.first_px).T)
         drift_mm = float(np.median(moved_px)) / fit_rig(gel.last_px).px_per_mm
@@ -190,7 +194,7 @@ class GelView:
         return _Gel(n_found, stats.reason, stats.chamfer_px2, first, last)
 
     def _open(self, stack: ExitStack) -> tuple[str, Iterable[EventPacket]] | None:
-        """From where, and the packets; None if nobody sees anything."""
+        """Returns where the packets come from, and the packets; None without a source."""
         if self._source is not None:
             return self._source, stack.enter_context(open_source(self._source, speed="max"))
         try:
@@ -230,7 +234,7 @@ class GelView:
 
 
 def _collect(source: str, packets: Iterable[EventPacket]) -> _Seen:
-    """What comes in five seconds, by the camera's clock or ours, whichever ends first."""
+    """Collects packets for five seconds, by the camera's clock or ours, whichever ends first."""
     deadline = time.monotonic() + 2 * LOOK_S
     frames: list[Frame] = []
     events = lost = 0
@@ -256,7 +260,7 @@ def _box(picture: NDArray[np.uint8], at_px: NDArray[np.float64], colour: _Colour
 
 
 def find_picture() -> Path:
-    """Where the picture of the gel is saved."""
+    """Returns where the picture of the gel is saved."""
     cache = Path(os.environ.get("XDG_CACHE_HOME", ""))
     if not cache.is_absolute():
         cache = Path("~/.cache").expanduser()

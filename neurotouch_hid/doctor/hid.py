@@ -8,7 +8,7 @@ import subprocess
 from pathlib import Path
 from typing import Final
 
-from neurotouch_hid.doctor.finding import Verdict, approve, fail, skip
+from neurotouch_hid.doctor.finding import Finding, approve, fail, skip
 from neurotouch_hid.doctor.rights import SERVICE_RULE, install_rule
 from neurotouch_hid.driver.service_settings import ServiceSettings, find_service_file
 from neurotouch_hid.profile.reading.load import load_settings
@@ -33,11 +33,11 @@ def check_hid(
     node: Path = _NODE,
     loaded: Path = _LOADED,
     package: Path = SERVICE_RULE,
-) -> Verdict:
-    """Is there what a HID pad needs: the module, the right, and for the service its own?
+) -> Finding:
+    """Checks what a HID pad needs: the kernel module, the right, and the service's own right.
 
     Args:
-        files: where the service's choices may lie; those of this machine and this person without.
+        files: where the service's choices may be; by default those of this machine and this person.
         node: the node that makes HID devices.
         loaded: is there once its module is.
         package: is there where the Debian package is installed.
@@ -47,13 +47,13 @@ def check_hid(
     if asking is None:
         if usable:
             return approve("You may make a true HID pad, too: neurotouch run --device hid")
-        return skip("Nobody asks for a HID pad ('device: hid' in service.yaml).")
-    asks = f"{asking} asks for a HID pad"
+        return skip("No HID pad is requested ('device: hid' in service.yaml).")
+    asks = f"{asking} requests a HID pad"
     if not node.exists() or not loaded.exists():
         return fail(
             f"{asks}, but the kernel module uhid is not loaded.",
             "Load it, now and at every start. If it is not found, install your distribution's "
-            "package of extra kernel modules; in a container the host must hand /dev/uhid in.",
+            "package of extra kernel modules; in a container the host must pass /dev/uhid on.",
             *_LOAD,
         )
     if package.exists():
@@ -63,7 +63,7 @@ def check_hid(
     mode = stat.S_IMODE(node.stat().st_mode)
     return fail(
         f"{asks}, but you have no right to write to {node} (its mode is {mode:04o}).",
-        "Allow it for whoever sits at the machine. Mind that every program of theirs can then make "
+        "Allow it for the person at the machine. Mind that every program of theirs can then make "
         "HID devices of any kind.",
         install_rule("70-neurotouch-hid.rules"),
         "sudo udevadm control --reload",
@@ -72,7 +72,7 @@ def check_hid(
 
 
 def _find_asking(files: tuple[Path, ...]) -> Path | None:
-    """The first of the files that asks for a HID pad.
+    """Returns the first of the files that requests a HID pad.
 
     Raises:
         ProfileError: one of them has mistakes.
@@ -83,8 +83,8 @@ def _find_asking(files: tuple[Path, ...]) -> Path | None:
     return None
 
 
-def _check_service(asks: str) -> Verdict:
-    """May the service use the node? It does not get it unasked."""
+def _check_service(asks: str) -> Finding:
+    """Checks whether the service may use the node; it must be allowed to explicitly."""
     if not shutil.which("systemctl"):
         return skip("systemd does not run here.")
     done = subprocess.run(
@@ -98,7 +98,7 @@ def _check_service(asks: str) -> Verdict:
         return approve(f"{asks}, and the service may make one.")
     return fail(
         f"{asks}, but the service has no right to /dev/uhid.",
-        "Allow it. Mind that whoever may write there can make keyboards and security keys, too.",
+        "Allow it. Mind that this right is enough to make keyboards and security keys, too.",
         shlex.join(["sudo", "install", "-D", "-m", "644", _EXAMPLE, _DROP_IN]),
         "sudo systemctl daemon-reload",
         "sudo systemctl restart neurotouch",

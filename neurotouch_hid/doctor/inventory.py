@@ -21,7 +21,7 @@ _BTN_JOYSTICK: Final = 0x120
 _BTN_DIGI: Final = 0x140
 _WORD_BITS: Final = 64
 _INTERPRETERS: Final = ("python", "perl", "ruby", "node", "sh", "bash")
-"""What they run is their first argument."""
+"""The program that they run is their first argument."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +61,7 @@ class Process:
 
 
 def find_pads(system: Path = _INPUT, nodes: Path = _NODES) -> tuple[Pad, ...]:
-    """All game controllers, in the order of their nodes."""
+    """Returns all game controllers, in the order of their nodes."""
     found = []
     for entry in sorted(system.glob("event*"), key=lambda path: int(path.name[5:])):
         with suppress(OSError, ValueError):  # unplugged while we look
@@ -97,13 +97,13 @@ _IDS: Final = ("bustype", "vendor", "product", "version")
 
 
 def _clean(file: Path) -> str:
-    """What a device says of itself; it goes to a terminal."""
+    """Returns a device's own words, made safe for a terminal."""
     text = file.read_text(errors="replace").strip()
     return "".join(char for char in text if char.isprintable())
 
 
 def find_processes(names: set[str], processes: Path = _PROCESSES) -> tuple[Process, ...]:
-    """The running programs that are called one of these names, by command or by script."""
+    """Returns the running programs with one of these names, by command or by script."""
     found = []
     for folder in processes.glob("[0-9]*"):
         with suppress(OSError):  # it has ended
@@ -124,7 +124,7 @@ def _list_names(folder: Path) -> Iterator[str]:
 
 
 def find_driver() -> dict[str, Any] | None:
-    """What the running driver says of itself; None if none runs or it does not answer."""
+    """Returns the running driver's status; None if none runs or it does not answer."""
     try:
         return driver.ask("status")
     except DriverError:

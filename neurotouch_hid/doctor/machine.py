@@ -7,15 +7,19 @@ import struct
 import sys
 import time
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from neurotouch_hid.doctor.finding import Verdict, approve, fail, warn
+from neurotouch_hid.doctor.finding import Finding, approve, fail, warn
+
+if TYPE_CHECKING:
+    from neurotouch_hid.messages import Step
 
 _DISTRIBUTION: Final = "neurotouch-hid"
 _LEAST_SPEED: Final = 2.0
 """Times real time: below it a busy moment makes the pad late."""
 
-_PERIOD_S: Final = 0.01
+_SLICE_US: Final = 10_000
+_PERIOD_S: Final = _SLICE_US / 1e6
 _TICKS: Final = 200
 _LATE_S: Final = 0.005
 """Half a slice: later than this the pad is a slice behind."""
@@ -24,8 +28,8 @@ _GOVERNOR: Final = Path("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")
 _RTKIT: Final = Path("/usr/share/dbus-1/system-services/org.freedesktop.RealtimeKit1.service")
 
 
-def check_python() -> Verdict:
-    """Python and all that comes with the program."""
+def check_python() -> Finding:
+    """Checks Python and every package that the program needs."""
     version = ".".join(map(str, sys.version_info[:3]))
     bits = struct.calcsize("P") * 8
     if sys.version_info < (3, 11) or bits != 64:
@@ -62,26 +66,27 @@ def _find_missing() -> list[str]:
     return missing
 
 
-def check_line() -> Verdict:
-    """Plays a simulated push through the whole line, as fast as it goes."""
-    from neurotouch_hid.device import MemoryDevice
-    from neurotouch_hid.gesture import GestureConfig
-    from neurotouch_hid.profile import load_profile
-    from neurotouch_hid.runtime import Pipeline, run_pipeline, warm_up
-    from neurotouch_hid.source import open_source
+def check_pipeline() -> Finding:
+    """Plays a simulated push through the whole pipeline, as fast as it goes."""
+    from neurotouch_hid.driver import REFERENCE, Driver
+    from neurotouch_hid.evaluation.speed.workload import DenseSource, load_scene
 
-    profile = load_profile("default")
-    warm_up(Pipeline.build(profile, GestureConfig()))
-    device = MemoryDevice()
-    with open_source("sim:push", speed="max") as source:
-        packets = list(source)
-    stats = run_pipeline(packets, Pipeline.build(profile, GestureConfig()), device)
-    if not any(state.axes for state in device.states):
+    moved = False
+
+    def watch(step: "Step") -> None:
+        nonlocal moved
+        moved = moved or bool(step.pad.axes)
+
+    scene = load_scene("push", _SLICE_US)  # made beforehand, so that making it is not measured
+    seconds = len(scene.packets) * _SLICE_US / 1e6
+    with Driver(REFERENCE, make_source=lambda: DenseSource(scene, seconds)) as driver:
+        stats = driver.run([watch])
+    if not moved:
         return fail("A simulated push did not move the pad.", "Report this as a bug.")
     speed, cores = stats.sensor_s / stats.host_s, len(os.sched_getaffinity(0))
     sentence = (
-        f"A simulated push moves the pad; this machine is {speed:.1f} times real time, with "
-        f"{cores} processor{'s' if cores > 1 else ''}."
+        f"A simulated push moves the pad; this machine computes {speed:.0f} seconds of play in "
+        f"one, with {cores} processor{'s' if cores > 1 else ''}."
     )
     if speed < _LEAST_SPEED:
         return warn(
@@ -92,8 +97,8 @@ def check_line() -> Verdict:
     return approve(sentence)
 
 
-def check_timer() -> Verdict:
-    """How late the system wakes us for a slice."""
+def check_timer() -> Finding:
+    """Checks how late the system wakes this process for a slice."""
     late_s = []
     due = time.monotonic()
     for _ in range(_TICKS):
@@ -104,7 +109,7 @@ def check_timer() -> Verdict:
     governor = _GOVERNOR.read_text().strip() if _GOVERNOR.exists() else "unknown"
     kit = "there" if _RTKIT.exists() else "not there (and not needed)"
     sentence = (
-        f"Of {_TICKS} slices of 10 ms, 99 % are on time to {p99_s * 1e3:.1f} ms; governor "
+        f"Of {_TICKS} slices of 10 ms, 99 % come at most {p99_s * 1e3:.1f} ms late; governor "
         f"{governor}, real-time kit {kit}."
     )
     if p99_s > _LATE_S:

@@ -9,7 +9,7 @@ from contextlib import closing
 from typing import Final
 
 from neurotouch_hid.device import open_device
-from neurotouch_hid.doctor.finding import Verdict, approve, fail, skip, warn
+from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
 from neurotouch_hid.doctor.inventory import Pad, find_pads
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import Button, GamepadState
@@ -24,10 +24,10 @@ _BACK_S: Final = 2.0
 _IGNORED: Final = ("SDL_GAMECONTROLLER_IGNORE_DEVICES", "SDL_JOYSTICK_BLACKLIST_DEVICES")
 _ONLY: Final = "SDL_GAMECONTROLLER_IGNORE_DEVICES_EXCEPT"
 _KNOWN: Final = {("045e:028e", 0x0110), ("045e:028e", 0x0114)}
-"""Identities that the mapping databases of SDL hold, with these versions."""
+"""Identities that the mapping databases of SDL have, with these versions."""
 
 
-def check_loopback() -> Verdict:
+def check_loopback() -> Finding:
     """Makes a pad, presses A and reads it back as a game would."""
     import evdev
 
@@ -40,7 +40,7 @@ def check_loopback() -> Verdict:
         if made is None:
             return fail(
                 "The kernel took the pad, but no event node appeared.",
-                "Load the module evdev. In a container, hand in /dev/input.",
+                "Load the module evdev. In a container, pass /dev/input on.",
                 "sudo modprobe evdev",
             )
         if not made.readable:
@@ -61,8 +61,8 @@ def check_loopback() -> Verdict:
     return approve(f"A press of A came back after {took_ms:.2f} ms ({made.node}).")
 
 
-def check_recognition() -> Verdict:  # noqa: PLR0911
-    """Do udev and SDL take our pad for a game controller?"""
+def check_recognition() -> Finding:  # noqa: PLR0911
+    """Checks whether udev and SDL take our pad for a game controller."""
     hidden = _find_hiding()
     if hidden:
         return warn(
@@ -92,13 +92,11 @@ def check_recognition() -> Verdict:  # noqa: PLR0911
             f"udev says game controller, but SDL has no mapping of its own for {made.usb_id}.",
             "Use the usual identity, xbox360.",
         )
-    return approve(
-        f"udev says game controller, and SDL knows {made.usb_id} ({made.name}) by heart."
-    )
+    return approve(f"udev says game controller, and SDL knows {made.usb_id} ({made.name}).")
 
 
 def _find_hiding() -> str:
-    """The variable by which SDL ignores our usual pad, if one is set."""
+    """Returns the variable by which SDL ignores our usual pad, if one is set."""
     for name in _IGNORED:
         if "0x045e/0x028e" in os.environ.get(name, "").lower():
             return name
@@ -107,7 +105,7 @@ def _find_hiding() -> str:
 
 
 def _wait_for_pad() -> Pad | None:
-    """Our pad, once it is readable; unreadable, or None, when time is up."""
+    """Returns our pad as soon as it is readable; unreadable, or None, when time is up."""
     deadline = time.monotonic() + _APPEAR_S
     while True:
         made = next((pad for pad in find_pads() if pad.place.endswith(f"pad{_PLAYER - 1}")), None)
@@ -117,7 +115,7 @@ def _wait_for_pad() -> Pad | None:
 
 
 def _ask_udev(node: str) -> dict[str, str]:
-    """What udev knows of a node; nothing where no udev runs."""
+    """Returns udev's properties of a node; empty where no udev runs."""
     deadline = time.monotonic() + _APPEAR_S
     while True:
         done = subprocess.run(  # noqa: S603

@@ -10,18 +10,19 @@ from pathlib import Path
 from typing import Final
 
 from neurotouch_hid.device import ChordReader, explain_keyboards, find_keyboards
-from neurotouch_hid.doctor.finding import Verdict, approve, fail, skip, warn
+from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
 from neurotouch_hid.driver.settings import load_driver_settings
-from neurotouch_hid.monitor.player import PLAYERS
+from neurotouch_hid.monitor.sound_programs import SOUND_PROGRAMS
+from neurotouch_hid.players import find_user_file
 from neurotouch_hid.profile import list_profiles, load_profile, load_user
-from neurotouch_hid.profile.reading.library import find_user_file, find_user_folder
+from neurotouch_hid.profile.reading.library import find_user_folder
 
 _CALIBRATED: Final = re.compile(r"^# Calibrated (\d{4}-\d{2}-\d{2})\.", re.MULTILINE)
 _OLD_DAYS: Final = 180
 
 
-def check_profiles() -> Verdict:
-    """Do all profiles load, is the first favourite there, can versions be kept?"""
+def check_profiles() -> Finding:
+    """Checks that all profiles load, the first favourite exists and versions can be kept."""
     names = list_profiles()
     for profile in names:
         load_profile(profile)
@@ -30,7 +31,7 @@ def check_profiles() -> Verdict:
     for favourite in user.slots:
         if favourite not in names:
             return fail(
-                f"Your favourite '{favourite}' is no profile.",
+                f"Your favourite profile '{favourite}' does not exist.",
                 "Choose others: neurotouch profile use NAME, or 'slots' in user.yaml.",
             )
     folder = find_user_folder()
@@ -39,12 +40,12 @@ def check_profiles() -> Verdict:
         return warn(
             f"{len(names)} profiles are in order, but {nearest} cannot be written, so none can be "
             "changed and no version kept.",
-            f"Give it back to yourself, with everything in it: chown -R $(id -un) {nearest}",
+            f"Become its owner again, with everything in it: chown -R $(id -un) {nearest}",
         )
     return approve(f"{len(names)} profiles are in order; '{user.slots[0]}' plays first.")
 
 
-def check_calibration(file: Path | None = None) -> Verdict:
+def check_calibration(file: Path | None = None) -> Finding:
     """Has the person been measured, and how long ago?"""
     file = file or find_user_file()
     ranges = load_user().range
@@ -66,8 +67,8 @@ def check_calibration(file: Path | None = None) -> Verdict:
     return approve(sentence)
 
 
-def check_keyboard() -> Verdict:
-    """Can the keys that stop everything be heard?"""
+def check_keyboard() -> Finding:
+    """Checks whether the keys that stop everything can be read."""
     keyboards = find_keyboards()
     sentence, fix = explain_keyboards(keyboards)
     sentence = f"{sentence[0].upper()}{sentence[1:]}."
@@ -80,7 +81,7 @@ def check_keyboard() -> Verdict:
 
 def try_chords(
     say: Callable[[str], object], wait: Callable[[Callable[[], bool]], bool], **places: Path
-) -> Verdict:
+) -> Finding:
     """Has the person press each chord, without any hurry.
 
     Args:
@@ -109,12 +110,12 @@ def try_chords(
     return warn(f"Not heard: {', '.join(missed)}.", "See the check 'keyboard'.")
 
 
-def check_sound() -> Verdict:
-    """Can what the person wants to hear be played?"""
+def check_sound() -> Finding:
+    """Checks whether the sounds the person asked for can be played."""
     sound = load_user().feedback.sound
     if sound == "none":
         return skip("Sound is off; 'feedback: {sound: tones}' in user.yaml switches it on.")
-    programs = [command[0] for command in PLAYERS[sound]]
+    programs = [command[0] for command in SOUND_PROGRAMS[sound]]
     found = next(filter(shutil.which, programs), None)
     if found is None:
         package = "speech-dispatcher" if sound == "speech" else "pipewire-bin"

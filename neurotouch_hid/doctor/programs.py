@@ -1,4 +1,4 @@
-"""Which other programs stand between us and the games?"""
+"""Finds other programs between our pad and the games."""
 
 import configparser
 import os
@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
-from neurotouch_hid.doctor.finding import Verdict, approve, skip, warn
+from neurotouch_hid.doctor.finding import Finding, approve, skip, warn
 from neurotouch_hid.doctor.inventory import find_processes
 
 _STEAM: Final = {"steam", "steamwebhelper"}
@@ -48,7 +48,7 @@ _GNOME_KEYS: Final = {"slowkeys-enable": "slow keys", "bouncekeys-enable": "boun
 _KDE_KEYS: Final = {"SlowKeys": "slow keys", "BounceKeys": "bounce keys"}
 
 
-def check_steam() -> Verdict:
+def check_steam() -> Finding:
     """Does Steam run, whose own pad may double ours?"""
     if not find_processes(_STEAM):
         return approve("Steam does not run.")
@@ -59,8 +59,8 @@ def check_steam() -> Verdict:
     )
 
 
-def check_remappers() -> Verdict:
-    """Do other programs take input devices for themselves?"""
+def check_remappers() -> Finding:
+    """Checks whether other programs take input devices for themselves."""
     found = find_processes(set(_REMAPPERS))
     if not found:
         return approve("No other remapper that we know runs.")
@@ -75,8 +75,8 @@ def check_remappers() -> Verdict:
 
 def check_sandboxes(
     flatpaks: tuple[Path, ...] = _FLATPAKS, snaps: Path = _SNAPS, home: Path | None = None
-) -> Verdict:
-    """Can games and browsers in sandboxes see game controllers?"""
+) -> Finding:
+    """Checks whether games and browsers in sandboxes can see game controllers."""
     home = home or Path("~").expanduser()
     shut = list(_find_shut_flatpaks(flatpaks, home))
     caged = [name for name in _SNAP_PLAYERS if (snaps / name).is_dir()]
@@ -88,9 +88,9 @@ def check_sandboxes(
         sentences.append(f"{names} (Flatpak) may not see game controllers.")
         commands += [f"flatpak override --user --device=all {app}" for app in shut]
     if caged:
-        sentences.append(f"{', '.join(caged)} (Snap) may need leave to see game controllers.")
+        sentences.append(f"{', '.join(caged)} (Snap) may need permission to see game controllers.")
         commands += [f"sudo snap connect {name}:joystick" for name in caged]
-    return warn(" ".join(sentences), "Give it to those you play with.", *commands)
+    return warn(" ".join(sentences), "Grant it to the programs you play with.", *commands)
 
 
 def _find_shut_flatpaks(folders: tuple[Path, ...], home: Path) -> Iterator[str]:
@@ -108,7 +108,7 @@ def _find_shut_flatpaks(folders: tuple[Path, ...], home: Path) -> Iterator[str]:
 
 
 def _read_devices(file: Path) -> list[str]:
-    """The devices that a Flatpak file gives."""
+    """Returns the devices that a Flatpak file gives."""
     said = configparser.ConfigParser(strict=False, interpolation=None)
     with suppress(OSError, configparser.Error):
         said.read_string(file.read_text(errors="replace"))
@@ -116,7 +116,7 @@ def _read_devices(file: Path) -> list[str]:
     return []
 
 
-def check_desktop() -> Verdict:
+def check_desktop() -> Finding:
     """Does the desktop itself filter keys, which would filter ours twice?"""
     on = [*_ask_gnome(), *_ask_kde(Path("~/.config/kaccessrc").expanduser())]
     if not on:
@@ -125,7 +125,7 @@ def check_desktop() -> Verdict:
         return approve("The desktop does not filter keys.")
     return warn(
         f"The desktop has {' and '.join(on)} switched on: keys that our profiles press are "
-        "filtered twice and may come late or not at all. Pads and mice are not concerned.",
+        "filtered twice and may come late or not at all. Pads and mice are not affected.",
         "Use a profile with pad buttons; or hold keys longer than the desktop asks for; or let "
         "only one of both filter.",
     )

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
-from neurotouch_hid.doctor.finding import Verdict, approve, fail, skip, warn
+from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
 from neurotouch_hid.doctor.inventory import find_driver
 from neurotouch_hid.resources import find_resources
 
@@ -39,21 +39,21 @@ _LOOK_AGAIN: Final = (
 
 
 def install_rule(name: str) -> str:
-    """The command that installs one of our rules."""
+    """Returns the command that installs one of our rules."""
     source = find_resources("udev") / name
     return shlex.join(
         ["sudo", "install", "-D", "-m", "644", str(source), f"/etc/udev/rules.d/{name}"]
     )
 
 
-def check_module() -> Verdict:
-    """Is the kernel's module for virtual devices there and loaded?"""
+def check_module() -> Finding:
+    """Checks whether the kernel's module for virtual devices exists and is loaded."""
     if _LOADED.exists():
         return approve("The kernel module uinput is loaded.")
     if not _NODE.exists():
         return fail(
             "There is no /dev/uinput: the kernel module uinput is not loaded.",
-            "Load it, now and at every start; in a container the host must hand it in.",
+            "Load it, now and at every start; in a container the host must pass it on.",
             *_LOAD,
         )
     return warn(
@@ -64,19 +64,19 @@ def check_module() -> Verdict:
 
 
 def needs_no_right() -> str:
-    """Why this person needs no right to make a pad, in a sentence; empty if they do."""
+    """Returns why this person needs no right to make a pad; empty if they need one."""
     if os.access(_NODE, os.R_OK | os.W_OK):
         return "You may make virtual gamepads."
     running = find_driver()
     if running is not None and running.get("device") not in (None, "memory"):
         return f"The running driver has a pad: {running['device']}."
     if SERVICE_RULE.exists():
-        return "The service makes the pad once a camera is plugged in, so you need no right to."
+        return "The service makes the pad once a camera is plugged in, so you need no right for it."
     return ""
 
 
-def check_right() -> Verdict:
-    """May we write to it?"""
+def check_right() -> Finding:
+    """Checks whether this user may write to it."""
     if reason := needs_no_right():
         return approve(reason)
     if not _NODE.exists():
@@ -84,20 +84,20 @@ def check_right() -> Verdict:
     mode = stat.S_IMODE(_NODE.stat().st_mode)
     return fail(
         f"You have no right to write to /dev/uinput (its mode is {mode:04o}).",
-        "Allow it for whoever sits at the machine, as 'neurotouch setup' does.",
+        "Allow it for the person at the machine, as 'neurotouch setup' does.",
         install_rule("70-neurotouch-uinput.rules"),
         *_LOOK_AGAIN,
     )
 
 
-def check_rule(folders: tuple[Path, ...] = FOLDERS) -> Verdict:
-    """Does a rule give it to whoever sits at the machine, and in time?"""
+def check_rule(folders: tuple[Path, ...] = FOLDERS) -> Finding:
+    """Does a rule give it to the person at the machine, and in time?"""
     found = list(_find_rules(folders))
     if not found:
         if reason := needs_no_right():
             return skip(f"No rule is needed. {reason}")
         return warn(
-            "No udev rule gives /dev/uinput to whoever sits at the machine.",
+            "No udev rule gives /dev/uinput to the person at the machine.",
             "Install ours, as 'neurotouch setup' does.",
             install_rule("70-neurotouch-uinput.rules"),
             *_LOOK_AGAIN,
@@ -106,7 +106,7 @@ def check_rule(folders: tuple[Path, ...] = FOLDERS) -> Verdict:
     if not in_time:
         path = found[0][0]
         return warn(
-            f"{path} comes too late: it must sort before {_LATEST}.",
+            f"{path} comes too late: its name must sort before {_LATEST}.",
             "Give it a number below 73, or install ours beside it.",
             install_rule("70-neurotouch-uinput.rules"),
             *_LOOK_AGAIN,
@@ -115,16 +115,16 @@ def check_rule(folders: tuple[Path, ...] = FOLDERS) -> Verdict:
     if not lasting:
         path = in_time[0][0]
         return warn(
-            f"{path} says nothing of static_node=uinput, so it holds only once the module is "
+            f"{path} says nothing of static_node=uinput, so it applies only once the module is "
             "loaded.",
             "Load the module at every start.",
             *_LOAD,
         )
-    return approve(f"{lasting[0]} gives /dev/uinput to whoever sits at the machine.")
+    return approve(f"{lasting[0]} gives /dev/uinput to the person at the machine.")
 
 
 def _find_rules(folders: tuple[Path, ...]) -> Iterator[tuple[Path, str]]:
-    """The rules that tag uinput with uaccess, and their files; those that are hidden are not."""
+    """Gives the rules that tag uinput with uaccess, with their files, hidden ones left out."""
     files: dict[str, Path] = {}
     for folder in reversed(folders):
         files |= {path.name: path for path in folder.glob("*.rules")}
@@ -140,7 +140,7 @@ def _find_rules(folders: tuple[Path, ...]) -> Iterator[tuple[Path, str]]:
                 yield path, line
 
 
-def check_seat() -> Verdict:
+def check_seat() -> Finding:
     """Does this person sit at the machine, in the sense of logind?"""
     if os.geteuid() == 0:
         return skip("You are root, who needs no seat.")
@@ -150,7 +150,7 @@ def check_seat() -> Verdict:
         return skip(f"No seat is needed. {reason}")
     where = "over ssh" if os.environ.get("SSH_CONNECTION") else "in a session without a seat"
     return warn(
-        f"You are logged in {where}, and rules for whoever sits at the machine do not hold there.",
+        f"You are logged in {where}, and rules for the person at the machine do not apply there.",
         "Log in at the machine itself; or give your user the group 'input', which may also read "
         "all keyboards, and log in again.",
         'echo \'KERNEL=="uinput", SUBSYSTEM=="misc", GROUP="input", MODE="0660", '

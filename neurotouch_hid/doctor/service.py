@@ -4,21 +4,21 @@ import shutil
 import subprocess
 from typing import Final
 
-from neurotouch_hid.doctor.finding import Verdict, approve, fail, skip, warn
+from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
 
 _UNIT: Final = "neurotouch.service"
 _PATIENCE_S: Final = 5.0
 
 
-def check_service() -> Verdict:
-    """Is it installed, and does it run?"""
+def check_service() -> Finding:
+    """Checks whether the service is installed and runs."""
     said = _ask_systemd() if shutil.which("systemctl") else {}
     if said.get("LoadState", "not-found") == "not-found":
         return skip("The service is not installed here; 'neurotouch run' does the same.")
     if said["LoadState"] == "masked":
         return warn(
             "The service is masked: plugging in a camera starts nothing.",
-            "If that was not meant, take the mask off.",
+            "If that was not meant, unmask it.",
             f"sudo systemctl unmask {_UNIT}",
         )
     state = said.get("ActiveState", "unknown")
@@ -39,7 +39,7 @@ def check_service() -> Verdict:
 
 
 def _ask_systemd() -> dict[str, str]:
-    """The unit's properties; none where systemd does not run."""
+    """Returns the unit's properties; empty where systemd does not run."""
     names = ("LoadState", "ActiveState", "Result", "MainPID", "NRestarts")
     try:
         done = subprocess.run(  # noqa: S603

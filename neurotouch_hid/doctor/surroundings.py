@@ -6,18 +6,18 @@ import socket
 import stat
 import sys
 
-from neurotouch_hid.doctor.finding import Verdict, approve, fail, warn
+from neurotouch_hid.doctor.finding import Finding, approve, fail, warn
 from neurotouch_hid.page.address import find_address_file, read_address
 from neurotouch_hid.page.server import PORT
 
 
-def check_page() -> Verdict:
-    """Is the port of the page free, and its secret a secret?"""
+def check_page() -> Finding:
+    """Checks whether the page's port is free, and its secret readable by its owner only."""
     file = find_address_file()
     if file.exists() and stat.S_IMODE(file.stat().st_mode) & 0o077:
         return fail(
-            f"Others can read {file}, which holds the secret of the live view.",
-            "Close it to them, and start 'neurotouch view' again.",
+            f"Others can read {file}, which has the secret of the live view.",
+            "Make it readable for yourself only, and start 'neurotouch view' again.",
             f"chmod 600 {file}",
         )
     serving = read_address()
@@ -35,8 +35,8 @@ def check_page() -> Verdict:
     return approve(f"Port {PORT} for the live view is free.")
 
 
-def check_terminal() -> Verdict:
-    """How we speak here."""
+def check_terminal() -> Finding:
+    """Checks how the program writes on this terminal."""
     name, width = os.environ.get("TERM", "none"), shutil.get_terminal_size().columns
     plain = os.environ.get("NT_ACCESSIBLE", "0") not in ("", "0") or name == "dumb"
     if not sys.stdout.isatty():

@@ -1,4 +1,4 @@
-"""Hands what the running line sees to others on this machine who ask for it, as to a recorder."""
+"""Hands what the running driver sees to others on this machine who ask for it, as to a recorder."""
 
 import socket
 import threading
@@ -12,36 +12,36 @@ from neurotouch_hid.errors import DriverError
 from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.recording.wire import send_packet
 
-MAX_LISTENERS: Final = 4
+MAX_SUBSCRIBERS: Final = 4
 QUEUE_BYTES: Final = 16 << 20
-"""What may wait for one listener: 0.2 s at 5 million events/s. Beyond it the oldest is lost."""
+"""What may wait for one subscriber: 0.2 s at 5 million events/s. Beyond it the oldest is lost."""
 
 PATIENCE_S: Final = 10.0
-"""A listener that takes nothing for so long is given up."""
+"""A subscriber that takes nothing for so long is given up."""
 
 
 class Broadcast:
-    """A tap. The line only puts packets into queues; each listener has a thread of its own.
+    """A tap. The pipeline only puts packets into queues; each subscriber has a thread of its own.
 
-    A listener that is slow loses packets, oldest first; the next one it gets says in its ``gap``
+    A subscriber that is slow loses packets, oldest first; the next one it gets says in its ``gap``
     how many events they held.
     """
 
     def __init__(self) -> None:
-        self._listeners: tuple[_Listener, ...] = ()
+        self._subscribers: tuple[_Subscriber, ...] = ()
         self._lock = threading.Lock()
 
     def __call__(self, step: Step) -> None:
-        """Offers the packet of ``step`` to whoever listens; never waits."""
-        for listener in self._listeners:
-            listener.offer(step.packet)
+        """Offers the packet of ``step`` to its subscribers; never waits."""
+        for subscriber in self._subscribers:
+            subscriber.offer(step.packet)
 
     def serve(self, line: socket.socket) -> None:
         """Sends packets until the other end leaves or this is closed; in a thread of its own."""
         line.settimeout(PATIENCE_S)
-        with self._listen() as listener:
+        with self._subscribe() as subscriber:
             try:
-                while (packet := listener.take()) is not None:
+                while (packet := subscriber.take()) is not None:
                     send_packet(line, packet)
             except OSError:
                 return  # it has heard enough
@@ -52,28 +52,30 @@ class Broadcast:
         Raises:
             DriverError: enough do.
         """
-        if len(self._listeners) >= MAX_LISTENERS:
-            raise DriverError(f"{MAX_LISTENERS} programs already record or watch.")
+        if len(self._subscribers) >= MAX_SUBSCRIBERS:
+            raise DriverError(f"Too many programs record or watch already: {MAX_SUBSCRIBERS}.")
 
     def close(self) -> None:
-        """Lets all listeners have what still waits for them, then the end."""
-        for listener in self._listeners:
-            listener.end()
+        """Lets all subscribers have what still waits for them, then the end."""
+        for subscriber in self._subscribers:
+            subscriber.end()
 
     @contextmanager
-    def _listen(self) -> Iterator["_Listener"]:
-        listener = _Listener()
+    def _subscribe(self) -> Iterator["_Subscriber"]:
+        subscriber = _Subscriber()
         with self._lock:
-            self._listeners = (*self._listeners, listener)
+            self._subscribers = (*self._subscribers, subscriber)
         try:
-            yield listener
+            yield subscriber
         finally:
             with self._lock:
-                self._listeners = tuple(each for each in self._listeners if each is not listener)
+                self._subscribers = tuple(
+                    each for each in self._subscribers if each is not subscriber
+                )
 
 
-class _Listener:
-    """The queue of one listener."""
+class _Subscriber:
+    """The queue of one subscriber."""
 
     def __init__(self) -> None:
         self._queue: deque[EventPacket] = deque()

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Final
 from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
-from neurotouch_hid.profile.reading.library import find_user_file
+from neurotouch_hid.players import find_user_file
 from neurotouch_hid.profile.reading.load import load_settings
 from neurotouch_hid.profile.schema.profile import check_version
 from neurotouch_hid.profile.schema.strict import Strict, give_unit
@@ -86,7 +86,7 @@ class CameraSettings(Strict):
         """The same as the driver takes it.
 
         Raises:
-            CameraError: a pixel lies outside.
+            CameraError: a pixel is outside.
         """
         biases = {name: CoarseFine(*value) for name, value in self.biases}
         return DavisConfig(
@@ -101,18 +101,18 @@ class CameraSettings(Strict):
 
 
 def find_camera_file(player: int | None = None) -> Path:
-    """The file of these settings; it need not exist."""
+    """Returns the file of these settings; it need not exist."""
     return find_user_file(player).with_name(FILE)
 
 
 def load_camera_config(player: int | None = None) -> DavisConfig:
-    """The settings; the defaults if there is no file.
+    """Returns the settings; the defaults if there is no file.
 
     Args:
         player: the player number; None means the one of the environment.
 
     Raises:
         ProfileError: the file says something we cannot do; every mistake has line and column.
-        CameraError: a pixel lies outside.
+        CameraError: a pixel is outside.
     """
     return load_settings(find_camera_file(player), CameraSettings).config

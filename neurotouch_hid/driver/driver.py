@@ -6,23 +6,35 @@ from itertools import islice
 from threading import Event, Timer
 from typing import Any, Final, Self
 
-from neurotouch_hid.client import find_runtime_folder, is_service_running
+from neurotouch_hid.client import ask_status, is_service_running
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.device import Device, check_device, open_device
+from neurotouch_hid.driver.admission import Guests
 from neurotouch_hid.driver.camera_settings import load_camera_config
-from neurotouch_hid.driver.control import ControlSocket, Guests
+from neurotouch_hid.driver.check import check_copilot
+from neurotouch_hid.driver.chosen import load_chosen
+from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.driver.extra_devices import find_extra_devices
 from neurotouch_hid.driver.options import DriverOptions
 from neurotouch_hid.driver.pad import open_pad
+from neurotouch_hid.driver.people import People, Person
 from neurotouch_hid.driver.settings import load_driver_settings
 from neurotouch_hid.driver.wiring import Wiring
-from neurotouch_hid.errors import AlreadyRunningError, CameraError, DeviceError, DriverError
+from neurotouch_hid.errors import (
+    AlreadyRunningError,
+    CameraError,
+    DeviceError,
+    DriverError,
+    ProfileError,
+)
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EventPacket, Step
+from neurotouch_hid.players import find_runtime_folder
 from neurotouch_hid.process.realtime import realtime_priority
-from neurotouch_hid.profile import Profile, UserSettings, load_profile, load_user
+from neurotouch_hid.profile import Profile, UserSettings, load_profile
 from neurotouch_hid.runtime import LoopStats, Pipeline, Tap, run_pipeline, warm_up
 from neurotouch_hid.source import Source, open_source
+from neurotouch_hid.source.running_driver import NAME as RUNNING_DRIVER
 from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
 _PATIENCE_S: Final = 1.0
@@ -48,6 +60,7 @@ class Driver(Closing):
         make_device: makes the pad; called as ``open_device`` is.
         guests: says who else may give commands; nobody but the user and root without.
         facts: what ``status`` and the page are told beside the rest.
+        people: a service's settings of the people at the machine.
 
     Attributes:
         source: the open source.
@@ -76,6 +89,7 @@ class Driver(Closing):
         make_device: Callable[..., Device] = open_device,
         guests: Guests | None = None,
         facts: Facts | None = None,
+        people: People | None = None,
     ) -> None:
         self.options = options
         self.taps: list[Tap] = []
@@ -84,7 +98,10 @@ class Driver(Closing):
         self._make_device = make_device
         self._guests = guests
         self._facts = facts or {}
+        self._people = people
+        self._person: Person | None = None
         self._wiring: Wiring | None = None
+        self._stop = Event()
         self._closing = ExitStack()
 
     def __enter__(self) -> Self:
@@ -110,6 +127,10 @@ class Driver(Closing):
         if self._wiring is not None:
             self._wiring.reload()
 
+    def stop(self) -> None:
+        """Ends ``run``, now or as soon as it begins; from any thread."""
+        self._stop.set()
+
     def run(
         self,
         taps: Iterable[Tap] = (),
@@ -129,14 +150,18 @@ class Driver(Closing):
         Raises:
             GelNotFoundError: the source has ended and no frame has shown the gel.
         """
-        packets = self.source if seconds is None else _cut_off(self.source, seconds)
+        stop = stop or self._stop
+        if self._stop.is_set():  # before the loop begins
+            stop.set()
+        self._stop = stop
+        timed = () if seconds is None else (_stop_after(seconds, stop),)
         session = self._wiring.session if self._wiring is not None else None
         with ExitStack() as stack:
-            if self.pipeline.is_live or session is not None:
+            if self.pipeline.has_frame_thread or session is not None:
                 stack.enter_context(realtime_priority())
-            every = [*self.taps, *taps]
+            every = [*self.taps, *taps, *timed]
             return run_pipeline(
-                packets,
+                self.source,
                 self.pipeline,
                 self.device,
                 every,
@@ -161,20 +186,22 @@ class Driver(Closing):
         options, closing = self.options, self._closing
         self._load()
         control = self._listen() if options.is_listening else None
-        if options.wait:  # the camera may come while kernels are loaded, and need not wait then
+        if self._is_prepared_first():
             self._prepare()
             self.source = closing.enter_context(self._make_source())
         else:
             self.source = closing.enter_context(self._make_source())
-            if options.needs_device:  # before the kernels compile, and again for real after it
+            if options.needs_device or options.identity:  # before the kernels compile, and again
                 check_device(options.device, options.identity)
+            check_copilot(options)
             self._prepare()
         self.pipeline = Pipeline.build(
             self.profile,
             GestureConfig(method=options.method),
             user=self.user,
             rig=self.source.rig,
-            live=options.speed == "recorded" and (self.source.is_live or self.source.is_simulated),
+            frame_thread=options.speed == "recorded"
+            and (self.source.is_live or self.source.is_simulated),
         )
         closing.callback(self.pipeline.close)
         if not options.is_listening:
@@ -209,21 +236,55 @@ class Driver(Closing):
                 profile=self.profile,
                 user=self.user or UserSettings(),
                 settings=settings,
-                source=self.source.name,
+                source=self.source,
                 player=options.player,
                 announce=self._announce,
                 facts={**played.facts, **own, **self._facts},
                 copilot=played.copilot,
+                end=self.stop if self._guests is None else None,
+                people=self._people,
+                person=self._person,
+                default=options.profile,
             )
         )
         self.taps += self._wiring.taps
 
+    def _is_prepared_first(self) -> bool:
+        """Returns whether kernels are loaded before the source is opened.
+
+        A camera that is waited for may come meanwhile. Another driver's packets must be taken as
+        they come: who takes none for 10 s gets no more.
+
+        Raises:
+            NotRunningError: that driver does not run.
+        """
+        if self.options.source != RUNNING_DRIVER:
+            return self.options.wait
+        ask_status()
+        return True
+
     def _load(self) -> None:
+        """Loads the profile and the values; a service those of the person at the machine.
+
+        Raises:
+            ProfileError: they cannot be used; for a service, the machine's cannot.
+        """
         options = self.options
-        user = load_user(player=options.player)
-        self._profile_name = options.profile or user.slots[0]
-        self.profile = load_profile(self._profile_name)
-        self.user = user if options.personal else None
+        if not options.personal:
+            self.user, self._profile_name = None, options.profile or UserSettings().slots[0]
+            self.profile = load_profile(self._profile_name)
+            return
+        if self._people is not None and (person := self._people.find_present()) is not None:
+            try:
+                chosen = load_chosen(person, options.profile, options.player)
+            except ProfileError as error:  # the machine still plays
+                self._announce(f"The settings of user {person.uid} cannot be used: {error.message}")
+            else:
+                self._person = person
+                self._profile_name, self.profile, self.user = chosen
+                return
+        chosen = load_chosen(None, options.profile, options.player)
+        self._profile_name, self.profile, self.user = chosen
 
     def _listen(self) -> ControlSocket | None:
         """Opens the control socket; where none can be made, says so and goes on without.
@@ -292,6 +353,22 @@ class Driver(Closing):
                 with open_source(self.options.source, speed="max") as first_slices:
                     for _ in islice(first_slices, _WARM_SLICES):
                         pass
+
+
+def _stop_after(seconds: float, stop: Event) -> Tap:
+    """Returns a tap that sets ``stop`` after so much sensor time.
+
+    The loop itself still sees the source, because a live one must go round while it is silent.
+    """
+    begin_us: int | None = None
+
+    def check(step: Step) -> None:
+        nonlocal begin_us
+        begin_us = step.packet.t_begin_us if begin_us is None else begin_us
+        if step.packet.t_end_us - begin_us >= seconds * 1e6:
+            stop.set()
+
+    return check
 
 
 def _cut_off(packets: Source, seconds: float) -> Iterator[EventPacket]:

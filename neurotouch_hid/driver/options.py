@@ -1,7 +1,7 @@
 """What a driver is asked to do."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 from neurotouch_hid.source import Speed
 
@@ -60,3 +60,9 @@ class DriverOptions:
     def slice_us(self) -> int | None:
         """The length of a slice in µs; None for the usual one of the source."""
         return None if self.rate_hz is None else round(1e6 / self.rate_hz)
+
+
+REFERENCE: Final = DriverOptions(
+    profile="default", device="memory", speed="max", personal=False, listens=False
+)
+"""For measurements: nothing of this person or machine has a part in the result."""

@@ -21,7 +21,7 @@ class DriverPad:
     """A pad and who plays on it.
 
     Attributes:
-        device: what the line writes to.
+        device: what the pipeline writes to.
         copilot: the physical device that plays along, if there is one.
         rumble: how games shake it.
     """
@@ -53,7 +53,7 @@ def open_pad(
     wait: bool = False,
     make: Callable[..., Device] = open_device,
 ) -> DriverPad:
-    """Return a new, neutral pad on which the gel plays, and a co-pilot if one is wanted.
+    """Returns a new, neutral pad on which the gel plays, and a co-pilot if one is wanted.
 
     Games may shake it only if something can rumble: the co-pilot's device, or a viewer who watches
     on. A pad that claims to rumble and does not would keep games from saying so.

@@ -5,7 +5,7 @@ from typing import Annotated, Final, Literal
 
 from pydantic import AfterValidator, Field
 
-from neurotouch_hid.profile.reading.library import find_user_file
+from neurotouch_hid.players import find_user_file
 from neurotouch_hid.profile.reading.load import load_settings
 from neurotouch_hid.profile.schema.profile import check_version
 from neurotouch_hid.profile.schema.strict import Strict, make_optional
@@ -15,7 +15,7 @@ FILE: Final = "service.yaml"
 
 
 class ServiceSettings(Strict):
-    """The choices of the service; whose hand it is stands beside it, in ``user.yaml``."""
+    """The choices of the service; the values of the hand are beside it, in ``user.yaml``."""
 
     version: Annotated[int, AfterValidator(check_version)] = Field(
         default=1,
@@ -54,12 +54,12 @@ class ServiceSettings(Strict):
 
 
 def find_service_file(player: int | None = None) -> Path:
-    """The file of these choices; it need not exist."""
+    """Returns the file of these choices; it need not exist."""
     return find_user_file(player).with_name(FILE)
 
 
 def load_service_settings(player: int | None = None) -> ServiceSettings:
-    """The choices; the defaults if there is no file.
+    """Returns the choices; the defaults if there is no file.
 
     Args:
         player: the player number; None means the one of the environment.

@@ -7,9 +7,9 @@ from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
 from neurotouch_hid.device import is_input_name
-from neurotouch_hid.profile.reading.library import find_user_file
+from neurotouch_hid.players import find_user_file
 from neurotouch_hid.profile.reading.load import load_settings
-from neurotouch_hid.profile.schema.keys import parse_chord
+from neurotouch_hid.profile.schema.keyboard_keys import parse_chord
 from neurotouch_hid.profile.schema.profile import check_version
 from neurotouch_hid.profile.schema.strict import Strict, give_unit, make_optional
 from neurotouch_hid.vocabulary import NAME_PATTERN, Button
@@ -39,7 +39,7 @@ class Application(Strict):
         "Wayland the app_id; 'neurotouch status' shows it. Case does not count. No default."
     )
     profile: Annotated[str, Field(pattern=NAME_PATTERN)] = Field(
-        description="The profile that holds while it is in front. No default."
+        description="The active profile while it is in front. No default."
     )
 
 
@@ -121,12 +121,12 @@ class DriverSettings(Strict):
 
 
 def find_driver_file(player: int | None = None) -> Path:
-    """The file of these settings; it need not exist."""
+    """Returns the file of these settings; it need not exist."""
     return find_user_file(player).with_name(FILE)
 
 
 def load_driver_settings(player: int | None = None) -> DriverSettings:
-    """The settings; the defaults if there is no file.
+    """Returns the settings; the defaults if there is no file.
 
     Args:
         player: the player number; None means the one of the environment.

@@ -33,9 +33,11 @@ class ServiceManager:
         self._descriptors = _take_descriptors(environment)
 
     def take_descriptor(self, name: str) -> int | None:
-        """A descriptor that was handed over under this name, each only once; None if none is left.
+        """Returns a descriptor that was handed over under this name, each only once.
 
-        Whoever takes it closes it.
+        None if none is left.
+
+        The caller closes it.
         """
         for descriptor, given in self._descriptors.items():
             if given == name:
@@ -44,15 +46,15 @@ class ServiceManager:
         return None
 
     def report_ready(self) -> None:
-        """The service is up: the pad is there."""
+        """Reports that the pad is there."""
         self._tell("READY=1")
 
     def report_status(self, sentence: str) -> None:
-        """One line for ``systemctl status``."""
+        """Reports one line for ``systemctl status``."""
         self._tell(f"STATUS={sentence}")
 
     def report_alive(self) -> None:
-        """The loop has turned. Told at most four times in the watchdog's limit, so call it freely.
+        """Reports that the loop runs, at most four times in the watchdog's limit.
 
         Only the loop that does the work may call this: a hang is what the watchdog is for.
         """
@@ -62,7 +64,7 @@ class ServiceManager:
             self._tell("WATCHDOG=1")
 
     def report_stopping(self) -> None:
-        """The service is about to end."""
+        """Reports that the service is about to end."""
         self._tell("STOPPING=1")
 
     def _tell(self, state: str) -> None:
@@ -75,7 +77,7 @@ class ServiceManager:
 
 
 def _take_descriptors(environment: MutableMapping[str, str]) -> dict[int, str]:
-    """The handed over descriptors with their names, closed in any child, in order."""
+    """Returns the handed over descriptors with their names, closed in any child, in order."""
     pid = environment.pop("LISTEN_PID", "")
     count = environment.pop("LISTEN_FDS", "0")
     names = environment.pop("LISTEN_FDNAMES", "").split(":")

@@ -5,23 +5,24 @@ from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from typing import Self
 
-from neurotouch_hid.client import find_runtime_folder
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.desktop import Follower, open_window
 from neurotouch_hid.device import ChordReader, Copilot, Device
 from neurotouch_hid.driver.broadcast import Broadcast
 from neurotouch_hid.driver.commands import SAID, Commands
-from neurotouch_hid.driver.control import ControlSocket
+from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.driver.extra_devices import find_extra_devices
+from neurotouch_hid.driver.people import People, Person
 from neurotouch_hid.driver.reload import ProfileWatch
 from neurotouch_hid.driver.settings import DriverSettings
-from neurotouch_hid.errors import DriverError, ProfileError
+from neurotouch_hid.errors import DriverError
 from neurotouch_hid.monitor import SoundMonitor
 from neurotouch_hid.monitor.encoder import Facts, StateEncoder
 from neurotouch_hid.monitor.publisher import Publisher
+from neurotouch_hid.players import find_machine_folder, find_runtime_folder
 from neurotouch_hid.profile import Profile, UserSettings
-from neurotouch_hid.profile.reading.library import find_profile
 from neurotouch_hid.runtime import Pipeline, Session, Tap
+from neurotouch_hid.source import Source
 
 
 class Wiring(Closing):
@@ -35,11 +36,15 @@ class Wiring(Closing):
         profile: the profile at the start.
         user: the person's values.
         settings: hotkeys and applications.
-        source: the name of the source.
+        source: the source.
         player: the player number; None means the one of the environment.
         announce: is told sentences for the person, from several threads.
         facts: what ``status`` and the page are told beside the state of the pipeline.
         copilot: a device that plays along; hotkeys work on it too.
+        end: ends the driver; None if only systemd may.
+        people: a service's settings of the people at the machine.
+        person: the one at the machine at the start.
+        default: a service's profile for a person who has chosen none.
 
     Attributes:
         session: takes commands for the pipeline.
@@ -56,14 +61,21 @@ class Wiring(Closing):
         profile: Profile,
         user: UserSettings,
         settings: DriverSettings,
-        source: str,
+        source: Source,
         player: int | None = None,
         announce: Callable[[str], object] = str,  # says nothing
         facts: Facts | None = None,
         copilot: Copilot | None = None,
+        end: Callable[[], object] | None = None,
+        people: People | None = None,
+        person: Person | None = None,
+        default: str | None = None,
     ) -> None:
         self.session = Session(pipeline, user)
         self._control = control
+        self._end = end
+        self._people = people
+        self._is_simulated = source.is_simulated
         self._player = player
         self._announce = announce
         self._closing = ExitStack()
@@ -75,6 +87,9 @@ class Wiring(Closing):
             announce=announce,
             prepare=lambda new: device.prepare(find_extra_devices(new)),
             player=player,
+            people=people,
+            person=person,
+            default=default,
         )
         self._closing.callback(self._profiles.close)
         self.session.on_command(self._hear)
@@ -83,25 +98,32 @@ class Wiring(Closing):
         if copilot is not None:  # nobody else can read it
             copilot.listen(settings.keys_of, self._press)
             self.session.set_helper(lambda: copilot.share.buttons)
-        self.sound = SoundMonitor(self.session, announce)
-        self._closing.callback(self.sound.close)
         self._broadcast = Broadcast()
         self._closing.callback(self._broadcast.close)
-        self.taps: list[Tap] = [self.sound, self._broadcast]
+        self.taps: list[Tap] = [self._broadcast]
+        describe_sound = _describe_sound_of_service
+        if people is None:
+            sound = SoundMonitor(self.session, announce)
+            self._closing.callback(sound.close)
+            self.taps.append(sound)
+            describe_sound = sound.describe
         if control is not None:
             looks: Facts = {
-                "source": lambda: source,
+                "source": lambda: source.name,
+                "simulated": lambda: source.is_simulated,
                 "device": lambda: device.name,
-                "file": self._find_file,
+                "file": lambda: self._profiles.file,
+                "plays_sound": lambda: people is None,
             }
-            observer = StateEncoder(self.session, {**looks, **(facts or {})})
-            self._open_feed(observer, control)
+            encoder = StateEncoder(self.session, {**looks, **(facts or {})})
+            self._open_feed(encoder, control)
         self._facts: dict[str, Callable[[], str]] = {
-            "source": lambda: source,
+            "source": lambda: source.name,
             "device": lambda: device.name,
             "keyboard": chords.describe,
             "desktop": lambda: "none has a profile of its own",
-            "sound": self.sound.describe,
+            "sound": describe_sound,
+            "settings": self._describe_settings,
             **(facts or {}),
         }
         if settings.applications:
@@ -117,7 +139,15 @@ class Wiring(Closing):
 
     def __enter__(self) -> Self:
         if self._control is not None:
-            commands = Commands(self.session, self._profiles, self._facts, self._broadcast)
+            commands = Commands(
+                self.session,
+                self._profiles,
+                self._facts,
+                self._broadcast,
+                self._end,
+                self._people,
+                is_simulated=self._is_simulated,
+            )
             self._control.serve(commands.answer)
         return self
 
@@ -125,28 +155,35 @@ class Wiring(Closing):
         """Ends all threads and sockets."""
         self._closing.close()
 
-    def _open_feed(self, observer: StateEncoder, control: ControlSocket) -> None:
+    def _open_feed(self, encoder: StateEncoder, control: ControlSocket) -> None:
         admits = control.admits if control.has_guests else None
         try:
-            feed = Publisher(find_runtime_folder(self._player), observer, admits)
+            feed = Publisher(find_runtime_folder(self._player), encoder, admits)
             self.taps.append(self._closing.enter_context(feed))
         except DriverError as error:
             self._announce(f"Warning: {error.message} 'neurotouch view' will not work.")
 
-    def _find_file(self) -> str:
-        """Where the profile that holds lies; empty if it has gone."""
-        with suppress(ProfileError, OSError, RuntimeError):  # the last: a link leads to itself
-            return str(find_profile(self._profiles.name).resolve())
-        return ""
+    def _describe_settings(self) -> str:
+        person = self._profiles.person
+        if person is not None:
+            return f"those of the person at the machine, from {person.origin}"
+        if self._people is None:
+            return "this user's own"
+        return f"the machine's, {find_machine_folder()}"
 
     def _press(self, chord: str) -> None:
-        """What the keyboard orders: panic, or pause and its end."""
-        with suppress(DriverError):  # the line stands still, so everything is released
+        """Acts on a hotkey: panic, or pause and its end."""
+        with suppress(DriverError):  # the pipeline has stopped, so everything is released
             self.session.submit("panic" if chord == "panic" else "toggle")
 
     def _hear(self, command: str) -> None:
-        """What the line tells: a command has taken effect, or the gel asks for another profile."""
+        """Handles what the gel asks for: a command took effect, or another profile is wanted."""
         if command == "next_profile":
             self._profiles.next()
         elif command in SAID:
             self._profiles.say(SAID[command])
+
+
+def _describe_sound_of_service() -> str:
+    """Returns where the sounds of a service are played: it has no right to anybody's audio."""
+    return "played in the session of the person at the machine, by 'neurotouch session'"

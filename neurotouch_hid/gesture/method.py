@@ -1,5 +1,6 @@
-"""What a method is, and how one is found by its name."""
+"""Defines what a method is, and finds one by its name."""
 
+import math
 from typing import Final, Protocol
 
 import numpy as np
@@ -9,7 +10,7 @@ from neurotouch_hid.errors import PluginError
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.gesture.config import GestureConfig
 from neurotouch_hid.messages import Gesture
-from neurotouch_hid.plugins import METHODS, list_plugins, load_plugin
+from neurotouch_hid.plugins import METHODS, check_call, list_plugins, make_plugin
 
 BUILT_IN: Final = ("neurotouch", "paper")
 
@@ -33,18 +34,18 @@ class GestureMethod(Protocol):
         """Returns the gesture at the end of a slice.
 
         Args:
-            t_us: the end of the slice, in µs of sensor time.
-            step_us: the time since the slice before, in µs.
-            rest_px: (177, 2) float32, the markers at rest, columns x, y; a new array object when
+            t_us: the end of the slice, µs of sensor time.
+            step_us: the time since the previous slice, µs.
+            rest_px: (177, 2) float32 px, the markers at rest, columns x, y; a new array object when
                 they have changed.
-            moved_px: (177, 2) float64, how far each marker is from the neutral pose, in px; NaN
-                where ``use`` is False.
-            use: (177,) bool, True where the marker is measured.
-            rig: turns pixels into mm and back.
+            moved_px: (177, 2) float64 px, displacement of each marker from the neutral pose;
+                without meaning where ``use`` is False.
+            use: (177,) bool, True for measured markers.
+            rig: fitted to ``rest_px``; converts pixels to mm and back.
         """
 
     def reset(self) -> None:
-        """Forgets the gesture that is being made: the gel was lost, or the neutral pose changed."""
+        """Forgets the gesture in progress: the gel was lost, or the neutral pose changed."""
 
 
 def list_methods() -> tuple[str, ...]:
@@ -63,28 +64,33 @@ def make_method(config: GestureConfig) -> GestureMethod:
 
         return ElasticMethod(config)
     if config.method == "paper":
-        # With OpenCV, which takes 60 MB and a twentieth of every start.
+        # It imports OpenCV, which takes 60 MB and a twentieth of the time of a start.
         from neurotouch_hid.gesture.paper.method import PaperMethod  # noqa: PLC0415
 
         return PaperMethod(config)
-    make = load_plugin(METHODS, config.method)
-    if make is None:
+    method = make_plugin(METHODS, config.method, config)
+    if method is None:
         raise PluginError(
             f"There is no method '{config.method}'.", hint=f"Methods: {', '.join(list_methods())}."
         )
-    return _Checked(config.method, make(config))
+    return _Checked(config.method, method)
+
+
+_UPDATE: Final = ("t_us", "step_us", "rest_px", "moved_px", "use", "rig")
 
 
 class _Checked:
-    """A method of another package; what it gives is checked, so that mistakes are named."""
+    """Checks what another package's method returns, so that an error names the mistake."""
 
     def __init__(self, name: str, method: GestureMethod) -> None:
-        for function in ("update", "reset"):
+        for function, arguments in (("update", _UPDATE), ("reset", ())):
             if not callable(getattr(method, function, None)):
                 raise PluginError(
                     f"The method '{name}' has no function '{function}'.",
                     hint="It must be what GestureMethod describes.",
                 )
+            what = f"The function '{function}' of the method '{name}'"
+            check_call(what, getattr(method, function), *arguments)
         self._name, self._method = name, method
 
     def update(
@@ -101,6 +107,18 @@ class _Checked:
             raise PluginError(
                 f"The method '{self._name}' returned {type(gesture).__name__}, not a Gesture.",
                 hint="Return neurotouch_hid.messages.Gesture, or no_gesture(t_us).",
+            )
+        shape = np.shape(gesture.contacts_mm)
+        if len(shape) != 2 or shape[1] != 2 or np.shape(gesture.contacts_px) != shape:
+            raise PluginError(
+                f"The method '{self._name}' returned contacts of the shapes {shape} (mm) and "
+                f"{np.shape(gesture.contacts_px)} (px).",
+                hint="Both must be (K, 2), for K contacts.",
+            )
+        if not math.isfinite(gesture.intensity_mm):
+            raise PluginError(
+                f"The method '{self._name}' returned an intensity of {gesture.intensity_mm} mm.",
+                hint="It must be a number.",
             )
         return gesture
 

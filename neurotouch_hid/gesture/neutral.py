@@ -1,4 +1,4 @@
-"""The pose that counts as no gesture: the gel untouched, or a hand that rests on it."""
+"""Finds the neutral pose, which counts as no gesture: the gel untouched, or a hand at rest."""
 
 import math
 
@@ -8,25 +8,26 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
-CAPTURE_US = 300_000  # a pose asked for is the mean over this time: tremor passes three times
-SETTLE_US_PER_MM = 1_000_000  # the more a hand drags, the less it looks like one that rests
-LIFT_US = 300_000  # a gel untouched for so long is no finger on its way through the rest
+CAPTURE_US = 300_000  # a captured pose is the mean over this time, which contains tremor thrice
+SETTLE_US_PER_MM = 1_000_000  # the more a hand drags the gel, the later it counts as resting
+LIFT_US = 300_000  # if the gel is untouched for so long, the hand was lifted
 DRIFT_US = 30_000_000  # time constant of the drift correction of a resting hand
-STILL_MM_S = 2.0  # a hand that moves faster does something
-SMOOTH_US = 250_000  # twice, before its speed is measured: a tremor of 4 mm at 5 Hz leaves 2 mm/s
-TOUCHED_MM = 0.3  # markers of an untouched gel have moved less: noise and what tracking drifts
-FEW = 0.02  # share of the markers that may be wrong: a finger moves more
+STILL_MM_S = 2.0  # a hand that moves faster makes a gesture
+SMOOTH_US = 250_000  # applied twice before the speed: a tremor of 4 mm at 5 Hz leaves 2 mm/s
+TOUCHED_MM = 0.3  # markers of an untouched gel move less, by noise and drift of the tracker
+FEW = 0.02  # share of the markers that may be wrong; a finger moves more of them
 
 
 class Neutral:
     """Subtracts the neutral pose from the markers.
 
-    Of a hand that rests, that is how it lies once it has been still for a while: 1 s, or 1 s for
-    each mm by which it drags the gel. It is followed slowly while there is no gesture, and
-    forgotten when the hand is lifted. A hand so light that the gel looks untouched needs no pose.
+    Once a resting hand has been still, its pose becomes the neutral pose. That takes 1 s, or 1 s
+    for each mm by which the hand drags the gel. The pose then drifts slowly with the hand while
+    there is no gesture, and is forgotten when the hand is lifted. A hand so light that the gel
+    looks untouched needs no pose.
 
     Args:
-        is_resting: the neutral pose is the hand's; otherwise it is the gel at rest.
+        is_resting: True if the neutral pose is that of a resting hand; False for the gel at rest.
     """
 
     def __init__(self, *, is_resting: bool) -> None:
@@ -38,24 +39,27 @@ class Neutral:
         self.pose_px: Floats | None = None
 
     def capture(self) -> None:
-        """Take what the hand does now and for 0.3 s for nothing."""
+        """Uses the mean of the next 0.3 s as the neutral pose."""
         self._captured, self._capture_us = [], CAPTURE_US
 
     def anchor(self) -> None:
-        """The gel was seen untouched: a captured pose of a lifted hand is out of date."""
+        """Forgets a captured pose, as the gel was seen untouched; a resting hand keeps its pose."""
         if not self._is_resting:
             self._capture_us, self.pose_px = 0, None
 
     def subtract(
         self, moved_px: Floats, use: Flags, px_per_mm: float, step_us: int
     ) -> Floats | None:
-        """Displacement from the neutral pose, (177, 2) px; None while that is being found.
+        """Returns the displacement from the neutral pose.
 
         Args:
-            moved_px: (177, 2) px, displacement since rest.
-            use: (177,), measured markers.
+            moved_px: (177, 2) float64 px, displacement since rest.
+            use: (177,) bool, measured markers.
             px_per_mm: of the rig.
-            step_us: time since the slice before.
+            step_us: time since the previous slice.
+
+        Returns:
+            (177, 2) float64 px, or None while the pose is being captured or the hand is lifted.
         """
         if self._is_resting:
             self._watch(moved_px, use, px_per_mm, step_us)
@@ -70,17 +74,25 @@ class Neutral:
         return None if self._lifted_us > 0 else moved_px - self.pose_px
 
     def follow(self, moved_px: Floats, step_us: int) -> None:
-        """Let the pose drift with a resting hand that holds still and makes no gesture.
+        """Lets the pose drift with a resting hand that is still and makes no gesture.
 
         Args:
-            moved_px: (177, 2) px, displacement from the pose.
-            step_us: time since the slice before.
+            moved_px: (177, 2) float64 px, displacement from the pose.
+            step_us: time since the previous slice.
         """
         if self.pose_px is not None and self._still_us > 0:
             self.pose_px += (1.0 - math.exp(-step_us / DRIFT_US)) * moved_px
 
     def displace(self, points_px: Floats, rest_px: Floats) -> Floats:
-        """Where points (k, 2) px of the neutral gel lie in the image: by their nearest markers."""
+        """Returns where points of the neutral gel are in the image, by their nearest markers.
+
+        Args:
+            points_px: (k, 2) float64 px.
+            rest_px: (177, 2) float64 px, the markers at rest.
+
+        Returns:
+            (k, 2) float64 px.
+        """
         if self.pose_px is None or not len(points_px):
             return points_px
         away = ((points_px[:, None] - rest_px) ** 2).sum(axis=2)
@@ -89,7 +101,7 @@ class Neutral:
         return moved
 
     def _watch(self, moved_px: Floats, use: Flags, px_per_mm: float, step_us: int) -> None:
-        """Finds out whether the hand is there, is still, and has been for long enough."""
+        """Takes the pose of a hand that has been still for long enough; forgets it when lifted."""
         if self._slow is None:
             self._slow = moved_px.copy(), moved_px.copy()
         once, twice = self._slow
@@ -113,5 +125,5 @@ class Neutral:
 
 
 def _count(moved_px: Floats, limit_px: float) -> int:
-    """How many have moved further."""
+    """Returns the number of markers that have moved farther."""
     return int(np.count_nonzero((moved_px**2).sum(axis=1) > limit_px**2))

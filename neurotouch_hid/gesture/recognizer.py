@@ -1,4 +1,4 @@
-"""From marker displacements to a gesture, one slice at a time."""
+"""Turns marker positions into a gesture, one slice at a time."""
 
 from dataclasses import replace
 
@@ -7,16 +7,16 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import Rig, fit_rig
 from neurotouch_hid.gesture.config import GestureConfig, NeutralPose
+from neurotouch_hid.gesture.kernels.displacement import displace
 from neurotouch_hid.gesture.method import make_method
 from neurotouch_hid.gesture.neutral import Neutral
-from neurotouch_hid.gesture.paper.kernels import displace
 from neurotouch_hid.messages import Gesture, GestureKind, MarkerField, no_gesture
 
-FIRST_STEP_US = 10_000  # the length of a slice [NT, "Results"], until two have been seen
+FIRST_STEP_US = 10_000  # assumed for the first slice: the length of a slice [NT, "Results"]
 
 
 class GestureRecognizer:
-    """What the hand does, told from MarkerFields in order of time."""
+    """Recognises the gesture from MarkerFields in order of time."""
 
     def __init__(self, config: GestureConfig | None = None) -> None:
         self._config = config or GestureConfig()
@@ -31,21 +31,18 @@ class GestureRecognizer:
         return self._config.neutral
 
     def choose_neutral(self, pose: NeutralPose) -> None:
-        """From now on counts from another pose; a gesture that is being made ends."""
+        """Switches to another neutral pose; a gesture in progress ends."""
         self._config = replace(self._config, neutral=pose)
         self._method = make_method(self._config)
         self._neutral = Neutral(is_resting=pose == "resting")
 
     def rezero(self) -> None:
-        """Takes the pose of the hand, from now on and for 0.3 s, for the neutral one.
-
-        It lasts until the gel is next seen untouched.
-        """
+        """Uses the mean of the next 0.3 s as the neutral pose, until the gel is seen untouched."""
         self._method.reset()
         self._neutral.capture()
 
     def update(self, markers: MarkerField) -> Gesture:
-        """The gesture at the end of a slice; NONE at rest and before the gel is found."""
+        """Returns the gesture at the end of a slice; NONE at rest and before the gel is found."""
         t_us, rest_px = markers.t_us, markers.rest_px
         if rest_px is not self._rest_px:
             self._rest_px = rest_px

@@ -1,11 +1,15 @@
-"""Taps that show or write down what the line does, and never hold it up."""
+"""Taps that show or write down what the pipeline does, and never delay it."""
 
-from neurotouch_hid.monitor.cue import Cue, CueKind
-from neurotouch_hid.monitor.sentence import describe_gesture, describe_pad
-from neurotouch_hid.monitor.sound import SoundMonitor
-from neurotouch_hid.monitor.speaker import Speaker
-from neurotouch_hid.monitor.terminal import LinesMonitor, PictureMonitor
-from neurotouch_hid.monitor.trace import TraceWriter
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from neurotouch_hid.monitor.cue import Cue, CueKind
+    from neurotouch_hid.monitor.sentence import describe_gesture, describe_pad
+    from neurotouch_hid.monitor.sound import SoundMonitor
+    from neurotouch_hid.monitor.speaker import Speaker
+    from neurotouch_hid.monitor.terminal import LinesMonitor, PictureMonitor
+    from neurotouch_hid.monitor.trace import TraceWriter
 
 __all__ = [
     "Cue",
@@ -18,3 +22,23 @@ __all__ = [
     "describe_gesture",
     "describe_pad",
 ]
+
+_MODULES = {
+    "Cue": "cue",
+    "CueKind": "cue",
+    "LinesMonitor": "terminal",
+    "PictureMonitor": "terminal",
+    "SoundMonitor": "sound",
+    "Speaker": "speaker",
+    "TraceWriter": "trace",
+    "describe_gesture": "sentence",
+    "describe_pad": "sentence",
+}
+"""Where the names come from; each is loaded when it is first asked for. A tap needs the pipeline
+and its compiled kernels; what plays a sound in a person's session does not."""
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULES:
+        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+    return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)

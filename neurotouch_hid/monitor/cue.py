@@ -1,15 +1,18 @@
-"""What is worth hearing in a step of the pipeline."""
+"""Finds what a person is to hear of what the pipeline does."""
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import GestureKind, Step
-from neurotouch_hid.profile import Mapping, MappingDecision, UserSettings
-from neurotouch_hid.profile.schema.timing import resolve_times
+from neurotouch_hid.profile.decision_log import MappingDecision
+from neurotouch_hid.profile.schema.feedback import Volumes
+
+if TYPE_CHECKING:
+    from neurotouch_hid.profile import Mapping
 
 ACCEPT_VOLUME: Final = 60
 """In percent, where the person has chosen none and has to wait for a gesture to act."""
@@ -46,38 +49,70 @@ class Cue:
     words: str
 
 
-class CueFinder:
-    """Compares each turn with the one before.
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """The facts that cues are found in, taken from a step or from a published state.
 
-    *Press* is a gesture that begins, *accept* a
-    binding that acts, *reject* one that does not, as with slow and bounce keys. While nothing acts,
-    gestures are not heard.
-
-    Args:
-        mapping: what carries out the profile at the start.
+    Attributes:
+        state: ``running``, ``paused`` or ``panic``.
+        profile: the active profile.
+        layer: its active layer.
+        tracked: markers that are measured.
+        gesture: the type of the gesture, ``none`` at rest.
+        decisions: the latest ones, oldest first.
     """
 
-    def __init__(self, mapping: Mapping) -> None:
-        self._state = mapping.state
-        self._place = mapping.profile.name, mapping.layer
+    state: str
+    profile: str
+    layer: str
+    tracked: int
+    gesture: str
+    decisions: tuple[MappingDecision, ...]
+
+
+def take_moment(step: Step | None, mapping: "Mapping") -> Moment:
+    """Returns the facts of a step that ``mapping`` has carried out; None: before the first."""
+    return Moment(
+        mapping.state,
+        mapping.profile.name,
+        mapping.layer,
+        0 if step is None else int(np.count_nonzero(step.markers.valid)),
+        GestureKind.NONE.label if step is None else step.gesture.kind.label,
+        mapping.decisions(),
+    )
+
+
+class CueFinder:
+    """Compares each moment with the one before.
+
+    *Press* is a gesture that begins, *accept* a binding that acts, *reject* one that does not, as
+    with slow and bounce keys. While nothing acts, gestures are not heard.
+
+    Args:
+        first: the moment at the start.
+    """
+
+    def __init__(self, first: Moment) -> None:
+        self._state = first.state
+        self._place = first.profile, first.layer
         self._last: MappingDecision | None = None
-        self._gesture = GestureKind.NONE
-        self._tracked = False
-        self._take_new(mapping.decisions())
+        self._gesture = first.gesture
+        self._tracked = first.tracked >= _FOUND
+        self._take_new(first.decisions)
 
-    def find(self, step: Step, mapping: Mapping) -> list[Cue]:
-        """What is to be heard of ``step``, carried out by ``mapping``; mostly nothing.
+    def find(self, now: Moment) -> list[Cue]:
+        """Returns what is to be heard of a moment; mostly nothing.
 
-        Only one sound can be played at a time, so the most important stands first.
+        Only one sound can be played at a time, so the most important comes first.
         """
-        heard: list[Cue | None] = [self._hear_state(mapping), self._hear_tracker(step)]
-        acting = self._hear_layer(mapping), self._hear_decisions(mapping), self._hear_begin(step)
-        if mapping.state == "running":
+        heard: list[Cue | None] = [self._hear_state(now), self._hear_tracker(now)]
+        acting = self._hear_layer(now), self._hear_decisions(now), self._hear_begin(now)
+        if now.state == "running":
             heard += acting
         return [cue for cue in heard if cue is not None]
 
-    def _hear_state(self, mapping: Mapping) -> Cue | None:
-        before, self._state = self._state, mapping.state
+    def _hear_state(self, now: Moment) -> Cue | None:
+        before, self._state = self._state, now.state
         if self._state == before:
             return None
         match self._state:
@@ -87,22 +122,21 @@ class CueFinder:
                 return Cue(CueKind.PAUSE, "paused")
         return Cue(CueKind.RESUME, "resumed")
 
-    def _hear_tracker(self, step: Step) -> Cue | None:
-        n_valid = np.count_nonzero(step.markers.valid)
+    def _hear_tracker(self, now: Moment) -> Cue | None:
         before = self._tracked
-        self._tracked = bool(n_valid >= (_LOST if before else _FOUND))
+        self._tracked = now.tracked >= (_LOST if before else _FOUND)
         return Cue(CueKind.LOST, "gel lost") if before and not self._tracked else None
 
-    def _hear_layer(self, mapping: Mapping) -> Cue | None:
-        before, self._place = self._place, (mapping.profile.name, mapping.layer)
+    def _hear_layer(self, now: Moment) -> Cue | None:
+        before, self._place = self._place, (now.profile, now.layer)
         if self._place == before:
             return None
         profile, layer = self._place
         words = f"profile {profile}" if profile != before[0] else f"layer {layer}"
         return Cue(CueKind.LAYER, words.replace("-", " "))
 
-    def _hear_decisions(self, mapping: Mapping) -> Cue | None:
-        new = self._take_new(mapping.decisions())
+    def _hear_decisions(self, now: Moment) -> Cue | None:
+        new = self._take_new(now.decisions)
         for decision in reversed(new):
             if decision.verdict == "pressed":
                 return Cue(CueKind.ACCEPT, decision.what.rsplit(" -> ", 1)[-1])
@@ -113,31 +147,36 @@ class CueFinder:
             return Cue(CueKind.REJECT, "not accepted")
         return None
 
-    def _hear_begin(self, step: Step) -> Cue | None:
-        before, self._gesture = self._gesture, step.gesture.kind
-        if before != GestureKind.NONE or self._gesture == GestureKind.NONE:
+    def _hear_begin(self, now: Moment) -> Cue | None:
+        rest = GestureKind.NONE.label
+        before, self._gesture = self._gesture, now.gesture
+        if before != rest or self._gesture == rest:
             return None
-        return Cue(CueKind.PRESS, self._gesture.label.split("_", 1)[0])
+        return Cue(CueKind.PRESS, self._gesture.split("_", 1)[0])
 
     def _take_new(self, decisions: tuple[MappingDecision, ...]) -> list[MappingDecision]:
-        """The decisions made since the last call; equal ones are told apart by identity."""
+        """Returns the decisions made since the last call."""
         new = []
         for decision in reversed(decisions):
-            if decision is self._last:
+            if decision == self._last:
                 break
             new.append(decision)
         self._last = decisions[-1] if decisions else None
         return new[::-1]
 
 
-def choose_volume(kind: CueKind, user: UserSettings, mapping: Mapping) -> int:
-    """How loud the person wants a cue to be, in percent."""
-    volumes = user.feedback.volume
+def choose_volume(kind: CueKind, volumes: Volumes, *, waits: bool) -> int:
+    """Returns how loud the person wants a cue to be, in percent.
+
+    Args:
+        kind: the sound.
+        volumes: the person's.
+        waits: gestures act only after a while, which is worth a sound.
+    """
     match kind:
         case CueKind.STEP:
             return volumes.press if volumes.accept is None else volumes.accept
         case CueKind.ACCEPT if volumes.accept is None:
-            waits = resolve_times(mapping.profile.timing, user.timing).accept_ms > 0
             return ACCEPT_VOLUME if waits else 0
         case CueKind.PANIC | CueKind.RESUME:
             return volumes.pause

@@ -1,4 +1,4 @@
-"""The line's end of the feed: its newest state to whoever listens, and nothing it waits for."""
+"""Publishes the newest state of the pipeline to its subscribers, and never waits for them."""
 
 import os
 import selectors
@@ -18,25 +18,28 @@ from neurotouch_hid.messages import Step
 from neurotouch_hid.monitor.encoder import Sample, StateEncoder
 
 MOST_HZ: Final = 60
-MOST_LISTENERS: Final = 8
+MOST_SUBSCRIBERS: Final = 8
+AGAIN_S: Final = 1.0
+"""How often it looks whether subscribers may still watch: a person may have left the seat."""
 KEPT_BYTES: Final = 16 * 1024
-"""Of the kernel's buffer for each listener: a few states, so that one who was asleep does not have
-to catch up; the largest state is a third of it."""
+"""Of the kernel's buffer for each subscriber: a few states, so that one that was slow has little to
+catch up; the largest state is a third of it."""
 
 
 class Publisher(Closing):
     """A tap that shows its Steps on a Unix socket; a context manager.
 
-    Whoever connects says how many states a second it wants, as a number in ASCII, at any time; the
-    line gives as many as the keenest asks for, 60 at most. A state that a listener has no room for
-    is dropped. While nobody wants anything, the tap returns at once.
+    A subscriber says at any time how many states a second it wants, as a number in ASCII. All get
+    the highest of these rates, 60 at most. A state for which a subscriber has no room is dropped.
+    While no subscriber wants anything, the tap returns at once.
 
-    The line's thread only leaves a shot; a thread beside it writes and sends.
+    The pipeline's thread only leaves a sample; a thread beside it writes and sends.
 
     Args:
         folder: where the socket is made; the driver's own.
-        observer: puts states in bytes.
-        admits: which other users may watch, by uid; the service lets in who sits at the machine.
+        encoder: makes bytes of states.
+        admits: which other users may watch, by uid, asked again every second; the service lets in
+            the person at the machine.
             Without, nobody else can even reach the socket.
 
     Raises:
@@ -44,9 +47,9 @@ class Publisher(Closing):
     """
 
     def __init__(
-        self, folder: Path, observer: StateEncoder, admits: Callable[[int], bool] | None = None
+        self, folder: Path, encoder: StateEncoder, admits: Callable[[int], bool] | None = None
     ) -> None:
-        self._observer = observer
+        self._encoder = encoder
         self._admits = admits or (lambda uid: uid in (os.geteuid(), 0))
         self._path = folder / FEED
         try:
@@ -55,25 +58,26 @@ class Publisher(Closing):
             raise DriverError(
                 f"The live view cannot be served: {error.strerror} ({self._path})."
             ) from error
-        self._period_s = 0.0  # 0: nobody wants anything
+        self._period_s = 0.0  # 0: no subscriber wants anything
         self._due_s = 0.0
-        self._shots: deque[Sample] = deque(maxlen=1)  # the newest wins
+        self._samples: deque[Sample] = deque(maxlen=1)  # the newest wins
         self._bell = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
         self._done = False
         self._wants: dict[socket.socket, int] = {}
+        self._users: dict[socket.socket, int] = {}
+        self._look_s = 0.0
         self._thread = threading.Thread(target=self._work, name="feed", daemon=True)
         self._thread.start()
 
     def __call__(self, step: Step) -> None:
-        """Leaves a shot of ``step`` if it is time for one."""
-        self._observer.count(step)
+        """Leaves a sample of ``step`` if it is time for one."""
         if not self._period_s:
             return
         now = time.monotonic()
         if now < self._due_s:
             return
         self._due_s = max(self._due_s + self._period_s, now)
-        self._shots.append(self._observer.take(step))
+        self._samples.append(self._encoder.take(step))
         os.eventfd_write(self._bell, 1)
 
     def close(self) -> None:
@@ -95,7 +99,7 @@ class Publisher(Closing):
                     if key.fileobj is self._listener:
                         self._admit(selector)
                     elif key.fileobj == self._bell:
-                        self._send()
+                        self._send(selector)
                     elif isinstance(key.fileobj, socket.socket):
                         self._hear(key.fileobj, selector)
         self._listener.close()
@@ -106,15 +110,18 @@ class Publisher(Closing):
     def _admit(self, selector: selectors.BaseSelector) -> None:
         with suppress(OSError):  # it has gone again, or no file is free
             peer, _ = self._listener.accept()
-            if not self._admits(find_peer(peer)) or len(self._wants) >= MOST_LISTENERS:
+            user = find_peer(peer)
+            if not self._admits(user) or len(self._wants) >= MOST_SUBSCRIBERS:
                 peer.close()
                 return
             peer.setblocking(False)
             peer.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, KEPT_BYTES)
-            self._wants[peer] = 0
+            self._wants[peer], self._users[peer] = 0, user
             selector.register(peer, selectors.EVENT_READ)
 
     def _hear(self, peer: socket.socket, selector: selectors.BaseSelector) -> None:
+        if peer not in self._wants:  # just turned away
+            return
         try:
             said = peer.recv(16)
         except BlockingIOError:
@@ -123,18 +130,37 @@ class Publisher(Closing):
             said = b""
         if said.isdigit():
             self._wants[peer] = min(int(said), MOST_HZ)
-        else:  # it has gone, or talks nonsense
-            selector.unregister(peer)
-            del self._wants[peer]
-            peer.close()
-        keenest_hz = max(self._wants.values(), default=0)
-        self._period_s = 1.0 / keenest_hz if keenest_hz else 0.0
+        else:  # it has gone, or sent no number
+            self._drop(peer, selector)
+        self._set_rate()
 
-    def _send(self) -> None:
-        os.eventfd_read(self._bell)
-        if self._done or not self._shots:
+    def _drop(self, peer: socket.socket, selector: selectors.BaseSelector) -> None:
+        selector.unregister(peer)
+        del self._wants[peer], self._users[peer]
+        peer.close()
+
+    def _set_rate(self) -> None:
+        highest_hz = max(self._wants.values(), default=0)
+        self._period_s = 1.0 / highest_hz if highest_hz else 0.0
+
+    def _turn_away(self, selector: selectors.BaseSelector) -> None:
+        """Drops subscribers who may no longer watch."""
+        now = time.monotonic()
+        if now - self._look_s < AGAIN_S:
             return
-        state = self._observer.encode(self._shots.pop())
+        self._look_s = now
+        admitted = {user: self._admits(user) for user in set(self._users.values())}
+        for peer, user in list(self._users.items()):
+            if not admitted[user]:
+                self._drop(peer, selector)
+        self._set_rate()
+
+    def _send(self, selector: selectors.BaseSelector) -> None:
+        os.eventfd_read(self._bell)
+        if self._done or not self._samples:
+            return
+        self._turn_away(selector)
+        state = self._encoder.encode(self._samples.pop())
         for peer, hz in self._wants.items():
             if hz:
                 with suppress(OSError):  # no room: this state is dropped; or gone, as it will say

@@ -16,7 +16,7 @@ _DIRECTIONS = ("right", "down-right", "down", "down-left", "left", "up-left", "u
 
 
 def direction_deg(gesture: Gesture) -> float | None:
-    """Where a gesture moves the gel: 0 right, 90 towards the user (down); None at rest."""
+    """Returns where a gesture moves the gel: 0 right, 90 towards the user (down); None at rest."""
     if gesture.kind is GestureKind.NONE:
         return None
     x, y = gesture.translation_mm
@@ -24,7 +24,7 @@ def direction_deg(gesture: Gesture) -> float | None:
 
 
 def describe_gesture(gesture: Gesture) -> str:
-    """For example ``push left 3.2 mm, 1 finger``."""
+    """Returns for example ``push left 3.2 mm, 1 finger``."""
     if gesture.kind is GestureKind.NONE:
         return _KINDS[GestureKind.NONE]
     words = _KINDS[gesture.kind]
@@ -36,7 +36,7 @@ def describe_gesture(gesture: Gesture) -> str:
 
 
 def describe_pad(pad: GamepadState) -> str:
-    """For example ``left_x -45 %, button a``; ``neutral`` if nothing is pressed."""
+    """Returns for example ``left_x -45 %, button a``; ``neutral`` if nothing is pressed."""
     shares = {axis: round(100 * pad.axes.get(axis, 0.0)) for axis in Axis}
     parts = [f"{axis} {share:+d} %" for axis, share in shares.items() if share]
     parts += [f"button {button}" for button in sorted(pad.buttons)]

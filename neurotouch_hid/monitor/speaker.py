@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Final
 
 from neurotouch_hid.monitor.cue import Cue
-from neurotouch_hid.monitor.player import play_cue
+from neurotouch_hid.monitor.sound_programs import play_cue
 from neurotouch_hid.profile.schema.feedback import SoundName
 
 GAP_S: Final = 0.12

@@ -15,8 +15,8 @@ _TRIGGERS: Final = (
 )
 
 
-def describe_turn(step: Step, state: str) -> str:
-    """For example ``Zoom 3.2 mm, 2 fingers → right trigger 61 %``.
+def describe_step(step: Step, state: str) -> str:
+    """Returns for example ``Zoom 3.2 mm, 2 fingers → right trigger 61 %``.
 
     Args:
         step: one step of the pipeline.
@@ -32,7 +32,7 @@ def describe_turn(step: Step, state: str) -> str:
 
 
 def describe_outputs(pad: GamepadState) -> str:
-    """For example ``left stick right 45 % up 20 %, button A``; empty if nothing is done."""
+    """Returns for example ``left stick right 45 % up 20 %, button A``; empty at neutral."""
     parts = []
     for name, x_axis, y_axis in _STICKS:
         ways = [

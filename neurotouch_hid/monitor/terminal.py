@@ -1,13 +1,16 @@
 """The gel, the gesture and the pad in a terminal: a live picture, or plain lines."""
 
+import shutil
 import threading
+from collections.abc import Callable, Sequence
 from typing import TextIO
 
 import numpy as np
 
 from neurotouch_hid.geometry import LATTICE_MM, PITCH_MM, fit_rig
-from neurotouch_hid.messages import Axis, Button, GestureKind, Step
+from neurotouch_hid.messages import Axis, Button, GamepadState, GestureKind, Step
 from neurotouch_hid.monitor.sentence import describe_gesture, describe_pad
+from neurotouch_hid.profile import MappingDecision
 
 PICTURE_HZ = 12.0
 """Redraws per second: smooth to the eye, a few percent of a core."""
@@ -15,18 +18,35 @@ LINE_INTERVAL_S = 0.3
 """Shortest time between two plain lines, so that a screen reader can follow."""
 _ARROWS = "→↘↓↙←↖↑↗"
 _BAR = 24
+_BUTTONS = tuple(Button)
+_HALF = (len(_BUTTONS) + 1) // 2  # two rows, so that 80 columns are enough
 
 
 class LinesMonitor:
-    """A tap that prints a line whenever the gesture or the pressed controls change."""
+    """A tap that prints a line whenever the gesture or the pressed controls change.
 
-    def __init__(self, out: TextIO) -> None:
+    Args:
+        out: where the lines go.
+        decisions: gives the latest decisions of the mapping, oldest first; a line tells each
+            gesture that came to nothing, and why.
+    """
+
+    def __init__(
+        self, out: TextIO, decisions: Callable[[], Sequence[MappingDecision]] = tuple
+    ) -> None:
         self._out = out
+        self._decisions = decisions
         self._said = ""
-        self._due_us = -(1 << 62)
+        self._peak_mm = 0.0
+        self._due_us = self._told_us = -(1 << 62)
 
     def __call__(self, step: Step) -> None:
         """Prints what is new in ``step``, if anything is."""
+        for decision in self._decisions():
+            if decision.t_us > self._told_us and decision.is_refusal:
+                self._write(step, str(decision))
+        self._told_us = step.gesture.t_us
+        self._peak_mm = max(self._peak_mm, step.gesture.intensity_mm)
         if step.gesture.t_us < self._due_us:
             return
         pressed = ", ".join(str(control) for control in sorted(_pressed(step)))
@@ -34,16 +54,22 @@ class LinesMonitor:
         if said != self._said:
             self._said = said
             self._due_us = step.gesture.t_us + int(LINE_INTERVAL_S * 1e6)
-            words = f"{describe_gesture(step.gesture)}; pad {describe_pad(step.pad)}"
-            self._out.write(f"{step.gesture.t_us / 1e6:8.2f} s  {words}\n")
-            self._out.flush()
+            gesture = describe_gesture(step.gesture)
+            if step.gesture.kind is GestureKind.NONE:
+                gesture += f" (peak {self._peak_mm:.1f} mm)" if self._peak_mm else ""
+                self._peak_mm = 0.0
+            self._write(step, f"{gesture}; pad {describe_pad(step.pad)}")
+
+    def _write(self, step: Step, words: str) -> None:
+        self._out.write(f"{step.gesture.t_us / 1e6:8.2f} s  {words}\n")
+        self._out.flush()
 
     def close(self) -> None:
-        """Nothing to put back."""
+        """Does nothing: there is nothing to put back."""
 
 
 class PictureMonitor:
-    """A tap that keeps the newest Step; a thread of its own draws it, so the line never waits.
+    """A tap that keeps the newest Step; a thread of its own draws it, so the pipeline never waits.
 
     Args:
         out: a terminal that understands ANSI escapes.
@@ -79,7 +105,8 @@ class PictureMonitor:
     def _draw(self) -> None:
         if self._step is None:
             return
-        lines = draw(self._step, self._title)
+        columns = shutil.get_terminal_size().columns  # a longer line would be two, and scroll
+        lines = [line[:columns] for line in draw(self._step, self._title)]
         up = f"\x1b[{self._height}A" if self._height else ""
         self._height = len(lines)
         self._out.write(up + "".join(f"\r{line}\x1b[K\n" for line in lines))
@@ -87,7 +114,7 @@ class PictureMonitor:
 
 
 def draw(step: Step, title: str) -> list[str]:
-    """The picture of one Step as lines of text, 15 rows of gel with the readings beside it."""
+    """Draws one Step as lines of text, 15 rows of gel with the readings beside it."""
     gesture, pad = step.gesture, step.pad
     tracked = int(step.markers.valid.sum())
     right = [
@@ -97,7 +124,8 @@ def draw(step: Step, title: str) -> list[str]:
         "",
         *(f"{axis:<14} {_axis(axis, pad.axes.get(axis, 0.0))}" for axis in Axis),
         "",
-        "buttons    " + "".join(f"[{b.upper()}]" if b in pad.buttons else f" {b} " for b in Button),
+        f"buttons    {_list_buttons(pad, _BUTTONS[:_HALF])}",
+        f"           {_list_buttons(pad, _BUTTONS[_HALF:])}",
     ]
     gel = _gel(step)
     right += [""] * (len(gel) - len(right))
@@ -120,6 +148,10 @@ def _gel(step: Step) -> list[str]:
             if abs(x) <= size and abs(y) <= size:
                 grid[y + size][2 * (x + size)] = "●"
     return ["".join(row) for row in grid]
+
+
+def _list_buttons(pad: GamepadState, buttons: Sequence[Button]) -> str:
+    return "".join(f"[{b.upper()}]" if b in pad.buttons else f" {b} " for b in buttons)
 
 
 def _bar(share: float) -> str:

@@ -36,7 +36,7 @@ first with age. Good news rises, bad news falls."""
 
 @lru_cache(maxsize=32)
 def make_wave(kind: CueKind, volume: int) -> bytes:
-    """A WAV file, 16 bit, mono.
+    """Returns a WAV file, 16 bit, mono.
 
     Args:
         kind: which pattern.

@@ -33,7 +33,7 @@ class TraceWriter:
             ) from error
 
     def __call__(self, step: Step) -> None:
-        """Writes the line of ``step``."""
+        """Writes the pipeline of ``step``."""
         self._file.write(json.dumps(_record(step), separators=(",", ":")) + "\n")
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""The local web page: the line hands out its newest state, another process shows it.
+"""The local web page: the driver publishes its newest state, another process shows it.
 
-line's process: observer ─▶ feed ── Unix socket ──▶ view's process: listener ─▶ hub ─▶ browsers
+driver: pipeline ─▶ publisher ── Unix socket ──▶ page: subscriber ─▶ hub ─▶ browsers
 """

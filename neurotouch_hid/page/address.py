@@ -3,11 +3,11 @@
 import json
 import os
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final
 
-from neurotouch_hid.client import find_runtime_folder
+from neurotouch_hid.players import find_runtime_folder
 
 FILE: Final = "page.json"
 
@@ -20,19 +20,21 @@ class Address:
         url: its root, ``http://127.0.0.1:7878/``.
         token: its secret.
         pid: its process.
+        may_edit: whether its page may change the profile.
     """
 
     url: str
     token: str
     pid: int
+    may_edit: bool = False
 
     def link(self, page: str = "") -> str:
-        """What opens a page: the secret stands in the fragment, which browsers send to nobody."""
+        """Returns the link that opens a page: browsers never send its fragment, the secret."""
         return f"{self.url}{page}#k={self.token}"
 
 
 def find_address_file() -> Path:
-    """The file with the address; only its owner can read it."""
+    """Returns the file with the address; only its owner can read it."""
     return find_runtime_folder() / FILE
 
 
@@ -48,13 +50,13 @@ def write_address(address: Address) -> Path:
     part.unlink(missing_ok=True)
     descriptor = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
     with os.fdopen(descriptor, "w") as file:
-        json.dump({"url": address.url, "token": address.token, "pid": address.pid}, file)
+        json.dump(asdict(address), file)
     part.replace(path)
     return path
 
 
 def read_address() -> Address | None:
-    """The server that runs for this person, or None."""
+    """Returns the server that runs for this person, or None."""
     address = _read_file()
     if address is not None:
         with suppress(OSError, TypeError):  # it has ended
@@ -75,5 +77,5 @@ def _read_file() -> Address | None:
         path = find_address_file()
         if path.lstat().st_uid == os.geteuid():
             said = json.loads(path.read_text())
-            return Address(said["url"], said["token"], said["pid"])
+            return Address(said["url"], said["token"], said["pid"], said.get("may_edit") is True)
     return None

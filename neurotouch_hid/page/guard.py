@@ -44,7 +44,7 @@ LOCAL: Final = ("localhost", "127.0.0.1", "[::1]")
 
 
 def make_token() -> str:
-    """A new secret."""
+    """Returns a new secret."""
     return secrets.token_urlsafe(24)
 
 
@@ -55,7 +55,7 @@ class Guard:
     sends its own name in both, so comparing them with each other proves nothing.
 
     Args:
-        token: the secret, shown as the first message by whoever wants to see anything.
+        token: the secret, shown as the first message by every client that wants to see anything.
         address: an address beside this machine's own that is listened at; None: only here.
 
     Raises:
@@ -73,7 +73,7 @@ class Guard:
         self._ports: set[int] = set()
 
     def open_port(self, port: int) -> None:
-        """From now on it is spoken to at this port."""
+        """Sets the port that the page is served at."""
         self._ports.add(port)
 
     @property
@@ -87,7 +87,7 @@ class Guard:
         return frozenset(f"http://{host}" for host in self.hosts)
 
     def knows(self, token: object) -> bool:
-        """True if it is the secret; takes as long if it is not."""
+        """Returns True if it is the secret; takes as long if it is not."""
         return isinstance(token, str) and secrets.compare_digest(token.encode(), self._token)
 
 
@@ -101,7 +101,7 @@ def _write_host(address: str) -> str:
         ) from None
     if parsed.is_unspecified or parsed.is_multicast:
         raise PageError(
-            f"{address} would let everybody in who can reach this machine in any way.",
+            f"Address {address} would let everybody in who can reach this machine in any way.",
             hint="Give the address of one interface of this machine, see: ip address",
         )
     return f"[{parsed}]" if parsed.version == 6 else str(parsed)
@@ -116,7 +116,7 @@ class Rate:
         self._at = time.monotonic()
 
     def allows(self) -> bool:
-        """True unless it is too many."""
+        """Returns True unless it is too many."""
         now = time.monotonic()
         self._left = min(self._left + (now - self._at) * self._per_s, self._per_s)
         self._at = now

@@ -4,19 +4,24 @@ import asyncio
 import json
 import time
 from contextlib import suppress
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Literal, TypedDict, Unpack
 
 from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 
-from neurotouch_hid.client import ask, find_runtime_folder
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.ipc import HAND, connect_to
 from neurotouch_hid.page.edits import Changes
 from neurotouch_hid.page.guard import Rate
-from neurotouch_hid.page.profile_view import describe_profile
-from neurotouch_hid.profile.reading.library import find_user_file
+from neurotouch_hid.page.outputs import OutputGroup
+from neurotouch_hid.page.profile_view import ProfileFault, ProfileView, describe_profile
+from neurotouch_hid.page.requests import Requests
+from neurotouch_hid.page.situation import find_situation
+from neurotouch_hid.players import find_runtime_folder, find_user_file
+from neurotouch_hid.profile import load_user
+from neurotouch_hid.profile.reading.library import find_profile
 from neurotouch_hid.snapshot import read_head
 from neurotouch_hid.subscriber import Subscriber
 
@@ -25,6 +30,46 @@ LOOK_S: Final = 0.5
 
 MOST_HZ: Final = 60
 MOST_TRIALS: Final = 500
+
+
+class PageMessage(TypedDict, total=False):
+    """What a browser is told beside the states; each message holds some of these keys.
+
+    Attributes:
+        hello: the browser may stay.
+        edit: the browser may change profiles and pause the driver; comes with ``hello``.
+        driver: a driver runs.
+        about: the active profile; while no driver runs, the one it would play.
+        saved: what has been done, in a sentence; empty where the next state says it.
+        refused: what has not been done, and why.
+        throughput: the figures of a game.
+        situation: what keeps the gel from playing while no driver runs.
+        outputs: what a movement can do.
+        profiles: those there are.
+        picture: what the camera sees, as the address of a picture.
+        program: output or end of a program that the page has started.
+        started: such a program, by name.
+        stopped: the same.
+        remote: the link for another device; None when its right has ended.
+        n: the number of the browser's message that this answers.
+    """
+
+    hello: Literal[True]
+    edit: bool
+    driver: bool
+    about: ProfileView | ProfileFault | None
+    saved: str
+    refused: str
+    throughput: dict[str, Any]
+    situation: dict[str, str]
+    outputs: list[OutputGroup]
+    profiles: list[dict[str, Any]]
+    picture: str
+    program: dict[str, Any]
+    started: str
+    stopped: str
+    remote: dict[str, Any] | None
+    n: int | None
 
 
 class Client:
@@ -48,7 +93,11 @@ class Client:
             self._state = state
             self._bell.set()
 
-    def tell(self, **message: Any) -> None:
+    def end_states(self) -> None:
+        """Drops the state that waits: it is of a driver that has ended."""
+        self._state = None
+
+    def tell(self, **message: Unpack[PageMessage]) -> None:
         """Leaves a message; none of these is dropped, and there are few."""
         self._words.append(json.dumps(message, separators=(",", ":")))
         self._bell.set()
@@ -70,18 +119,23 @@ class Hub:
     """All browsers of a server, and the one driver they look at.
 
     Args:
-        edit: whether profiles may be changed and the driver paused.
+        edit: whether anything may be changed, paused or started.
         stamp: the present moment, for the names of versions.
+        is_far: the page is served to other machines too.
     """
 
-    def __init__(self, *, edit: bool, stamp: Any) -> None:
+    def __init__(self, *, edit: bool, stamp: Any, is_far: bool = False) -> None:
         self._edit = edit
-        self._changes = Changes(stamp)
+        self._requests = Requests(
+            edit=edit, is_far=is_far, changes=Changes(stamp), tell_all=self._tell_all
+        )
+        self._situation: dict[str, str] | None = None
         self._listener = Subscriber()
         self._clients: set[Client] = set()
-        self._file = ""
+        self._came = asyncio.Event()  # a browser, which waits for nothing
+        self._path = Path()
         self._stamps: tuple[Any, ...] = ()
-        self._about: dict[str, Any] | None = None
+        self._about: ProfileView | ProfileFault | None = None
         self._hand: Any = None
         self._newest: bytes | None = None
 
@@ -95,26 +149,56 @@ class Hub:
         loop = asyncio.get_running_loop()
         while True:
             if self._listener.peer is None:
-                peer = self._listener.connect() if self._clients else None
-                if peer is not None:
-                    loop.add_reader(peer.fileno(), self._receive, peer.fileno())
+                self._connect()
             elif not self._clients:
                 loop.remove_reader(self._listener.peer.fileno())
                 self._listener.close()
                 self._newest = None
-            self._look_at_profile()
-            await asyncio.sleep(LOOK_S)
+            if self._clients:
+                self._look_at_profile()
+                await self._look_around()
+            self._came.clear()
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self._came.wait(), LOOK_S)
+
+    async def _look_around(self) -> None:
+        """Tells the browsers what to do next, while no driver runs."""
+        if self._newest is not None:
+            self._situation = None
+            return
+        found = asdict(await asyncio.to_thread(find_situation))
+        if found != self._situation:
+            self._situation = found
+            self._tell_all({"situation": found})
+
+    def _tell_all(self, message: dict[str, Any]) -> None:
+        for client in self._clients:
+            client.tell(**message)
+
+    def _connect(self) -> None:
+        peer = self._listener.connect() if self._clients else None
+        if peer is not None:
+            loop = asyncio.get_running_loop()
+            loop.add_reader(peer.fileno(), self._receive, peer.fileno())
 
     async def serve(self, client: Client, hz: int) -> None:
         """Serves a browser that has shown the token, until it goes."""
+        self._look_at_profile()  # tells those who are there; this one is told below
         self._clients.add(client)
+        self._came.set()
         sender = asyncio.create_task(client.send())
         try:
             client.hz = min(max(hz, 0), MOST_HZ)
+            if self._listener.peer is None:
+                self._connect()
             self._set_rate()
-            client.tell(hello=True, driver=self._newest is not None)
+            client.tell(hello=True, edit=self._edit, driver=self._listener.peer is not None)
             if self._about is not None:
                 client.tell(about=self._about)
+            if self._situation is not None:
+                client.tell(situation=self._situation)
+            for news in self._requests.news:
+                client.tell(**news)
             async for message in client.socket:
                 if not client.rate.allows():
                     await client.socket.close(1008, "too many messages")
@@ -129,8 +213,9 @@ class Hub:
             with suppress(asyncio.CancelledError, ConnectionClosed):
                 await sender
 
-    def close(self) -> None:
-        """Parts from the driver."""
+    async def close(self) -> None:
+        """Parts from the driver, and ends what the page has started."""
+        await self._requests.close()
         self._listener.close()
         if self._hand is not None:
             self._hand.close()
@@ -144,7 +229,9 @@ class Hub:
             asyncio.get_running_loop().remove_reader(descriptor)
             self._newest = None
             for client in self._clients:
+                client.end_states()
                 client.tell(driver=False)
+            return
         if state is None:
             return
         for client in self._clients:
@@ -154,16 +241,17 @@ class Hub:
             self._look_at_profile()
 
     def _look_at_profile(self) -> None:
-        """Tells the browsers of the profile that holds, if it or its file has changed."""
+        """Tells the browsers of the active profile, if it or its file has changed."""
         runs = self._newest is not None
-        self._file = "" if self._newest is None else str(read_head(self._newest)["slow"]["file"])
-        path = Path(self._file)
-        stamps = (self._file, runs, _read_stamp(path), _read_stamp(find_user_file()))
+        file = "" if self._newest is None else str(read_head(self._newest)["slow"]["file"])
+        path = Path(file or _find_favourite())
+        stamps = (path, runs, _read_stamp(path), _read_stamp(find_user_file()))
         if stamps == self._stamps:
             return
+        self._path = path
         self._stamps = stamps
         self._about = None
-        if self._file:
+        if path.name:
             try:
                 self._about = describe_profile(path, edit=self._edit)
             except NeuroTouchError as error:
@@ -174,41 +262,28 @@ class Hub:
     async def _hear(self, client: Client, message: str | bytes) -> None:
         """Does what a browser asks for; what it may not ask for, it is told."""
         try:
-            wish = json.loads(message)
+            request = json.loads(message)
         except (ValueError, RecursionError):
-            wish = None
-        if not isinstance(wish, dict):
+            request = None
+        if not isinstance(request, dict):
             client.tell(refused="That is no message.")
             return
         try:
-            match wish.get("do"):
-                case "rate" if isinstance(wish.get("hz"), int):
-                    client.hz = min(max(wish["hz"], 0), MOST_HZ)
+            match request.get("do"):
+                case "rate" if isinstance(request.get("hz"), int):
+                    client.hz = min(max(request["hz"], 0), MOST_HZ)
                     self._set_rate()
                 case "hand":
                     self._steer(message if isinstance(message, bytes) else message.encode())
                 case "throughput":
-                    client.tell(throughput=await asyncio.to_thread(_measure, wish.get("trials")))
-                case "set" | "undo" | "pause" | "resume" if not self._edit:
-                    client.tell(
-                        refused="This page only shows. To change things: neurotouch view --edit",
-                        n=wish.get("n"),
-                    )
-                case "set":
-                    key, mark = str(wish.get("key")), str(wish.get("mark"))
-                    said = self._changes.set(Path(self._file), key, mark, wish.get("value"))
-                    client.tell(saved=said, n=wish.get("n"))
-                    self._look_at_profile()
-                case "undo":
-                    client.tell(saved=self._changes.undo(Path(self._file)))
-                    self._look_at_profile()
-                case "pause" | "resume" as order:
-                    answer = await asyncio.to_thread(ask, order)
-                    client.tell(saved=str(answer.get("text")))
+                    client.tell(throughput=await asyncio.to_thread(_measure, request.get("trials")))
                 case _:
-                    client.tell(refused="There is no such wish.")
+                    reply = await self._requests.carry_out(request, self._path)
+                    client.tell(**reply, n=request.get("n"))
+                    self._look_at_profile()
         except NeuroTouchError as error:
-            client.tell(refused=error.message, n=wish.get("n"))
+            hint = f" {error.hint}" if error.hint else ""
+            client.tell(refused=f"{error.message}{hint}", n=request.get("n"))
             if self._about is not None:
                 client.tell(about=self._about)  # a mark that was dragged goes back
 
@@ -232,6 +307,14 @@ class Hub:
                 self._hand = None
 
 
+def _find_favourite() -> str:
+    """Returns the profile that the next driver would play; empty if it cannot be said."""
+    try:
+        return str(find_profile(load_user().slots[0]).resolve())
+    except (NeuroTouchError, OSError):
+        return ""
+
+
 def _read_stamp(path: Path) -> tuple[int, ...]:
     with suppress(OSError, ValueError):
         found = path.stat()
@@ -240,7 +323,7 @@ def _read_stamp(path: Path) -> tuple[int, ...]:
 
 
 def _measure(trials: Any) -> dict[str, Any]:
-    """The figures of ISO 9241-411 for the trials of a game.
+    """Returns the figures of ISO 9241-411 for the trials of a game.
 
     Raises:
         NeuroTouchError: they are none.

@@ -1,9 +1,9 @@
-"""What the page shows of a profile: its bindings, where their marks lie, what may be changed."""
+"""What the page shows of a profile: its bindings, their marks, what may be changed."""
 
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, get_args
+from typing import Final, NotRequired, TypedDict, get_args
 
 from neurotouch_hid.profile import check_profile, load_user
 from neurotouch_hid.profile.diagnostics.description import describe_target, describe_when
@@ -11,7 +11,7 @@ from neurotouch_hid.profile.editing import name_bindings
 from neurotouch_hid.profile.engine.one_euro import FILTERS, OneEuro
 from neurotouch_hid.profile.engine.response import make_response
 from neurotouch_hid.profile.mapping import choose_filter
-from neurotouch_hid.profile.reading.library import find_shipped_folder, find_user_folder
+from neurotouch_hid.profile.reading.library import find_shipped_folder, list_profile_folders
 from neurotouch_hid.profile.schema.layering import merge_bindings
 from neurotouch_hid.profile.schema.movements import MovementName
 from neurotouch_hid.profile.schema.profile import FIRST_LAYER, Binding, Profile
@@ -27,24 +27,95 @@ SAMPLES: Final = 33
 
 PRESS_MM: Final = 5.0
 PRESS_MS: Final = 300
-"""The press whose delay stands for a filter's lag."""
+"""The press whose delay measures a filter's lag."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a binding stands in the profile's own file.
+    """Where a binding is in the profile's own file.
 
     Attributes:
         key: the way to it as ``set_value`` takes it, ``layers.menu.pinch``.
-        binding: what stands there.
+        binding: what is there.
     """
 
     key: str
     binding: Binding
 
 
-def describe_profile(path: Path, *, edit: bool) -> dict[str, Any]:
-    """All the page shows of a profile, ready for JSON.
+class BindingView(TypedDict):
+    """What the page shows of a binding; the marks only where it has them.
+
+    Attributes:
+        key: the way to it as ``set_value`` takes it; None where it is in another profile.
+        when: the movement in words.
+        do: what it does, in words.
+        movements: the bars it shows in.
+        on_mm: where it acts.
+        off_mm: where it is released.
+        unit: of ``rest`` and ``full``: ``mm`` or ``mm/s``.
+        rest: where it begins to move.
+        full: where it reaches its end.
+        most: where the drawn curve ends.
+        samples: the curve, evenly from 0 to ``most``.
+        curve: its one number or its points, by name; missing where it cannot be dragged.
+    """
+
+    key: str | None
+    when: str
+    do: str
+    movements: list[str]
+    on_mm: NotRequired[float]
+    off_mm: NotRequired[float]
+    unit: NotRequired[str]
+    rest: NotRequired[float]
+    full: NotRequired[float]
+    most: NotRequired[float]
+    samples: NotRequired[list[float]]
+    curve: NotRequired[dict[str, float | list[tuple[float, float]]]]
+
+
+class LayerView(TypedDict):
+    """A layer: its name, and its bindings."""
+
+    name: str
+    bindings: list[BindingView]
+
+
+class ProfileView(TypedDict):
+    """What the page shows of a profile.
+
+    Attributes:
+        profile: its name.
+        description: what it is for.
+        shipped: it came with the program.
+        edit: it may be changed from the page.
+        filter: the tremor filter.
+        filter_ms: by how much that delays a press, in ms.
+        resting: the neutral pose is that of a resting hand.
+        ranges: the person's own ranges, by movement.
+        layers: its layers, the first one first.
+    """
+
+    profile: str
+    description: str
+    shipped: bool
+    edit: bool
+    filter: str
+    filter_ms: float
+    resting: bool
+    ranges: dict[str, dict[str, float]]
+    layers: list[LayerView]
+
+
+class ProfileFault(TypedDict):
+    """Why a profile cannot be shown."""
+
+    fault: str
+
+
+def describe_profile(path: Path, *, edit: bool) -> ProfileView:
+    """Returns what the page shows of a profile, ready for JSON.
 
     Args:
         path: its file.
@@ -81,13 +152,16 @@ def describe_profile(path: Path, *, edit: bool) -> dict[str, Any]:
 
 
 def is_editable(path: Path) -> bool:
-    """True for profiles in the two folders that belong to the program; no other file is touched."""
-    folders = (find_user_folder(), find_shipped_folder())
-    return path.parent in {folder.resolve() for folder in folders} and path.suffix == ".yaml"
+    """Returns True for profiles in the folders that profiles are looked for in.
+
+    No other file is touched.
+    """
+    folders = {folder.resolve() for folder in list_profile_folders()}
+    return path.parent in folders and path.suffix == ".yaml"
 
 
 def list_places(written: Profile) -> list[Place]:
-    """Every binding that stands in the profile's own file, and the way to it."""
+    """Returns every binding of the profile's own file, and the way to it."""
     places = []
     for layer in written.all_layers:
         documents = [binding.model_dump(exclude_unset=True) for binding in layer.bindings]
@@ -103,7 +177,7 @@ def list_places(written: Profile) -> list[Place]:
 
 
 def measure_lag(name: FilterName) -> float:
-    """By how much a filter delays the middle of a press of 5 mm in 300 ms, in ms."""
+    """Returns how much a filter delays the middle of a press of 5 mm in 300 ms, in ms."""
     if name not in FILTERS:
         return 0.0
     smooth = OneEuro(*FILTERS[name])
@@ -119,16 +193,16 @@ def measure_lag(name: FilterName) -> float:
 
 
 def _find_key(binding: Binding, layer: str, places: list[Place]) -> str | None:
-    """The way to a binding; None where it stands in a profile this one is built on."""
+    """Returns the way to a binding; None where it is in a profile this one is built on."""
     same = [place.key for place in places if place.binding == binding]
     inside = [key for key in same if key.startswith(f"layers.{layer}.")]
     return next(iter(inside or same), None)
 
 
-def _describe_binding(binding: Binding, key: str | None) -> dict[str, Any]:
+def _describe_binding(binding: Binding, key: str | None) -> BindingView:
     condition = binding.condition
     kinds = [kind.label for kind in condition.kinds]
-    about: dict[str, Any] = {
+    view: BindingView = {
         "key": key,
         "when": describe_when(binding),
         "do": describe_target(binding.do),
@@ -138,17 +212,18 @@ def _describe_binding(binding: Binding, key: str | None) -> dict[str, Any]:
     }
     on_mm, off_mm = binding.thresholds_mm
     if on_mm:
-        about |= {"on_mm": on_mm, "off_mm": round(off_mm, 2)}
+        view |= {"on_mm": on_mm, "off_mm": round(off_mm, 2)}
     if isinstance(binding.do, Shaped) and binding.is_followed:
-        about |= _describe_response(binding, condition.kinds[0], binding.do)
-    return about
+        _add_response(view, binding, condition.kinds[0], binding.do)
+    return view
 
 
-def _describe_response(binding: Binding, kind: GestureKind, do: Shaped) -> dict[str, Any]:
+def _add_response(view: BindingView, binding: Binding, kind: GestureKind, do: Shaped) -> None:
+    """Adds the range and the curve of a binding that follows the gesture."""
     rest, full = binding.range_for(kind)
     respond = make_response((rest, full), do)
     most = 1.25 * full
-    about: dict[str, Any] = {
+    view |= {
         "unit": "mm/s" if getattr(do, "follow", "") == "speed" else "mm",
         "rest": rest,
         "full": full,
@@ -157,18 +232,20 @@ def _describe_response(binding: Binding, kind: GestureKind, do: Shaped) -> dict[
     }
     match do.curve:
         case Expo(expo=expo):
-            about["curve"] = {"expo": expo}
+            view["curve"] = {"expo": expo}
         case Power(power=power):
-            about["curve"] = {"power": power}
+            view["curve"] = {"power": power}
         case Points(points=points):
-            about["curve"] = {"points": points}
+            view["curve"] = {"points": points}
         case _:
-            about["curve"] = {"expo": 0.0}
-    return about
+            view["curve"] = {"expo": 0.0}
 
 
 def _fits(movement: str, kinds: list[str], direction: str | None) -> bool:
-    """True if the bar of a movement shows what a binding waits for; diagonals show in two."""
+    """Returns True if the bar of a movement shows what a binding waits for.
+
+    Diagonals show in two.
+    """
     gesture = "push" if movement.startswith("push") else movement
     if gesture not in kinds:
         return False

@@ -1,8 +1,10 @@
-"""Serves the page on this machine: its files over HTTP, the line's state over a WebSocket."""
+"""Serves the page on this machine: its files over HTTP, the pipeline's state over a WebSocket."""
 
 import asyncio
+import errno
 import http
 import json
+import signal
 import socket
 from collections.abc import Callable
 from contextlib import suppress
@@ -18,6 +20,7 @@ from websockets.typing import Origin
 from neurotouch_hid.errors import PageError
 from neurotouch_hid.page.guard import (
     HEADERS,
+    LOCAL,
     MOST_BYTES,
     MOST_CLIENTS,
     MOST_CONNECTIONS,
@@ -29,8 +32,15 @@ from neurotouch_hid.page.hub import Client, Hub
 
 PORT: Final = 7878
 STREAM: Final = "/stream"
+_OWN: Final = {"127.0.0.1", "::1"}
 STATIC: Final = Path(__file__).with_name("static")
-PAGES: Final = {"/": "view.html", "/gel": "gel.html", "/game": "game.html"}
+PAGES: Final = {
+    "/": "/home/home.html",
+    "/live": "/view/view.html",
+    "/gel": "/gel/gel.html",
+    "/game": "/game/game.html",
+    "/sheet": "/home/sheet.html",
+}
 KINDS: Final = {
     ".html": "text/html; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
@@ -41,8 +51,41 @@ SEND_BYTES: Final = 16 * 1024
 """Of a browser's buffer before its newest state waits instead."""
 
 
+class EndBySignal:
+    """Makes Ctrl-C, SIGTERM and SIGHUP end a server, from now until the process ends.
+
+    asyncio handles signals only while its loop runs; one that comes a moment earlier or later would
+    raise KeyboardInterrupt in the middle of the loop's own work, which asyncio reports at length.
+    Only the main thread may make one.
+    """
+
+    def __init__(self) -> None:
+        self._came = False
+        self._tell: Callable[[], object] = lambda: None
+        numbers = [signal.SIGINT, signal.SIGTERM]
+        if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:  # as under nohup
+            numbers.append(signal.SIGHUP)
+        for number in numbers:
+            signal.signal(number, self._note)
+
+    def tell(self, loop: asyncio.AbstractEventLoop, stop: asyncio.Event) -> None:
+        """Has a signal set ``stop`` in a running loop; at once, if one has come already."""
+
+        def tell() -> None:
+            with suppress(RuntimeError):  # the loop is closed: it ends anyway
+                loop.call_soon_threadsafe(stop.set)
+
+        self._tell = tell
+        if self._came:
+            stop.set()
+
+    def _note(self, *_: object) -> None:
+        self._came = True
+        self._tell()
+
+
 def open_sockets(address: str | None, port: int | None) -> list[socket.socket]:
-    """Listening sockets for this machine alone and, if there is one, for the address.
+    """Opens listening sockets for this machine alone and, if there is one, for the address.
 
     Args:
         address: the address of an interface, or None.
@@ -67,11 +110,29 @@ def open_sockets(address: str | None, port: int | None) -> list[socket.socket]:
     except OSError as error:
         for each in sockets:
             each.close()
-        raise PageError(
-            f"The page cannot be served at port {port}: {error.strerror}.",
-            hint="Another port: --port 7900",
-        ) from error
+        raise _explain_refusal(error, address, port) from error
     return sockets
+
+
+def _explain_refusal(error: OSError, address: str | None, port: int | None) -> PageError:
+    """Returns why nothing can listen there, and what to do."""
+    if error.errno == errno.EADDRNOTAVAIL:
+        return PageError(
+            f"This machine has no address {address}.", hint="See which it has: ip address"
+        )
+    if error.errno == errno.EADDRINUSE:
+        return PageError(
+            f"Another program uses port {port}.",
+            hint="Leave --port away, and a free one is used.",
+        )
+    if error.errno == errno.EACCES:
+        return PageError(
+            f"Only root may serve at port {port}.", hint="Use one of 1024 or more: --port 7900"
+        )
+    return PageError(
+        f"The page cannot be served at port {port}: {error.strerror}.",
+        hint="Leave --port away, and a free one is used.",
+    )
 
 
 class Server:
@@ -98,7 +159,8 @@ class Server:
         self._guard, self._sockets, self._silence_s = guard, sockets, silence_s
         for each in sockets:
             guard.open_port(each.getsockname()[1])
-        self._hub = Hub(edit=edit, stamp=stamp)
+        is_far = any(each.getsockname()[0] not in _OWN for each in sockets)
+        self._hub = Hub(edit=edit, stamp=stamp, is_far=is_far)
         self._files = _read_files()
         self._n_connections = 0
 
@@ -137,10 +199,10 @@ class Server:
                 server.close()
             for server in servers:
                 await server.wait_closed()
-            self._hub.close()
+            await self._hub.close()
 
     def _answer(self, _connection: ServerConnection, request: Request) -> Response | None:
-        """A file, a refusal, or None for the stream, whose Origin is then compared."""
+        """Returns a file, a refusal, or None for the stream, whose Origin is then compared."""
         hosts = request.headers.get_all("Host")
         if len(hosts) != 1 or hosts[0] not in self._guard.hosts:
             return _reply(http.HTTPStatus.MISDIRECTED_REQUEST, b"This is not your server.\n")
@@ -153,7 +215,11 @@ class Server:
         if request.path not in self._files:
             return _reply(http.HTTPStatus.NOT_FOUND, b"There is no such page.\n")
         kind, content = self._files[request.path]
-        return _reply(http.HTTPStatus.OK, content, kind)
+        reply = _reply(http.HTTPStatus.OK, content, kind)
+        if hosts[0].rpartition(":")[0] not in LOCAL:
+            # Without encryption browsers ignore it on any machine but their own, and complain.
+            del reply.headers["Cross-Origin-Opener-Policy"]
+        return reply
 
     async def _talk(self, connection: ServerConnection) -> None:
         """Lets in who shows the token."""
@@ -193,13 +259,16 @@ def _listen(address: str, port: int) -> socket.socket:
 
 
 def _read_files() -> dict[str, tuple[str, bytes]]:
-    """Every file there is to serve, by its path in the address; nothing else can be asked for."""
+    """Returns every file there is to serve, by its path in the address.
+
+    Nothing else can be asked for.
+    """
     files = {
-        f"/{path.name}": (KINDS[path.suffix], path.read_bytes())
-        for path in STATIC.iterdir()
+        f"/{path.relative_to(STATIC)}": (KINDS[path.suffix], path.read_bytes())
+        for path in STATIC.glob("*/*")
         if path.suffix in KINDS
     }
-    return files | {page: files[f"/{name}"] for page, name in PAGES.items()}
+    return files | {page: files[path] for page, path in PAGES.items()}
 
 
 def _reply(

@@ -2,9 +2,10 @@
 
 import re
 from collections.abc import Iterator
-from typing import Any, Final
+from typing import Final
 
-from neurotouch_hid.vocabulary import SourceKind, find_source_kind
+from neurotouch_hid.profile.decision_log import describe_decision
+from neurotouch_hid.snapshot import Action, Health, State
 
 SAY_S: Final = 0.5
 """Shortest time between two sentences about the same thing, so that a reader can follow."""
@@ -30,48 +31,43 @@ class LineWriter:
         self._said_s = self._health_s = float("-inf")
         self._told: tuple[int, str] | None = None
 
-    def write(self, head: dict[str, Any], now_s: float) -> Iterator[str]:
-        """What is new in a state.
+    def write(self, head: State, now_s: float) -> Iterator[str]:
+        """Gives what is new in a state.
 
         Args:
-            head: of the state, see ``StateEncoder.encode``.
+            head: of the state.
             now_s: the present moment on any clock that goes on.
         """
         slow = head["slow"]
-        place = (head["profile"], head["layer"], head["state"], str(slow.get("source")))
+        place = (head["profile"], head["layer"], head["state"], slow["source"])
         if place != self._place:
             self._place = place
             profile, layer, state, source = place
-            simulated = "SIMULATED " if find_source_kind(source) is SourceKind.SIMULATION else ""
+            simulated = "SIMULATED " if slow["simulated"] else ""
             yield f"driver: {state}, profile {profile}, layer {layer}, source {simulated}{source}"
         yield from self._write_actions(head["actions"])
         shape = re.sub(r"[\d.]+", "", head["say"])
         if shape != self._shape and now_s - self._said_s >= SAY_S:
             self._shape, self._said_s = shape, now_s
             yield f"hand: {head['say']}"
-        if now_s - self._health_s >= HEALTH_S and slow.get("slices_hz"):
+        if now_s - self._health_s >= HEALTH_S and slow["slices_hz"]:
             self._health_s = now_s
             yield describe_health(slow)
             yield describe_times(slow)
 
-    def _write_actions(self, actions: list[list[Any]]) -> Iterator[str]:
+    def _write_actions(self, actions: list[Action]) -> Iterator[str]:
         new = [each for each in actions if self._told is None or each[0] > self._told[0]]
         if self._told is None:
             new = new[-3:]
         for t_us, verdict, what, why in new:
             self._told = t_us, what
-            yield describe_action(verdict, what, why)
+            yield describe_decision(verdict, what, why)
         if self._told is None:
             self._told = (actions[-1][0], actions[-1][2]) if actions else (-1, "")
 
 
-def describe_action(verdict: str, what: str, why: str) -> str:
-    """For example ``ignored: pinch -> button a, because repeat 140 ms < 200 ms``."""
-    return f"{verdict}: {what}{f', because {why}' if why else ''}"
-
-
-def describe_health(slow: dict[str, Any]) -> str:
-    """For example ``health: 177 of 177 markers tracked, 25.0 frames a second, …``."""
+def describe_health(slow: Health) -> str:
+    """Returns for example ``health: 177 of 177 markers tracked, 25.0 frames a second, …``."""
     rest = slow["rezero_s"]
     return (
         f"health: {slow['tracked']} of 177 markers tracked, {slow['frames_hz']:g} frames, "
@@ -81,36 +77,35 @@ def describe_health(slow: dict[str, Any]) -> str:
     )
 
 
-def describe_times(slow: dict[str, Any]) -> str:
-    """For example ``latency: camera window 10 ms, tracker 0.31 (95 %: 0.50) ms, …``."""
-    parts = [f"camera window {slow['window_ms']:g} ms"]
+def describe_times(slow: Health) -> str:
+    """Returns for example ``latency: time slice 10 ms, tracker 0.31 (95 %: 0.50) ms, …``."""
+    parts = [f"time slice {slow['window_ms']:g} ms"]
     parts += [
         f"{name} {slow['stages'][stage][0]:.2f} (95 %: {slow['stages'][stage][1]:.2f}) ms"
         for stage, name in _STAGES.items()
         if stage in slow["stages"]
     ]
-    if slow.get("hand_ms"):
-        parts.append(f"mouse to pad {slow['hand_ms'][0]:g} (95 %: {slow['hand_ms'][1]:g}) ms")
+    if hand_ms := slow.get("hand_ms"):
+        parts.append(f"mouse to pad {hand_ms[0]:g} (95 %: {hand_ms[1]:g}) ms")
     return "latency: " + ", ".join(parts)
 
 
-def draw_picture(head: dict[str, Any]) -> list[str]:
-    """The same as a picture of text that is drawn over and over."""
+def draw_picture(head: State) -> list[str]:
+    """Returns the same as a picture of text that is drawn over and over."""
     gesture, slow = head["gesture"], head["slow"]
     filled = round(_BAR * min(gesture["felt_mm"] / _MOST_MM, 1.0))
     bar = "█" * filled + "░" * (_BAR - filled)
     lines = [
-        f"NeuroTouch  {slow.get('source', '')}  profile {head['profile']}, layer {head['layer']}, "
+        f"NeuroTouch  {slow['source']}  profile {head['profile']}, layer {head['layer']}, "
         f"{head['state']}",
         "",
         head["say"],
         f"{gesture['movement'].replace('_', ' '):<12} {bar} {gesture['felt_mm']:5.1f} mm",
         "",
     ]
-    if "tracked" in slow:
-        lines += [describe_health(slow), describe_times(slow), ""]
+    lines += [describe_health(slow), describe_times(slow), ""]
     lines += [
-        f"{(t_us - head['t_us']) / 1e6:8.1f} s  {describe_action(verdict, what, why)}"
+        f"{(t_us - head['t_us']) / 1e6:8.1f} s  {describe_decision(verdict, what, why)}"
         for t_us, verdict, what, why in reversed(head["actions"][-8:])
     ]
     return lines

@@ -1,4 +1,4 @@
-"""Keeps Python's search for garbage from holding the line up."""
+"""Keeps Python's search for garbage from holding the pipeline up."""
 
 import gc
 from collections.abc import Iterator
@@ -10,7 +10,7 @@ YOUNG = 1_000
 
 @contextmanager
 def freeze_gc() -> Iterator[None]:
-    """Garbage is meanwhile looked for among what is new, often and shortly.
+    """Keeps long-lived objects out of garbage collection; new ones are collected often.
 
     What is loaded stays, and to look through all of it takes 80 ms.
     """

@@ -18,8 +18,8 @@ Python only prints what comes out of a weak reference's end, as out of ``__del__
 _SOON_S: Final = 0.01
 
 
-def heed_interrupts() -> None:
-    """From now on Ctrl-C and SIGTERM raise KeyboardInterrupt, but not where it might get lost.
+def handle_interrupts() -> None:
+    """Makes Ctrl-C and SIGTERM raise KeyboardInterrupt, except where it could get lost.
 
     While a command imports what it needs, nothing is open yet, and the process just ends. Where
     it might get lost otherwise, the signal comes again when that is over. Who ignores Ctrl-C, as
@@ -44,7 +44,7 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def _find_begin(frame: FrameType | None) -> tuple[str, str] | None:
-    """Who called, and what, that must not be broken off; None if nothing of that kind goes on."""
+    """Returns the caller that must not be interrupted; None if there is none."""
     begin, delicate = None, ""
     while frame is not None:
         module: str = frame.f_globals.get("__name__") or "?"
@@ -61,6 +61,6 @@ def _find_package(module: str) -> str:
 
 
 def _repeat(number: int) -> None:
-    """The same signal again, for whoever handles it by then."""
+    """Sends the same signal again, for the handler that is active by then."""
     time.sleep(_SOON_S)
     os.kill(os.getpid(), number)

@@ -6,6 +6,7 @@ the constants of their files: after an update that changed only these, it would 
 
 import hashlib
 import re
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
@@ -42,11 +43,32 @@ def _read(path: Path) -> tuple[bytes, list[Path]]:
     return hashlib.sha256(source).digest(), [_PACKAGE / f"{name}.py" for name in names]
 
 
+@cache
+def _remove_others(folder: Path, stem: str, mark: str) -> None:
+    """Removes what a file's loops were compiled to in other states of the package."""
+    for path in folder.glob(f"{stem}.*.nb[ci]"):
+        if mark not in path.name:
+            with suppress(OSError):  # a folder of another user, or another process was quicker
+                path.unlink()
+
+
 class _Stamped:
+    """Puts the state into the names of the files, too.
+
+    numba reads a file before it compares the state in it. If that file names a class that an update
+    has renamed, reading it fails, and the program with it.
+    """
+
     _py_file: str
+    _cache_path: str
 
     def get_source_stamp(self) -> str:
         return stamp(Path(self._py_file))
+
+    def get_disambiguator(self) -> str:
+        mark = f"-{self.get_source_stamp()[:12]}."
+        _remove_others(Path(self._cache_path), Path(self._py_file).stem, mark)
+        return f"{super().get_disambiguator()}{mark[:-1]}"  # type: ignore[misc]  # of the locator
 
 
 class Chosen(_Stamped, caching.UserProvidedCacheLocator):  # type: ignore[misc]  # numba has no types

@@ -1,4 +1,4 @@
-"""Lets the line's thread wake when it wants to, before others of its machine where permitted."""
+"""Wakes the pipeline's thread in time, before others of the machine where that is permitted."""
 
 import ctypes
 import os
@@ -20,8 +20,8 @@ to as one: the programs of one terminal or of one service."""
 PRIORITY = 1
 """Of SCHED_RR, the lowest: before everything usual wherever that runs, behind sound."""
 MOST_BUSY_US = 100_000
-"""Whoever works for so long without once waiting does not keep up, or hangs, and goes back among
-the usual; so a line that hangs does not hold the machine up."""
+"""A thread that works for so long without waiting does not keep up, or hangs, and gets the usual
+priority again; so a pipeline that hangs does not stop the machine."""
 PAUSE_S = 1.0
 """How long it then stays there. A line that was only held up for a moment must not be slow for the
 rest of the day; one that hangs takes a tenth of one core before others."""
@@ -41,7 +41,7 @@ def realtime_priority() -> Iterator[None]:
     """Prefers the calling thread meanwhile, as far as this machine permits; it works without.
 
     By our own right with SCHED_RR, and the threads that it starts as well; else rtkit is asked,
-    which grants a better nice value to who sits at the machine. (It grants SCHED_RR too, but only
+    which grants a better nice value to the person at the machine. (It grants SCHED_RR too, but only
     to who accepts to be killed for being busy for 0.2 s.) Only the main thread gets SCHED_RR, for
     only there is heard that it has been busy for too long. Nor does it wait for long while Python
     looks for garbage.
@@ -51,7 +51,7 @@ def realtime_priority() -> Iterator[None]:
         ctypes.CDLL(None).prctl(_PR_SET_TIMERSLACK, SLACK_NS, 0, 0, 0)
     thread = threading.get_native_id()
     before = os.getpriority(os.PRIO_PROCESS, thread)
-    if before > NICE:  # else whoever started us has chosen
+    if before > NICE:  # else the parent process has chosen
         try:
             os.setpriority(os.PRIO_PROCESS, thread, NICE)
         except OSError:
@@ -81,7 +81,7 @@ class _RealTime:
             self._prefer({threading.get_native_id()})
 
     def end(self) -> None:
-        """All threads are among the usual for good."""
+        """Gives all threads the usual priority for good."""
         if self._again is not None:
             self._again.cancel()
             self._again.join()
@@ -104,7 +104,10 @@ class _RealTime:
 
 
 def _go_back() -> set[int]:
-    """The threads of this process that were preferred; the kernel does not say which was busy."""
+    """Returns the threads of this process that were preferred.
+
+    The kernel does not say which was busy.
+    """
     preferred = set()
     for thread in _list_threads():
         with suppress(OSError):

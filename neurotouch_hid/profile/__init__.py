@@ -4,7 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from neurotouch_hid.profile.decision import MappingDecision
+    from neurotouch_hid.profile.decision_log import MappingDecision
     from neurotouch_hid.profile.diagnostics.codes import explain
     from neurotouch_hid.profile.mapping import Mapping
     from neurotouch_hid.profile.reading.library import list_profiles
@@ -45,7 +45,7 @@ __all__ = [
 
 _MODULES = {
     "Checked": "reading.load",
-    "MappingDecision": "decision",
+    "MappingDecision": "decision_log",
     "Mapping": "mapping",
     "Moment": "rehearsal.timeline",
     "Profile": "schema.profile",

@@ -28,10 +28,10 @@ class Fault:
     """One mistake.
 
     Attributes:
-        mark: where it stands.
+        mark: where it is.
         path: the keys that lead to it, ``bindings[0].do.axis``; empty at the top.
         sentence: what is wrong.
-        hint: what stands beside the caret, or empty.
+        hint: what is shown beside the caret, or empty.
         code: its stable code, see ``codes``.
     """
 
@@ -48,24 +48,31 @@ class Fault:
 
 
 def format_path(keys: Iterable[str | int]) -> str:
-    """The keys that lead to a place, ``("bindings", 0, "do")`` as ``bindings[0].do``."""
+    """Returns the keys that lead to a place, ``("bindings", 0, "do")`` as ``bindings[0].do``."""
     path = "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in keys)
     return make_printable(path.removeprefix("."))
 
 
 def make_printable(text: str) -> str:
-    """The text in one line, with nothing in it that could move a terminal's cursor."""
+    """Returns the text in one line, with nothing in it that could move a terminal's cursor."""
     return "".join(char if char.isprintable() else " " if char == "\t" else "�" for char in text)
 
 
 def suggest(word: str, known: Sequence[str]) -> str:
-    """``did you mean 'zoom'?``, or empty if no known word is near."""
-    near = get_close_matches(word[:SHOWN_COLUMNS].lower(), known, n=1)
+    """Returns ``did you mean 'zoom'?``, or nothing if no known word is near.
+
+    A word that begins with what was typed goes first: ``on`` is short for ``on_mm``. A word of half
+    the length is no slip, unless it is a part: ``bb`` is ``b``, ``jump`` is not ``up``.
+    """
+    word = word[:SHOWN_COLUMNS].lower()
+    longer = [each for each in known if each.startswith(f"{word}_")]
+    alike = [each for each in known if 2 * len(each) > len(word) or each in word]
+    near = longer or get_close_matches(word, alike, n=1)
     return f"did you mean '{near[0]}'?" if near else ""
 
 
 def format_faults(faults: Iterable[Fault], name: str, text: str) -> str:
-    """Every fault as ``name:line:column: error[code]: path: sentence``, the marked line below."""
+    """Writes every fault as ``name:line:column: error[code]: path: sentence``, with its line."""
     ordered = sorted(set(faults))
     lines = _LINE_BREAK.split(text)
     blocks = [_format_fault(fault, name, lines) for fault in ordered[:SHOWN_FAULTS]]

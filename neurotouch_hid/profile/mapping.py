@@ -6,12 +6,12 @@ Host time never enters, so the same gestures give the same outputs, whatever the
 from typing import Final, Literal
 
 from neurotouch_hid.messages import Button, GamepadState, Gesture
-from neurotouch_hid.profile.decision import Journal, MappingDecision
+from neurotouch_hid.profile.decision_log import DecisionLog, MappingDecision
 from neurotouch_hid.profile.engine.binding_runner import BindingRunner
 from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
 from neurotouch_hid.profile.engine.conditioner import InputConditioner
 from neurotouch_hid.profile.engine.fatigue import FatigueMonitor
-from neurotouch_hid.profile.engine.layer_stack import LayerStack, make_channel
+from neurotouch_hid.profile.engine.layer_stack import LayerStack, make_runner
 from neurotouch_hid.profile.engine.output import Outputs
 from neurotouch_hid.profile.engine.usage import MovementUsage
 from neurotouch_hid.profile.schema.profile import Binding, Profile, SafetyGesture
@@ -22,14 +22,14 @@ from neurotouch_hid.profile.schema.user import UserSettings
 State = Literal["running", "paused", "panic"]
 
 SILENCE_US: Final = 200_000
-"""After a gap of this length in the stream nobody knows what the hand did: everything lets go."""
+"""After a gap of this length in the stream everything is released: the hand may have left."""
 
 
 class Mapping:
     """Carries out a profile for a person.
 
     Every gesture gives all outputs. Where two bindings move one axis, the larger magnitude wins;
-    where they are equal, the binding that stands earlier. A button is down as long as one of its
+    where they are equal, the earlier binding. A button is down as long as one of its
     bindings holds it. No gesture, or a measurement that is not a number, releases everything
     that is not toggled, sticky or the end of a tap.
 
@@ -43,23 +43,23 @@ class Mapping:
 
     def __init__(self, profile: Profile, user: UserSettings | None = None) -> None:
         self._user = user or UserSettings()
-        self._journal = Journal()
+        self._log = DecisionLog()
         self._state: State = "running"
         self._commands: list[str] = []
         self._t_us: int | None = None
         self._helper: frozenset[Button] = frozenset()
         self._reading = ConditionedGesture(0)
-        self._fatigue = FatigueMonitor(self._user, self._journal)
+        self._fatigue = FatigueMonitor(self._user, self._log)
         self._take(profile)
 
     @property
     def profile(self) -> Profile:
-        """The profile that holds."""
+        """The active profile."""
         return self._profile
 
     @property
     def layer(self) -> str:
-        """The name of the layer that holds."""
+        """The name of the active layer."""
         return self._layers.name
 
     @property
@@ -73,15 +73,15 @@ class Mapping:
         return self._reading
 
     def decisions(self) -> tuple[MappingDecision, ...]:
-        """The latest decisions, oldest first: what was pressed, and what was ignored and why."""
-        return self._journal.read()
+        """Returns the latest decisions, oldest first: what was pressed, or ignored and why."""
+        return self._log.read()
 
     def usages(self) -> tuple[MovementUsage, ...]:
-        """What the movements have cost so far: whether they fade, whether some are held long."""
+        """Returns what the movements have cost so far: which fade, which are held long."""
         return self._fatigue.usages()
 
     def shares(self) -> dict[str, float]:
-        """The share of its full range that each movement needs now, where that is less than 1."""
+        """Returns the share of its full range that each movement needs now, where below 1."""
         return self._fatigue.shares()
 
     def switch(self, profile: Profile, user: UserSettings | None = None) -> None:
@@ -93,7 +93,7 @@ class Mapping:
         """
         if user is not None:
             self._user = user
-            self._fatigue = FatigueMonitor(user, self._journal)
+            self._fatigue = FatigueMonitor(user, self._log)
         self._take(profile)
         self._layers.armed = False
 
@@ -113,12 +113,12 @@ class Mapping:
             self._enter("running", "resume")
 
     def set_helper_buttons(self, buttons: frozenset[Button]) -> None:
-        """From now on these buttons are held on the device that plays along."""
+        """Sets the buttons that are down on the co-pilot's device."""
         self._helper = buttons
 
     def update(self, gesture: Gesture) -> GamepadState:
-        """All outputs for this gesture, given what came before it."""
-        t_us = self._journal.t_us = gesture.t_us
+        """Returns all outputs for this gesture, given what came before it."""
+        t_us = self._log.t_us = gesture.t_us
         if self._t_us is not None and not 0 <= t_us - self._t_us <= SILENCE_US:
             self._conditioner.forget()
             self._layers.release()
@@ -153,7 +153,10 @@ class Mapping:
         return outputs if self._state == "running" else Outputs()
 
     def _hear_safety(self, reading: ConditionedGesture) -> list[str]:
-        """The safety gestures that have just been held long enough; they work in every state."""
+        """Returns the safety gestures that have just been held long enough.
+
+        They work in every state.
+        """
         heard = []
         for channel, command in self._safety:
             before = channel.down
@@ -173,19 +176,19 @@ class Mapping:
                 self.panic()
             case _ if self._state == "running":
                 self._commands.append(command)
-                self._journal.note("command", command)
+                self._log.note("command", command)
 
     def _enter(self, state: State, command: str) -> None:
         self._fatigue.rest()
         self._state = state
         self._layers.release()
         self._commands.append(command)
-        self._journal.note("command", command)
+        self._log.note("command", command)
 
     def _take(self, profile: Profile) -> None:
         self._profile = profile
         times = resolve_times(profile.timing, self._user.timing)
-        self._layers = LayerStack(profile, times, self._journal)
+        self._layers = LayerStack(profile, times, self._log)
         self._safety = self._make_safety(profile)
         kinds = self._layers.kinds.union(*(channel.kinds for channel, _ in self._safety))
         latch = profile.latch is not False
@@ -200,11 +203,11 @@ class Mapping:
         )
         return [
             (
-                make_channel(
+                make_runner(
                     Binding(when=gesture.condition, do=CommandTarget(command=name)),
                     PRESETS["game"],
                     (),
-                    self._journal,
+                    self._log,
                 ),
                 name,
             )

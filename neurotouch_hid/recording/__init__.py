@@ -1,6 +1,6 @@
 """AEDAT4 in and out, and the labels beside a recording."""
 
-from neurotouch_hid.recording.labels import labels_path, read_labels, write_labels
+from neurotouch_hid.recording.labels import check_labelled, labels_path, read_labels, write_labels
 from neurotouch_hid.recording.reader import Batch, Recording
 from neurotouch_hid.recording.recorder import Recorder, RecorderStats
 from neurotouch_hid.recording.writer import RecordingWriter
@@ -11,6 +11,7 @@ __all__ = [
     "RecorderStats",
     "Recording",
     "RecordingWriter",
+    "check_labelled",
     "labels_path",
     "read_labels",
     "write_labels",

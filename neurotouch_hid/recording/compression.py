@@ -1,7 +1,7 @@
-"""How large a compressed packet gets, told from its framing before anything is decompressed.
+"""The size of a decompressed packet, read from its framing before anything is decompressed.
 
 The formats: LZ4 frame format 1.6.4 and RFC 8878 (Zstandard). Both cut their content in blocks; so
-many bytes of file can stand for a gigabyte of memory, but only with many blocks.
+many bytes of file can mean a gigabyte of memory, but only with many blocks.
 """
 
 import struct
@@ -24,7 +24,9 @@ Read = Callable[[int, int], bytes]
 
 
 def bound_lz4(read: Read, begin: int, end: int) -> int:
-    """The most that an LZ4 frame which fills these bytes exactly decompresses to; -1 if none does.
+    """Returns the most that an LZ4 frame which fills these bytes exactly decompresses to.
+
+    -1 if none does.
 
     A frame that ends early decompresses to nothing, which no reader expects: it counts as none.
 
@@ -51,7 +53,9 @@ def bound_lz4(read: Read, begin: int, end: int) -> int:
 
 
 def bound_zstd(read: Read, begin: int, end: int) -> int:
-    """The most that the Zstandard frames in these bytes decompress to; what is no frame is 0.
+    """Returns the most that the Zstandard frames in these bytes decompress to.
+
+    What is no frame is 0.
 
     The library says itself what is wrong with a frame that is not whole.
     """
@@ -69,7 +73,7 @@ def bound_zstd(read: Read, begin: int, end: int) -> int:
 
 
 def _walk_zstd(read: Read, begin: int, end: int) -> tuple[int, int]:
-    """The most that one frame decompresses to, and the position after it."""
+    """Returns the most that one frame decompresses to, and the position after it."""
     flags = read(begin + 4, 1)[0]
     single, size_code = flags >> 5 & 1, flags >> 6
     size_bytes = (single, 2, 4, 8)[size_code]

@@ -8,8 +8,10 @@ table at the end or -1, an XML text that names the streams), then packets: strea
 both int32, and so many bytes.
 """
 
+import difflib
 import struct
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import IO
 
@@ -27,8 +29,33 @@ _MIN_PACKET_BYTES = 12  # the smallest FlatBuffer with a size and a name
 _MAX_STREAMS = 1 << 16
 
 
+def check_recording(path: Path) -> None:
+    """Checks that a file is there and has the header of a recording.
+
+    Raises:
+        RecordingError: the file is missing, a folder, empty, of another format or damaged.
+    """
+    if path.is_dir():
+        raise RecordingError(
+            f"'{path}' is a folder.", hint=f"Give a recording in it: {path}/NAME.aedat4"
+        )
+    if not path.exists():
+        raise RecordingError(f"There is no file '{path}'.", hint=_name_near(path))
+    next(packet_sizes(path))
+
+
+def _name_near(path: Path) -> str:
+    """Returns a hint with a recording of nearly the same name, or what else can be done."""
+    with suppress(OSError):
+        stems = [file.stem for file in path.parent.glob("*.aedat4")]
+        near = difflib.get_close_matches(path.stem, stems, 1)
+        if near:
+            return f"Did you mean {path.with_name(near[0])}.aedat4?"
+    return "Check the name. To record one: neurotouch record NAME.aedat4"
+
+
 def packet_sizes(path: Path) -> Iterator[int]:
-    """Check the header at once, then each packet's frame before the reader comes to it.
+    """Checks the header at once, then each packet's frame before the reader comes to it.
 
     Yields:
         The size of each packet in bytes, up to the end of the packets or of the file.
@@ -40,7 +67,7 @@ def packet_sizes(path: Path) -> Iterator[int]:
         with path.open("rb", buffering=0) as file:
             yield from _walk(path, file)
     except OSError as error:
-        raise RecordingError(f"{path} cannot be read: {error.strerror}") from error
+        raise RecordingError(f"'{path}' cannot be read: {error.strerror}.") from error
 
 
 def _walk(path: Path, file: IO[bytes]) -> Iterator[int]:
@@ -55,19 +82,19 @@ def _walk(path: Path, file: IO[bytes]) -> Iterator[int]:
         stream, size = struct.unpack("<ii", file.read(8))
         position += 8
         if size < _MIN_PACKET_BYTES or not 0 <= stream < _MAX_STREAMS:
-            raise RecordingError(f"{path} is damaged at byte {position - 8}")
+            raise RecordingError(f"'{path}' is damaged at byte {position - 8}.")
         if position + size > end:
             return  # cut off: the library says so
         most = _bound(file, compression, position, position + size)
         if most < 0:
-            raise RecordingError(f"{path} is damaged at byte {position}")
+            raise RecordingError(f"'{path}' is damaged at byte {position}.")
         _check_size(path, position, most)
         yield size
         position += size
 
 
 def _bound(file: IO[bytes], compression: int, begin: int, end: int) -> int:
-    """The most that these bytes decompress to; -1 if they are damaged."""
+    """Returns the most that these bytes decompress to; -1 if they are damaged."""
 
     def read(position: int, n: int) -> bytes:
         file.seek(position)
@@ -81,21 +108,23 @@ def _bound(file: IO[bytes], compression: int, begin: int, end: int) -> int:
 def _check_size(path: Path, begin: int, most: int) -> None:
     if most > MAX_BYTES:
         raise RecordingError(
-            f"{path} holds {most >> 20} MB in one piece at byte {begin}, far more than any camera "
-            "gives",
-            hint="it is damaged, or made to harm",
+            f"'{path}' has {most >> 20} MB in one piece at byte {begin}, far more than any camera "
+            "gives.",
+            hint="It is damaged, or made to harm.",
         )
 
 
 def _read_header(path: Path, file: IO[bytes], end: int) -> tuple[int, int, int]:
-    """Position of the first packet, compression, position of the table (-1: never closed)."""
+    """Returns the first packet's position, compression, and the table's (-1: never closed)."""
     if end == 0:
-        raise RecordingError(f"{path} is empty (0 bytes)", hint="record it again")
+        raise RecordingError(f"'{path}' is empty (0 bytes).", hint="Record it again.")
     magic = file.read(len(MAGIC))
     if magic != MAGIC:
         raise _not_aedat4(path, magic)
-    cut = RecordingError(f"{path} is cut off inside its header", hint="copy or record it again")
-    damaged = RecordingError(f"{path} has a damaged header", hint="copy it again from its origin")
+    cut = RecordingError(f"'{path}' is cut off inside its header.", hint="Copy or record it again.")
+    damaged = RecordingError(
+        f"'{path}' has a damaged header.", hint="Copy it again from its origin."
+    )
     prefix = file.read(4)
     if len(prefix) < 4:
         raise cut
@@ -114,18 +143,18 @@ def _read_header(path: Path, file: IO[bytes], end: int) -> tuple[int, int, int]:
 
 def _not_aedat4(path: Path, magic: bytes) -> RecordingError:
     if MAGIC.startswith(magic):
-        return RecordingError(f"{path} is cut off inside its header", hint="record it again")
+        return RecordingError(f"'{path}' is cut off inside its header.", hint="Record it again.")
     if magic.startswith(_AEDAT):
         version = magic[len(_AEDAT) :].decode("ascii", "replace").strip()
         return RecordingError(
-            f"{path} is an AEDAT {version} file, not AEDAT4",
-            hint="convert it to AEDAT4 with the camera maker's software",
+            f"'{path}' is an AEDAT {version} file, not AEDAT4.",
+            hint="Convert it to AEDAT4 with the camera maker's software.",
         )
-    return RecordingError(f"{path} is not an AEDAT4 recording", hint="give a file NAME.aedat4")
+    return RecordingError(f"'{path}' is not an AEDAT4 recording.", hint="Give a file NAME.aedat4.")
 
 
 def _parse_header(header: bytes) -> tuple[int, int]:
-    """The compression and the table's position.
+    """Returns the compression and the table's position.
 
     Raises:
         ValueError, struct.error: a field points outside the header.

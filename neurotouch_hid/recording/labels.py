@@ -12,7 +12,8 @@ import numpy as np
 
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, GestureKind, Truth
-from neurotouch_hid.recording.partial import PartialFile
+from neurotouch_hid.recording.container import check_recording
+from neurotouch_hid.recording.partial_file import PartialFile
 
 if TYPE_CHECKING:
     import _csv
@@ -25,12 +26,12 @@ _DECIMALS = 3  # a thousandth of a pixel or millimetre
 
 
 def labels_path(recording: Path | str) -> Path:
-    """Where the labels of a recording lie: ``NAME.labels.csv`` beside ``NAME.aedat4``."""
+    """Returns the path of a recording's labels: ``NAME.labels.csv`` beside ``NAME.aedat4``."""
     return Path(recording).with_suffix(".labels.csv")
 
 
 def write_labels(path: Path | str, truths: Iterable[Truth]) -> None:
-    """Write labels, complete or not at all.
+    """Writes labels, complete or not at all.
 
     Args:
         path: the CSV file; an existing one is replaced.
@@ -46,7 +47,7 @@ def write_labels(path: Path | str, truths: Iterable[Truth]) -> None:
             writer.writerow(COLUMNS)
             writer.writerows(_row(truth) for truth in truths)
     except OSError as error:
-        raise RecordingError(f"{path} cannot be written: {error.strerror}") from error
+        raise RecordingError(f"'{path}' cannot be written: {error.strerror}.") from error
     else:
         file.commit()
     finally:
@@ -56,7 +57,9 @@ def write_labels(path: Path | str, truths: Iterable[Truth]) -> None:
 def _row(truth: Truth) -> list[str]:
     points = np.asarray(truth.contacts_px, np.float64).reshape(-1)
     if len(points) > len(POINT_COLUMNS):
-        raise RecordingError(f"a label has at most {MAX_CONTACTS} contacts, not {len(points) // 2}")
+        raise RecordingError(
+            f"A label has at most {MAX_CONTACTS} contacts, not {len(points) // 2}."
+        )
     numbers = [f"{value:.{_DECIMALS}f}" for value in points]
     return [
         str(truth.t_us),
@@ -68,11 +71,34 @@ def _row(truth: Truth) -> list[str]:
     ]
 
 
-def read_labels(path: Path | str) -> list[Truth]:
-    """The labels of a recording, ascending in time; ``markers_px`` is None.
+def check_labelled(recordings: Iterable[Path]) -> None:
+    """Checks that each recording is there, with its labels beside it.
 
     Raises:
-        RecordingError: the file is missing or says something it should not; the message starts
+        RecordingError: one is missing, or is no recording.
+    """
+    for path in recordings:
+        if path.is_dir():
+            raise RecordingError(
+                f"'{path}' is a folder.", hint=f"Give its recordings: {path}/*.aedat4"
+            )
+        check_recording(path)
+        if not labels_path(path).exists():
+            raise _refuse_unlabelled(labels_path(path))
+
+
+def _refuse_unlabelled(path: Path) -> RecordingError:
+    return RecordingError(
+        f"There is no file '{path}'.",
+        hint="Labels belong beside their recording, as NAME.labels.csv.",
+    )
+
+
+def read_labels(path: Path | str) -> list[Truth]:
+    """Returns the labels of a recording, ascending in time; ``markers_px`` is None.
+
+    Raises:
+        RecordingError: the file is missing or wrong; the message starts
             with ``file:line`` and names the column and what is expected there.
     """
     path = Path(path)
@@ -80,15 +106,15 @@ def read_labels(path: Path | str) -> list[Truth]:
         with path.open(encoding="utf-8-sig", newline="") as stream:
             truths = list(_parse(path, csv.reader(stream, strict=True)))
     except FileNotFoundError as error:
-        raise RecordingError(
-            f"{path} does not exist", hint="labels lie beside their recording as NAME.labels.csv"
-        ) from error
+        raise _refuse_unlabelled(path) from error
     except OSError as error:
-        raise RecordingError(f"{path} cannot be read: {error.strerror}") from error
+        raise RecordingError(f"'{path}' cannot be read: {error.strerror}.") from error
     except (UnicodeDecodeError, csv.Error) as error:
-        raise RecordingError(f"{path} is not a CSV file in UTF-8: {error}") from error
+        raise RecordingError(f"'{path}' is not a CSV file in UTF-8: {error}.") from error
     if not truths:
-        raise RecordingError(f"{path} holds no labels", hint="one row for each labelled moment")
+        raise RecordingError(
+            f"'{path}' has no labels.", hint="Write one row for each labelled moment."
+        )
     return truths
 
 
@@ -126,7 +152,7 @@ def _parse(path: Path, reader: "_csv.Reader") -> Iterator[Truth]:
     header = [name.strip() for name in next(reader, [])]
     if tuple(header) != COLUMNS:
         raise RecordingError(
-            f"{path}:1: {_header_fault(header)}", hint="the header is " + ",".join(COLUMNS)
+            f"{path}:1: {_header_fault(header)}.", hint="The header is: " + ",".join(COLUMNS)
         )
     before_us: int | None = None
     for cells in reader:
@@ -134,7 +160,7 @@ def _parse(path: Path, reader: "_csv.Reader") -> Iterator[Truth]:
             continue
         place = f"{path}:{reader.line_num}"
         if len(cells) != len(COLUMNS):
-            raise RecordingError(f"{place}: expected {len(COLUMNS)} columns, found {len(cells)}")
+            raise RecordingError(f"{place}: expected {len(COLUMNS)} columns, found {len(cells)}.")
         row = _Row(place, {name: cell.strip() for name, cell in zip(COLUMNS, cells, strict=True)})
         truth = _truth(row)
         if before_us is not None and truth.t_us <= before_us:
@@ -172,6 +198,6 @@ def _truth(row: _Row) -> Truth:
     points = [row.number(column, "a number of pixels") for column in POINT_COLUMNS[: 2 * n]]
     limits = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX) * n
     for column, value, limit in zip(POINT_COLUMNS, points, limits, strict=False):
-        if not -limit <= value <= 2 * limit:  # a contact may lie beyond the picture's edge
+        if not -limit <= value <= 2 * limit:  # a contact may be beyond the picture's edge
             raise row.error(column, f"a pixel in or near the picture (0 to {limit - 1})")
     return Truth(t_us, _KINDS[label], np.array(points).reshape(-1, 2), intensity_mm)

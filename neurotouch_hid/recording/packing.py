@@ -43,11 +43,11 @@ _ENTRY: Final = np.dtype(
 )
 _HEADER: Final = struct.Struct("<I I4s 6x5H iiIq I")
 TABLE_POSITION_AT: Final = len(MAGIC) + 40
-"""Where in the file the position of the table stands; -1 until there is one."""
+"""Where in the file the position of the table is; -1 until there is one."""
 
 
 def pack_header() -> bytes:
-    """The beginning of a file whose table is not written yet."""
+    """Returns the beginning of a file whose table is not written yet."""
     text = _describe_streams().encode()
     padded = text + bytes(4 - len(text) % 4)  # one 0 at least
     fields = (10, 20, 4, 12, 8)  # vtable: its size, the table's, compression, position, text
@@ -57,7 +57,7 @@ def pack_header() -> bytes:
 
 
 def pack_events(events: NDArray[np.void]) -> bytes:
-    """A packet of (n,) EVENT_DTYPE, compressed, ready to be appended."""
+    """Returns a packet of (n,) EVENT_DTYPE, compressed, ready to be appended."""
     # The record is the format's own struct; its padding bytes are whatever was in memory.
     clean = np.zeros(len(events), EVENT_DTYPE)
     for name in ("t", "x", "y", "p"):
@@ -68,7 +68,7 @@ def pack_events(events: NDArray[np.void]) -> bytes:
 
 
 def pack_frame(frame: Frame) -> bytes:
-    """A packet of one frame, compressed, ready to be appended."""
+    """Returns a packet of one frame, compressed, ready to be appended."""
     begin_us, end_us = frame.exposure_begin_us, frame.exposure_end_us
     pixels = np.ascontiguousarray(frame.pixels).tobytes()
     head = _FRAME_HEAD.pack(
@@ -82,7 +82,7 @@ def pack_frame(frame: Frame) -> bytes:
 
 
 def pack_table(entries: NDArray[np.int64]) -> bytes:
-    """The table at the end of the file.
+    """Returns the table at the end of the file.
 
     Args:
         entries: (n, 6), a row for each packet: stream, size, position of its data, number of
@@ -110,7 +110,7 @@ def _frame_packet(stream: int, head: bytes, data: bytes) -> bytes:
 
 
 def _describe_streams() -> str:
-    """The text in the header by which readers know the streams."""
+    """Returns the text in the header by which readers know the streams."""
     streams = ((EVENTS, "events", "EVTS"), (FRAMES, "frames", "FRME"))
     nodes = "".join(_describe_stream(*stream) for stream in streams)
     return f'<dv version="2.0"><node name="outInfo" path="/outInfo/">{nodes}</node></dv>\n'

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
-from neurotouch_hid.recording.container import packet_sizes
+from neurotouch_hid.recording.container import check_recording, packet_sizes
 
 Batch = tuple[NDArray[np.void], tuple[Frame, ...]]
 """Events ((n,) EVENT_DTYPE, ascending) and the frames whose exposure ended before the last one."""
 
 MAX_LAG_US = 500_000
-"""How far frames may lie from their events in the file before it is read in two passes. A camera
+"""How far frames may be from their events in the file before it is read in two passes. A camera
 delivers a frame some 20 ms after its exposure; half a second of events is 16 MB at worst."""
 TOLERATED_STEP_BACK_US = 10_000
 """Smaller steps back are rounding between packets; the events keep the later stamp."""
@@ -45,9 +45,7 @@ class Recording:
 
     def __init__(self, path: Path | str) -> None:
         self.path = Path(path)
-        if not self.path.exists():
-            raise RecordingError(f"{self.path} does not exist", hint="check the name")
-        next(packet_sizes(self.path))
+        check_recording(self.path)
         decoder = self._open()
         with decoder:
             tracks = {track.data_type: track for track in reversed(decoder.tracks())}
@@ -55,14 +53,15 @@ class Recording:
         self.has_frames = "frame" in tracks
         if "events" not in tracks:
             raise RecordingError(
-                f"{self.path} has no stream of events", hint="record with the events switched on"
+                f"'{self.path}' has no stream of events.",
+                hint="Record with the events switched on.",
             )
         for kind in ("events", "frame"):
             if kind in tracks and tuple(tracks[kind].dimensions) != _RESOLUTION:
                 width, height = tracks[kind].dimensions
                 raise RecordingError(
-                    f"{self.path} is {width}×{height}, not the 346×260 of a DAVIS-346",
-                    hint="only recordings of a DAVIS-346 can be used",
+                    f"'{self.path}' is {width}×{height}, not the 346×260 of a DAVIS-346.",
+                    hint="Only recordings of a DAVIS-346 can be used.",
                 )
         self._ids = {track.id: kind for kind, track in tracks.items()}
         self._apart = self._is_apart(table)
@@ -84,25 +83,25 @@ class Recording:
             frames.clear()
         if not n_events:
             raise RecordingError(
-                f"{self.path} holds no events", hint="check the camera's cable and event output"
+                f"'{self.path}' has no events.", hint="Check the camera's cable and event output."
             )
         if frames:
             yield np.empty(0, EVENT_DTYPE), tuple(frames)
 
     def _open(self) -> Any:
-        # Imported here: it takes 0.15 s, and nobody needs it who plays no recording.
+        # Imported here: it takes 0.15 s, and only recordings need it.
         from faery.extension import aedat  # noqa: PLC0415
 
         try:
             return aedat.Decoder(self.path)
         except RuntimeError as error:
             raise RecordingError(
-                f"{self.path} is cut off or damaged ({error})",
-                hint="copy it again from its origin",
+                f"'{self.path}' is cut off or damaged ({error}).",
+                hint="Copy it again from its origin.",
             ) from error
 
     def _is_apart(self, table: list[Any]) -> bool:
-        """True if the table shows something later in the file than we would hold back for it.
+        """Tells whether the table has something later in the file than the reader would wait for.
 
         Raises:
             RecordingError: the table shows that the stamps of a stream go back.
@@ -119,12 +118,12 @@ class Recording:
     def _check_order(self, before_us: int, t_us: int) -> None:
         if t_us < before_us - TOLERATED_STEP_BACK_US:
             raise RecordingError(
-                f"{self.path}: the stamps go back from {before_us} to {t_us} µs",
-                hint="the camera's clock was reset while recording; cut the recording there",
+                f"{self.path}: the stamps go back from {before_us} to {t_us} µs.",
+                hint="The camera's clock was reset while recording; cut the recording there.",
             )
 
     def _read(self, kinds: set[str]) -> Iterator[_Item]:
-        """The items of these kinds in the order of the file, checked."""
+        """Gives the items of these kinds in the order of the file, checked."""
         guard = packet_sizes(self.path)
         next(guard)
         first_us: int | None = None
@@ -155,8 +154,8 @@ class Recording:
     def _broken(self, error: RuntimeError, first_us: int | None, last_us: int) -> RecordingError:
         if "overflow" in str(error):
             return RecordingError(
-                f"{self.path} holds an event outside the 346×260 pixels of a DAVIS-346",
-                hint="the file is damaged or of another camera",
+                f"'{self.path}' has an event outside the 346×260 pixels of a DAVIS-346.",
+                hint="The file is damaged or of another camera.",
             )
         what = "is cut off" if "fill whole buffer" in str(error) else "is damaged"
         where = (
@@ -164,10 +163,12 @@ class Recording:
             if first_us is None
             else f"{(last_us - first_us) / 1e6:.3f} s after its first event"
         )
-        return RecordingError(f"{self.path} {what} {where}", hint="copy it again from its origin")
+        return RecordingError(
+            f"'{self.path}' {what} {where}.", hint="Copy it again from its origin."
+        )
 
     def _events(self, packet: NDArray[np.void]) -> NDArray[np.void]:
-        """Our records of the library's, which are in the picture and ascending.
+        """Returns our records of the library's events, checked to be in the picture and ascending.
 
         The library refuses events outside the picture and lifts a stamp before its predecessor's
         to that one, so what is wrong with stamps has to be seen in the table and in the frames.
@@ -179,18 +180,19 @@ class Recording:
         events["y"] = packet["y"]
         events["p"] = packet["on"].view(np.uint8) != 0
         if int(t[-1]) >= MAX_STAMP_US:
-            raise RecordingError(f"{self.path} holds an impossible stamp ({int(t[-1])} µs)")
+            raise RecordingError(f"'{self.path}' has an impossible stamp ({int(t[-1])} µs).")
         return events
 
     def _frame(self, packet: Any) -> Frame:
         try:
             pixels = packet.pixels
         except ValueError as error:  # fewer bytes than width × height
-            raise RecordingError(f"{self.path} holds a damaged frame ({error})") from error
+            raise RecordingError(f"'{self.path}' has a damaged frame ({error}).") from error
         if pixels.dtype != np.uint8 or pixels.shape[:2] != _RESOLUTION[::-1]:
             size = "×".join(str(n) for n in pixels.shape[1::-1])
             raise RecordingError(
-                f"{self.path} holds a frame of {size} pixels ({pixels.dtype}), not 346×260 of 8 bit"
+                f"'{self.path}' has a frame of {size} pixels ({pixels.dtype}), "
+                "not 346×260 of 8 bit."
             )
         if pixels.ndim == 3:  # a colour camera: the gel is black and white
             pixels = pixels[..., :3].mean(axis=2).astype(np.uint8)
@@ -198,7 +200,9 @@ class Recording:
         if begin == 0 and end == 0:
             begin = end = _signed(packet.t)
         if max(abs(begin), abs(end)) > MAX_STAMP_US:
-            raise RecordingError(f"{self.path} holds a frame with an impossible stamp ({begin} µs)")
+            raise RecordingError(
+                f"'{self.path}' has a frame with an impossible stamp ({begin} µs)."
+            )
         return Frame(np.array(pixels), begin, max(begin, end))
 
 
@@ -211,7 +215,7 @@ def _end_us(item: _Item) -> int:
 
 
 def _sort_nearby(items: Iterator[_Item]) -> Iterator[_Item]:
-    """Items in order of their end, if none lies further than ``MAX_LAG_US`` from its place."""
+    """Items in order of their end, if none is further than ``MAX_LAG_US`` from its place."""
     heap: list[tuple[int, int, _Item]] = []
     newest = -MAX_STAMP_US
     broken: RecordingError | None = None

@@ -1,4 +1,4 @@
-"""Recording beside whoever delivers the packets: a queue with an end, and a thread that writes."""
+"""Writes a recording in a thread of its own, through a queue with a limit."""
 
 import threading
 from collections import deque
@@ -15,7 +15,7 @@ QUEUE_BYTES: Final = 64 << 20
 
 @dataclass(frozen=True, slots=True)
 class RecorderStats:
-    """What a recording holds so far.
+    """What a recording has so far.
 
     Attributes:
         seconds: sensor time from the first packet written to the end of the last.
@@ -35,9 +35,9 @@ class RecorderStats:
 
 
 class Recorder:
-    """Writes packets in a thread of its own; whoever delivers them never waits unless they want to.
+    """Writes packets in a thread of its own; the caller never waits unless it asks to.
 
-    A fault of the writing ends the recording, not the deliverer: ``error`` tells it.
+    A fault of the writing ends the recording, not the caller: ``error`` has it.
 
     Args:
         writer: what writes; it is closed by ``close``.
@@ -62,10 +62,10 @@ class Recorder:
         self._thread.start()
 
     def take(self, packet: EventPacket, *, wait: bool = False) -> bool:
-        """Have a packet written; False if there was no room, and then its events are counted lost.
+        """Queues a packet for writing; False without room, and then its events count as lost.
 
         Args:
-            packet: what is written; nobody may change it any more.
+            packet: what is written; it must not change afterwards.
             wait: wait for room instead, for sources that can be stopped.
         """
         size = _size_of(packet)
@@ -82,7 +82,7 @@ class Recorder:
         return True
 
     def stats(self) -> RecorderStats:
-        """What has been written so far."""
+        """Returns what has been written so far."""
         seconds = 0.0 if self._first_us is None else (self._end_us - self._first_us) / 1e6
         return RecorderStats(
             seconds,
@@ -94,7 +94,7 @@ class Recorder:
         )
 
     def close(self) -> None:
-        """Write what waits, finish the file and end the thread; a second call does nothing."""
+        """Writes what waits, finishes the file, ends the thread; a second call does nothing."""
         with self._changed:
             self._ending = True
             self._changed.notify_all()
@@ -116,7 +116,7 @@ class Recorder:
             self._writer.close()
 
     def _next(self) -> EventPacket | None:
-        """The next packet; None when all is written and no more will come."""
+        """Returns the next packet; None when all is written and no more will come."""
         with self._changed:
             while not self._queue:
                 if self._ending:
@@ -136,5 +136,5 @@ class Recorder:
 
 
 def _size_of(packet: EventPacket) -> int:
-    """What a packet takes in memory, in bytes; an empty one something too."""
+    """Returns the size of a packet in memory, in bytes; an empty one counts too."""
     return 64 + packet.events.nbytes + sum(frame.pixels.nbytes for frame in packet.frames)

@@ -25,7 +25,7 @@ _MAX_FRAMES: Final = 1 << 10
 
 
 def send_packet(line: socket.socket, packet: EventPacket) -> None:
-    """Send a packet whole.
+    """Sends a packet whole.
 
     Raises:
         OSError: the other end is gone, or takes nothing.
@@ -39,7 +39,7 @@ def send_packet(line: socket.socket, packet: EventPacket) -> None:
 
 
 def receive_packets(line: socket.socket) -> Iterator[EventPacket]:
-    """The packets that come, until the other end closes, also in the middle of one.
+    """Gives the packets that come, until the other end closes, also in the middle of one.
 
     Raises:
         RecordingError: what comes are no packets.
@@ -64,7 +64,7 @@ def receive_packets(line: socket.socket) -> Iterator[EventPacket]:
 
 
 def _read(line: socket.socket, n: int) -> bytes:
-    """So many bytes, or none if the other end closes before."""
+    """Returns so many bytes, or none if the other end closes first."""
     data = bytearray(n)
     filled = 0
     while filled < n:

@@ -21,7 +21,7 @@ from neurotouch_hid.recording.packing import (
     pack_header,
     pack_table,
 )
-from neurotouch_hid.recording.partial import PartialFile
+from neurotouch_hid.recording.partial_file import PartialFile
 
 MIN_FREE_BYTES = 64 << 20
 """Space that is left on the disk, so that a recording takes no other program's room to breathe."""
@@ -79,7 +79,7 @@ class RecordingWriter:
             raise
 
     def write(self, packet: EventPacket) -> None:
-        """Append a packet; packets come in order of time.
+        """Appends a packet; packets come in order of time.
 
         Raises:
             RecordingError: the events are older than those already written, or the disk is full or
@@ -90,7 +90,7 @@ class RecordingWriter:
             self.write_frame(frame)
 
     def write_events(self, events: NDArray[np.void]) -> None:
-        """Append events, (n,) EVENT_DTYPE, ascending in ``t`` and not older than those before."""
+        """Appends events, (n,) EVENT_DTYPE, ascending in ``t`` and not older than those before."""
         if not len(events):
             return
         t = events["t"]
@@ -100,7 +100,7 @@ class RecordingWriter:
         self._last_us = int(t[-1])
 
     def write_frame(self, frame: Frame) -> None:
-        """Append a frame, (260, 346) uint8, not older than the one before."""
+        """Appends a frame, (260, 346) uint8, not older than the one before."""
         begin_us = frame.exposure_begin_us
         if begin_us < self._frame_us:
             raise self._disorder("frames")
@@ -108,7 +108,7 @@ class RecordingWriter:
         self._frame_us = begin_us
 
     def _add(self, stream: int, packet: bytes, n: int, first_us: int, last_us: int) -> None:
-        """Append a packet and note it for the table."""
+        """Appends a packet and notes it for the table."""
         at = self.size_bytes + 8
         try:
             self._check_space()
@@ -118,7 +118,7 @@ class RecordingWriter:
         self._table.extend((stream, len(packet) - 8, at, n, first_us, last_us))
 
     def _append(self, data: bytes) -> None:
-        """Append all of it or nothing."""
+        """Appends all of it or nothing."""
         try:
             written = 0
             while written < len(data):
@@ -132,21 +132,23 @@ class RecordingWriter:
     def _check_space(self) -> None:
         if shutil.disk_usage(self.path.parent).free < self._min_free_bytes:
             raise RecordingError(
-                f"{self.path} cannot be written: the disk is full",
-                hint=f"make room: {self._min_free_bytes >> 20} MB have to stay free",
+                f"'{self.path}' cannot be written: the disk is full.",
+                hint=f"Make room: {self._min_free_bytes >> 20} MB have to stay free.",
             )
 
     def _failure(self, error: OSError) -> RecordingError:
         return RecordingError(
-            f"{self.path} cannot be written: {error.strerror}",
-            hint="choose a folder that exists, with room, that you may write to",
+            f"'{self.path}' cannot be written: {error.strerror}.",
+            hint="Choose a folder that exists, with room, that you may write to.",
         )
 
     def _disorder(self, what: str) -> RecordingError:
-        return RecordingError(f"{self.path}: {what} must be written in order of time, from 0 µs on")
+        return RecordingError(
+            f"{self.path}: {what} must be written in order of time, from 0 µs on."
+        )
 
     def close(self) -> None:
-        """Finish the file and put it in its place; a second call does nothing."""
+        """Finishes the file and moves it into place; a second call does nothing."""
         if self._closed:
             return
         self._closed = True
@@ -166,7 +168,7 @@ class RecordingWriter:
             pass  # no room: all packets are there
 
     def discard(self) -> None:
-        """Remove what was written; nothing stays."""
+        """Removes everything that was written."""
         if self._closed:
             return
         self._closed = True

@@ -47,7 +47,7 @@ class CommandQueue:
     def submit(self, command: Command) -> Command:
         """Adds a command. Panic drops the commands before it and always finds room.
 
-        A switch stays: whoever submitted it already works with the other profile, and it does not
+        A switch stays: its sender already works with the other profile, and it does not
         end a panic.
 
         Raises:

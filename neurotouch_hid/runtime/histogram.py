@@ -18,7 +18,7 @@ class Histogram:
         self._counts[min(8 * shift + (took_ns >> shift), CLASSES - 1)] += 1
 
     def percentiles(self, *ranks: float) -> tuple[float, ...]:
-        """The durations in ns that so many per cent do not exceed, by up to 12 % too large.
+        """Returns the durations in ns that so many per cent do not exceed, by up to 12 % too large.
 
         From any thread; 0 while nothing has been counted.
 
@@ -31,7 +31,7 @@ class Histogram:
 
 
 def _find(counts: list[int], n_below: float) -> float:
-    """The upper edge of the class with which so many are counted."""
+    """Returns the upper edge of the class with which so many are counted."""
     n = 0
     for k, count in enumerate(counts):
         n += count

@@ -10,7 +10,7 @@ from neurotouch_hid.errors import GelNotFoundError
 from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.runtime.pipeline import Pipeline
 from neurotouch_hid.runtime.session import Session
-from neurotouch_hid.runtime.stall import LIVE_STALL_S, STALL_S, StallGuard
+from neurotouch_hid.runtime.stall_guard import LIVE_STALL_S, STALL_S, StallGuard
 from neurotouch_hid.source import ActivityAware, LiveSource
 
 Tap = Callable[[Step], None]
@@ -55,17 +55,17 @@ def run_pipeline(
         GelNotFoundError: the source ended and no frame showed the gel.
     """
     taps = tuple(taps)
-    turns: Iterable[EventPacket | None] = source
+    polled: Iterable[EventPacket | None] = source
     stall_s = STALL_S
     if isinstance(source, LiveSource):
-        turns, stall_s = source.turns(), LIVE_STALL_S
-    aware = source if pipeline.is_live and isinstance(source, ActivityAware) else None
+        polled, stall_s = source.poll(), LIVE_STALL_S
+    aware = source if pipeline.has_frame_thread and isinstance(source, ActivityAware) else None
     slices = events = 0
     first_us = last_us = None
     begun = time.perf_counter()
     try:
         with StallGuard(device, stall_s) as guard:
-            for packet in turns:
+            for packet in polled:
                 if session is not None:
                     session.apply_commands()
                 if packet is not None and packet.is_partial:

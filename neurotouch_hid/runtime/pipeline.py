@@ -7,7 +7,7 @@ from neurotouch_hid.geometry import Rig
 from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
 from neurotouch_hid.messages import EventPacket, GestureKind, RestField, Step
 from neurotouch_hid.profile import Mapping, Profile, UserSettings
-from neurotouch_hid.runtime.timing import StageTimings
+from neurotouch_hid.runtime.stage_timing import StageTimings
 from neurotouch_hid.runtime.worker import FrameExchange, InlineRest, ThreadedRest
 from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector
 
@@ -25,7 +25,7 @@ class Pipeline:
         tracker: follows the markers.
         recognizer: reads the gesture from the markers.
         mapping: turns the gesture into a pad state.
-        live: frames are processed beside the pipeline, so that no pad state waits for them.
+        frame_thread: frames are processed beside the pipeline, so no pad state waits for them.
 
     Attributes:
         timings: the host time of each stage.
@@ -38,13 +38,13 @@ class Pipeline:
         recognizer: GestureRecognizer,
         mapping: Mapping,
         *,
-        live: bool = False,
+        frame_thread: bool = False,
     ) -> None:
         self.rest = rest
         self.tracker = tracker
         self.recognizer = recognizer
         self.mapping = mapping
-        self.is_live = live
+        self.has_frame_thread = frame_thread
         self.timings = StageTimings()
         self._partial: EventPacket | None = None
         self._anchor: RestField | None = None
@@ -58,7 +58,7 @@ class Pipeline:
         *,
         user: UserSettings | None = None,
         rig: Rig | None = None,
-        live: bool = False,
+        frame_thread: bool = False,
     ) -> "Pipeline":
         """Builds the pipeline as it is shipped.
 
@@ -67,26 +67,40 @@ class Pipeline:
             gesture: how they are recognised.
             user: the person's own values with their neutral pose; without, the reference hand.
             rig: known view of the sensor, if there is a rig file.
-            live: process frames in a thread beside the pipeline. Otherwise the pipeline does it
-                itself, so that a recording gives the same Steps bit for bit at any speed.
+            frame_thread: process frames in a thread beside the pipeline. Otherwise the pipeline
+                does it itself, so that a recording gives the same Steps bit for bit at any speed.
         """
         if user is not None:
             gesture = replace(gesture, neutral=user.neutral)
         finder = BlobFinder()
         detector = RestDetector(rig=rig, finder=finder)
-        rest: FrameExchange = ThreadedRest(detector, finder) if live else InlineRest(detector)
-        tracker = MarkerTracker(finder=finder)  # of a live pipeline it finds nothing itself
-        return cls(rest, tracker, GestureRecognizer(gesture), Mapping(profile, user), live=live)
+        rest: FrameExchange = (
+            ThreadedRest(detector, finder) if frame_thread else InlineRest(detector)
+        )
+        tracker = MarkerTracker(finder=finder)  # with a frame thread it finds nothing itself
+        return cls(
+            rest,
+            tracker,
+            GestureRecognizer(gesture),
+            Mapping(profile, user),
+            frame_thread=frame_thread,
+        )
 
     def advance_partial(self, packet: EventPacket) -> None:
-        """Takes in the first part of the next slice, which leaves less to do then; live only."""
+        """Takes in the first part of the next slice, which leaves less to do then.
+
+        It needs a frame thread.
+        """
         with self.timings.partial:
             self.tracker.update(packet)
         self._partial = packet
 
     def advance(self, packet: EventPacket) -> Step:
-        """Takes one slice through all stages; if live, write the pad, then ``process_frames``."""
-        if self.is_live:
+        """Takes one slice through all stages.
+
+        With a frame thread, write the pad afterwards, then call ``process_frames``.
+        """
+        if self.has_frame_thread:
             packet_left = self._cut_remaining(packet)
         else:
             self._anchor = self._exchange(packet)
@@ -103,7 +117,7 @@ class Pipeline:
 
     @property
     def is_idle(self) -> bool:
-        """True if the hand has done nothing for a while; only a live pipeline says so."""
+        """True if the hand has done nothing for a while; it needs a frame thread."""
         return self._idle_us >= IDLE_US
 
     @property
@@ -116,9 +130,9 @@ class Pipeline:
         """Hands over the frames of a finished step, and takes the result of earlier ones.
 
         This can wait until the pad is written: it moves markers by tenths of a pixel, and knows
-        where they were when the frame was exposed. Without ``live`` nothing is left to do.
+        where they were when the frame was exposed. Without a frame thread nothing is left to do.
         """
-        if not self.is_live:
+        if not self.has_frame_thread:
             return
         packet = step.packet
         if step.gesture.kind is GestureKind.NONE and step.pad.is_neutral:
@@ -150,7 +164,7 @@ class Pipeline:
         return result.rest
 
     def _may_skip(self, frame_us: int) -> bool:
-        """True if a frame brings nothing new: the gel is idle and was at rest a moment ago."""
+        """Tells whether a frame brings nothing new: the gel is idle and was at rest just before."""
         if self.is_at_rest and 0 <= frame_us - self._looked_us < IDLE_FRAME_US:
             return True
         self._looked_us = frame_us

@@ -4,28 +4,18 @@ import os
 import time
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
+from neurotouch_hid.client import Fatigue, PipelineStatus, StageSpread
 from neurotouch_hid.messages import Button, Step
 from neurotouch_hid.profile import Mapping, Profile, UserSettings
 from neurotouch_hid.runtime.command_queue import Command, CommandName, CommandQueue
 from neurotouch_hid.runtime.pipeline import Pipeline
-from neurotouch_hid.runtime.stall import STALL_S
-from neurotouch_hid.runtime.timing import StageTimings
+from neurotouch_hid.runtime.rates import RateMeter
+from neurotouch_hid.runtime.stage_timing import StageTimings
+from neurotouch_hid.runtime.stall_guard import STALL_S
 
 KEPT_ERRORS: Final = 5
-WINDOW_S: Final = 1.0
-"""Rates are means over this time."""
-
-
-@dataclass(frozen=True, slots=True)
-class Rates:
-    """Means over the last full window: per second, and host time per slice in ms."""
-
-    slices_hz: float = 0.0
-    events_hz: float = 0.0
-    stage_ms: tuple[tuple[str, float], ...] = ()
 
 
 class Session:
@@ -37,6 +27,9 @@ class Session:
     Args:
         pipeline: the running pipeline.
         user: the person's values at the start.
+
+    Attributes:
+        meter: counts what has gone through.
     """
 
     def __init__(self, pipeline: Pipeline, user: UserSettings) -> None:
@@ -47,13 +40,10 @@ class Session:
         self._user = user
         self._errors: deque[tuple[float, str]] = deque(maxlen=KEPT_ERRORS)
         self._begun = time.monotonic()
-        self._fatigue: list[dict[str, Any]] = []
+        self._fatigue: list[Fatigue] = []
         self._long_holds: dict[str, int] = {}
         self._step: Step | None = None
-        self._step_at = self._begun
-        self._slices = self._events = self._lost = 0
-        self._window = (self._begun, 0, 0, pipeline.timings.spent_ns)
-        self._rates = Rates()
+        self.meter = RateMeter(pipeline.timings)
 
     @property
     def mapping(self) -> Mapping:
@@ -71,7 +61,7 @@ class Session:
         return self._pipeline.timings
 
     def on_command(self, call: Callable[[str], object]) -> None:
-        """Calls ``call`` with the name of each command that takes effect, whoever gave it.
+        """Calls ``call`` with the name of each command that takes effect, from any side.
 
         It is called in the pipeline's thread and must return at once.
         """
@@ -91,12 +81,9 @@ class Session:
 
     def record(self, step: Step) -> None:
         """Records a finished step and the commands that the gel gave in it."""
-        self._step, self._step_at = step, time.monotonic()
-        self._slices += 1
-        self._events += len(step.packet.events)
-        self._lost += step.packet.gap
-        if self._step_at - self._window[0] >= WINDOW_S:
-            self._measure()
+        self._step = step
+        if self.meter.add(step):
+            self._look_for_fatigue()
         for command in step.pad.commands:
             self._on_command(command)
 
@@ -120,12 +107,13 @@ class Session:
         """Keeps a sentence about an error for ``status``."""
         self._errors.append((time.time(), sentence))
 
-    def status(self) -> dict[str, Any]:
+    def status(self) -> PipelineStatus:
         """Returns the state of the pipeline, ready for JSON."""
-        mapping, step, rates = self._pipeline.mapping, self._step, self._rates
+        mapping, step = self._pipeline.mapping, self._step
+        counts, rates = self.meter.counts, self.meter.rates
         valid = step.markers.valid if step is not None else ()
         gel = self._pipeline.rest.detector.stats()
-        silent_s = time.monotonic() - self._step_at
+        silent_s = time.monotonic() - self.meter.step_s
         return {
             "pid": os.getpid(),
             "state": mapping.state,
@@ -134,21 +122,27 @@ class Session:
             "markers_tracked": sum(map(bool, valid)),
             "gel": "found" if gel.n_references else gel.reason or "not seen yet",
             "gesture": step.gesture.kind.label if step is not None else "none",
+            "ignored": self._find_ignored(),
             "silent_s": round(silent_s, 3) if silent_s > STALL_S else 0.0,
             "uptime_s": round(time.monotonic() - self._begun, 1),
-            "slices": self._slices,
+            "slices": counts.slices,
             "slices_hz": round(rates.slices_hz, 1),
             "events_hz": round(rates.events_hz),
-            "events_lost": self._lost,
+            "events_lost": counts.lost,
             "stage_ms": {name: round(ms, 4) for name, ms in rates.stage_ms},
             "stage_spread_ms": {
-                name: dict(zip(("p50", "p99", "p99.9"), spread, strict=True))
-                for name, spread in self.timings.spread_ms().items()
+                name: StageSpread({"p50": p50, "p99": p99, "p99.9": p999})
+                for name, (p50, p99, p999) in self.timings.spread_ms().items()
             },
             "fatigue": self._fatigue,
             "long_holds": self._long_holds,
             "errors": [{"at": round(at, 3), "error": text} for at, text in self._errors.copy()],
         }
+
+    def _find_ignored(self) -> str | None:
+        """Returns the sentence about the last gesture that came to nothing."""
+        decisions = self._pipeline.mapping.decisions()
+        return next((str(each) for each in reversed(decisions) if each.is_refusal), None)
 
     def _apply(self, command: Command) -> None:
         mapping = self._pipeline.mapping
@@ -181,16 +175,7 @@ class Session:
         self._user = user
         self._pipeline.mapping = fresh
 
-    def _measure(self) -> None:
-        at, slices, events, spent_ns = self._window
-        now, now_ns = self._step_at, self.timings.spent_ns
-        n, took_s = self._slices - slices, now - at
-        self._rates = Rates(
-            n / took_s,
-            (self._events - events) / took_s,
-            tuple((name, (ns - spent_ns.get(name, 0)) / n / 1e6) for name, ns in now_ns.items()),
-        )
-        self._window = (now, self._slices, self._events, now_ns)
+    def _look_for_fatigue(self) -> None:
         mapping = self._pipeline.mapping
         shares = mapping.shares()
         self._fatigue = [

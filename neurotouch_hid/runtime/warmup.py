@@ -1,4 +1,4 @@
-"""Compiles, or loads from the cache, every kernel of the line before a gamepad appears."""
+"""Compiles, or loads from the cache, every kernel of the pipeline before a gamepad appears."""
 
 import numpy as np
 from numpy.typing import NDArray

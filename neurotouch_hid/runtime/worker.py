@@ -32,7 +32,7 @@ class FrameExchange(Protocol):
         """Hands over the frames of ``packet``; returns the newest result not yet taken, or None."""
 
     def close(self) -> None:
-        """Stops; harmless when repeated."""
+        """Stops; repeating is harmless."""
 
 
 class InlineRest:
@@ -52,13 +52,14 @@ class InlineRest:
         return None if rest is None else FrameResult(rest)
 
     def close(self) -> None:
-        """Nothing to stop."""
+        """Does nothing: there is nothing to stop."""
 
 
 class ThreadedRest:
-    """Processes frames in a thread. Both directions hold one item; the newest wins, nobody waits.
+    """Processes frames in a thread.
 
-    Each direction is a deque of length one: ``append`` and ``pop`` are atomic, so the pipeline
+    Both directions keep one item; the newest wins, and neither side waits. Each direction is a
+    deque of length one: ``append`` and ``pop`` are atomic, so the pipeline
     needs no lock. Before the first frame, packets queue up for the thread, which sums their events.
 
     Args:

@@ -1,6 +1,7 @@
 """Where packets come from: the camera, recordings and the simulator."""
 
-from neurotouch_hid.source.opening import FORMS, Speed, open_source
+from neurotouch_hid.source.check import FORMS, check_source
+from neurotouch_hid.source.opening import Speed, open_source
 from neurotouch_hid.source.protocol import ActivityAware, LiveSource, Source
 from neurotouch_hid.source.slicer import Slicer, slice_stream
 
@@ -11,6 +12,7 @@ __all__ = [
     "Slicer",
     "Source",
     "Speed",
+    "check_source",
     "open_source",
     "slice_stream",
 ]

@@ -6,12 +6,12 @@ from neurotouch_hid.events import join_events
 from neurotouch_hid.messages import EventPacket
 
 LONGEST_US: Final = 48_000
-"""Twelve slices of a camera; the tracker remembers twice that and an exposure, so what frames tell
-is of use. What stands out of the noise ends this at once; a push so slow that it does not (a
-twentieth of the usual events) is answered later by half of this on average."""
+"""Twelve slices of a camera. The tracker remembers twice that and an exposure, so it can still use
+what frames show. More events than the noise makes end the wait at once. A push so slow that it
+makes fewer (a twentieth of the usual events) is answered later, by half of this on average."""
 MOST_EVENTS: Final = 4_000
-"""What the tracker takes 0.1 ms for; the slice after what came together must not be late for it.
-Where noise alone makes so many events, it is they that cost, not how often the line is woken."""
+"""The tracker takes 0.1 ms for so many; the slice after the joined ones must not be late. Where
+noise alone makes so many events, these cost time, not the number of times the pipeline wakes."""
 MOST_PER_US: Final = 2
 """The same for slices shorter than 2 ms, which leave less time: events a µs of one slice."""
 CALM_US: Final = 100_000
@@ -23,10 +23,10 @@ _FEW: Final = 8.0  # events; a quiet sensor's deviation may be 0
 
 
 class IdleMerger:
-    """Holds slices back while the line is idle and they hold nothing but noise.
+    """Holds slices back while the pipeline is idle and they have nothing but noise.
 
     Attributes:
-        is_idle: the line has nothing to do; None until it says so. Set from any thread.
+        is_idle: the pipeline has nothing to do; None while unknown. Set from any thread.
     """
 
     def __init__(self) -> None:
@@ -49,7 +49,7 @@ class IdleMerger:
         return self._calm_us > CALM_US
 
     def take(self, packet: EventPacket) -> tuple[EventPacket, ...]:
-        """What is ready now: nothing, or all that has waited with this slice as one.
+        """Returns what is ready now: nothing, or this slice joined with all that waited.
 
         Args:
             packet: the next slice, all of one length.
@@ -75,7 +75,7 @@ class IdleMerger:
         return ()
 
     def flush(self) -> tuple[EventPacket, ...]:
-        """What waits, if anything does."""
+        """Returns what waits, or None."""
         waiting, self._waiting, self._n_waiting = self._waiting, [], 0
         return (_join(waiting),) if waiting else ()
 
@@ -92,7 +92,7 @@ class IdleMerger:
         self._n_waiting += len(packet.events)
 
     def _listen(self, n_events: int) -> bool:
-        """True if so many events are noise; learns how much of that there is while idle."""
+        """Tells whether so many events are noise; learns the noise while idle."""
         if not self._n_heard:
             self._mean = n_events
         self._n_heard += 1

@@ -1,4 +1,4 @@
-"""The simulator led by a mouse: another process says what the hand does, the gel obeys."""
+"""The simulator steered with a mouse: another process sends what the hand does."""
 
 import socket
 import time
@@ -73,7 +73,7 @@ class MouseSource(Closing):
             yield next(packets)
 
     def watch(self, step: Step) -> None:
-        """A tap: how long ago what the pad now shows was wished for."""
+        """Measures, as a tap, how long ago the command was given that the pad now shows."""
         now_ms = 1e3 * time.time()
         while self._pending and self._pending[0][0] <= step.packet.t_end_us:
             _, at_ms = self._pending.popleft()
@@ -81,7 +81,10 @@ class MouseSource(Closing):
                 self._lags_ms.append(now_ms - at_ms)
 
     def measure_lag(self) -> list[float] | None:
-        """Median and 95 % of the time from a wish to the pad, in ms; None before the first."""
+        """Returns median and 95 % of the time from a command to the pad, in ms.
+
+        None before the first.
+        """
         lags = sorted(self._lags_ms)
         if not lags:
             return None
@@ -89,11 +92,14 @@ class MouseSource(Closing):
 
     @property
     def facts(self) -> dict[str, Callable[[], Any]]:
-        """What viewers are told of it."""
+        """Facts about it for viewers."""
         return {"hand_ms": self.measure_lag, "backlog_ms": self.measure_backlog}
 
     def measure_backlog(self) -> float:
-        """How late the newest slice was begun, in ms; time that was left alone is no backlog."""
+        """Returns how late the newest slice was begun, in ms.
+
+        Time that was left alone is no backlog.
+        """
         return round(1e3 * self._late_s, 1)
 
     def close(self) -> None:
@@ -103,7 +109,7 @@ class MouseSource(Closing):
         self._path.unlink(missing_ok=True)
 
     def _ask(self) -> HandCommand | None:
-        """The newest wish that has arrived."""
+        """Returns the newest command that has arrived."""
         with suppress(OSError):
             peer, _ = self._listener.accept()
             peer.setblocking(False)
@@ -131,5 +137,5 @@ class MouseSource(Closing):
                 return newest
             newest = read_hand_command(text) or newest
 
-    def _note(self, wish: HandCommand, t_us: int) -> None:
-        self._pending.append((t_us, wish.at_ms))
+    def _note(self, command: HandCommand, t_us: int) -> None:
+        self._pending.append((t_us, command.at_ms))

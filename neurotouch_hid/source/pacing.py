@@ -17,7 +17,7 @@ class PacedSource(Closing):
     packet is handed out when as much host time has passed as sensor time up to its end. Every due
     time is counted from the start, so errors of single waits never add up, and a loop
     that was late catches up. Sensor time that a source left out (a long silence) is not waited for.
-    Slices in which nothing happens come as one, and the head of others in advance, while
+    Slices in which nothing happens come as one, and partial slices of others in advance, while
     ``set_activity`` allows it.
 
     Args:
@@ -52,9 +52,9 @@ class PacedSource(Closing):
             played_us += packet.t_end_us - packet.t_begin_us
             self.due_ns = start_ns + played_us * 1000
             if self._merger.takes_partials:
-                head = cut_partial(packet)
-                if head is not None and self._wait(self.due_ns - LEAD_US * 1000):
-                    yield head
+                partial = cut_partial(packet)
+                if partial is not None and self._wait(self.due_ns - LEAD_US * 1000):
+                    yield partial
             self._wait(self.due_ns)
             yield packet
 
@@ -64,7 +64,7 @@ class PacedSource(Closing):
         is_idle: bool,
         wants_frames: bool = True,  # noqa: ARG002  # it has them anyway
     ) -> None:
-        """From now on slices that hold nothing but noise may come as one, or heads in advance."""
+        """Sets whether idle slices may be merged, and partial slices delivered early."""
         self._merger.is_idle = is_idle
 
     def _wait(self, until_ns: int) -> bool:
@@ -81,5 +81,5 @@ class PacedSource(Closing):
         yield from self._merger.flush()
 
     def close(self) -> None:
-        """Close the source that is played."""
+        """Closes the source that is played."""
         self._source.close()

@@ -1,4 +1,4 @@
-"""The head of a slice comes before its end, so that less is left to do then."""
+"""Cuts partial slices: the pipeline gets them early, so that less work is left at the end."""
 
 from typing import Final
 
@@ -7,20 +7,20 @@ import numpy as np
 from neurotouch_hid.messages import EventPacket
 
 LEAD_US: Final = 350
-"""So long before the end of a slice its head is handed over: as long as a processor needs for it
-whose caches have forgotten the line since the slice before. They soon forget it again."""
+"""How long before its end a slice is delivered in part. A processor needs this time if the
+pipeline has left its caches since the last slice."""
 SHORTEST_US: Final = 2_000
-"""A line with shorter slices is busy enough not to be forgotten."""
+"""With shorter slices the pipeline stays in the caches of the processor."""
 
 
 def cut_partial(packet: EventPacket) -> EventPacket | None:
-    """What has happened in a slice ``LEAD_US`` before its end, without frames.
+    """Returns the events of a slice up to ``LEAD_US`` before its end, without frames.
 
     Args:
         packet: the slice.
 
     Returns:
-        None if the slice is too short for this to be worth while.
+        The partial slice; None if the slice is shorter than ``SHORTEST_US``.
     """
     if packet.t_end_us - packet.t_begin_us < SHORTEST_US:
         return None
@@ -28,7 +28,7 @@ def cut_partial(packet: EventPacket) -> EventPacket | None:
 
 
 def cut(packet: EventPacket, until_us: int) -> EventPacket:
-    """What has happened in a slice before a moment in it, without frames."""
+    """Returns the events of a slice before ``until_us``, without frames."""
     n = int(np.searchsorted(packet.events["t"], until_us))
     return EventPacket(
         packet.t_begin_us, until_us, packet.events[:n], gap=packet.gap, is_partial=True

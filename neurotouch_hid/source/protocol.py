@@ -24,15 +24,15 @@ class Source(Protocol):
     is_simulated: bool
 
     def __iter__(self) -> Iterator[EventPacket]:
-        """The packets from the start on."""
+        """Gives the packets from the start on."""
         ...
 
     def close(self) -> None:
-        """Release what the source holds."""
+        """Releases everything that the source has open."""
         ...
 
     def __enter__(self) -> Self:
-        """The source itself."""
+        """Returns the source itself."""
         ...
 
     def __exit__(
@@ -41,7 +41,7 @@ class Source(Protocol):
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Close it."""
+        """Closes it."""
         ...
 
 
@@ -63,6 +63,6 @@ class ActivityAware(Protocol):
 class LiveSource(Source, Protocol):
     """A source that may have nothing for a while, such as a camera that was unplugged."""
 
-    def turns(self) -> Iterator[EventPacket | None]:
-        """The packets as they come, and None whenever there was none for a twentieth second."""
+    def poll(self) -> Iterator[EventPacket | None]:
+        """Gives the packets as they come, and None whenever none came for a twentieth second."""
         ...

@@ -1,4 +1,4 @@
-"""A recording as a source, turned round if its rig file says the camera saw it mirrored."""
+"""A recording as a source, mirrored back if its rig file says that the camera saw it mirrored."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -56,7 +56,7 @@ class Replay(Closing):
             raise broken
 
     def close(self) -> None:
-        """Nothing stays open between two iterations."""
+        """Does nothing: nothing stays open between two iterations."""
 
     def _batches(self) -> Iterator[Batch]:
         for events, frames in self._recording:
@@ -67,12 +67,12 @@ class Replay(Closing):
 
 
 def mirror_events(events: NDArray[np.void]) -> NDArray[np.void]:
-    """Events flipped left to right, in place: (n,) EVENT_DTYPE."""
+    """Returns events flipped left to right, in place: (n,) EVENT_DTYPE."""
     events["x"] = SENSOR_WIDTH_PX - 1 - events["x"]
     return events
 
 
 def mirror_frame(frame: Frame) -> Frame:
-    """A frame flipped left to right."""
+    """Returns a frame flipped left to right."""
     pixels = np.ascontiguousarray(frame.pixels[:, ::-1])
     return Frame(pixels, frame.exposure_begin_us, frame.exposure_end_us)

@@ -5,7 +5,7 @@
     centre_px: [173.0, 130.0]   # the gel's centre in the picture as the user sees it
     px_per_mm: 2.5              # together with centre_px
     rotation_deg: 0.0           # turn of the marker lattice, clockwise; needs the two above
-    mirrored: false             # the camera saw the gel mirrored; the source turns it round
+    mirrored: false             # the camera saw the gel mirrored; the source mirrors it back
 """
 
 import difflib
@@ -28,7 +28,7 @@ SCALE_LIMITS = (0.5, 10.0)  # px/mm: the gel 30 px wide, or only 26 mm of it in 
 
 @dataclass(frozen=True, slots=True)
 class RigFile:
-    """What a rig file says.
+    """The content of a rig file.
 
     Attributes:
         rig: the override, or None where the file leaves it to the resting frame.
@@ -40,12 +40,12 @@ class RigFile:
 
 
 def rig_path(recording: Path | str) -> Path:
-    """Where the rig file of a recording lies: ``NAME.rig.yaml`` beside ``NAME.aedat4``."""
+    """Returns the path of a recording's rig file: ``NAME.rig.yaml`` beside ``NAME.aedat4``."""
     return Path(recording).with_suffix(".rig.yaml")
 
 
 def load_rig_file(path: Path | str) -> RigFile:
-    """What a rig file says.
+    """Returns the content of a rig file.
 
     Raises:
         RecordingError: it cannot be read, or a value is wrong (``file:line:column``).
@@ -54,24 +54,24 @@ def load_rig_file(path: Path | str) -> RigFile:
     try:
         document = YAML(typ="rt").load(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise RecordingError(f"{path} cannot be read: {error.strerror}") from error
+        raise RecordingError(f"'{path}' cannot be read: {error.strerror}.") from error
     except UnicodeDecodeError as error:
-        raise RecordingError(f"{path} is not text in UTF-8") from error
+        raise RecordingError(f"'{path}' is not text in UTF-8.") from error
     except MarkedYAMLError as error:
         mark = error.problem_mark
         place = f"{path}:{mark.line + 1}:{mark.column + 1}" if mark else str(path)
-        raise RecordingError(f"{place}: {error.problem or 'not valid YAML'}") from error
+        raise RecordingError(f"{place}: {error.problem or 'not valid YAML'}.") from error
     except (YAMLError, ValueError) as error:  # ValueError: a number such as 0o9
-        raise RecordingError(f"{path} is not valid YAML") from error
+        raise RecordingError(f"'{path}' is not valid YAML.") from error
     if document is None:
         return RigFile()
     if not isinstance(document, CommentedMap):
-        raise RecordingError(f"{path}:1:1: expected keys with values: {', '.join(KEYS)}")
+        raise RecordingError(f"{path}:1:1: expected keys with values: {', '.join(KEYS)}.")
     return _Reader(path, document).read()
 
 
 class _Reader:
-    """Takes the values out of the document and knows where each one stands."""
+    """Takes the values out of the document and knows the place of each."""
 
     def __init__(self, path: Path, document: CommentedMap) -> None:
         self._path, self._document = path, document
@@ -81,7 +81,7 @@ class _Reader:
             if key not in KEYS:
                 close = difflib.get_close_matches(str(key), KEYS, n=1)
                 meant = f"did you mean {close[0]}?" if close else f"known are {', '.join(KEYS)}"
-                raise RecordingError(f"{self._place(key, 0)}: unknown key {key}; {meant}")
+                raise RecordingError(f"{self._place(key, 0)}: unknown key {key}; {meant}.")
         mirrored = self._document.get("mirrored", False)
         if not isinstance(mirrored, bool):
             raise self._error("mirrored", "true or false")
@@ -93,8 +93,8 @@ class _Reader:
             missing = "centre_px" if centre is None else "px_per_mm"
             given = next(key for key in self._document if key != "mirrored")
             raise RecordingError(
-                f"{self._place(given, 0)}: {given} needs {missing} beside it",
-                hint="give both, or leave the rig to be found from the resting frame",
+                f"{self._place(given, 0)}: {given} needs {missing} beside it.",
+                hint="Give both, or leave the rig to be found from the resting frame.",
             )
         return RigFile(Rig(centre, scale, math.radians(rotation_deg or 0.0), mirrored), mirrored)
 
@@ -121,10 +121,12 @@ class _Reader:
     def _error(self, key: str, expected: str) -> RecordingError:
         value = self._document[key]
         found = list(value) if isinstance(value, list) else value
-        return RecordingError(f"{self._place(key, 2)}: {key}: expected {expected}, found {found!r}")
+        return RecordingError(
+            f"{self._place(key, 2)}: {key}: expected {expected}, found {found!r}."
+        )
 
     def _place(self, key: object, of: int) -> str:
-        """``file:line:column`` of a key (``of`` 0) or of its value (``of`` 2)."""
+        """Returns ``file:line:column`` of a key (``of`` 0) or of its value (``of`` 2)."""
         line, column = self._document.lc.data[key][of : of + 2]
         return f"{self._path}:{line + 1}:{column + 1}"
 

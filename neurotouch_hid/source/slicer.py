@@ -16,12 +16,12 @@ hours must not become millions of packets. The slices after it stay on the same 
 
 
 class Slicer:
-    """Makes packets of ``slice_us`` µs, each starting where the one before ended.
+    """Cuts packets of ``slice_us`` µs; each begins where the last one ended.
 
-    A slice is handed out when an event at or after its end has arrived, or when ``reach`` says that
-    the sensor's clock has gone so far. A frame goes into the slice in which its exposure ended; one
-    that arrives after that slice was handed out goes into the next. ``gap`` is 0: a slicer knows of
-    no lost events.
+    A slice is complete when an event at or after its end has arrived, or when ``reach`` gives a
+    later time of the sensor's clock. A frame goes into the slice in which its exposure ended; one
+    that arrives after that slice was delivered goes into the next. ``gap`` is 0: a slicer does not
+    count lost events.
 
     Args:
         slice_us: length of a slice.
@@ -37,11 +37,11 @@ class Slicer:
         self._frames: list[Frame] = []
 
     def push(self, events: NDArray[np.void], frames: Iterable[Frame] = ()) -> Iterator[EventPacket]:
-        """Take a batch and hand out the slices it completes.
+        """Takes a batch and yields the slices that it completes.
 
         Args:
             events: (n,) EVENT_DTYPE, ascending in ``t`` and not older than those before. Packets
-                hold views of it, so it must not be written to afterwards.
+                are views of it, so it must not be written to afterwards.
             frames: what arrived with them.
         """
         self._frames.extend(frames)
@@ -61,22 +61,22 @@ class Slicer:
             self._parts.append(events[position:])
 
     def reach(self, now_us: int) -> Iterator[EventPacket]:
-        """Hand out the slices that end at or before ``now_us``; all later events are not older."""
+        """Yields the slices that end at or before ``now_us``; no later event is older."""
         if self._begin_us is None:
             return
         while (end_us := self._begin_us + self._slice_us) <= now_us:
             yield self._cut(np.empty(0, EVENT_DTYPE), end_us)
             self._skip_silence(now_us)
 
-    def head(self, now_us: int, most: int) -> EventPacket | None:
-        """What has come of the slice in which ``now_us`` lies; it is handed out whole all the same.
+    def partial(self, now_us: int, most: int) -> EventPacket | None:
+        """Returns the events so far of the slice being filled; the whole slice follows at its end.
 
         Args:
-            now_us: all later events are not older.
-            most: events.
+            now_us: no later event is older.
+            most: largest number of events to copy.
 
         Returns:
-            None if that is another slice than the one that is being filled, or holds more.
+            The partial slice; None if ``now_us`` is in another slice or there are more events.
         """
         begin_us = self._begin_us
         if begin_us is None or not begin_us < now_us < begin_us + self._slice_us:
@@ -89,7 +89,7 @@ class Slicer:
         return cut(EventPacket(begin_us, begin_us + self._slice_us, events), now_us)
 
     def flush(self) -> Iterator[EventPacket]:
-        """Hand out what is left at the end of the stream, the last slice in full length."""
+        """Yields what is left at the end of the stream, the last slice in full length."""
         stamps = [f.exposure_end_us for f in self._frames]
         stamps += [int(part["t"][-1]) for part in self._parts]
         if not stamps:
@@ -102,7 +102,7 @@ class Slicer:
                 self._skip_silence(min(f.exposure_end_us for f in self._frames))
 
     def _cut(self, tail: NDArray[np.void], end_us: int) -> EventPacket:
-        """The packet up to ``end_us``: the parts kept so far and ``tail``."""
+        """Returns the packet up to ``end_us``: the parts kept so far and ``tail``."""
         parts = [*self._parts, tail] if len(tail) else self._parts
         events = parts[0] if len(parts) == 1 else join_events(parts)
         frames = [f for f in self._frames if f.exposure_end_us < end_us]
@@ -114,7 +114,7 @@ class Slicer:
         return EventPacket(begin_us, end_us, events, tuple(frames))
 
     def _skip_silence(self, next_us: int) -> None:
-        """Go to the slice of ``next_us`` if nothing happens for too long before it."""
+        """Skips to the slice of ``next_us`` after a silence longer than ``MAX_SILENCE_US``."""
         assert self._begin_us is not None  # noqa: S101 - a packet was cut before
         next_us = min([next_us, *(f.exposure_end_us for f in self._frames)])
         if next_us - self._begin_us > MAX_SILENCE_US:
@@ -124,7 +124,7 @@ class Slicer:
 def slice_stream(
     batches: Iterable[tuple[NDArray[np.void], Iterable[Frame]]], slice_us: int
 ) -> Iterator[EventPacket]:
-    """All slices of a stream of batches, the last one included.
+    """Yields all slices of a stream of batches, the last one included.
 
     Args:
         batches: events and frames as ``Slicer.push`` takes them.

@@ -1,4 +1,4 @@
-"""Stage 2: where the markers are, from events and frames."""
+"""Stage 2: turns events and frames into marker positions."""
 
 from neurotouch_hid.tracker.blobs import BlobFinder, Blobs
 from neurotouch_hid.tracker.markers import MarkerTracker, TrackerConfig, TrackerStats

@@ -1,4 +1,7 @@
-"""Bright blobs in a frame: threshold, connected regions, centroids [NT, "Marker Tracking"]."""
+"""Finds bright blobs in a frame: threshold, connected regions, centroids.
+
+[NT, "Marker Tracking"].
+"""
 
 from dataclasses import dataclass
 
@@ -8,19 +11,19 @@ from numpy.typing import NDArray
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.tracker.kernels import image as kernels
 
-MAX_BLOBS = 1024  # more is no picture of a gel
+MAX_BLOBS = 1024  # a picture of a gel has fewer
 
 
 @dataclass(frozen=True, slots=True)
 class BlobConfig:
-    """How markers are told from the background.
+    """How markers are distinguished from the background.
 
     Attributes:
         n_sigma: threshold above the local mean, in local standard deviations. Markers cover about
             5 % of the gel, so 1.5 is some 0.4 of their contrast, up to 0.7 where they crowd.
         min_contrast: least threshold above the local mean, grey levels; five times read noise.
         min_area_px: smaller regions are noise. The smallest marker covers 3 px at 2 px/mm.
-        max_area_px: larger regions are no markers; two merged ones at 3 px/mm cover 30 px.
+        max_area_px: larger regions are no markers; two merged markers at 3 px/mm cover 30 px.
     """
 
     n_sigma: float = 1.5
@@ -34,7 +37,7 @@ class Blobs:
     """The blobs of one frame; the arrays are valid until the next frame is searched.
 
     Attributes:
-        centroid_px: (n, 2) float64, columns x, y, weighted by intensity.
+        centroid_px: (n, 2) float64 px, weighted by intensity, columns x, y.
         begin: (n + 1,) int32: the pixels of blob i are ``members[begin[i]:begin[i + 1]]``.
         members: int32 pixel indices, y * 346 + x.
     """
@@ -43,35 +46,33 @@ class Blobs:
     begin: NDArray[np.int32]
     members: NDArray[np.int32]
 
-    @property
-    def area_px(self) -> NDArray[np.int32]:
-        """(n,) int32, the number of pixels of each blob."""
-        return np.diff(self.begin)
-
     def copy(self) -> "Blobs":
-        """The same for good."""
+        """Returns a copy that stays valid."""
         return Blobs(self.centroid_px.copy(), self.begin.copy(), self.members.copy())
 
 
 class BlobFinder:
-    """Finds the blobs of frames, with buffers that are used again and again.
+    """Finds the blobs of frames; the buffers are reused.
 
-    Whoever asks for the frame that was searched last gets what was found then.
+    The result for the last frame is kept, so a second call for the same frame costs nothing.
     """
 
     def __init__(self, config: BlobConfig | None = None) -> None:
         self._config = config or BlobConfig()
         h, w, block = SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, kernels.BLOCK_PX
-        self._threshold = np.empty((-(-h // block), -(-w // block)))
-        self._background = np.empty_like(self._threshold)
-        self._bright = np.zeros((h + 2, (w // 8 + 1) * 8), np.uint8)
-        self._centroid_px = np.empty((MAX_BLOBS, 2))
-        self._begin = np.empty(MAX_BLOBS + 1, np.int32)
-        self._members = np.empty(h * w, np.int32)
+        blocks = -(-h // block), -(-w // block)
+        self._buffers = kernels.Buffers(
+            threshold=np.empty(blocks),
+            background=np.empty(blocks),
+            bright=np.zeros((h + 2, (w // 8 + 1) * 8), np.uint8),
+            centroid_px=np.empty((MAX_BLOBS, 2)),
+            begin=np.empty(MAX_BLOBS + 1, np.int32),
+            members=np.empty(h * w, np.int32),
+        )
         self._found: tuple[NDArray[np.uint8], Blobs] | None = None
 
     def find(self, pixels: NDArray[np.uint8]) -> Blobs:
-        """The blobs of a frame (260, 346) uint8, which nobody writes to any more."""
+        """Returns the blobs of a frame, (260, 346) uint8, which must not change any more."""
         if self._found is None or self._found[0] is not pixels:
             self._found = (pixels, self._search(pixels))
         return self._found[1]
@@ -79,19 +80,8 @@ class BlobFinder:
     def _search(self, pixels: NDArray[np.uint8]) -> Blobs:
         c = self._config
         pixels = np.require(pixels, np.uint8, ["C", "W"])
-        kernels.threshold_blocks(
-            pixels, c.n_sigma, c.min_contrast, self._threshold, self._background
-        )
-        n = kernels.find_blobs(
-            pixels,
-            self._threshold,
-            self._background,
-            c.min_area_px,
-            c.max_area_px,
-            self._bright,
-            self._centroid_px,
-            self._begin,
-            self._members,
-        )
-        begin = self._begin[: n + 1]
-        return Blobs(self._centroid_px[:n], begin, self._members[: begin[n]])
+        b = self._buffers
+        kernels.threshold_blocks(pixels, c.n_sigma, c.min_contrast, b.threshold, b.background)
+        n = kernels.find_blobs(pixels, c.min_area_px, c.max_area_px, b)
+        begin = b.begin[: n + 1]
+        return Blobs(b.centroid_px[:n], begin, b.members[: begin[n]])

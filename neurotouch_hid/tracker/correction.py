@@ -1,4 +1,4 @@
-"""Frames correct what events have let drift: tracks move to the blobs of a picture."""
+"""Corrects the drift of the tracks by frames: tracks move to the blobs of a frame."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,21 +10,20 @@ from neurotouch_hid.tracker.kernels import correction
 from neurotouch_hid.tracker.kernels import neighbours as neighbour_kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
 
-_MIN_EXPOSURE_US = 5_000  # assumed where a recording does not say
-_MAX_ASTRAY_PX = 2.0  # at rest no track that follows its own marker is farther off
+_MIN_EXPOSURE_US = 5_000  # assumed if a recording does not contain it
+_MAX_ASTRAY_PX = 2.0  # at rest, a track farther off follows a wrong marker
 
 
 class FrameCorrection:
-    """Moves tracks to the blobs of a frame, as they lay in the middle of its exposure."""
+    """Moves tracks to the blobs of a frame, at the time of the middle of its exposure."""
 
     def __init__(self, tracks: track_kernels.Tracks, tuning: track_kernels.Tuning) -> None:
         self._tracks, self._tuning = tracks, tuning
         self._expected_px = np.empty((N_MARKERS, 2))
         self._spread_px = np.empty(N_MARKERS)
-        self._missed = np.zeros(N_MARKERS, np.intp)
 
     def apply(self, frame: Frame, blobs: Blobs) -> None:
-        """Correct all tracks by the blobs of a frame whose exposure ends now, or ended lately."""
+        """Corrects all tracks by the blobs of a frame whose exposure has ended recently."""
         begin_us = min(frame.exposure_begin_us, frame.exposure_end_us - _MIN_EXPOSURE_US)
         seen, by_px = correction.correct(
             begin_us,
@@ -32,7 +31,6 @@ class FrameCorrection:
             frame.exposure_end_us,
             blobs.centroid_px,
             blobs.begin,
-            self._missed,
             self._tracks,
             self._tuning,
         )
@@ -40,10 +38,10 @@ class FrameCorrection:
             track_kernels.shift(seen, by_px, self._tracks)
 
     def anchor(self, rest: RestField) -> None:
-        """Correct all tracks by a frame that shows the gel at rest, however late that is known.
+        """Corrects all tracks by a frame that shows the gel at rest; the frame may be late.
 
-        At rest the position identifies each marker. So a track that was elsewhere had followed a
-        neighbour: it is put where its own neighbours say that it is now.
+        At rest the position identifies each marker. A track that was elsewhere had followed a
+        neighbour, so it moves to the place that its own neighbours give.
         """
         then_px = np.empty((N_MARKERS, 2))
         if not correction.recall(rest.t_us, self._tracks, then_px):
@@ -52,7 +50,7 @@ class FrameCorrection:
         error = rest.position_px - then_px
         astray = np.hypot(*error.T) > _MAX_ASTRAY_PX
         track_kernels.shift(np.flatnonzero(~astray), error[~astray], tracks)
-        tracks.lost[~astray & (self._missed < correction.MAX_MISSED)] = False
+        tracks.lost[~astray & (tracks.state["n_missed"] < correction.MAX_MISSED)] = False
         if not astray.any():
             return
         t_us = float(tracks.state["t_us"].max())

@@ -1,4 +1,4 @@
-"""The gel found without frames: the first touch moves all markers, and events draw them twice."""
+"""Finds the gel without frames: the first touch moves all markers, and events draw them twice."""
 
 import math
 
@@ -10,22 +10,22 @@ from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, EventPack
 from neurotouch_hid.tracker.blobs import BlobFinder
 from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig, find_lattice
 
-_FADE_US = 300_000.0  # events older than a touch-down are forgotten
+_FADE_US = 300_000.0  # time constant; events from before a touch fade out
 _SEARCH_US = 40_000  # as often as frames would come
 _LEAST_NOISE = 0.3  # events per pixel
 _MAX_BLOBS = 700  # more is noise
-_MIN_FOUND = 120  # of each polarity; the smooth model fills in the others
-_MAX_APART_PX = 7.0  # of all markers but a few: their size, and what they have moved
-_LEAD_PX = 1.8  # at most, from a marker's centre to that of its new ON or old OFF spot
+_MIN_FOUND = 120  # markers of each polarity; the smooth model fills in the others
+_MAX_APART_PX = 7.0  # distance of ON and OFF spot for nearly all markers: size plus motion
+_LEAD_PX = 1.8  # largest distance from a marker's centre to its ON or OFF spot
 _BLACK, _NOISE_LEVEL = 20.0, 3.0  # grey levels of no event and of the deviation of the noise
 
 
 class EventFrame:
-    """Adds up polarities until the markers can be seen in them.
+    """Adds up polarities until they show the markers.
 
     A bright marker that moves a little leaves a spot of ON events where it goes and one of OFF
-    events where it was. When both spots of nearly all markers lie close together, none has moved
-    far, and half way between them is its place at rest, to about half a pixel.
+    events where it was. If both spots of nearly all markers are close together, no marker has moved
+    far. Its place at rest is then half way between them, to about half a pixel.
     """
 
     def __init__(self, rig: Rig | None = None) -> None:
@@ -36,7 +36,7 @@ class EventFrame:
         self.reason = "no events yet"
 
     def update(self, packet: EventPacket) -> RestField | None:
-        """Where all markers are at rest, as soon as it can be seen."""
+        """Returns all markers at rest, as soon as events show them; before that None."""
         self._add(packet)
         if self._next_us is None:
             self._next_us = packet.t_begin_us + _SEARCH_US
@@ -78,7 +78,7 @@ class EventFrame:
 
 
 def _smooth(picture: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The picture under a binomial window of 3 x 3."""
+    """Returns the picture, smoothed by a binomial window of 3 x 3."""
     wide = np.pad(picture, 1)
     rows = (wide[:-2] + 2.0 * wide[1:-1] + wide[2:]) / 4.0
     smooth: NDArray[np.float64] = (rows[:, :-2] + 2.0 * rows[:, 1:-1] + rows[:, 2:]) / 4.0

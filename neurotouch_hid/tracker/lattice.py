@@ -1,4 +1,4 @@
-"""The known lattice of 177 markers among the blobs of a frame that shows the gel at rest."""
+"""Finds the known lattice of 177 markers among the blobs of a frame of the gel at rest."""
 
 import cmath
 import math
@@ -21,15 +21,15 @@ _AROUND = np.column_stack([np.arange(N_MARKERS), NEIGHBOURS])  # each marker and
 
 @dataclass(frozen=True, slots=True)
 class LatticeConfig:
-    """What is accepted as the gel.
+    """Limits within which blobs are accepted as the gel.
 
     Attributes:
         min_px_per_mm, max_px_per_mm: range of scales searched; nominal 2.5 [NT, "Results"].
-        min_found: markers that must be seen; the rest is filled in from the fitted model.
+        min_found: least number of markers that must be seen; the model gives the others.
         max_bend_px: largest ``Lattice.bend_px`` of an undeformed gel. Measured on simulated gels:
             0.2 for strong optics and a print tolerance of 0.1 mm, 0.7 to 1.4 for one finger that
             pushes by 1 mm.
-        max_displaced: markers that are not at their place but for which a blob lies near it.
+        max_displaced: largest ``Lattice.n_displaced`` of an undeformed gel.
     """
 
     min_px_per_mm: float = 1.8
@@ -41,15 +41,16 @@ class LatticeConfig:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lattice:
-    """What was found.
+    """The lattice that was found.
 
     Attributes:
-        position_px: (177, 2) float64, columns x, y, in the order of ``geometry.LATTICE_MM``;
-            markers that were not seen are filled in from the model.
-        blob: (177,) intp, the blob of each marker, -1 where none was seen.
+        position_px: (177, 2) float64 px, columns x, y, in the order of ``geometry.LATTICE_MM``;
+            the model gives markers that were not seen.
+        blob: (177,) intp, the blob of each marker, -1 for a marker that was not seen.
         bend_px: the largest mean deviation from the model of a marker and its neighbours, so that
             the tolerance of single markers averages out.
-        n_displaced: markers not seen at their place with a blob near it that is no other marker.
+        n_displaced: number of markers that were not seen at their place, but have a blob near it
+            that is no other marker.
     """
 
     position_px: NDArray[np.float64]
@@ -66,17 +67,19 @@ class Lattice:
 def find_lattice(
     centroid_px: NDArray[np.float64], config: LatticeConfig, rig: Rig | None = None
 ) -> Lattice | None:
-    """The lattice among blobs, or None if nothing there looks like one.
+    """Returns the lattice among blobs, or None if nothing looks like one.
 
-    Scale and rotation come from the most frequent vector between neighbours, the rotation being
-    the smallest of the four that a square lattice allows; then the lattice grows from blob to
-    blob, is laid on the disc of 177 sites where most of them are taken, and a smooth model
-    (similarity, perspective, dome and lens to fifth order) decides what belongs to it.
+    1. The most frequent vector between neighbours gives scale and rotation. A square lattice allows
+       four rotations; the smallest counts.
+    2. The lattice grows from blob to blob.
+    3. It is placed on the disc of 177 sites so that most sites are taken.
+    4. A smooth model (similarity, perspective, dome and lens to fifth order) decides which blobs
+       belong to it.
 
     Args:
-        centroid_px: (n, 2) float64.
+        centroid_px: (n, 2) float64 px.
         config: the ranges searched.
-        rig: where the gel is known to be, or None.
+        rig: where the gel is, if that is known.
     """
     if len(centroid_px) < N_MARKERS // 4:
         return None
@@ -110,7 +113,7 @@ def find_lattice(
 
 
 def _find_basis(points: NDArray[np.float64], config: LatticeConfig) -> complex | None:
-    """The lattice vector (x + iy, px) that turns least, from a vote of all close pairs."""
+    """Returns the least rotated lattice vector, x + iy in px, by a vote of close pairs."""
     z = points @ (1, 1j)
     vectors = (z[:, None] - z[None, :]).ravel()
     length = np.abs(vectors)
@@ -126,7 +129,7 @@ def _find_basis(points: NDArray[np.float64], config: LatticeConfig) -> complex |
     best = vote.max()
     if best < N_MARKERS:
         return None
-    # The diagonal of a small lattice can be as frequent as its side: the shortest wins.
+    # The diagonal of a small lattice can be as frequent as its side, so the shortest wins.
     row = int(np.flatnonzero(vote.max(axis=1) > 0.7 * best)[0])
     row += int(np.argmax(vote[row : row + 3].max(axis=1)))
     column = int(np.argmax(vote[row]))
@@ -139,7 +142,10 @@ def _find_basis(points: NDArray[np.float64], config: LatticeConfig) -> complex |
 
 
 def _grow(points: NDArray[np.float64], basis: complex) -> dict[tuple[int, int], int]:
-    """Lattice site -> blob, grown from neighbour to neighbour with a basis that bends along."""
+    """Returns the blob of each lattice site, grown from neighbour to neighbour.
+
+    The basis adapts on the way, because the lattice may be bent.
+    """
     z = points @ (1, 1j)
     best: dict[tuple[int, int], int] = {}
     seeds = np.argsort(np.abs(z - np.median(z.real) - 1j * np.median(z.imag)))[:12]
@@ -176,7 +182,7 @@ def _grow(points: NDArray[np.float64], basis: complex) -> dict[tuple[int, int], 
 def _place(
     points: NDArray[np.float64], sites: dict[tuple[int, int], int]
 ) -> NDArray[np.float64] | None:
-    """Lay the grown lattice on the disc of sites: a first model (177, 2) px of every marker."""
+    """Returns a first model, (177, 2) px: the grown lattice placed on the disc of sites."""
     if len(sites) < N_MARKERS // 3:
         return None
     where = np.array(list(sites))
@@ -205,7 +211,7 @@ def _place(
 
 
 def _fit_model(points: NDArray[np.float64], blob: NDArray[np.intp]) -> NDArray[np.float64]:
-    """Every marker (177, 2) px by a smooth map of the lattice, fitted robustly to seen markers."""
+    """Returns a smooth map of the lattice, (177, 2) px, fitted robustly to seen markers."""
     u = LATTICE_MM / GEL_RADIUS_MM
     x, y = u[:, 0], u[:, 1]
     r2 = x * x + y * y
@@ -229,7 +235,7 @@ def _fit_model(points: NDArray[np.float64], blob: NDArray[np.intp]) -> NDArray[n
 def _assign(
     model: NDArray[np.float64], points: NDArray[np.float64], gate_px: float
 ) -> NDArray[np.intp]:
-    """The blob of each marker: nearest to the model within the gate, each blob once, else -1."""
+    """Returns the blob of each marker, nearest to the model within the gate; -1 without one."""
     if not len(model) or not len(points):
         return np.full(len(model), -1, dtype=np.intp)
     distance = np.hypot(*(model[:, None, :] - points[None, :, :]).transpose(2, 0, 1))

@@ -14,42 +14,43 @@ from neurotouch_hid.tracker.kernels import correction, nearest
 from neurotouch_hid.tracker.kernels import filter as kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
 
-_PAST = 64  # checks remembered: at least 128 ms, longer than any exposure and its way to us
+_PAST = 64  # checks remembered: at least 128 ms, longer than exposure and delay of a frame
 _MAX_DRIFT_PX = 1.0  # a marker farther off its rest position is being pushed
-_TOUCH_PX = 0.2  # farther off than the rest of the gel: a soft touch that passes for rest
-_DRIFT_US = 20e6  # time in which the rest position follows: a rig drifts over minutes ...
-_TOUCH_US = 300e6  # ... while a soft touch may be held for long
-_LONGEST_US = 200_000  # a rest position stands for no more time than that
+_TOUCH_PX = 0.2  # a marker farther off than the rest of the gel is touched softly
+_DRIFT_US = 20e6  # time constant of the rest position: a rig drifts over minutes ...
+_TOUCH_US = 300e6  # ... but a soft touch may last long
+_LONGEST_US = 200_000  # longest time that one rest position counts for
 _NEVER_US = -(1 << 60)
-_MAX_HOLE_US = 100_000  # a camera that was away longer does not tell which marker is which
-_SHOWN_DRIFT_PX = 0.1  # smaller changes of the rest position are not shown to later stages
+_MAX_HOLE_US = 100_000  # after a longer gap, positions do not identify the markers
+_SHOWN_DRIFT_PX = 0.1  # later stages do not see smaller changes of the rest position
 
 
 @dataclass(frozen=True, slots=True)
 class TrackerConfig:
-    """How events move markers.
+    """Settings of the event filter and of the checks.
 
     Attributes:
         gate_px: an event farther from every marker than this belongs to none; at most 3.5.
-            A third of the pitch: markers that are pressed together come within 3.5 px.
+            That is a third of the pitch: markers that are pressed together come within 3.5 px.
         r_px2: variance of an event about its marker's centre, px². Larger than the marker: its
             events are not independent of each other.
-        spread_px: beyond this distance an event counts as noise more and more.
+        spread_px: the farther beyond this distance, the more an event counts as noise.
         q_x: growth of a position's variance, px²/s.
         q_v: growth of a velocity's variance, px²/s³.
-        memory_us: a velocity fades within this time when a marker makes no events.
-        quiet_us: events that come in longer intervals than this are more and more likely noise.
-        check_us: time between two checks, up to 8 ms while nothing moves; the neighbours are looked
-            at every second time.
-        max_stray_px: a marker may be off the median of its neighbours' displacements by this ...
-        max_stray_ratio: ... plus so many times the spread of these displacements: near the edge
-            of a finger they differ by many pixels.
+        memory_us: a velocity fades within this time if a marker makes no events.
+        quiet_us: the longer the interval between events beyond this, the more they count as noise.
+        check_us: time between two checks, up to 8 ms while nothing moves; every second check
+            compares neighbours.
+        max_stray_px: part of the largest distance of a marker from the median of its neighbours'
+            displacements.
+        max_stray_ratio: the other part of that distance, in spreads of these displacements. Near
+            the edge of a finger they differ by many pixels.
         rate_us: time over which the rate of a marker's events is averaged.
         n_sigma: a rate is motion if it is so many standard deviations above that of the noise.
-        search: where the marker nearest to an event is looked for: in the list of the event's
-            ``tiles``, or among ``all`` markers, the plain way that the lists are measured against.
-        lead_px: ON events of a fast bright marker lie so far ahead of its centre, OFF events
-            behind: the centre of a half circle of 1.25 px and some blur.
+        search: ``tiles`` finds the marker of an event in the list of the event's tile; ``all``
+            compares all markers, the plain way that the lists are measured against.
+        lead_px: ON events of a fast bright marker are so far ahead of its centre, OFF events so far
+            behind: the centre of a half circle of 1.25 px plus some blur.
     """
 
     gate_px: float = 3.5
@@ -68,7 +69,7 @@ class TrackerConfig:
     search: Literal["tiles", "all"] = "tiles"
 
     def tuning(self) -> track_kernels.Tuning:
-        """Returns the same constants for the kernels."""
+        """Returns these settings for the kernels."""
         return track_kernels.Tuning(
             self.gate_px,
             self.r_px2,
@@ -92,11 +93,11 @@ class TrackerStats:
     """Counts of the tracker so far.
 
     Attributes:
-        n_events: events looked at.
-        n_anchors: rest positions taken.
-        n_gaps: times events were missing.
+        n_events: number of events.
+        n_anchors: number of rest positions.
+        n_gaps: how often events were missing.
         n_repairs: how often a marker was moved to the place that its neighbours gave.
-        n_valid: markers that are measured now.
+        n_valid: number of markers that are measured now.
     """
 
     n_events: int
@@ -110,22 +111,24 @@ def make_tracks(neighbours: NDArray[np.intp], config: TrackerConfig) -> track_ke
     """Returns tracks of n markers without positions.
 
     Args:
-        neighbours: (n, 8), the lattice neighbours of each, -1 where there is none.
-        config: how events will move them.
+        neighbours: (n, 8) intp, the lattice neighbours of each, -1 where there is none.
+        config: of the event filter.
     """
     n, n_tiles = len(neighbours), nearest.ROWS * nearest.COLUMNS
     return track_kernels.Tracks(
         state=np.zeros(n, track_kernels.MARKER),
-        aim_px=np.zeros((n, 4)),
-        near=np.zeros((nearest.CAPACITY, n_tiles), np.uint16),
-        n_near=np.zeros(n_tiles, np.uint8),
-        listed=np.zeros((n, 4), np.int64),
+        targets=nearest.Targets(
+            aim_px=np.zeros((n, 2, 2)),
+            near=np.zeros((nearest.CAPACITY, n_tiles), np.uint16),
+            n_near=np.zeros(n_tiles, np.uint8),
+            listed=np.zeros(n, nearest.PLACE),
+        ),
         n_new=np.zeros(n, np.int64),
         rate_hz=np.zeros(n),
         r_px2=np.full(n, config.r_px2),
         lost=np.zeros(n, np.bool_),
         rest_px=np.full((n, 2), np.nan),
-        neighbours=neighbours.copy(),  # writeable: kernels are compiled for one type only
+        neighbours=neighbours.copy(),  # writeable, because kernels are compiled for one type only
         past_px=np.zeros((_PAST, n, 2)),
         past_us=np.full(_PAST, -1, np.int64),
         common=np.array([(0, 0, 0, _NEVER_US, 0.0)], track_kernels.COMMON),
@@ -141,8 +144,8 @@ class MarkerTracker:
         """Starts without a gel; the first ``anchor`` gives one.
 
         Args:
-            config: how events move markers.
-            finder: finds the markers in the frames of slices, see ``RestDetector``.
+            config: of the event filter.
+            finder: finds the blobs of frames, see ``RestDetector``.
         """
         self._config = config or TrackerConfig()
         self._tuning = self._config.tuning()
@@ -157,10 +160,10 @@ class MarkerTracker:
         self._n_events = self._n_anchors = self._n_gaps = 0
 
     def anchor(self, rest: RestField) -> None:
-        """Takes a rest position, which may be late: ``rest.t_us`` says which moment it describes.
+        """Takes a rest position, which may be late: ``rest.t_us`` is the time that it shows.
 
-        The first one, and one that lies elsewhere (the camera was bumped), is taken as it is.
-        After that the rest position follows slowly.
+        The first one is taken as it is, and so is one that is elsewhere, because the camera was
+        bumped. Otherwise the rest position follows slowly.
         """
         measured = rest.position_px.astype(np.float64)
         tracks, off = self._tracks, rest.position_px - self._tracks.rest_px
@@ -219,10 +222,10 @@ class MarkerTracker:
         )
 
     def _drift(self, off_px: NDArray[np.float64], elapsed_us: int) -> None:
-        """Lets the rest position follow, but not where a soft touch passed for rest.
+        """Lets the rest position follow, but hardly where a soft touch looked like rest.
 
-        The whole gel drifts together; what single markers are off beyond that is touch, or the gel
-        creeping back from one.
+        The whole gel drifts together. Errors of single markers beyond that come from a touch, or
+        from the gel that creeps back after one.
         """
         elapsed = min(max(elapsed_us, 0), _LONGEST_US)
         correction.drift(
@@ -240,7 +243,7 @@ class MarkerTracker:
         return MarkerField(t_us, self._rest_px, nowhere, np.zeros(N_MARKERS, np.bool_))
 
     def _restart(self, t_us: int) -> None:
-        """Forgets velocities and the past, because events are missing; keeps positions."""
+        """Forgets velocities and the past, because events are missing, but keeps positions."""
         tracks = self._tracks
         state = tracks.state
         for name in ("vx", "vy", "cov_xv", "lead_x", "lead_y"):

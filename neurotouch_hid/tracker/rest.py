@@ -1,4 +1,7 @@
-"""Is the gel at rest? Every frame is compared with one [NT, "Resting Position Detection"]."""
+"""Detects whether the gel is at rest: compares every frame with a reference.
+
+[NT, "Resting Position Detection"].
+"""
 
 from dataclasses import dataclass, field
 
@@ -20,32 +23,33 @@ from neurotouch_hid.tracker.kernels import matching
 from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig, find_lattice
 
 _SAME_BEND_PX = 0.1  # two pictures of one undeformed gel differ by less
-_STILL_GATE_PX = 2.0  # farther is no small motion
-_CLEAR_BEND_PX = 0.2  # no optics bend the lattice of an untouched gel more
-_SINKING_PX = 0.03  # from frame to frame: a touch is just ending
+_STILL_GATE_PX = 2.0  # a longer motion is not small
+_CLEAR_BEND_PX = 0.2  # an untouched gel is bent less, whatever the optics
+_SINKING_PX = 0.03  # from frame to frame; more means that a touch is just ending
 
 
 @dataclass(frozen=True, slots=True)
 class RestConfig:
-    """When the gel counts as at rest.
+    """Limits within which the gel counts as at rest.
 
     Attributes:
-        max_chamfer_px2: Chamfer distance to the reference, 2.5 [NT, "Experiments"]; only the sum
-            of the two mean squared distances gives that number a sense. Alone it lets a push of
-            1.6 mm pass as rest.
-        max_displacement_mm: the markers seen must be nearer to their reference than this, all but
-            ``max_displaced``. Differs: the paper has no such limit (``math.inf`` gives the paper's
-            detector, F1 0.86 on our simulation; 0.3 mm gives 0.99). People label a gesture from
-            about 0.3 mm on.
-        max_displaced: half of the eight markers under a fingertip are more; those at its edge move
-            less than the finger. With 5 % of all markers instead, F1 is 0.976.
-        min_found: markers that must be seen at their places.
-        settle_frames: a gel that lies still for so many frames becomes the reference even if it is
-            bent like no undeformed gel (odd optics), and the new reference if it lies elsewhere and
-            is bent no more than the old one (its mount was bumped, or a hand lay on it at the
-            start). 1 s at 25 Hz.
-        max_still_px: median motion of a marker between two frames of a gel that lies still.
-        max_odd_bend_px: limit for odd optics; one finger that pushes by 1.5 mm.
+        max_chamfer_px2: largest Chamfer distance to the reference, 2.5 [NT, "Experiments"]. Only
+            the sum of the two mean squared distances gives that number a meaning. Without other
+            limits it counts a push of 1.6 mm as rest.
+        max_displacement_mm: largest distance of a seen marker from its reference, for all but
+            ``max_displaced``. People label a gesture from about 0.3 mm on. Differs: the paper has
+            no such limit (``math.inf`` gives the paper's detector: F1 0.86 on our simulation;
+            0.3 mm gives 0.99).
+        max_displaced: number of markers that may be farther off. Half of the eight markers under a
+            fingertip are more; those at its edge move less than the finger. With 5 % of all markers
+            instead, F1 is 0.976.
+        min_found: least number of markers that must be seen at their places.
+        settle_frames: a gel that is still for so many frames, 1 s at 25 Hz, becomes the reference
+            even if it is bent more than an undeformed gel (odd optics). It becomes the new
+            reference if it is elsewhere and bent no more than the old one (its mount was bumped,
+            or a hand was on it at the start).
+        max_still_px: largest median motion of the markers between two frames of a still gel.
+        max_odd_bend_px: largest bend with odd optics, as much as one finger that pushes by 1.5 mm.
     """
 
     max_chamfer_px2: float = 2.5
@@ -61,17 +65,17 @@ class RestConfig:
 
 @dataclass(frozen=True, slots=True)
 class RestStats:
-    """What the detector saw so far.
+    """Counts and measurements of the detector so far.
 
     Attributes:
-        n_frames: frames looked at.
-        n_rest: frames at rest.
-        n_references: references taken: 0 before the gel is found, more than 1 if it was moved.
-        n_found: markers seen in the last frame.
-        chamfer_px2: Chamfer distance of the last frame, NaN without a reference and where the
-            markers alone told that it shows no rest.
-        displacement_px: all markers seen but ``max_displaced`` were nearer to their reference, NaN
-            without one.
+        n_frames: number of frames.
+        n_rest: number of frames at rest.
+        n_references: number of references: 0 before the gel is found, more than 1 if it was moved.
+        n_found: number of markers seen in the last frame.
+        chamfer_px2: Chamfer distance of the last frame; NaN without a reference, and if the markers
+            alone showed that the gel is not at rest.
+        displacement_px: largest distance of a seen marker from its reference, without the
+            ``max_displaced`` largest; NaN without a reference.
         reason: why the last frame is no gel at rest, or an empty string.
     """
 
@@ -85,7 +89,7 @@ class RestStats:
 
 
 class _Reference:
-    """The gel at rest: marker positions and, for the Chamfer distance, white pixels."""
+    """The gel at rest: marker positions, and white pixels for the Chamfer distance."""
 
     def __init__(self, lattice: Lattice, blobs: Blobs) -> None:
         self.position_px = lattice.position_px
@@ -106,7 +110,7 @@ class _Reference:
         self._mask.flat[self._pixels] = 0
 
     def _white_pixels(self, blobs: Blobs) -> NDArray[np.int32]:
-        """The pixels of the blobs on the gel: a lamp beside it would only dilute the means."""
+        """Returns the pixels of the blobs on the gel, (n,) int32, without a lamp beside it."""
         n = kernels.gather_inside(
             blobs.centroid_px,
             blobs.begin,
@@ -118,7 +122,7 @@ class _Reference:
         return self._white[:n]
 
     def chamfer(self, blobs: Blobs) -> float:
-        """The Chamfer distance (px²) of a frame; infinite without any white pixel."""
+        """Returns the Chamfer distance of a frame, px²; infinite without any white pixel."""
         pixels = self._white_pixels(blobs)
         if not len(pixels):
             return float("inf")
@@ -126,7 +130,7 @@ class _Reference:
 
 
 class RestDetector:
-    """Finds the gel, then says of every frame whether it is at rest."""
+    """Finds the gel, then decides for every frame whether it is at rest."""
 
     def __init__(
         self,
@@ -134,13 +138,12 @@ class RestDetector:
         rig: Rig | None = None,
         finder: BlobFinder | None = None,
     ) -> None:
-        """Start without a reference.
+        """Starts without a reference.
 
         Args:
             config: thresholds.
             rig: where the gel is known to be; None searches for it.
-            finder: finds the markers in frames; one that others in this thread use as well saves
-                their work.
+            finder: finds the blobs of frames; sharing it within a thread saves work.
         """
         self._config = config or RestConfig()
         self._rig = rig
@@ -154,23 +157,23 @@ class RestDetector:
         self._stats = RestStats(0, 0, 0, 0, float("nan"), float("nan"), "no frame yet")
 
     def stats(self) -> RestStats:
-        """What was seen so far."""
+        """Returns the counts and measurements so far."""
         return self._stats
 
     @property
     def is_watching(self) -> bool:
-        """Events are of use: no frame has come, and they have not shown the gel yet."""
+        """True while there is no frame yet and events may show the gel."""
         return self._event_frame is not None and not self._stats.n_frames
 
     def update(self, frame: Frame) -> RestField | None:
-        """Where all markers are, if the frame shows the gel at rest; else None."""
+        """Returns all markers if the frame shows the gel at rest, else None."""
         blobs = self._finder.find(frame.pixels)
         if self._reference is None:
             return self._search(frame, blobs)
         return self._compare(frame, blobs, self._reference)
 
     def watch(self, packet: EventPacket) -> RestField | None:
-        """Where all markers are, once, if events show the gel before any frame has come.
+        """Returns all markers, once, if events show the gel before the first frame, else None.
 
         ``stats().reason`` then warns that frames are missing.
         """
@@ -186,28 +189,28 @@ class RestDetector:
         return rest
 
     def _search(self, frame: Frame, blobs: Blobs) -> RestField | None:
-        """Take the frame as the reference if it shows the undeformed lattice."""
+        """Takes the frame as the reference if it shows the undeformed lattice."""
         lattice = find_lattice(blobs.centroid_px, self._config.lattice, self._rig)
         settled = self._count_still(blobs)
         n_found = len(blobs.centroid_px) if lattice is None else lattice.n_found
         doubt = self._doubt(lattice)
-        reason = self._refusal(lattice, n_found, frame, odd=settled) or doubt
+        reason = self._explain(lattice, n_found, frame, odd=settled) or doubt
         if lattice is None or reason:
             self._count(n_found, reason)
             return None
-        self._refer(lattice, blobs)
+        self._set_reference(lattice, blobs)
         self._count(n_found, "", 0.0, 0.0)
         return RestField(frame.t_us, lattice.position_px.astype(np.float32))
 
     def _doubt(self, lattice: Lattice | None) -> str:
-        """Why a bent lattice may be the end of a touch, or an empty string."""
+        """Returns why a bent lattice may be the end of a touch, or an empty string."""
         before_px, self._bend_px = self._bend_px, np.inf if lattice is None else lattice.bend_px
         if _CLEAR_BEND_PX < self._bend_px < before_px - _SINKING_PX:
             return f"the gel is still settling: off its lattice by {self._bend_px:.1f} px"
         return ""
 
     def _compare(self, frame: Frame, blobs: Blobs, reference: _Reference) -> RestField | None:
-        """Rest if the white pixels and the markers are where the reference has them."""
+        """Returns all markers if white pixels and markers are at the places of the reference."""
         c = self._config
         position = reference.position_px
         n_found, displacement = matching.measure_largest(
@@ -229,21 +232,21 @@ class RestDetector:
         return self._settle(frame, blobs, reference)
 
     def _settle(self, frame: Frame, blobs: Blobs, reference: _Reference) -> RestField | None:
-        """Take a new reference if the gel has come to rest somewhere else."""
+        """Takes a new reference if the gel is at rest elsewhere, and returns its markers."""
         if not self._count_still(blobs):
             return None
         lattice = find_lattice(blobs.centroid_px, self._config.lattice)
         if (
             lattice is None
-            or self._refusal(lattice, lattice.n_found, frame)
+            or self._explain(lattice, lattice.n_found, frame)
             or lattice.bend_px > reference.bend_px + _SAME_BEND_PX
         ):
             return None
-        self._refer(lattice, blobs)
+        self._set_reference(lattice, blobs)
         return RestField(frame.t_us, lattice.position_px.astype(np.float32))
 
     def _count_still(self, blobs: Blobs) -> bool:
-        """True once every ``settle_frames`` frames in a row in which the markers stay in place."""
+        """Returns True once for every ``settle_frames`` consecutive frames without motion."""
         c, before, now = self._config, self._still_px, blobs.centroid_px.copy()
         self._still_px = now
         same = np.empty(len(before), np.int32)
@@ -254,7 +257,7 @@ class RestDetector:
         self._n_still = self._n_still + 1 if median <= c.max_still_px else 0
         return self._n_still > 0 and self._n_still % c.settle_frames == 0
 
-    def _refer(self, lattice: Lattice, blobs: Blobs) -> None:
+    def _set_reference(self, lattice: Lattice, blobs: Blobs) -> None:
         self._reference = _Reference(lattice, blobs)
         self._n_still = 0
         s = self._stats
@@ -262,10 +265,10 @@ class RestDetector:
             s.n_frames, s.n_rest, s.n_references + 1, lattice.n_found, 0.0, 0.0, ""
         )
 
-    def _refusal(
+    def _explain(
         self, lattice: Lattice | None, n_found: int, frame: Frame, *, odd: bool = False
     ) -> str:
-        """Why this is no gel at rest, or an empty string; ``odd`` allows for odd optics."""
+        """Returns why this is no gel at rest, or an empty string; ``odd`` allows for odd optics."""
         c = self._config.lattice
         max_bend_px = self._config.max_odd_bend_px if odd else c.max_bend_px
         if lattice is None:
@@ -301,7 +304,7 @@ class RestDetector:
 
 
 def _describe(frame: Frame) -> str:
-    """What is wrong with a frame that shows too few markers."""
+    """Returns what is wrong with a frame that shows too few markers."""
     # Markers cover 1 % of the pixels: half of that is white if half of the gel is well lit.
     if float(np.percentile(frame.pixels, 99.5)) < 50.0:
         return "the frame is too dark"

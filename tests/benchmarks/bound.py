@@ -16,10 +16,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 import numpy as np
 
-from neurotouch_hid.evaluation.accuracy.labels import LabelTrack
-from neurotouch_hid.gesture.elastic.decision import KindDeciderConfig
+from neurotouch_hid.evaluation.accuracy.label_track import LabelTrack
 from neurotouch_hid.gesture.elastic.fingers import FingerConfig
 from neurotouch_hid.gesture.elastic.kernels.motion import measure_motion, subtract_landing
+from neurotouch_hid.gesture.elastic.kind_decider import KindDeciderConfig
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.source.simulator.dataset import plan_dataset, simulate_recipe
 

@@ -29,11 +29,11 @@ from neurotouch_devtools.emulator.transfers import DataEndpoint
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 from neurotouch_hid.source.davis import CameraInfo, DavisConfig, DavisSource
-from neurotouch_hid.source.davis.camera import REST_DELAY_US
+from neurotouch_hid.source.davis.camera import IDLE_DELAY_US
 from neurotouch_hid.source.davis.libusb import TRANSFER_BYTES, LibusbTransport
 from neurotouch_hid.source.davis.pyusb import TRANSFER_BYTES as PYUSB_BYTES
 from neurotouch_hid.source.davis.pyusb import PyusbTransport
-from neurotouch_hid.source.davis.stream import SNAP_S
+from neurotouch_hid.source.davis.stream import IDLE_FRAME_S
 from neurotouch_hid.source.davis.usb import PatientWatch
 
 INFO = CameraInfo(1, 2, "1-1", "00000001", "DAVIS 346", 5000, 6)
@@ -56,7 +56,7 @@ class Pace:
 
 
 PLAY = Pace(DavisConfig().frame_interval_us, DavisConfig().early_packet_delay_us)
-REST = Pace(round(1e6 * SNAP_S), REST_DELAY_US)
+REST = Pace(round(1e6 * IDLE_FRAME_S), IDLE_DELAY_US)
 
 
 def see(seconds: float, rate: float, pace: Pace) -> Iterator[EventPacket]:

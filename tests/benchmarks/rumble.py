@@ -96,7 +96,7 @@ def main(seconds: float) -> None:
 
     def play(stop: threading.Event) -> None:
         source = PacedSource(DenseSource(scene, 2 * seconds + 10, 1e6))
-        line = Pipeline.build(profile, GestureConfig(), live=True)
+        line = Pipeline.build(profile, GestureConfig(), frame_thread=True)
         with open_device("memory") as device:
             run_pipeline(source, line, device, stop=stop)
 

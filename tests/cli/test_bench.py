@@ -87,6 +87,6 @@ def test_what_the_machine_alone_makes_late_stands_beside():
     result["live"]["at_1_khz"]["machine"] = alone
     text = _format(result)
     assert "0 late and 0 lost of 1,000 slices (nothing to do: 7 late of 5,000)" in text
-    assert "a line with nothing to do" in text
+    assert "an empty pipeline" in text
     assert "4.400" in text
     assert ["of", "it", "the", "player", "7.700", "%"] in [row.split() for row in text.split("\n")]

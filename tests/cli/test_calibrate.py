@@ -4,9 +4,11 @@ import json
 import os
 import subprocess
 import sys
+import time
 
 import pytest
 
+from neurotouch_hid.client import ask_status
 from neurotouch_hid.profile import load_user
 
 PLAYED = """
@@ -131,6 +133,20 @@ def test_a_program_gets_what_came_out_and_saves_by_yes_only(home):
     assert json.loads(conclude("rest 1s", "--json"))["status"] == "WARNING"
 
 
+def test_undo_takes_back_the_calibration_not_what_was_changed_later(home):
+    conclude(WEAK_ZOOM, "--yes")
+    assert load_user().range.zoom is not None
+    undo = ["calibrate", "--undo"]
+    for arguments in (["profile", "set", "user", "feedback.sound", "tones"], undo):
+        done = launch("-m", "neurotouch_hid", *arguments)
+        assert done.returncode == 0, done.stderr
+    assert load_user().range.zoom is None
+    assert load_user().feedback.sound == "tones"
+    done = launch("-m", "neurotouch_hid", "calibrate", "--undo")
+    assert done.returncode == 6
+    assert "There is no calibration to undo" in done.stderr
+
+
 def test_ten_calibrations_are_kept(home):
     from neurotouch_hid.profile.editing import take_user
 
@@ -154,11 +170,36 @@ def test_a_movement_is_asked_for_and_read_out_while_the_gel_is_live():
         process.stdin.flush()  # the pipe stays open, as a keyboard does
         lines = process.stdout.read().splitlines()
     assert process.returncode == 0
-    assert lines[0].startswith("Enter = next, S = ")
-    assert lines[1].startswith("Step 1 of 3. Rest your hand")
+    assert lines[0] == "SIMULATED: this measures no hand."
+    assert lines[1].startswith("Enter = next, S = ")
+    assert lines[2].startswith("Step 1 of 3. Rest your hand")
     assert any("Step 3 of 3. Push to the right, as far as is comfortable" in li for li in lines)
     assert any(line.endswith(" millimetres, good") for line in lines)
     assert "No movement was made twice" in lines[-1]
+
+
+def test_time_that_is_over_before_the_first_step_is_told(home):
+    command = (sys.executable, "-m", "neurotouch_hid", "calibrate", "--source", "sim:rest")
+    with subprocess.Popen(
+        [*command, "--seconds", "1"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as process:
+        lines = process.stdout.read().splitlines()  # the input stays open, as a keyboard does
+    assert process.returncode == 0
+    assert lines[3:] == [
+        "The 1 s are over in step 1 of 10. Without --seconds each step lasts until you press "
+        "Enter.",
+        "WARNING No movement was made twice and far enough; nothing was saved.",
+    ]
+
+
+def test_input_that_ends_leaves_nothing_unsaid(home):
+    done = launch("-m", "neurotouch_hid", "calibrate", "--source", "sim:rest")
+    assert done.returncode == 1
+    assert done.stdout.splitlines()[-1] == "Nothing was saved."
+    assert done.stderr.splitlines()[-2:] == [
+        "Error: The input has ended, so nothing more can be answered.",
+        "Fix: Run this command in a terminal.",
+    ]
 
 
 def test_where_speech_is_wanted_everything_is_spoken(home, tmp_path, monkeypatch):
@@ -174,8 +215,9 @@ def test_where_speech_is_wanted_everything_is_spoken(home, tmp_path, monkeypatch
     done = launch("-m", "neurotouch_hid", "calibrate", *source, "--json")
     assert done.returncode == 0, done.stderr
     spoken = said.read_text(encoding="utf-8").splitlines()
-    assert spoken
-    assert all(words.endswith("millimetres, good") for words in spoken)
+    assert spoken[0].startswith("SIMULATED")
+    assert len(spoken) > 1
+    assert all(words.endswith("millimetres, good") for words in spoken[1:])
     assert set(spoken) <= set(done.stderr.splitlines())
 
 
@@ -184,4 +226,65 @@ def test_one_can_stop_at_any_time(home):
         *("-m", "neurotouch_hid", "calibrate", "--source", "sim:rest"), answers="?\n\ns\nb\nq\n"
     )
     assert done.returncode == 130
+    assert done.stdout.splitlines()[-1] == "Nothing was saved."
     assert not home.exists()
+
+
+@pytest.fixture
+def driver(tmp_path_factory, monkeypatch):
+    """A driver that plays every gesture, again and again."""
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path_factory.mktemp("run") / "neurotouch"))
+    process = subprocess.Popen(
+        [
+            *(sys.executable, "-m", "neurotouch_hid", "run", "--source", "sim:tour"),
+            *("--device", "memory", "--show", "nothing"),
+        ],
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    for line in process.stderr:
+        if "Gamepad ready" in line:
+            break
+    yield process
+    process.terminate()
+    process.communicate()
+
+
+def test_what_the_running_driver_sees_is_measured_and_the_driver_paused_meanwhile(home, driver):
+    said = []
+    with subprocess.Popen(
+        [sys.executable, "-m", "neurotouch_hid", "calibrate", "push_right", "push_left"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    ) as process:
+        for line in process.stdout:
+            said.append(line)
+            if "Step 1" in line:
+                assert ask_status()["state"] == "paused"
+                process.stdin.write("\n")
+            elif "Step 2" in line:
+                process.stdin.write("\n")
+            elif "millimetres" in line and "q" not in said:
+                said.append("q")
+                process.stdin.write("q\n")
+            process.stdin.flush()
+    assert process.returncode == 130, said  # Q saves nothing
+    text = "".join(said)
+    assert "SIMULATED" in text
+    assert "The running driver is paused until this ends." in text
+    assert "The driver goes on." in text
+    deadline = time.monotonic() + 60.0
+    while ask_status()["state"] != "running":
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def test_what_is_saved_acts_in_the_running_driver_at_once(home, driver):
+    done = launch("-m", "neurotouch_hid", "profile", "set", "user", "filter", "strong", "--json")
+    assert "It applies now" in json.loads(done.stdout)["notes"][0]
+    done = launch("-m", "neurotouch_hid", "profile", "new", "mine", "--json")
+    assert "not the active profile" in json.loads(done.stdout)["notes"][0]
+    done = launch("-m", "neurotouch_hid", "profile", "use", "mine", "--json")
+    assert "'mine' is now active" in json.loads(done.stdout)["notes"][0]

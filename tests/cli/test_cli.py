@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from neurotouch_hid.source.simulator import find_scene, scene_names
+
 
 def neurotouch(*arguments, timeout=300, **kwargs):
     return subprocess.run(
@@ -80,13 +82,18 @@ def test_completion_is_a_script_for_the_shell(shell):
 @pytest.mark.parametrize(
     ("arguments", "code", "sentence"),
     [
-        (["rum"], 2, "No such command 'rum'"),
-        (["run", "--speed", "warp"], 2, "'warp' is not one of"),
+        (["rum"], 2, "There is no command 'rum'.\nFix: Did you mean: neurotouch run\n"),
+        (["quit"], 2, "Did you mean: neurotouch stop"),
+        (["calibrat"], 2, "Did you mean: neurotouch calibrate"),
+        (["profile", "lst"], 2, "Did you mean: neurotouch profile list"),
+        (["qqq"], 2, "All commands: "),
+        (["run", "--speed", "warp"], 2, "Option --speed cannot be 'warp'."),
         (["run", "--source", "davis:"], 3, "No DAVIS camera"),
         (["run", "--source", "sim:tuor", "--device", "memory"], 3, "sim:tour"),
         (["run", "--source", "file:nothing.aedat4", "--device", "memory"], 4, "nothing.aedat4"),
         (["run", "--source", "sim:tour", "--profile", "spacecrat"], 6, "spacecraft"),
-        (["evaluate", "nothing.aedat4"], 4, "nothing"),
+        (["evaluate", "nothing.aedat4"], 4, "There is no file 'nothing.aedat4'"),
+        (["evaluate", "."], 4, "is a folder.\nFix: Give its recordings: "),
     ],
 )
 def test_wrong_input_ends_with_a_sentence_and_its_exit_code(arguments, code, sentence):
@@ -110,6 +117,29 @@ def test_demo_ends_by_itself_and_shows_the_pad_moving():
     assert "push up" in done.stdout
     assert "left_y -" in done.stdout
     assert "The pad is neutral." in done.stderr
+
+
+def test_demo_repeats_its_scene_until_the_seconds_are_over():
+    done = neurotouch("demo", "--scene", "pinch", "--seconds", "6", "--no-page")
+    assert done.returncode == 0
+    assert done.stdout.count("pinch") >= 2
+    assert "Played 6.0 s" in done.stderr
+
+
+def test_run_ends_after_its_seconds(tmp_path):
+    trace = tmp_path / "tour.jsonl"
+    options = ("--source", "sim:tour", "--device", "memory", "--speed", "max", "--trace", trace)
+    done = neurotouch("run", "--seconds", "1.5", *options)
+    assert done.returncode == 0
+    assert len(trace.read_text().splitlines()) == 150
+    assert "Played 1.5 s" in done.stderr
+
+
+def test_run_names_every_scene_and_how_it_ends():
+    said = " ".join(neurotouch("run", "--help").stdout.split()).replace("- ", "-")
+    again, once = said.split("Of the simulated scenes ")[1].split("after one pass: ")
+    for name in scene_names():
+        assert name in (again if find_scene(name).endless else once).split("Options:")[0]
 
 
 def test_run_writes_a_trace_with_one_line_per_slice(tmp_path):

@@ -3,6 +3,7 @@
 import json
 import os
 import pty
+import re
 import signal
 import subprocess
 import sys
@@ -65,8 +66,8 @@ class Driver:
         return done.stdout
 
     def order(self, command: str, begin: str) -> None:
-        """Gives an order until it is obeyed at once: the line may be held up for a moment."""
-        self.wait(lambda: self.do(command).startswith(begin))
+        """Gives an order until it has taken effect: the driver may be held up for a moment."""
+        self.wait(lambda: self.do(command).startswith((begin, "Already")))
 
     def status(self) -> dict:
         return json.loads(self.do("status", "--json"))
@@ -132,7 +133,7 @@ def test_pause_resume_and_panic_from_the_command_line(start):
     driver.order("resume", "Resumed")
     assert driver.status()["state"] == "running"
     driver.order("panic", "Stopped")
-    driver.order("pause", "Stopped")  # the panic goes on
+    assert driver.do("pause").startswith("Already stopped by panic")
     driver.do("reload")
     driver.process.send_signal(signal.SIGHUP)
     driver.wait(lambda: driver.said.count("has been reloaded") == 2)
@@ -199,20 +200,33 @@ def test_status_has_one_fact_on_each_line_and_the_state_first(shared):
     driver = shared
     driver.order("resume", "Resumed")
     driver.wait(lambda: driver.status()["markers_tracked"] > 170 and driver.status()["stage_ms"])
-    lines = driver.do("status").splitlines()
-    assert lines[0] == "OK: running"
-    facts = dict(line.split(": ", 1) for line in lines)
+    plain = driver.do("status").splitlines()
+    assert plain[0] == "OK: running"
+    assert not any(line.startswith(("events", "time in", "process")) for line in plain)
+    every = driver.do("status", "--verbose").splitlines()
+    assert len(every) > len(plain)
+    facts = dict(line.split(": ", 1) for line in every)
     assert facts["source"] == "sim:tour"
     assert facts["pad"] == "memory"
     assert facts["profile"] == "mine"
     assert facts["layer"] == "base"
-    assert facts["markers"].startswith("17")
+    assert re.search(r", 17\d of 177 markers tracked$", facts["gel"])
     assert facts["events"].endswith("0 lost")
     assert {"time in tracker", "time in gesture", "time in profile"} <= set(facts)
     assert "chord" in facts["keyboard"]
     assert facts["sound"] == "none"
     driver.order("panic", "Stopped")
     assert driver.do("status").startswith("WARNING: stopped by panic")
+
+
+def test_status_tells_the_last_ignored_gesture(start):
+    driver = start()
+    mine = profile("a").replace("}, do:", ", accept_ms: 5000}, do:")
+    (driver.folder / "config/neurotouch/profiles/mine.yaml").write_text(mine)
+    driver.wait(lambda: driver.status()["ignored"] is not None)
+    said = driver.do("status")
+    assert re.search(r"\nlast ignored: \w.* -> button a, because lasted \d+ ms <", said)
+    driver.end()
 
 
 def test_second_driver_is_refused_and_the_first_goes_on(shared):
@@ -227,6 +241,14 @@ def test_computation_beside_the_driver_is_allowed(shared):
     assert done.returncode == 0, done.stderr
 
 
+def test_stop_ends_the_driver_and_says_so_when_it_has_ended(start):
+    driver = start()
+    assert driver.do("stop") == "The driver has ended; the pad is neutral.\n"
+    assert not (driver.folder / "run" / "control").exists()
+    assert driver.process.wait(LIMIT_S) == 0
+    assert driver.said.rstrip().endswith("The pad is neutral.")
+
+
 def test_killed_driver_leaves_no_obstacle(start):
     driver = start()
     driver.process.kill()
@@ -239,7 +261,7 @@ def test_killed_driver_leaves_no_obstacle(start):
     again.end()
 
 
-@pytest.mark.parametrize("command", ["pause", "resume", "panic", "reload", "status"])
+@pytest.mark.parametrize("command", ["pause", "resume", "panic", "stop", "reload", "status"])
 def test_without_a_driver_each_command_says_so(command, tmp_path):
     done = subprocess.run(
         [*PROGRAM, command],
@@ -249,17 +271,20 @@ def test_without_a_driver_each_command_says_so(command, tmp_path):
         env={**os.environ, "RUNTIME_DIRECTORY": str(tmp_path)},
     )
     assert done.returncode == 8
-    assert done.stderr == "Error: No driver is running.\nFix: Start it: neurotouch run\n"
+    assert done.stderr == (
+        "Error: No driver is running.\nFix: Start it: neurotouch run. "
+        "Without a camera: neurotouch demo\n"
+    )
     assert done.stdout == ""
 
 
-@pytest.mark.parametrize("command", ["pause", "resume", "panic", "reload", "status"])
+@pytest.mark.parametrize("command", ["pause", "resume", "panic", "stop", "reload", "status"])
 def test_each_command_has_help_with_examples(command):
     done = subprocess.run([*PROGRAM, command, "--help"], capture_output=True, text=True, check=True)
     assert "Examples:" in done.stdout
 
 
-@pytest.mark.parametrize("order", ["pause", "resume", "panic"])
+@pytest.mark.parametrize("order", ["pause", "resume", "panic", "stop"])
 def test_orders_import_next_to_nothing(order, tmp_path):
     code = (
         f"import sys; sys.argv[1:] = ['{order}']\n"

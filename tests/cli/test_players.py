@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from neurotouch_hid.client import find_runtime_folder
+from neurotouch_hid.players import find_runtime_folder
 
 LIMIT_S = 180.0
 PROGRAM = [sys.executable, "-m", "neurotouch_hid"]
@@ -57,7 +57,7 @@ class Players:
         return [json.loads(each.stdout)["state"] for each in said]
 
     def wait_for(self, *states: str) -> None:
-        """An order to a line that is held up just then is obeyed a moment later."""
+        """An order to a driver that is held up just then is obeyed a moment later."""
         deadline = time.monotonic() + LIMIT_S
         while (found := self.states()) != list(states):
             assert time.monotonic() < deadline, found
@@ -87,7 +87,7 @@ def test_an_order_reaches_everybody(players):
 def test_an_order_to_one_does_not_reach_the_other(players):
     players.call("pause", player="2")
     players.wait_for("running", "paused")
-    assert players.call("pause", player="2").stdout.startswith("Paused")
+    assert players.call("pause", player="2").stdout.startswith("Already paused")
     players.call("resume", player="2")
     players.wait_for("running", "running")
 

@@ -75,16 +75,16 @@ def test_what_is_wrong_is_refused_with_its_place_and_nothing_changes(home):
     for arguments, words in (
         (("set", "racing", "twist.gain", "99"), "too large, at most 5"),
         (("set", "racing", "twist.gian", "1"), "Did you mean 'gain'?"),
-        (("set", "raceing", "twist.gain", "1"), "did you mean 'racing'?"),
+        (("set", "raceing", "twist.gain", "1"), "Did you mean 'racing'?"),
         (("bind", "racing", "pinch", "button q"), "is not one of: a, b"),
         (("bind", "racing", "pnch", "button a"), "Did you mean 'pinch'?"),
         (("bind", "racing", "pinch", "layer menu"), "there is no layer 'menu'"),
-        (("unbind", "racing", "zoom hold"), "there is no such binding"),
-        (("new", "../racing"), "is no name"),
-        (("show", "nope"), "no profile is called"),
+        (("unbind", "racing", "zoom hold"), "There is no such binding"),
+        (("new", "../racing"), "cannot be called"),
+        (("show", "nope"), "No profile is called"),
         (("import", "nope.yaml"), "cannot be read"),
         (("import", "/"), "is not a file"),
-        (("export", "nope"), "no profile is called"),
+        (("export", "nope"), "No profile is called"),
     ):
         output, code = run("profile", *arguments)
         assert code == 6, arguments
@@ -101,6 +101,9 @@ def test_binding_and_unbinding_in_words(home):
     assert "pinch hold -> toggle button a" in output
     assert run("profile", "unbind", "mine", "pinch hold")[1] == 0
     assert "pinch hold" not in run("profile", "show", "mine")[0]
+    output, code = run("profile", "bind", "mine", "pinch double", "button x")
+    assert "The same gesture also does: " in output
+    assert "Did you mean 'on_mm'?" in run("profile", "set", "mine", "pinch_double.on", "4")[0]
     assert run("profile", "set", "mine", "push.gain", "--default")[1] == 6
     assert run("profile", "set", "mine", "push.gain")[1] == 2
 
@@ -142,7 +145,7 @@ def test_check_finds_all_and_says_how_bad_it_is(home, tmp_path):
 def test_lists_are_for_people_and_programs(home):
     run("profile", "new", "mine")
     output, _ = run("profile", "list")
-    assert "OK mine, yours: " in output
+    assert "\nmine, yours: " in output
     rows = json.loads(run("profile", "list", "--json")[0])
     assert {"name", "path", "own", "status", "in_use", "description"} == set(rows[0])
     shown = json.loads(run("profile", "show", "mine", "--effective", "--json")[0])
@@ -159,7 +162,7 @@ def test_use_makes_a_favourite_and_keeps_no_version(home):
     assert "No driver is running" in output
     text = (home / "user.yaml").read_text(encoding="utf-8")
     assert "slots: [mouse, racing, default]" in text
-    assert "OK mouse, shipped, in use" in run("profile", "list")[0]
+    assert "\nmouse, shipped, in use" in run("profile", "list")[0]
     assert run("profile", "use", "nope")[1] == 6
     (home / "elsewhere.yaml").write_text(
         "version: 1\nname: e\nextends: [mouse]\n", encoding="utf-8"
@@ -174,7 +177,9 @@ def test_what_is_exported_has_nothing_of_the_person(home, tmp_path):
     run("profile", "new", "mine", "--template", "racing")
     output, code = run("profile", "export", "mine")
     assert code == 0
-    assert output == own(home, "mine")
+    first, rest = own(home, "mine").split("\n", 1)
+    assert str(home.parent) in first or "/" in first
+    assert output == f"# yaml-language-server: $schema=profile-1.json\n{rest}"
     path, user = tmp_path / "out.yaml", tmp_path / "me.yaml"
     assert run("profile", "export", "mine", "--output", path)[1] == 0
     assert path.read_text(encoding="utf-8") == output
@@ -182,6 +187,7 @@ def test_what_is_exported_has_nothing_of_the_person(home, tmp_path):
     assert run("profile", "export", "mine", "--output", path)[1] == 6
     assert run("profile", "export", "mine", "--output", path, "--force", "--user", user)[1] == 0
     assert "slots" in user.read_text(encoding="utf-8")
+    assert "/" not in user.read_text(encoding="utf-8").split("\n", 1)[0]
 
 
 def test_an_import_shows_what_it_does_and_asks(home, tmp_path):
@@ -271,7 +277,7 @@ def test_a_persons_values_come_back_from_what_was_exported(home, tmp_path):
     assert (home / "user.yaml").read_text(encoding="utf-8") == mine
     assert run("profile", "import", "--user", tmp_path / "r.yaml", "--yes")[1] == 6
     assert run("profile", "import", tmp_path / "me.yaml", "--yes")[1] == 6
-    assert run("calibrate", "--undo")[1] == 0
+    assert run("profile", "undo", "user")[1] == 0
     assert (home / "user.yaml").read_text(encoding="utf-8") == "version: 1\n"
 
 
@@ -446,7 +452,7 @@ def test_output_in_a_pipe_is_plain_and_errors_have_their_code(home):
         check=False,
     )
     assert done.returncode == 6
-    assert done.stderr.startswith("Error: No such key: 'x.y'\nFix: ")
+    assert done.stderr.startswith("Error: No such key: 'x.y'.\nFix: ")
     assert "Traceback" not in done.stderr
     assert "\x1b" not in done.stdout + done.stderr
 

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from neurotouch_hid.driver.control import STREAM, ControlSocket
+from neurotouch_hid.driver.control_socket import STREAM, ControlSocket
 from neurotouch_hid.recording import Recording, RecordingWriter
 from neurotouch_hid.recording.wire import send_packet
 from neurotouch_hid.source.idle import LONGEST_US
@@ -86,7 +86,7 @@ def endless(tmp_path, environment):
 def test_it_says_what_is_in_the_file(tmp_path, record, quick):
     done = record(tmp_path / "a.aedat4", *quick)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith(f"OK {tmp_path / 'a.aedat4'} holds 0.2 s of file:")
+    assert done.stdout.startswith(f"OK {tmp_path / 'a.aedat4'} has 0.2 s of file:")
     assert "20,000 events, 5 frames" in done.stdout
     assert count(tmp_path / "a.aedat4") == (20_000, 5)
 
@@ -324,7 +324,7 @@ def standing_in(tmp_path):
                     time.sleep(wait_s)
                 send_packet(line, packet)
 
-        control.serve(lambda _: {"ok": True, "source": "camera", STREAM: feed})
+        control.serve(lambda _question, _uid: {"ok": True, "source": "camera", STREAM: feed})
 
     with ControlSocket(tmp_path / "run") as control:
         yield serve
@@ -342,7 +342,7 @@ def test_a_driver_that_ends_before_the_seconds_are_there_is_told_of(tmp_path, re
     standing_in()
     done = record(tmp_path / "a.aedat4", "--seconds", "5")
     assert done.returncode == 3
-    assert done.stdout.startswith(f"WARNING {tmp_path / 'a.aedat4'} holds 0.2 s of what the")
+    assert done.stdout.startswith(f"WARNING {tmp_path / 'a.aedat4'} has 0.2 s of what the")
     assert "Error: The source ended before it had given 5 s." in done.stderr
     assert count(tmp_path / "a.aedat4") == (20_000, 5)
 

@@ -4,7 +4,7 @@ import pytest
 
 from neurotouch_hid.device.outputs import keyboard, mouse
 from neurotouch_hid.messages import GamepadState
-from neurotouch_hid.profile.schema.keys import KEYS, MOUSE_BUTTONS
+from neurotouch_hid.profile.schema.keyboard_keys import KEYS, MOUSE_BUTTONS
 
 
 def test_it_has_exactly_the_keys_that_a_profile_can_name():

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from neurotouch_devtools.bench.soak import Scale, measure_growth, measure_soak
 
-from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, GamepadState, Step
 
 
@@ -28,6 +27,6 @@ def test_growth_is_told_from_settling():
 
 
 def test_a_minute_of_play_is_weighed():
-    result = measure_soak(GestureConfig(), 1.0, lambda _: None, 400_000)
+    result = measure_soak("neurotouch", 1.0, lambda _: None, 400_000)
     assert len(result["rss_mb"]) == 1
     assert 50.0 < result["rss_mb"][0] < 2_000.0

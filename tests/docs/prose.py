@@ -10,11 +10,10 @@ from markdown_it import MarkdownIt
 from markdown_it.token import Token
 
 ROOT = Path(__file__).parents[2]
-NOTEBOOK = "<!-- notebook -->"
 ADMONITIONS = {"{warning}", "{note}", "{tip}", "{important}", "{caution}", "{hint}"}
 
 AVERAGE_WORDS = 17
-MOST_WORDS = 40
+MOST_WORDS = 30
 MOST_LINES = 6
 MOST_COLUMNS = 120
 README_LINES = 120
@@ -60,15 +59,10 @@ def count_words(sentence: str) -> int:
 
 
 def find_faults(text: str, *, is_readme: bool = False) -> list[str]:
-    """Everything in a document that is against the rules, a sentence each.
-
-    A notebook is measured by its author: there only the purpose of the page is asked for.
-    """
+    """Everything in a document that is against the rules, a sentence each."""
     faults = [] if is_readme or names_reader(text) else ["no line 'For ...' below the title"]
     if is_readme and text.count("\n") > README_LINES:
         faults.append(f"{text.count(chr(10))} lines of {README_LINES}")
-    if text.startswith(NOTEBOOK):
-        return faults
     paragraphs = read_paragraphs(text)
     for paragraph in paragraphs:
         faults += _measure(paragraph)

@@ -1,6 +1,7 @@
 """What the project says about itself in several places is the same everywhere."""
 
 import re
+import tomllib
 
 from ruamel.yaml import YAML
 
@@ -56,3 +57,9 @@ def test_every_shipped_profile_is_on_the_page_for_players():
     names = [file.stem for file in (ROOT / "profiles").glob("*.yaml")]
     assert [name for name in names if f"`{name}`" not in page] == []
     assert len(names) == 13  # the page says how many
+
+
+def test_development_tools_belong_to_this_very_version():
+    project = tomllib.loads((ROOT / "devtools" / "pyproject.toml").read_text())["project"]
+    assert project["dependencies"] == [f"neurotouch-hid == {__version__}"]
+    assert project["dynamic"] == ["version"]  # of the same file

@@ -43,9 +43,9 @@ def test_nothing_is_fetched_from_elsewhere(site: Path):
     [
         ("commands", "neurotouch-run"),
         ("commands", "neurotouch-profile-set"),
-        ("profile-format", "profile-binding"),
-        ("profile-format", "profile-weakrelease"),
-        ("user-format", "user-the-whole-file"),
+        ("profile-format", "binding"),
+        ("profile-format", "weakrelease"),
+        ("user-format", "the-whole-file"),
         ("api", "neurotouch_hid.open_gel"),
     ],
 )

@@ -2,6 +2,7 @@
 
 import re
 import subprocess
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,21 @@ ROWS = [
 
 def test_there_are_twenty_questions():
     assert len([row for row in ROWS if row.startswith("| ")]) >= 20
+
+
+def test_import_rules_are_those_of_the_linter():
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    contracts = settings["tool"]["importlinter"]["contracts"]
+    _, rules = PAGE.read_text(encoding="utf-8").split("| rule | what it says |\n| --- | --- |\n")
+    named = re.findall(r"^\| ([^|]+) \|", rules, re.MULTILINE)
+    assert named == [contract["name"] for contract in contracts]
+
+
+def test_every_room_says_why_to_go_there():
+    page = (ROOT / "docs" / "develop" / "index.md").read_text(encoding="utf-8")
+    _, table = page.split("| room | what it does | go there to |\n| --- | --- | --- |\n")
+    rooms = [row.strip("|").split("|") for row in table.split("\n\n")[0].splitlines()]
+    assert [room for room, _, reason in rooms if not reason.strip()] == []
 
 
 @pytest.mark.parametrize("row", ROWS)

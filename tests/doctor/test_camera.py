@@ -8,16 +8,16 @@ INFO = CameraInfo(2, 5, "2-1", "00000216", "DAVIS 346", 5000, 6, "no right to op
 
 
 def test_without_right_the_rule_is_given():
-    verdict = camera._explain_right(INFO)
-    assert verdict.status is Status.FAILED
-    assert "00000216 is there, but not readable" in verdict.sentence
-    assert any("70-neurotouch-camera.rules" in line for line in verdict.commands)
+    finding = camera._explain_right(INFO)
+    assert finding.status is Status.FAILED
+    assert "00000216 is there, but not readable" in finding.sentence
+    assert any("70-neurotouch-camera.rules" in line for line in finding.commands)
 
 
 def test_where_the_service_is_installed_it_is_started_instead(tmp_path, monkeypatch):
     monkeypatch.setattr(camera, "SERVICE_RULE", tmp_path)
-    verdict = camera._explain_right(INFO)
-    assert verdict.commands[0] == "sudo systemctl start neurotouch"
+    finding = camera._explain_right(INFO)
+    assert finding.commands[0] == "sudo systemctl start neurotouch"
 
 
 def test_a_camera_that_may_sleep(tmp_path):

@@ -58,3 +58,23 @@ def test_findings_come_one_by_one():
 def test_every_row_has_a_name_of_its_own():
     names = [check.name for check in list_checks()]
     assert len(set(names)) == len(names) == 27
+
+
+def test_a_check_that_takes_its_time_says_what_it_is_at(monkeypatch):
+    monkeypatch.setattr("neurotouch_hid.doctor.examination.TELL_S", 0.01)
+    monkeypatch.setattr("neurotouch_hid.doctor.examination.TELL_AGAIN_S", 0.01)
+    told: list[str] = []
+    done = threading.Event()
+
+    def look():
+        done.wait(60.0)
+        return approve("Good.")
+
+    def tell(text: str) -> None:
+        told.append(text)
+        if len(told) == 2:
+            done.set()
+
+    (finding,) = examine([Check("pipeline", look, 60.0)], tell=tell)
+    assert finding.sentence == "Good."
+    assert told[0].startswith("Checking: pipeline. 0 s of at most 60 s")

@@ -80,40 +80,40 @@ def test_no_frames(view):
 
 
 def test_too_many_events_for_a_gel_at_rest(view):
-    verdict = view(draw(gel()), events_hz=600_000).check_stream()
-    assert verdict.status is Status.WARNING
-    assert "flicker" in verdict.fix
+    finding = view(draw(gel()), events_hz=600_000).check_stream()
+    assert finding.status is Status.WARNING
+    assert "flicker" in finding.fix
 
 
 def test_the_lamp_is_off(view):
-    verdict = view(draw(gel(), light=0.0)).check_markers()
-    assert verdict.status is Status.FAILED
-    assert "LED ring" in verdict.fix
+    finding = view(draw(gel(), light=0.0)).check_markers()
+    assert finding.status is Status.FAILED
+    assert "LED ring" in finding.fix
 
 
 def test_many_bright_dots_are_no_gel(view):
     dots = np.random.default_rng(3).uniform((20, 20), (320, 240), (300, 2))
-    verdict = view(draw(dots)).check_markers()
-    assert verdict.status is Status.FAILED
-    assert verdict.sentence.startswith("No gel can be found, ")
+    finding = view(draw(dots)).check_markers()
+    assert finding.status is Status.FAILED
+    assert finding.sentence.startswith("No gel can be found, ")
 
 
 def test_the_gel_is_faint(view):
-    verdict = view(draw(gel(), light=50.0)).check_markers()
-    assert verdict.status is not Status.OK
+    finding = view(draw(gel(), light=50.0)).check_markers()
+    assert finding.status is not Status.OK
 
 
 def test_the_gel_is_off_the_middle(view):
-    verdict = view(draw(gel((205.0, 129.5)))).check_markers()
-    assert verdict.status is Status.WARNING
-    assert "+32 px, -0 px off the middle" in verdict.sentence.replace("+0", "-0")
+    finding = view(draw(gel((205.0, 129.5)))).check_markers()
+    assert finding.status is Status.WARNING
+    assert "+32 px, -0 px off the middle" in finding.sentence.replace("+0", "-0")
 
 
 def test_a_hand_covers_a_part(view, tmp_path):
     seen = gel()
     found = view(draw(seen), draw(seen[seen[:, 0] > 140]))
-    verdict = found.check_markers()
-    assert verdict.status is Status.WARNING
+    finding = found.check_markers()
+    assert finding.status is Status.WARNING
     assert found.check_rest().status is Status.WARNING
     _, red = colours(tmp_path / "cache/gel.png")
     assert red > 100  # where markers should be

@@ -30,51 +30,51 @@ def look(tmp_path, monkeypatch):
 
 
 def test_nobody_asks(look):
-    verdict = look("version: 1\n")
-    assert verdict.status is Status.SKIPPED
-    assert "Nobody asks for a HID pad" in verdict.sentence
+    finding = look("version: 1\n")
+    assert finding.status is Status.SKIPPED
+    assert "No HID pad is requested" in finding.sentence
 
 
 def test_nobody_asks_but_it_would_work(look):
-    verdict = look("device: uinput\n", "node", "loaded")
-    assert verdict.status is Status.OK
-    assert "--device hid" in verdict.sentence
+    finding = look("device: uinput\n", "node", "loaded")
+    assert finding.status is Status.OK
+    assert "--device hid" in finding.sentence
 
 
 @pytest.mark.parametrize("made", [[], ["node"]])
 def test_without_the_module(look, made):
-    verdict = look(ASKS, *made)
-    assert verdict.status is Status.FAILED
-    assert "service.yaml asks for a HID pad, but the kernel module uhid" in verdict.sentence
-    assert "sudo modprobe uhid" in verdict.commands
+    finding = look(ASKS, *made)
+    assert finding.status is Status.FAILED
+    assert "service.yaml requests a HID pad, but the kernel module uhid" in finding.sentence
+    assert "sudo modprobe uhid" in finding.commands
 
 
 def test_all_is_there(look):
-    verdict = look(ASKS, "node", "loaded")
-    assert verdict.status is Status.OK
-    assert "you may make one" in verdict.sentence
+    finding = look(ASKS, "node", "loaded")
+    assert finding.status is Status.OK
+    assert "you may make one" in finding.sentence
 
 
 def test_without_right(look, tmp_path, monkeypatch):
     monkeypatch.setattr(os, "access", lambda *_: False)  # root may everything
     (tmp_path / "node").touch(0o600)
-    verdict = look(ASKS, "loaded")
-    assert verdict.status is Status.FAILED
-    assert "its mode is 0600" in verdict.sentence
-    assert any("70-neurotouch-hid.rules" in command for command in verdict.commands)
+    finding = look(ASKS, "loaded")
+    assert finding.status is Status.FAILED
+    assert "its mode is 0600" in finding.sentence
+    assert any("70-neurotouch-hid.rules" in command for command in finding.commands)
 
 
 def test_the_service_needs_a_right_of_its_own(look):
-    verdict = look(ASKS, "node", "loaded", "package")
-    assert verdict.status is Status.FAILED
-    assert "the service has no right to /dev/uhid" in verdict.sentence
-    assert any("examples/hid.conf" in command for command in verdict.commands)
+    finding = look(ASKS, "node", "loaded", "package")
+    assert finding.status is Status.FAILED
+    assert "the service has no right to /dev/uhid" in finding.sentence
+    assert any("examples/hid.conf" in command for command in finding.commands)
 
 
 def test_the_service_has_it(look):
-    verdict = look(ASKS, "node", "loaded", "package", allows=" /dev/uhid rw")
-    assert verdict.status is Status.OK
-    assert "the service may make one" in verdict.sentence
+    finding = look(ASKS, "node", "loaded", "package", allows=" /dev/uhid rw")
+    assert finding.status is Status.OK
+    assert "the service may make one" in finding.sentence
 
 
 def test_mistakes_in_the_file_are_shown(look):

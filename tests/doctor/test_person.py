@@ -28,9 +28,9 @@ def calibrated(days):
 
 
 def test_the_shipped_profiles_are_in_order(config):
-    verdict = person.check_profiles()
-    assert verdict.status is Status.OK
-    assert "'default' plays first" in verdict.sentence
+    finding = person.check_profiles()
+    assert finding.status is Status.OK
+    assert "'default' plays first" in finding.sentence
 
 
 def test_a_profile_with_a_fault_is_told_with_its_place(config):
@@ -43,9 +43,9 @@ def test_a_profile_with_a_fault_is_told_with_its_place(config):
 
 def test_a_favourite_that_is_gone(config):
     (config / "user.yaml").write_text("version: 1\nslots: [default, gone]\n")
-    verdict = person.check_profiles()
-    assert verdict.status is Status.FAILED
-    assert "'gone'" in verdict.sentence
+    finding = person.check_profiles()
+    assert finding.status is Status.FAILED
+    assert "'gone'" in finding.sentence
 
 
 @pytest.mark.parametrize(
@@ -59,9 +59,9 @@ def test_a_favourite_that_is_gone(config):
 )
 def test_calibration(config, write, status, words):
     (config / "user.yaml").write_text(write())
-    verdict = person.check_calibration()
-    assert verdict.status is status
-    assert words in verdict.sentence
+    finding = person.check_calibration()
+    assert finding.status is status
+    assert words in finding.sentence
 
 
 def test_sound_that_nobody_wants(config):
@@ -71,9 +71,9 @@ def test_sound_that_nobody_wants(config):
 def test_sound_that_can_be_played_and_cannot(config, tmp_path, monkeypatch):
     (config / "user.yaml").write_text("version: 1\nfeedback: {sound: speech}\n")
     monkeypatch.setenv("PATH", str(tmp_path))
-    verdict = person.check_sound()
-    assert verdict.status is Status.WARNING
-    assert verdict.commands == ("sudo apt install speech-dispatcher",)
+    finding = person.check_sound()
+    assert finding.status is Status.WARNING
+    assert finding.commands == ("sudo apt install speech-dispatcher",)
     (tmp_path / "spd-say").write_text("#!/bin/sh\n")
     (tmp_path / "spd-say").chmod(0o755)
     assert person.check_sound().status is Status.OK
@@ -97,16 +97,16 @@ def test_the_keys_are_heard_in_any_time(config, machine):
             pass
         return True
 
-    verdict = person.try_chords(said.append, wait, nodes=machine.nodes, system=machine.system)
-    assert verdict.status is Status.OK
+    finding = person.try_chords(said.append, wait, nodes=machine.nodes, system=machine.system)
+    assert finding.status is Status.OK
     assert "Hold Backspace + Esc + Enter together (panic). No hurry; S and Enter skips." in said
 
 
 def test_one_may_skip(config, machine):
     machine.plug(0)
     places = {"nodes": machine.nodes, "system": machine.system}
-    verdict = person.try_chords(lambda text: None, lambda happened: False, **places)
-    assert verdict.status is Status.SKIPPED
+    finding = person.try_chords(lambda text: None, lambda happened: False, **places)
+    assert finding.status is Status.SKIPPED
     answers = iter([True, False])
-    verdict = person.try_chords(lambda text: None, lambda happened: next(answers), **places)
-    assert verdict.status is Status.WARNING
+    finding = person.try_chords(lambda text: None, lambda happened: next(answers), **places)
+    assert finding.status is Status.WARNING

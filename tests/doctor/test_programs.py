@@ -32,10 +32,10 @@ def running(tmp_path, name, *, script=False):
 def look_until(check, status):
     """What the check says once it says so; a process needs a moment to take its name."""
     deadline = time.monotonic() + 60
-    while (verdict := check()).status is not status:
-        assert time.monotonic() < deadline, verdict
+    while (finding := check()).status is not status:
+        assert time.monotonic() < deadline, finding
         time.sleep(0.02)
-    return verdict
+    return finding
 
 
 def test_steam(tmp_path):
@@ -50,8 +50,8 @@ def test_steam(tmp_path):
 )
 def test_a_remapper_is_named(tmp_path, name, script, shown):
     with running(tmp_path, name, script=script) as process:
-        verdict = look_until(programs.check_remappers, Status.WARNING)
-        assert f"{shown} (PID {process.pid})" in verdict.sentence
+        finding = look_until(programs.check_remappers, Status.WARNING)
+        assert f"{shown} (PID {process.pid})" in finding.sentence
 
 
 def test_a_file_that_is_called_so_is_no_remapper(tmp_path):
@@ -91,10 +91,10 @@ def test_a_sandbox_with_devices_is_open(tmp_path, flatpaks, devices):
 @pytest.mark.parametrize("devices", ["devices=dri;", "sockets=x11;", "garbage"])
 def test_a_sandbox_without_is_named_with_its_command(tmp_path, flatpaks, devices):
     flatpaks("org.mozilla.firefox", devices)
-    verdict = look(tmp_path)
-    assert verdict.status is Status.WARNING
-    assert "Firefox" in verdict.sentence
-    assert verdict.commands == ("flatpak override --user --device=all org.mozilla.firefox",)
+    finding = look(tmp_path)
+    assert finding.status is Status.WARNING
+    assert "Firefox" in finding.sentence
+    assert finding.commands == ("flatpak override --user --device=all org.mozilla.firefox",)
 
 
 def test_what_the_person_has_given_counts(tmp_path, flatpaks):
@@ -117,9 +117,9 @@ def test_gnome_that_filters_keys(tmp_path, monkeypatch):
     (tmp_path / "gsettings").chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
     monkeypatch.setenv("XDG_CURRENT_DESKTOP", "ubuntu:GNOME")
-    verdict = programs.check_desktop()
-    assert verdict.status is Status.WARNING
-    assert "slow keys switched on" in verdict.sentence
+    finding = programs.check_desktop()
+    assert finding.status is Status.WARNING
+    assert "slow keys switched on" in finding.sentence
 
 
 def test_kde_that_filters_keys(tmp_path, monkeypatch):

@@ -20,9 +20,9 @@ def folders(tmp_path):
 
 def test_ours_is_in_order(folders):
     (folders[2] / "70-neurotouch-uinput.rules").write_text(OURS)
-    verdict = rights.check_rule(folders)
-    assert verdict.status is Status.OK
-    assert "70-neurotouch-uinput.rules" in verdict.sentence
+    finding = rights.check_rule(folders)
+    assert finding.status is Status.OK
+    assert "70-neurotouch-uinput.rules" in finding.sentence
 
 
 def test_a_rule_over_two_lines_is_read_as_one(folders):
@@ -34,18 +34,18 @@ def test_a_rule_over_two_lines_is_read_as_one(folders):
 
 def test_one_that_comes_after_the_seats_is_too_late(folders):
     (folders[0] / "99-steam.rules").write_text(OURS)
-    verdict = rights.check_rule(folders)
-    assert verdict.status is Status.WARNING
-    assert "99-steam.rules comes too late" in verdict.sentence
-    assert verdict.commands
+    finding = rights.check_rule(folders)
+    assert finding.status is Status.WARNING
+    assert "99-steam.rules comes too late" in finding.sentence
+    assert finding.commands
 
 
 def test_one_without_a_static_node_holds_only_with_the_module(folders):
     (folders[0] / "60-x.rules").write_text(NO_STATIC)
-    verdict = rights.check_rule(folders)
-    assert verdict.status is Status.WARNING
-    assert "static_node" in verdict.sentence
-    assert any("modules-load.d" in line for line in verdict.commands)
+    finding = rights.check_rule(folders)
+    assert finding.status is Status.WARNING
+    assert "static_node" in finding.sentence
+    assert any("modules-load.d" in line for line in finding.commands)
 
 
 @pytest.mark.parametrize("text", ["", "# " + OURS.replace("\n", "\n# "), 'KERNEL=="uhid"\n'])
@@ -53,6 +53,6 @@ def test_a_rule_that_is_hidden_or_says_nothing_is_none(folders, text):
     """A file in /etc hides the one of the same name in /usr/lib: that is how people switch off."""
     (folders[2] / "70-neurotouch-uinput.rules").write_text(OURS)
     (folders[0] / "70-neurotouch-uinput.rules").write_text(text)
-    verdict = rights.check_rule(folders)
-    assert verdict.status in (Status.WARNING, Status.SKIPPED)
-    assert verdict.sentence.startswith("No udev rule ")
+    finding = rights.check_rule(folders)
+    assert finding.status in (Status.WARNING, Status.SKIPPED)
+    assert finding.sentence.startswith("No udev rule ")

@@ -35,9 +35,9 @@ def test_what_systemd_says(tmp_path, monkeypatch, state, status, words):
     program.write_text(f"#!/bin/sh\n/bin/cat <<END\n{said}\nEND\n")
     program.chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path))
-    verdict = check_service()
-    assert verdict.status is status
-    assert words in verdict.sentence
+    finding = check_service()
+    assert finding.status is status
+    assert words in finding.sentence
 
 
 def test_without_systemd(tmp_path, monkeypatch):

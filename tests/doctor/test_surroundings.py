@@ -44,24 +44,24 @@ def test_a_port_that_another_has(folder, port):
     with socket.socket() as other:
         other.bind(("127.0.0.1", port))
         other.listen()
-        verdict = surroundings.check_page()
-    assert verdict.status is Status.WARNING
-    assert str(port) in verdict.sentence
+        finding = surroundings.check_page()
+    assert finding.status is Status.WARNING
+    assert str(port) in finding.sentence
 
 
 def test_a_page_that_is_served(folder, port):
     write_address(Address("http://127.0.0.1:1/", "secret", os.getpid()))
-    verdict = surroundings.check_page()
-    assert verdict.status is Status.OK
-    assert "secret" not in verdict.sentence
+    finding = surroundings.check_page()
+    assert finding.status is Status.OK
+    assert "secret" not in finding.sentence
 
 
 def test_a_secret_that_others_can_read(folder, port):
     write_address(Address("http://127.0.0.1:1/", "secret", os.getpid()))
     find_address_file().chmod(0o644)
-    verdict = surroundings.check_page()
-    assert verdict.status is Status.FAILED
-    assert verdict.commands == (f"chmod 600 {find_address_file()}",)
+    finding = surroundings.check_page()
+    assert finding.status is Status.FAILED
+    assert finding.commands == (f"chmod 600 {find_address_file()}",)
 
 
 @pytest.mark.parametrize("variable", [{"NT_ACCESSIBLE": "1"}, {"TERM": "dumb"}, {}])

@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from neurotouch_hid.driver.broadcast import MAX_LISTENERS, QUEUE_BYTES, Broadcast
+from neurotouch_hid.driver.broadcast import MAX_SUBSCRIBERS, QUEUE_BYTES, Broadcast
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.messages import GamepadState, MarkerField, Step, no_gesture
 from neurotouch_hid.recording.wire import receive_packets
@@ -36,10 +36,10 @@ def listen(broadcast):
         with here:
             broadcast.serve(here)
 
-    before = len(broadcast._listeners)
+    before = len(broadcast._subscribers)
     thread = threading.Thread(target=serve, daemon=True)
     thread.start()
-    wait_until(lambda: len(broadcast._listeners) > before)
+    wait_until(lambda: len(broadcast._subscribers) > before)
     return there, thread
 
 
@@ -50,7 +50,7 @@ def wait_until(happened):
         time.sleep(0.005)
 
 
-def test_listeners_get_every_packet_and_then_the_end(broadcast):
+def test_subscribers_get_every_packet_and_then_the_end(broadcast):
     packets = make_packets(2_000)
     (a, first), (b, second) = listen(broadcast), listen(broadcast)
     got = {}
@@ -104,14 +104,14 @@ def test_a_listener_that_leaves_is_forgotten(broadcast):
         broadcast(step_of(packets[0]))
         time.sleep(0.005)
     assert not thread.is_alive()
-    assert broadcast._listeners == ()
+    assert broadcast._subscribers == ()
 
 
 def test_only_so_many_may_listen(broadcast):
-    lines = [listen(broadcast)[0] for _ in range(MAX_LISTENERS - 1)]
+    lines = [listen(broadcast)[0] for _ in range(MAX_SUBSCRIBERS - 1)]
     broadcast.require_place()
     lines.append(listen(broadcast)[0])
-    with pytest.raises(DriverError, match="already record or watch"):
+    with pytest.raises(DriverError, match="record or watch already"):
         broadcast.require_place()
     for line in lines:
         line.close()

@@ -1,5 +1,6 @@
 """What the questions mean; the line here stands still unless a test turns it."""
 
+import os
 import time
 from concurrent.futures import ThreadPoolExecutor, wait
 from threading import Event
@@ -35,8 +36,18 @@ def patient(monkeypatch):
     monkeypatch.setattr("neurotouch_hid.driver.commands._WAIT_S", 60.0)
 
 
+def test_stop_ends_the_driver_but_not_the_service(session, commands):
+    ended = []
+    mine = Commands(session, commands._profiles, {}, end=lambda: ended.append(1))
+    assert mine.answer({"command": "stop"}, os.getuid())["ok"]
+    assert ended == [1]
+    refused = commands.answer({"command": "stop"}, os.getuid())
+    assert not refused["ok"]
+    assert "sudo systemctl stop neurotouch" in refused["hint"]
+
+
 def test_order_to_a_silent_source_is_noted(commands):
-    answer = commands.answer({"command": "panic"})
+    answer = commands.answer({"command": "panic"}, os.getuid())
     assert answer["ok"]
     assert answer["done"] is False
     assert "No data from the source" in answer["text"]
@@ -46,34 +57,36 @@ def test_order_to_a_silent_source_is_noted(commands):
     ("orders", "words", "state"),
     [
         (["pause"], "Paused", "paused"),
-        (["pause", "pause"], "Paused", "paused"),
-        (["resume"], "Resumed", "running"),
+        (["pause", "pause"], "Already paused. Go on with: neurotouch resume", "paused"),
+        (["pause", "resume"], "Resumed", "running"),
+        (["resume"], "Already running.", "running"),
         (["panic"], "Stopped", "panic"),
         (["pause", "panic"], "Stopped", "panic"),
-        (["panic", "pause"], "Stopped", "panic"),  # only resume ends a panic
+        (["panic", "panic"], "Already stopped by panic.", "panic"),
+        (["panic", "pause"], "Already stopped by panic.", "panic"),  # only resume ends a panic
         (["panic", "pause", "resume", "pause"], "Paused", "paused"),
     ],
 )
 def test_an_answer_says_what_holds_afterwards(commands, session, patient, orders, words, state):
     with ThreadPoolExecutor(1) as asker:
         for order in orders:
-            asked = asker.submit(commands.answer, {"command": order})
+            asked = asker.submit(commands.answer, {"command": order}, os.getuid())
             while not asked.done():  # the line takes its orders between two slices
                 session.apply_commands()
                 time.sleep(0.001)
     assert asked.result()["done"]
     assert asked.result()["text"].startswith(words)
-    assert commands.answer({"command": "status"})["state"] == state
+    assert commands.answer({"command": "status"}, os.getuid())["state"] == state
 
 
 def test_too_many_orders_are_refused_but_never_a_panic(commands, session):
     for _ in range(64):
         session.submit("pause")
-    refused = commands.answer({"command": "resume"})
+    refused = commands.answer({"command": "resume"}, os.getuid())
     assert (refused["ok"], "too many" in refused["error"]) == (False, True)
-    assert commands.answer({"command": "panic"})["ok"]
+    assert commands.answer({"command": "panic"}, os.getuid())["ok"]
     session.apply_commands()
-    assert commands.answer({"command": "status"})["state"] == "panic"
+    assert commands.answer({"command": "status"}, os.getuid())["state"] == "panic"
 
 
 @pytest.mark.parametrize(
@@ -83,21 +96,21 @@ def test_too_many_orders_are_refused_but_never_a_panic(commands, session):
         ({"command": "\x1b[2J" * 100}, "no command '"),
         ({"command": "use"}, "missing"),
         ({"command": "use", "profile": 7}, "missing"),
-        ({"command": "use", "profile": "nine"}, "no profile is called 'nine'"),
+        ({"command": "use", "profile": "nine"}, "No profile is called 'nine'"),
         ({"command": "use", "profile": "/dev/zero"}, "not a file"),
         ({"command": "use", "profile": "/\0.yaml"}, "cannot be read"),
-        ({"command": "use", "profile": "x" * 60_000}, "no profile is called"),
+        ({"command": "use", "profile": "x" * 60_000}, "No profile is called"),
     ],
 )
 def test_what_cannot_be_done_is_said(commands, question, sentence):
-    answer = commands.answer(question)
+    answer = commands.answer(question, os.getuid())
     assert answer["ok"] is False
     assert sentence in answer["error"]
     assert "\x1b" not in answer["error"]
 
 
 def test_status_tells_the_facts_too(commands):
-    status = commands.answer({"command": "status"})
+    status = commands.answer({"command": "status"}, os.getuid())
     assert (status["source"], status["version"], status["profile"]) == ("sim:tour", 1, "default")
     assert status["silent_s"] >= 0.0
 
@@ -133,13 +146,14 @@ def load_through(session, gate):
 def test_what_is_loaded_slowly_is_answered_in_the_end(load_through, gate, command, name, fault):
     commands, question = load_through(fault), {"command": command, "profile": name}
     with ThreadPoolExecutor(1) as asker:
-        asked = asker.submit(commands.answer, question)
+        asked = asker.submit(commands.answer, question, os.getuid())
         assert not wait([asked], timeout=1.5).done
         gate.set()
     if fault is None:
         assert asked.result() == {
             "ok": True,
             "done": True,
+            "profile": name,
             "text": f"Profile '{name}' is now active.",
         }
     else:
@@ -148,13 +162,13 @@ def test_what_is_loaded_slowly_is_answered_in_the_end(load_through, gate, comman
 
 def test_what_is_not_loaded_in_time_is_no_success(load_through, monkeypatch):
     monkeypatch.setattr("neurotouch_hid.driver.commands.LOADING_S", 0.1)
-    answer = load_through().answer({"command": "reload"})
+    answer = load_through().answer({"command": "reload"}, os.getuid())
     assert answer["ok"] is False
     assert answer["error"] == "The profile is still being loaded after 0.1 s."
     assert "neurotouch status" in answer["hint"]
 
 
 def test_use_answers_with_the_profile_that_holds(commands, patient):
-    answer = commands.answer({"command": "use", "profile": "racing"})
+    answer = commands.answer({"command": "use", "profile": "racing"}, os.getuid())
     assert answer["done"]
     assert "'racing'" in answer["text"]

@@ -244,7 +244,7 @@ def test_use_goes_on_with_another_profile_which_is_then_watched(driver, file):
 
 
 def test_use_of_what_is_not_there_changes_nothing(driver):
-    with pytest.raises(ProfileError, match="no profile is called 'nine'"):
+    with pytest.raises(ProfileError, match="No profile is called 'nine'"):
         driver.watch.use("nine").result(LIMIT_S)
     assert driver.watch.reload().result(LIMIT_S) == "mine"
 

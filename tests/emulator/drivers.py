@@ -63,7 +63,7 @@ def own() -> Iterator[Batch]:
 
     # The emulated camera is in a hurry: here old slices are as good as new ones.
     with DavisSource(max_delay_us=60_000_000) as source:
-        for packet in source.turns():
+        for packet in source.poll():
             if packet is None:
                 yield [], []
                 continue

@@ -18,10 +18,10 @@ from neurotouch_hid.evaluation.accuracy.report.curves import (
     draw_times,
 )
 from neurotouch_hid.evaluation.accuracy.report.gallery import Failure, draw_failure
-from neurotouch_hid.evaluation.accuracy.report.labels import draw_classes, draw_contacts
+from neurotouch_hid.evaluation.accuracy.report.label_figures import draw_classes, draw_contacts
 from neurotouch_hid.evaluation.accuracy.report.style import apply_style
 from neurotouch_hid.evaluation.accuracy.statistics import LabelStatistics
-from neurotouch_hid.evaluation.accuracy.timing import TypeTiming
+from neurotouch_hid.evaluation.accuracy.type_timing import TypeTiming
 from neurotouch_hid.geometry import N_MARKERS
 from neurotouch_hid.messages import GestureKind
 from tests.evaluation.timelines import REST_PX, RIG, answer, label, markers

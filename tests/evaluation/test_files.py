@@ -1,21 +1,22 @@
 """Whole recordings: simulated, written, played through the line and compared with their labels."""
 
 import json
+from dataclasses import replace
 
 import pytest
 from click.testing import CliRunner
 
 from neurotouch_hid.cli.evaluate import command
+from neurotouch_hid.driver import REFERENCE
 from neurotouch_hid.errors import GelNotFoundError, NeuroTouchError, RecordingError
 from neurotouch_hid.evaluation.accuracy import evaluate_files, format_table
-from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
 from neurotouch_hid.source.simulator import Simulator
 from neurotouch_hid.source.simulator.script import sequence
 from neurotouch_hid.source.simulator.strokes import StrokeTiming, push, twist
 
 TIMING = StrokeTiming(200_000, 200_000, 200_000)
-CONFIG = GestureConfig(method="paper")
+PAPER = replace(REFERENCE, method="paper")
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +39,7 @@ def recordings(tmp_path_factory):
 
 def test_simulated_recordings_are_recognised(recordings):
     done = []
-    report = evaluate_files(recordings, CONFIG, progress=done.append).report()
+    report = evaluate_files(recordings, PAPER, progress=done.append).report()
     assert done == recordings
     assert list(report["files"]) == ["push", "twist"]
     for figures in (report, *report["files"].values()):
@@ -57,7 +58,7 @@ def test_simulated_recordings_are_recognised(recordings):
 
 def test_two_processes_give_the_same_figures(recordings):
     def figures(jobs):
-        report = evaluate_files(recordings, CONFIG, jobs=jobs).report()
+        report = evaluate_files(recordings, PAPER, jobs=jobs).report()
         for part in (report, *report["files"].values()):
             del part["realtime_factor"]
         return report
@@ -69,7 +70,7 @@ def test_files_of_one_name_keep_their_folders(recordings, tmp_path):
     copy = tmp_path / "push.aedat4"
     copy.write_bytes(recordings[0].read_bytes())
     labels_path(copy).write_bytes(labels_path(recordings[0]).read_bytes())
-    names = evaluate_files([recordings[0], copy], CONFIG).files
+    names = evaluate_files([recordings[0], copy], PAPER).files
     assert set(names) == {str(recordings[0]), str(copy)}
 
 
@@ -78,7 +79,7 @@ def test_missing_labels_are_told_before_anything_is_played(recordings, tmp_path)
     bare.write_bytes(recordings[0].read_bytes())
     done = []
     with pytest.raises(RecordingError, match=r"bare\.labels\.csv"):
-        evaluate_files([recordings[0], bare], CONFIG, progress=done.append)
+        evaluate_files([recordings[0], bare], PAPER, progress=done.append)
     assert not done
 
 
@@ -88,7 +89,7 @@ def test_an_error_of_a_recording_comes_through(recordings, tmp_path, jobs):
     broken.write_bytes(b"not a recording")
     labels_path(broken).write_bytes(labels_path(recordings[0]).read_bytes())
     with pytest.raises((RecordingError, GelNotFoundError)) as caught:
-        evaluate_files([broken, recordings[0]], CONFIG, jobs=jobs)
+        evaluate_files([broken, recordings[0]], PAPER, jobs=jobs)
     assert "broken" in caught.value.message
 
 
@@ -103,7 +104,9 @@ def test_methods_side_by_side(recordings, tmp_path):
     assert result.exit_code == 0
     figures = json.loads(numbers.read_text(encoding="utf-8"))
     assert list(figures["methods"]) == ["paper", "neurotouch"]
-    assert {**figures["methods"]["paper"], "methods": figures["methods"]} == figures
+    whole = {key: figures[key] for key in ("methods", "origin")}
+    assert {**figures["methods"]["paper"], **whole} == figures
+    assert figures["origin"]["recordings"] == 1
     assert "2 of 2" in result.stderr
     assert result.stdout.count("gesture type accuracy") == 2
     assert json.loads((report / "report.json").read_text(encoding="utf-8")) == figures
@@ -120,10 +123,9 @@ def test_a_folder_that_cannot_take_the_report_is_told_before_anything_is_played(
 
 
 def test_the_length_of_a_slice_changes_no_figure_much(recordings):
-    config = GestureConfig()
     reports = [
-        evaluate_files(recordings, config, slice_us=slice_us).report()
-        for slice_us in (10_000, 4_000, 1_000)
+        evaluate_files(recordings, replace(REFERENCE, rate_hz=rate_hz)).report()
+        for rate_hz in (100, 250, 1000)
     ]
     for report in reports[1:]:
         assert report["observations"] > 2 * reports[0]["observations"]

@@ -13,7 +13,6 @@ from neurotouch_hid.evaluation.speed.pace import (
     summarise_delays,
 )
 from neurotouch_hid.evaluation.speed.workload import DenseSource, load_scene
-from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, GamepadState, Step
 
 SLICE_US = 4_000
@@ -66,7 +65,7 @@ def test_slices_that_came_as_one_are_late_when_the_next_is_due():
 
 def test_the_whole_line_is_measured_slice_by_slice():
     scene = load_scene("push", SLICE_US, 200_000)
-    told = measure_live(DenseSource(scene, 1.4, 50_000), GestureConfig(), "memory")
+    told = measure_live(DenseSource(scene, 1.4, 50_000), "memory")
     assert 1 <= told["slices"] <= 101
     assert told["latency_ms"]["p50"] > 0.0
     assert told["core"] > 0.0

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neurotouch_hid.evaluation.speed.workload import DenseSource, Scene, load_scene
+from neurotouch_hid.evaluation.speed.workload import DenseSource, LoopScene, load_scene
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, GestureKind
 from neurotouch_hid.profile import load_profile
@@ -22,7 +22,7 @@ def make_packet(k, n=5):
 
 
 PACKETS = tuple(make_packet(k) for k in range(3))
-SCENE = Scene(PACKETS, np.full((3, 1, 2), MARKER_PX, np.float32))
+SCENE = LoopScene(PACKETS, np.full((3, 1, 2), MARKER_PX, np.float32))
 
 
 @pytest.mark.parametrize(("events_per_s", "n"), [(None, 5), (1e6, 4_000), (12e6, 48_000), (5e2, 2)])

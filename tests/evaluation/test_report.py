@@ -10,15 +10,23 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.errors import NeuroTouchError
-from neurotouch_hid.evaluation.accuracy import Evaluation, LabelTrack, Tally, combine_reports
+from neurotouch_hid.evaluation.accuracy import (
+    Evaluation,
+    LabelTrack,
+    Origin,
+    Tally,
+    combine_reports,
+    trace_origin,
+)
 from neurotouch_hid.evaluation.accuracy.files import Played
 from neurotouch_hid.evaluation.accuracy.moments import WorstMoments
 from neurotouch_hid.evaluation.accuracy.report import check_folder, write_report
 from neurotouch_hid.evaluation.accuracy.statistics import LabelStatistics
-from neurotouch_hid.evaluation.accuracy.timing import Stopwatch
+from neurotouch_hid.evaluation.accuracy.type_timing import Stopwatch
 from neurotouch_hid.messages import GestureKind
 from tests.evaluation.timelines import RIG, answer, label, markers
 
+ORIGIN = Origin("neurotouch-hid 1.2.3", "neurotouch evaluate a b", "2026-01-02", 2, 2, (5,))
 RESULTS = [
     "confidence-reliability",
     "confusion-matrix",
@@ -118,9 +126,27 @@ def evaluations():
 def folder(evaluations, tmp_path_factory):
     folder = tmp_path_factory.mktemp("out") / "deep" / "report"
     said = []
-    write_report(folder, evaluations, said.append)
+    write_report(folder, evaluations, ORIGIN, said.append)
     assert said
     return folder
+
+
+def test_page_and_numbers_say_where_they_come_from(folder):
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    assert "SIMULATED: 2 recordings of the simulator, seed 5." in text
+    assert "neurotouch-hid 1.2.3" in text
+    assert "neurotouch evaluate a b" in text
+    assert json.loads((folder / "report.json").read_text())["origin"] == {
+        **ORIGIN.as_json(),
+        "seeds": [5],
+    }
+
+
+def test_what_is_simulated_is_known_from_the_set(tmp_path):
+    (tmp_path / "dataset.json").write_text('{"a": {"seed": 7}, "b": {"seed": 3}}')
+    paths = [tmp_path / f"{name}.aedat4" for name in ("a", "b", "real")]
+    assert str(trace_origin(paths)) == "SIMULATED in part: 2 of 3 recordings, seed 3, 7."
+    assert "none of them marked as simulated" in str(trace_origin(paths[2:]))
 
 
 @pytest.fixture(scope="module")
@@ -178,7 +204,7 @@ def numbers_of(part):
 
 def test_numbers_are_those_of_the_json(folder, page, evaluations):
     report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
-    expected = combine_reports({name: each.report() for name, each in evaluations.items()})
+    expected = combine_reports({name: each.report() for name, each in evaluations.items()}, ORIGIN)
     assert report == json.loads(json.dumps(expected))
     published = {0.9112, 0.8322, 3.41, 0.96, 0.9403}
     assert set(page.numbers) <= set(map(float, numbers_of(report))) | published
@@ -213,18 +239,18 @@ def test_one_method_alone_and_what_is_undefined(tmp_path):
     truths = [label(40_000 * k, GestureKind.NONE) for k in range(5)]
     bare = Played(Tally(), [], LabelStatistics.of(truths, None))
     evaluation = Evaluation({"rest": bare})
-    write_report(tmp_path / "report", {"paper": evaluation})
+    write_report(tmp_path / "report", {"paper": evaluation}, ORIGIN)
     page = Page((tmp_path / "report" / "report.html").read_text(encoding="utf-8"))
     assert sorted(page.images) == RESULTS
     report = json.loads((tmp_path / "report" / "report.json").read_text(encoding="utf-8"))
     assert "methods" not in report
-    assert report == json.loads(json.dumps(evaluation.report()))
+    assert report == json.loads(json.dumps({**evaluation.report(), "origin": ORIGIN.as_json()}))
 
 
 def test_the_same_report_again_is_the_same_and_replaces_the_old(folder, evaluations):
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     (folder / "figures" / "failures-old-01.svg").write_text("<svg/>")
-    write_report(folder, evaluations)
+    write_report(folder, evaluations, ORIGIN)
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
     assert [entry.name for entry in folder.parent.iterdir()] == ["report"]
 
@@ -254,7 +280,7 @@ def test_an_error_leaves_no_trace_and_the_old_report(tmp_path, evaluations):
     (tmp_path / "report").mkdir()
     (tmp_path / "report" / "report.html").write_text("old")
     with pytest.raises(KeyboardInterrupt):
-        write_report(tmp_path / "report", evaluations, stop)
+        write_report(tmp_path / "report", evaluations, ORIGIN, stop)
     assert [path.name for path in tmp_path.iterdir()] == ["report"]
     assert (tmp_path / "report" / "report.html").read_text() == "old"
 

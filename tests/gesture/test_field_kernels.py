@@ -1,5 +1,7 @@
 """The field of sticking fingers against its plain twin and against elasticity."""
 
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -21,13 +23,19 @@ from tests.reference import gesture_elastic as reference
 PLACE = st.floats(-26, 26)
 
 
+class Gel(NamedTuple):
+    atoms: np.ndarray
+    inverse: np.ndarray
+    sites: np.ndarray
+    n_coarse: int
+
+
 def respond_everywhere(points, sites, regular=0.0):
     atoms = np.empty((2 * len(points), 3 * len(sites)))
     fill_responses(points, sites, 6.5, atoms)
     rows = atoms.reshape(-1, len(sites), 3)
-    return atoms.astype(np.float32), np.linalg.inv(
-        np.einsum("nsa,nsb->sab", rows, rows) + regular * np.eye(3)
-    )
+    gram = np.einsum("nsa,nsb->sab", rows, rows) + regular * np.eye(3)
+    return Gel(atoms.astype(np.float32), np.linalg.inv(gram), sites.copy(), len(sites))
 
 
 @given(PLACE, PLACE, PLACE, PLACE, st.floats(4.5, 9))
@@ -54,7 +62,7 @@ def test_couple_equals_its_twin(k):
     np.testing.assert_allclose(couple(centres, radii), reference.couple(centres, radii), atol=1e-9)
 
 
-def test_a_lone_finger_has_its_own_motion():
+def test_a_single_finger_has_its_own_motion():
     np.testing.assert_allclose(couple(np.zeros((1, 2)), np.full(1, 6.5)), np.eye(3), atol=1e-12)
 
 
@@ -71,9 +79,9 @@ def test_gains_equal_their_twin(seed):
     rng = np.random.default_rng(seed)
     points, sites = LATTICE_MM[::5], LATTICE_MM[60:110:9]
     residual, weight = rng.normal(0, 1, points.shape), rng.random(len(points))
-    atoms, inverse = respond_everywhere(points, sites)
+    gel = respond_everywhere(points, sites)
     gains = np.empty(len(sites))
-    measure_gains(atoms, inverse, residual, weight, gains)
+    measure_gains(gel.atoms, gel.inverse, residual, weight, gains)
     expected = reference.gains(points, sites, 6.5, residual, weight)
     np.testing.assert_allclose(gains, expected, rtol=1e-5, atol=1e-6 * max(expected))
 
@@ -84,23 +92,21 @@ def test_no_gain_exceeds_the_bound(seed, size):
     rng = np.random.default_rng(seed)
     points, sites = LATTICE_MM, LATTICE_MM[::3].copy()
     site = rng.integers(len(sites))
-    atoms, inverse = respond_everywhere(points, sites)
-    finger = (atoms[:, 3 * site : 3 * site + 3] @ rng.normal(0, size, 3)).reshape(-1, 2)
+    gel = respond_everywhere(points, sites)
+    finger = (gel.atoms[:, 3 * site : 3 * site + 3] @ rng.normal(0, size, 3)).reshape(-1, 2)
     residual, weight = finger + rng.normal(0, 0.05, points.shape), rng.random(len(points))
     bound = bound_gain(residual, weight)
     assert bound == pytest.approx((weight**2 @ residual**2).sum())
     assert bound <= weight @ (residual**2).sum(axis=1)
-    everywhere = (sites, np.zeros((0, 2)), 5.0, len(sites), 0.0)
-    gain = find_site(atoms, inverse, residual, weight, *everywhere)[1]
+    gain = find_site(gel, residual, weight, np.zeros((0, 2)), 5.0, 0.0)[1]
     assert 0.0 < gain <= 1.0005 * bound
 
 
 def test_the_gain_of_a_finger_is_largest_where_it_is():
-    atoms, inverse = respond_everywhere(LATTICE_MM, LATTICE_MM, 1e-6)
+    gel = respond_everywhere(LATTICE_MM, LATTICE_MM, 1e-6)
     for site in (88, 40, 120):
-        field = (atoms[:, 3 * site : 3 * site + 3] @ (1.0, -2.0, 0.1)).reshape(-1, 2)
-        everywhere = (LATTICE_MM.copy(), np.zeros((0, 2)), 5.0, len(LATTICE_MM), 0.0)
-        best, gain = find_site(atoms, inverse, field, np.ones(len(field)), *everywhere)
+        field = (gel.atoms[:, 3 * site : 3 * site + 3] @ (1.0, -2.0, 0.1)).reshape(-1, 2)
+        best, gain = find_site(gel, field, np.ones(len(field)), np.zeros((0, 2)), 5.0, 0.0)
         assert best == site
         assert gain == pytest.approx((field**2).sum(), rel=1e-3)
 
@@ -112,9 +118,8 @@ def test_no_site_is_found_near_a_known_finger(seed, k):
     points, sites = LATTICE_MM[::5], LATTICE_MM[::2].copy()
     residual, weight = rng.normal(0, 1, points.shape), rng.random(len(points))
     centres = rng.uniform(-20, 20, (k, 2))
-    atoms, inverse = respond_everywhere(points, sites)
-    asked = (sites, centres, 9.0, len(sites), 0.0)
-    site, gain = find_site(atoms, inverse, residual, weight, *asked)
+    gel = respond_everywhere(points, sites)
+    site, gain = find_site(gel, residual, weight, centres, 9.0, 0.0)
     gains = reference.gains(points, sites, 6.5, residual, weight)
     free = np.hypot(*(sites[:, None] - centres).transpose(2, 0, 1)).min(axis=1) >= 9.0
     assert free[site]
@@ -123,7 +128,6 @@ def test_no_site_is_found_near_a_known_finger(seed, k):
 
 
 def test_there_is_no_site_where_fingers_are_everywhere():
-    atoms, inverse = respond_everywhere(LATTICE_MM, LATTICE_MM[:4])
+    gel = respond_everywhere(LATTICE_MM, LATTICE_MM[:4])
     field, weight = np.ones(LATTICE_MM.shape), np.ones(len(LATTICE_MM))
-    sites = LATTICE_MM[:4].copy()
-    assert find_site(atoms, inverse, field, weight, sites, sites, 5.0, 4, 0.0)[1] == 0.0
+    assert find_site(gel, field, weight, gel.sites, 5.0, 0.0)[1] == 0.0

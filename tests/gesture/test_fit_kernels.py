@@ -1,5 +1,7 @@
 """The least squares of the fit against numpy."""
 
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -20,9 +22,9 @@ from tests.reference import gesture_elastic as reference
 
 WINDOW = np.array([rim_window(float(r2)) for r2 in (LATTICE_MM**2).sum(axis=1)])
 POINTS = np.ascontiguousarray(LATTICE_MM.T)
-HAND = FingerTracker()
-HAND.place(LATTICE_MM.astype(np.float32), Rig((0.0, 0.0), 1.0))  # a pixel a millimetre
-GEL = HAND.gel
+TRACKER = FingerTracker()
+TRACKER.place(LATTICE_MM.astype(np.float32), Rig((0.0, 0.0), 1.0))  # a pixel a millimetre
+GEL = TRACKER.gel
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 24), st.integers(1, 3))
@@ -48,7 +50,7 @@ def test_invert_equals_numpy(seed, n):
     np.testing.assert_allclose(inverse @ matrix, np.eye(n), atol=1e-8)
 
 
-def hand(k, seed):
+def make_fingers(k, seed):
     rng = np.random.default_rng(seed)
     angle = 2 * np.pi * np.arange(k) / k + rng.uniform(0, 6)
     centres = 12.0 * np.stack([np.cos(angle), np.sin(angle)], axis=1) + rng.normal(0, 1, 2)
@@ -57,11 +59,28 @@ def hand(k, seed):
 
 
 def describe(centres, radii, motions):
-    """A ``FIT`` of these fingers."""
+    """Returns a ``FIT`` of these fingers."""
     fits, k = np.zeros(1, FIT), len(centres)
     fits["count"] = k
     fits["centres"][0, :k], fits["radii"][0, :k], fits["motions"][0, :k] = centres, radii, motions
     return fits
+
+
+class Slice(NamedTuple):
+    moved: np.ndarray
+    weight: np.ndarray
+    noise_mm: float
+
+
+class Rules(NamedTuple):
+    radius_mm: float
+    model_error: float
+
+
+def fit_to(fit, moved, weight, *, noise_mm=0.05, model_error=0.02, n_steps):
+    """Refines a fit without knowledge from earlier slices."""
+    slice_, rules = Slice(moved, weight, noise_mm), Rules(6.5, model_error)
+    refine(GEL[0], fit, slice_, rules, np.zeros(3), n_steps)
 
 
 def invert_coupling(centres, radii):
@@ -72,7 +91,7 @@ def invert_coupling(centres, radii):
 
 @pytest.mark.parametrize("k", [1, 2, 3])
 def test_columns_equal_their_twin(k):
-    centres, radii, motions = hand(k, k)
+    centres, radii, motions = make_fingers(k, k)
     columns, bent = np.empty((4 * k + 3, 2, 177)), np.empty((2, 177))
     inverse = invert_coupling(centres, radii)
     build_columns(POINTS, WINDOW, centres, radii, motions, inverse, columns, bent)
@@ -90,7 +109,7 @@ def test_columns_equal_their_twin(k):
 
 @pytest.mark.parametrize("k", [1, 2, 3])
 def test_slopes_equal_their_twin(k):
-    centres, radii, motions = hand(k, 20 + k)
+    centres, radii, motions = make_fingers(k, 20 + k)
     columns = np.empty((3 * k, 2, 177))
     inverse = invert_coupling(centres, radii)
     build_slopes(POINTS, WINDOW, centres, radii, motions, inverse, columns)
@@ -115,35 +134,35 @@ def test_normal_equations_equal_numpy(seed):
 
 @pytest.mark.parametrize("k", [1, 2, 3])
 def test_refine_finds_the_fingers_of_the_twin(k):
-    centres, radii, motions = hand(k, 10 + k)
+    centres, radii, motions = make_fingers(k, 10 + k)
     moved = np.einsum(
         "nap,p->na", reference.columns(LATTICE_MM, centres, radii), motions.ravel()
     ) + reference.bend(LATTICE_MM, centres, radii, motions[:, 2])
     fits, weight = describe(centres + 1.5, np.full(k, 6.5), np.zeros((k, 3))), np.ones(177)
     fit = fits[0]
-    refine(GEL[0], fit, moved, weight, 6.5, np.zeros(k), 0.05, 0.02, 0)
+    fit_to(fit, moved, weight, n_steps=0)
     before = (fit["residual"] ** 2).sum()
-    refine(GEL[0], fit, moved, weight, 6.5, np.zeros(k), 0.05, 0.02, 12)
+    fit_to(fit, moved, weight, n_steps=12)
     assert fit["cost"] == pytest.approx((fit["residual"] ** 2).sum())
     assert fit["cost"] < 0.1 * before
     np.testing.assert_allclose(fit["centres"][:k], centres, atol=0.6)
     np.testing.assert_allclose(fit["motions"][:k, :2], motions[:, :2], atol=0.3)
-    np.testing.assert_allclose(fit["offset"][:2], 0.0, atol=0.1)
+    np.testing.assert_allclose([fit["offset_x_mm"], fit["offset_y_mm"]], 0.0, atol=0.1)
     x, y, turn = fit["motions"][:k].T
     size_mm = np.sqrt(x**2 + y**2 + 0.5 * (turn * fit["radii"][:k]) ** 2)
     assert fit["largest_mm"] == pytest.approx(size_mm.max())
 
 
-def test_where_nothing_is_known_of_the_fingers_the_cost_is_infinite():
-    fit = describe(*hand(2, 5))[0]
+def test_without_information_the_cost_is_infinite():
+    fit = describe(*make_fingers(2, 5))[0]
     fit["residual"] = 1.0
-    refine(GEL[0], fit, np.ones((177, 2)), np.zeros(177), 6.5, np.zeros(2), 0.0, 0.0, 1)
+    fit_to(fit, np.ones((177, 2)), np.zeros(177), noise_mm=0.0, model_error=0.0, n_steps=1)
     assert fit["cost"] == np.inf
     assert not fit["residual"].any()
 
 
 def test_markers_without_weight_do_not_count():
-    centres, radii, motions = hand(2, 3)
+    centres, radii, motions = make_fingers(2, 3)
     moved = np.einsum("nap,p->na", reference.columns(LATTICE_MM, centres, radii), motions.ravel())
     answers = []
     for spoil in (0.0, 30.0):
@@ -152,6 +171,6 @@ def test_markers_without_weight_do_not_count():
         spoiled = moved.copy()
         spoiled[::7] += spoil
         fit = describe(centres, radii, np.zeros((2, 3)))[0]
-        refine(GEL[0], fit, spoiled, weight, 6.5, np.zeros(2), 0.05, 0.02, 2)
+        fit_to(fit, spoiled, weight, n_steps=2)
         answers.append(fit["motions"].copy())
     np.testing.assert_array_equal(*answers)

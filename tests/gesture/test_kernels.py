@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from neurotouch_hid.gesture.paper.kernels import (
-    displace,
+from neurotouch_hid.gesture.kernels.displacement import displace
+from neurotouch_hid.gesture.paper.kernels.neighbourhoods import (
     find_near,
     find_peaks,
     smooth_displacement,

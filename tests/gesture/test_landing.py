@@ -30,7 +30,7 @@ class Fingers:
         return since
 
 
-def test_a_landing_counts_little_and_what_follows_in_full():
+def test_a_landing_counts_little_and_the_rest_in_full():
     fingers, landed = Fingers(1), np.array([[0.3, 0.0, 0.0]])
     for _ in range(LANDING_US // STEP_US):
         since = fingers.subtract(landed)
@@ -55,21 +55,21 @@ def test_landings_equal_their_twin(seed, step_us, k):
         np.testing.assert_allclose(fingers.subtract(motions, step_us), expected, atol=1e-12)
 
 
-def test_each_finger_of_a_hand_lands_for_itself():
-    hand = FingerTracker()
-    hand.place(LATTICE_MM.astype(np.float32), Rig((0.0, 0.0), 1.0))
+def test_each_finger_lands_for_itself():
+    tracker = FingerTracker()
+    tracker.place(LATTICE_MM.astype(np.float32), Rig((0.0, 0.0), 1.0))
     sees_all, twin = np.ones(len(LATTICE_MM), np.bool_), reference.Landing()
     places = np.array([[-12.0, 0.0], [12.0, 0.0]])
     counts = []
     for t in range(30):
         drags = np.array([[0.1 * t, 0.0], [0.0, 0.2 * max(t - 12, 0)]])
         k = 1 + (12 < t < 25)
-        motion = hand.update(field(places[:k], drags[:k]), sees_all, 0.05, forming=True)
+        motion = tracker.update(field(places[:k], drags[:k]), sees_all, 0.05, forming=True)
         if not motion.n_fingers:
             continue
-        fit, n = hand.fits[NOW], motion.n_fingers
+        fit, n = tracker.fits[NOW], motion.n_fingers
         since = twin.subtract(fit["ids"][:n].tolist(), fit["motions"][:n], 10_000)
-        np.testing.assert_allclose(hand.state["since"][0, :n], since, atol=1e-12)
+        np.testing.assert_allclose(tracker.state["since"][0, :n], since, atol=1e-12)
         parts = reference.measure_motion(fit["centres"][:n], fit["radii"][:n], since)[1]
         np.testing.assert_allclose(motion.parts_mm, parts, atol=1e-9)
         counts.append(n)

@@ -1,4 +1,4 @@
-"""What all markers tell, against numpy."""
+"""Statistics of all markers against numpy."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What fingers do together, and where they are seen to be, against plain twins."""
+"""The common motion and the contacts against plain twins."""
 
 import numpy as np
 import pytest
@@ -33,7 +33,7 @@ def test_the_motion_equals_its_twin(seed, k):
     np.testing.assert_allclose(parts, expected_parts, rtol=1e-9, atol=1e-9)
 
 
-def test_a_lone_finger_that_drags_and_turns_by_as_much_pushes():
+def test_a_single_finger_that_drags_and_turns_by_as_much_pushes():
     centre, radius, parts = np.zeros((1, 2)), np.array([7.0]), np.empty(6)
     for turn, kind in ((0.13, GestureKind.PUSH), (0.5, GestureKind.TWIST_CW)):
         measure_motion(centre, radius, np.array([[-0.1, 0.6, turn]]), parts)
@@ -41,7 +41,7 @@ def test_a_lone_finger_that_drags_and_turns_by_as_much_pushes():
 
 
 @given(SEED, st.floats(-2, 2))
-def test_a_contact_lies_where_its_twin_lies(seed, press):
+def test_a_contact_is_where_its_twin_is(seed, press):
     (centre,), (radius,), (motion,) = draw(seed, 1)
     expected = reference.locate(centre, radius, motion, press)
     np.testing.assert_allclose(locate(centre, radius, motion, press), expected, atol=0.05)
@@ -64,7 +64,7 @@ def test_a_finger_is_shown_from_one_size_on_and_hidden_below_another():
     assert seen == [0, 1, 1, 0, 0]
 
 
-def test_who_holds_still_is_shown_only_if_there_must_be_as_many():
+def test_a_still_finger_is_shown_only_if_a_second_contact_is_required():
     shown, radii, chosen = np.zeros(2, np.int64), np.full(2, 6.0), np.empty(2, np.bool_)
     motions = np.array([[0.9, 0.0, 0.0], [5.0, 0.0, 0.0]])
     assert choose_shown(radii, motions, 1.0, shown, 1, chosen) == 1

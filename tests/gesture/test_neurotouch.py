@@ -59,7 +59,7 @@ def two(motion, late=0.0, strength=(1.0, 1.0)):
 
 
 def kinds(steps):
-    """The types shown, without NONE and repetitions."""
+    """Returns the kinds shown, without NONE and repetitions."""
     shown = [gesture.kind for gesture, *_ in steps if gesture.kind is not GestureKind.NONE]
     return [k for i, k in enumerate(shown) if i == 0 or k is not shown[i - 1]]
 
@@ -120,7 +120,7 @@ def test_signed_rotation_and_scale():
 
 @pytest.mark.parametrize("late", [0.0, 0.05, 0.08])
 @pytest.mark.parametrize("weak", [1.0, 0.45])
-def test_a_finger_that_still_holds_shows_in_the_field(late, weak):
+def test_a_still_finger_shows_in_the_field(late, weak):
     """So a pinch is no push even before its second finger moves."""
     player = Player(3)
     player.rest()
@@ -146,7 +146,7 @@ def test_a_finger_that_touches_late_makes_the_push_a_pinch(late):
     assert all(len(g.contacts_mm) == 2 for g, *_, mm in steps if mm >= 2.5)
 
 
-def test_the_type_lasts_from_the_attack_to_rest():
+def test_the_kind_lasts_from_the_attack_to_rest():
     rng = np.random.default_rng(31)
     for seed, kind in enumerate(KINDS * 2):
         player = Player(seed)
@@ -210,7 +210,7 @@ def test_a_third_of_the_markers_hidden():
     assert player.see(displacement, np.zeros(177, bool)).kind is GestureKind.NONE
 
 
-def test_equal_input_gives_equal_answers_bit_for_bit():
+def test_equal_input_gives_equal_results_bit_for_bit():
     def run():
         player = Player(9)
         answers = []
@@ -222,7 +222,7 @@ def test_equal_input_gives_equal_answers_bit_for_bit():
     assert run() == run()
 
 
-def test_confidence_means_what_it_says():
+def test_confidence_is_the_share_of_right_kinds():
     """Of the slices called with 0.9 and more, more than nine in ten are right; below, fewer."""
     rng = np.random.default_rng(8)
     sure, unsure = [], []
@@ -237,7 +237,7 @@ def test_confidence_means_what_it_says():
     assert np.mean(unsure) < 0.9
 
 
-def test_a_finger_that_holds_still_is_a_contact_of_the_pinch():
+def test_a_still_finger_is_a_contact_of_the_pinch():
     player, centres = Player(), np.array([[9.0, 0.0], [-9.0, 0.0]])
     for size_mm in np.linspace(0.0, 4.0, 11).tolist() + [4.0] * 20:
         gesture = player.see(field(centres, np.array([[-size_mm, 0.0], [0.0, 0.0]])))
@@ -250,5 +250,5 @@ def test_the_command_line_offers_every_method():
     from neurotouch_hid.cli.run import command
 
     option = next(option for option in command.params if option.name == "method")
-    assert option.type.get_metavar(option, None) == f"[{'|'.join(list_methods())}|...]"
+    assert option.type.get_metavar(option, None) == f"[{'|'.join(list_methods())}]"
     assert option.default == list_methods()[0]

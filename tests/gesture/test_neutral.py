@@ -13,7 +13,7 @@ PALM = np.array([[-10.0, 12.0]]), np.array([[2.5, -2.0]])
 TIP = np.array([8.0, -6.0])
 EVERYTHING = np.ones(len(LATTICE_MM), bool)
 SETTLED = 400
-"""Slices after which a hand that was laid down is known to rest."""
+"""Slices after which a hand on the gel counts as resting."""
 
 
 def hand(push_mm=0.0, palm=1.0):
@@ -55,7 +55,7 @@ def test_the_further_a_hand_drags_the_longer_it_takes_to_rest():
     assert [settle_s(palm) for palm in (0.4, 1.0, 2.0)] == pytest.approx([1.3, 3.1, 6.0], abs=0.5)
 
 
-def test_a_light_hand_plays_at_once():
+def test_a_light_hand_can_play_at_once():
     player = Player(neutral="resting")
     hold(player, hand(palm=0.05))
     gesture = hold(player, hand(5.0, palm=0.05))
@@ -80,7 +80,7 @@ def test_lifting_is_no_gesture_and_the_hand_is_found_wherever_it_is_laid_next():
     assert hold(player, hand(5.0, palm=-1.0)).kind is GestureKind.PUSH
 
 
-def test_a_finger_that_passes_by_the_untouched_gel_is_no_lifted_hand():
+def test_a_moment_of_untouched_gel_is_no_lifted_hand():
     player = Player(neutral="resting")
     hold(player, hand(), SETTLED)
     hold(player, hand(palm=0.0), 10)
@@ -110,7 +110,7 @@ def test_another_pose_may_be_chosen_while_it_runs():
 
 
 @pytest.mark.parametrize("neutral", ["lifted", "resting"])
-def test_rezero_takes_the_pose_of_the_moment(neutral):
+def test_rezero_captures_the_present_pose(neutral):
     player = Player(neutral=neutral)
     hold(player, hand(palm=0.5), SETTLED)
     assert hold(player, hand()).kind is not GestureKind.NONE

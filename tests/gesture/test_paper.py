@@ -34,7 +34,9 @@ def test_push(heading):
     motion = 6 * np.array([[np.cos(heading), np.sin(heading)]])
     gesture = recognize(field(np.array([[4.0, -3.0]]), motion))
     assert gesture.kind is GestureKind.PUSH
-    assert 1 <= len(gesture.contacts_px) <= 2  # a far bulge may add one: the method's weakness
+    assert (
+        1 <= len(gesture.contacts_px) <= 2
+    )  # a distant bulge may add one, a known weakness of the method
     np.testing.assert_allclose(gesture.contacts_mm[0], [4.0, -3.0] + motion[0], atol=8.0)
     np.testing.assert_allclose(RIG.to_px(gesture.contacts_mm), gesture.contacts_px, atol=1e-3)
     translation = np.array(gesture.translation_mm)
@@ -90,7 +92,7 @@ def test_scale_of_the_image_gives_millimetres():
     )
 
 
-def test_equal_input_gives_equal_answers_bit_for_bit():
+def test_equal_input_gives_equal_results_bit_for_bit():
     def run():
         rng = np.random.default_rng(1)
         recognizer = GestureRecognizer(PAPER)
@@ -107,7 +109,7 @@ def test_equal_input_gives_equal_answers_bit_for_bit():
     assert run() == run()
 
 
-def test_frames_are_judged_alone():
+def test_each_slice_is_recognised_by_itself():
     fields = [two_fingers([[5, 0], [-5, 0]]), np.zeros_like(LATTICE_MM), two_fingers([[0, 5]] * 2)]
     one = GestureRecognizer(PAPER)
     for displacement in fields + fields[::-1]:

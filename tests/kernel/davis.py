@@ -74,7 +74,7 @@ def load_kernels():
     camera = emulate(make_scene(4))
     deadline = time.monotonic() + PATIENCE_S
     with DavisSource(cameras=Cable(camera)) as source:
-        for _ in source.turns():
+        for _ in source.poll():
             if camera.ended:
                 return
             if time.monotonic() > deadline:

@@ -31,7 +31,7 @@ def test_without_node(opening, name):
 
 def test_without_module(opening, name):
     said = opening["without_module"]
-    assert said["message"] == f"/dev/{name} exists, but the kernel module behind it is missing."
+    assert said["message"] == f"'/dev/{name}' exists, but the kernel module behind it is missing."
     assert f"sudo modprobe {name}" in said["hint"]
 
 

@@ -3,6 +3,7 @@
 import io
 import json
 import os
+import re
 
 import numpy as np
 import pytest
@@ -28,6 +29,7 @@ from neurotouch_hid.monitor import (
     describe_pad,
 )
 from neurotouch_hid.monitor.terminal import draw
+from neurotouch_hid.profile import MappingDecision
 
 RIG = Rig((173.0, 130.0), 2.5)
 REST_PX = RIG.to_px(LATTICE_MM).astype(np.float32)
@@ -125,8 +127,21 @@ def test_lines_tell_only_changes():
         monitor(one)
     assert out.getvalue().splitlines() == [
         "    1.00 s  push left 4.2 mm, 1 finger; pad left_x -50 %, button a",
-        "    2.00 s  at rest; pad neutral",
+        "    2.00 s  at rest (peak 4.2 mm); pad neutral",
     ]
+
+
+def test_lines_tell_an_ignored_gesture_once_and_at_once():
+    ignored = MappingDecision(
+        REST.gesture.t_us, "ignored", "pinch -> button a", "lasted 940 ms < 2000 ms"
+    )
+    pressed = MappingDecision(REST.gesture.t_us, "pressed", "pinch -> button b")
+    out = io.StringIO()
+    monitor = LinesMonitor(out, lambda: [ignored, pressed])
+    for _ in range(2):
+        monitor(REST)
+    said = [line for line in out.getvalue().splitlines() if "pinch" in line]
+    assert said == ["    2.00 s  ignored: pinch -> button a, because lasted 940 ms < 2000 ms"]
 
 
 def test_picture_shows_gel_gesture_and_pad():
@@ -138,6 +153,17 @@ def test_picture_shows_gel_gesture_and_pad():
     assert gel.count("·") + gel.count("●") == 177
     assert lines[2 + 7 + 2][2 * (7 + 1)] == "●"  # the contact at (4, 8) mm: 1 right, 2 down
     assert "[A] b  x " in text
+
+
+def test_picture_fits_eighty_columns_and_never_wraps(monkeypatch):
+    assert max(map(len, draw(PUSH, "sim:test"))) <= 80
+    monkeypatch.setenv("COLUMNS", "40")
+    out = io.StringIO()
+    monitor = PictureMonitor(out, "sim:test")
+    monitor(PUSH)
+    monitor.close()
+    rows = re.sub(r"\x1b\[[?\w]*", "", out.getvalue()).replace("\r", "").splitlines()
+    assert max(map(len, rows)) == 40
 
 
 def test_picture_gives_the_cursor_back():

@@ -12,7 +12,7 @@ import pytest
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.monitor import SoundMonitor
 from neurotouch_hid.monitor.cue import Cue, CueKind
-from neurotouch_hid.monitor.player import play_cue
+from neurotouch_hid.monitor.sound_programs import play_cue
 from neurotouch_hid.monitor.tone import make_wave
 from neurotouch_hid.profile import Mapping, UserSettings, rehearse
 from neurotouch_hid.runtime import Pipeline, Session
@@ -29,7 +29,7 @@ def programs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str, 
     folder.mkdir()
     monkeypatch.setenv("PATH", str(folder))
     patience_s = dict.fromkeys(("tones", "speech"), LIMIT_S)
-    monkeypatch.setattr("neurotouch_hid.monitor.player.PATIENCE_S", patience_s)
+    monkeypatch.setattr("neurotouch_hid.monitor.sound_programs.PATIENCE_S", patience_s)
 
     def put(name: str, script: str) -> None:
         file = folder / name
@@ -110,7 +110,7 @@ def test_speech_is_given_the_words_and_the_volume(programs, tmp_path: Path) -> N
 @pytest.fixture
 def impatient(programs, monkeypatch: pytest.MonkeyPatch) -> None:
     """Programs that do not end are ended; longer than a machine stands still for a moment."""
-    monkeypatch.setattr("neurotouch_hid.monitor.player.PATIENCE_S", {"tones": 5.0})
+    monkeypatch.setattr("neurotouch_hid.monitor.sound_programs.PATIENCE_S", {"tones": 5.0})
 
 
 @pytest.mark.usefixtures("impatient")

@@ -19,7 +19,7 @@ import pytest
 from numpy.typing import NDArray
 
 from neurotouch_hid.monitor.cue import Cue, CueKind
-from neurotouch_hid.monitor.player import play_cue
+from neurotouch_hid.monitor.sound_programs import play_cue
 from neurotouch_hid.monitor.tone import PATTERNS, RATE_HZ
 
 LIMIT_S = 60.0

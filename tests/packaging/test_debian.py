@@ -63,10 +63,37 @@ def test_what_is_installed_is_there():
         assert list(ROOT.glob(line.split()[0])), line
 
 
+def test_the_unit_of_a_session_is_enabled_for_everybody_and_disabled_at_the_purge(tmp_path):
+    if not shutil.which("dh_installsystemduser"):
+        pytest.skip("debhelper is not installed")
+    shutil.copytree(DEBIAN, tmp_path / "debian")
+    (tmp_path / "debian/changelog").write_text(
+        "neurotouch-hid (1) unstable; urgency=low\n\n  * Test.\n\n"
+        " -- A <a@b.invalid>  Thu, 01 Jan 2026 00:00:00 +0000\n"
+    )
+    unit = ROOT / "packaging/systemd/neurotouch-session.service"
+    place = "debian/neurotouch-hid/usr/lib/systemd/user"
+    assert (
+        f"packaging/systemd/{unit.name} usr/lib/systemd/user"
+        in (DEBIAN / "neurotouch-hid.install").read_text().splitlines()
+    )
+    (tmp_path / place).mkdir(parents=True)
+    shutil.copy(unit, tmp_path / place)
+    for command in ("dh_installsystemduser", "dh_installdeb"):
+        subprocess.run([command], cwd=tmp_path, check=True)
+    made = tmp_path / "debian/neurotouch-hid/DEBIAN"
+    assert re.search(rf"deb-systemd-helper --user enable .*{unit.name}", _read(made, "postinst"))
+    assert re.search(rf"deb-systemd-helper --user purge .*{unit.name}", _read(made, "postrm"))
+
+
+def _read(folder: Path, script: str) -> str:
+    return (folder / script).read_text()
+
+
 def test_the_launcher_starts_only_what_the_package_brought():
-    first, *_, last = (ROOT / "packaging/launcher.py").read_text().splitlines()
+    first, *_, guard, last = (ROOT / "packaging/launcher.py").read_text().splitlines()
     assert first == "#!/usr/bin/python3 -I"  # nothing of the user's own
-    assert last == "main()"
+    assert (guard, last) == ('if __name__ == "__main__":', "    main()")
 
 
 def test_the_manual_page_knows_every_command(tmp_path):

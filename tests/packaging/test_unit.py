@@ -9,6 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 UNIT = ROOT / "packaging/systemd/neurotouch.service"
+SESSION = ROOT / "packaging/systemd/neurotouch-session.service"
 DROP_INS = sorted((ROOT / "packaging/systemd").glob("*/*.conf"))
 THRESHOLD = 10
 """Of 100 points of exposure."""
@@ -67,9 +68,26 @@ def test_another_player_has_folders_of_their_own_and_the_same_limits():
     ours, theirs = UNIT.read_text().splitlines(), make_template().splitlines()
     changed = [line for line in theirs if line not in ours]
     assert "RuntimeDirectory=neurotouch-%i" in changed
+    assert "StateDirectory=neurotouch-%i" in changed
     assert any(line.endswith("NEUROTOUCH_PLAYER=%i") for line in changed)
     assert "WantedBy=multi-user.target" in changed
-    assert len(changed) == 6
+    assert len(changed) == 7
+
+
+@needs_systemd
+def test_systemd_finds_nothing_wrong_with_the_unit_of_a_session(tmp_path):
+    unit = tmp_path / SESSION.name
+    unit.write_text(re.sub(r"/usr/bin/neurotouch.*", "/bin/true", SESSION.read_text()))
+    done = analyze("verify", "--man=no", "--user", str(unit))
+    assert not [line for line in done.stderr.splitlines() if str(tmp_path) in line]
+
+
+def test_a_session_leaves_alone_what_others_need():
+    text = SESSION.read_text()
+    assert "KillMode=process" in text  # spd-say may have started everybody's speech server
+    assert "ConditionUser=!@system" in text  # the login screen is at the seat too
+    assert "RestartPreventExitStatus=75" in text
+    assert "WantedBy=default.target" in text
 
 
 @needs_systemd

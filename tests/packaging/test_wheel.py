@@ -22,15 +22,6 @@ INSIDE = {
 
 
 @pytest.fixture(scope="module")
-def built(tmp_path_factory) -> Path:
-    """A folder with wheel and sdist, built as ``make dist`` does, the wheel from the sdist."""
-    folder = tmp_path_factory.mktemp("dist")
-    command = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(folder)]
-    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
-    return folder
-
-
-@pytest.fixture(scope="module")
 def python(built, tmp_path_factory) -> Path:
     """A fresh environment with the wheel; what it depends on is lent by this one."""
     folder = tmp_path_factory.mktemp("fresh")

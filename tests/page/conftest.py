@@ -11,7 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.page.played import PlayedDriver
 from tests.page.processes import Driver, View
+from tests.page.waiting import wait_for
 
 PROFILE = """\
 # How I play.
@@ -105,3 +107,27 @@ def view(driver: Driver) -> Iterator[View]:
     running = View(driver.folder, "--edit")
     yield running
     running.end()
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    """The page's server, which may edit, with no driver."""
+    running = View(tmp_path_factory.mktemp("alone"), "--edit")
+    yield running
+    running.end()
+
+
+@pytest.fixture
+def play(open_page, alone):
+    """Opens a page whose driver the test plays."""
+
+    def open_one(name: str = "live", **options):
+        page = open_page("about:blank", **options)
+        driver = PlayedDriver(page)
+        page.goto(alone.page(name))
+        page.wait_for_function("() => document.getElementById('driver-state')")
+        driver.show()
+        wait_for(page, "driver-state", "Running")
+        return page, driver
+
+    return open_one

@@ -46,17 +46,19 @@ def main() -> None:
 def take_tour(browser: Browser, home: Path, folder: Path) -> None:
     """The live view through one round of all gestures, as a moving picture and as a still one."""
     driver = Driver(home, profile="spacecraft")
-    view = View(home)
+    view = View(home, "--edit")
     try:
         page = browser.new_page(
-            viewport={"width": 1000, "height": 900}, device_scale_factor=0.72, color_scheme="dark"
+            viewport={"width": 1120, "height": 1000},
+            device_scale_factor=720 / 1120,
+            color_scheme="dark",
         )
         page.goto(view.link)
         wait_for_calm(page)
         wait_for(page, "Twist counter")
         wait_for(page, "Push up [5-9]")  # where a page shows no motion, the first frame stays
         gel = page.locator("#disc").bounding_box()
-        clip = {"x": 0, "y": 0, "width": 1000, "height": gel["y"] + gel["height"] + 8}
+        clip = {"x": 0, "y": 0, "width": 1120, "height": gel["y"] + gel["height"] + 8}
         frames = []
         begin = time.monotonic()
         while (now := time.monotonic() - begin) < TOUR_S:
@@ -114,6 +116,7 @@ def take_view(browser: Browser, home: Path, folder: Path) -> None:
             wait_for(page, r"Push right [67]")
             page.screenshot(path=folder / f"{name}.png", full_page=name == "view")
             page.close()
+        take_home(browser, view, folder)
         page = browser.new_page(viewport=DESK)
         page.clock.install()
         page.goto(view.page("game"))
@@ -124,6 +127,17 @@ def take_view(browser: Browser, home: Path, folder: Path) -> None:
     finally:
         view.end()
         driver.end()
+
+
+def take_home(browser: Browser, view: View, folder: Path) -> None:
+    """The first page, with a profile that a person has begun with."""
+    page = browser.new_page(viewport={"width": 1280, "height": 1000}, color_scheme="light")
+    page.goto(view.home)
+    page.wait_for_selector("[data-movement=pinch] li button")
+    found = "() => /simulated/.test(document.getElementById('situation').textContent)"
+    page.wait_for_function(found)
+    page.screenshot(path=folder / "home.png", full_page=True)
+    page.close()
 
 
 def take_gel(browser: Browser, home: Path, folder: Path) -> None:

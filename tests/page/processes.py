@@ -91,7 +91,8 @@ class View(Process):
     def __init__(self, folder: Path, *arguments: str) -> None:
         super().__init__(folder, "view", "--port", "0", *arguments, ready="Spacecraft: ")
         self.link = re.search(r"Live view: (\S+)", self.said)[1]
-        self.root, self.token = self.link.split("#k=")
+        self.home = re.search(r"Page: (\S+)", self.said)[1]
+        self.root, self.token = self.home.split("#k=")
         self.port = int(self.root.rstrip("/").rsplit(":", 1)[1])
 
     def page(self, name: str) -> str:

@@ -12,8 +12,7 @@ import pytest
 
 from tests.page.conftest import PROFILE
 from tests.page.processes import LIMIT_S, Driver, Process, View
-
-WIDTHS = {"desk": (1280, 1000), "phone": (360, 740)}
+from tests.page.waiting import wait_on
 
 
 def wait_for_say(page, words: str) -> str:
@@ -26,18 +25,22 @@ def wait_for_say(page, words: str) -> str:
     return said.json_value()
 
 
-def wait_on(page, happened) -> None:
-    """Waits for what happens outside the page, and lets the page's events in meanwhile."""
-    deadline = time.monotonic() + LIMIT_S
-    while not happened():
-        assert time.monotonic() < deadline
-        page.wait_for_timeout(50)
-
-
 def wait_for_text(page, path, text: str) -> None:
     with suppress(AssertionError):
         wait_on(page, lambda: path.read_text() == text)
     assert path.read_text() == text
+
+
+def find_box(locator) -> dict[str, float]:
+    """Returns where an element is; it may just be drawn anew, and then is nowhere for a moment."""
+    found: list[dict[str, float]] = []
+
+    def is_drawn() -> bool:
+        found[:] = [box] if (box := locator.bounding_box()) else []
+        return bool(found)
+
+    wait_on(locator.page, is_drawn)
+    return found[0]
 
 
 def wait_while_it_runs(page, condition: str) -> None:
@@ -80,7 +83,7 @@ def test_every_part_is_there_in_its_order(open_page, view):
     ]
     page.wait_for_function("() => document.getElementById('stages').rows.length >= 6")
     table = page.inner_text("#stages")
-    for stage in ("camera window", "tracker", "gesture", "profile", "kernel", "tremor filter"):
+    for stage in ("time slice", "tracker", "gesture", "profile", "kernel", "tremor filter"):
         assert stage in table
     health = page.inner_text("#health")
     assert re.search(r"markers tracked\s+17\d of 177", health)
@@ -102,14 +105,17 @@ def test_dragging_a_threshold_changes_one_line_of_the_file(open_page, view, fold
     page = open_page(view.link)
     page.wait_for_selector("[data-movement=pinch] .mark-on_mm.draggable")
     mark = page.locator("[data-movement=pinch] .mark-on_mm")
-    lane = page.locator("[data-movement=pinch] .marks").bounding_box()
-    box = mark.bounding_box()
-    page.mouse.move(box["x"], box["y"] + box["height"] / 2)
+    lane = find_box(page.locator("[data-movement=pinch] .marks"))
+    box = find_box(mark)
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
     page.mouse.down()
-    page.mouse.move(lane["x"] + lane["width"] * 6.0 / 15, box["y"], steps=5)
+    page.mouse.move(x + lane["width"] * (6.0 - 4.0) / 15, y, steps=5)
     assert path.read_text() == PROFILE  # nothing is saved while it is held
     page.mouse.up()
-    page.wait_for_function("() => document.getElementById('saved').textContent.includes('1 line')")
+    page.wait_for_function(
+        "() => document.getElementById('saved').textContent.includes('acts from')"
+    )
     before, after = PROFILE.splitlines(), path.read_text().splitlines()
     changed = [(a, b) for a, b in zip(before, after, strict=True) if a != b]
     assert len(changed) == 1
@@ -139,12 +145,16 @@ def test_a_range_moves_by_keyboard_and_a_curve_by_hand(open_page, view, folder):
     page.select_option("#curve-choice", label="push → stick left")
     handle = page.locator("#curve-handles .mark-expo")
     handle.evaluate("handle => handle.scrollIntoView()")  # at once: it may be drawn anew any time
-    box, plot = handle.bounding_box(), page.locator("#curve-handles").bounding_box()
-    page.mouse.move(box["x"], box["y"])
+    box, plot = find_box(handle), find_box(page.locator("#curve-handles"))
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
     page.mouse.down()
-    page.mouse.move(box["x"], plot["y"] + 0.65 * plot["height"], steps=4)
+    bent = 0.65 - (0.5 + 0.375 * 0.3)  # from expo 0.3 to 0.4, as shares of the height
+    page.mouse.move(x, y + bent * plot["height"], steps=4)
     page.mouse.up()
-    page.wait_for_function("() => document.getElementById('saved').textContent.includes('expo')")
+    page.wait_for_function(
+        "() => document.getElementById('saved').textContent.includes('bend of 0.4')"
+    )
     assert path.read_text() == PROFILE.replace("[1.0, 8.0]", "[1.0, 7.5]").replace(
         "expo: 0.3", "expo: 0.4"
     )
@@ -252,7 +262,7 @@ FULL = "[data-movement=push_left] .mark-full"
 FULL_SAYS = f"document.querySelector('{FULL}').getAttribute('aria-valuenow')"
 ON = "[data-movement=pinch] .mark-on_mm"
 ON_SAYS = f"document.querySelector('{ON}').getAttribute('aria-valuenow')"
-IS_SAVED = "document.getElementById('saved').textContent.includes('full')"
+IS_SAVED = "document.getElementById('saved').textContent.includes('ends at')"
 
 
 @pytest.fixture
@@ -333,16 +343,18 @@ def test_plus_and_minus_and_pause_do_without_dragging(open_page, view, driver, f
     page.select_option("#mark-choice", label="pinch from 4 mm → button a: acts from")
     page.click("#mark-more")
     page.wait_for_function(
-        "() => document.getElementById('saved').textContent.includes('pinch on')"
+        "() => document.getElementById('saved').textContent.startsWith("
+        "'Saved in mine: pinch → button a acts from 4.1 mm. It applies now.')"
     )
     assert path.read_text() == PROFILE.replace("on_mm: 4.0", "on_mm: 4.1")
-    page.click("#pause")
-    page.wait_for_function("() => document.getElementById('badges').textContent.includes('PAUSED')")
+    state = "document.getElementById('driver-state').textContent"
+    page.click("#pause-resume")
+    page.wait_for_function(f"() => {state}.startsWith('Paused')")
     assert driver.status()["state"] == "paused"
-    page.click("#resume")
-    page.wait_for_function(
-        "() => !document.getElementById('badges').textContent.includes('PAUSED')"
-    )
+    assert "neurotouch resume" not in page.inner_text("body")
+    page.keyboard.press("p")
+    page.wait_for_function(f"() => {state} === 'Running'")
+    assert driver.status()["state"] == "running"
     path.write_text(PROFILE)
 
 
@@ -356,39 +368,6 @@ def test_without_edit_nothing_can_be_changed(open_page, driver):
         page.close()
     finally:
         looking.end()
-
-
-@pytest.mark.parametrize(("width", "scheme"), [("desk", "light"), ("phone", "dark")])
-@pytest.mark.parametrize("name", ["", "gel", "game"])
-def test_no_rule_of_accessibility_is_broken(open_page, view, name, width, scheme):
-    from axe_playwright_python.sync_playwright import Axe
-
-    w, h = WIDTHS[width]
-    page = open_page(view.page(name), viewport={"width": w, "height": h}, color_scheme=scheme)
-    page.wait_for_function(
-        "() => document.querySelector('#badges').textContent.includes('mine')"
-        " || document.querySelector('#badges').textContent.includes('SIM')"
-    )
-    found = Axe().run(page)
-    assert found.violations_count == 0, found.generate_report()
-    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-
-
-@pytest.mark.parametrize(
-    ("name", "wish"),
-    [
-        ("", {"forced_colors": "active"}),
-        ("gel", {"contrast": "more"}),
-        ("game", {"reduced_motion": "reduce"}),
-    ],
-)
-def test_other_ways_of_seeing_are_served_too(open_page, view, name, wish):
-    from axe_playwright_python.sync_playwright import Axe
-
-    page = open_page(view.page(name), **wish)
-    page.wait_for_selector("nav")
-    found = Axe().run(page)
-    assert found.violations_count == 0, found.generate_report()
 
 
 def test_the_keyboard_alone_reaches_everything(open_page, view):
@@ -410,7 +389,7 @@ def test_the_keyboard_alone_reaches_everything(open_page, view):
 
 def test_the_ship_rolls_as_the_gel_is_twisted(open_page, driver, view, folder):
     page = open_page(view.page("game"))
-    page.wait_for_function("() => document.querySelector('#badges').textContent.includes('stream')")
+    page.wait_for_function("() => document.querySelector('#pilot').textContent.includes('gel')")
     assert "SIMULATED" in page.inner_text("#badges")
     assert page.inner_text("#roll") == "0°"
     page.check("#sound")
@@ -430,7 +409,7 @@ def test_the_attract_mode_flies_and_lands_with_figures(open_page, view):
     page.clock.run_for(50_000)
     assert page.inner_text("#result-words").startswith("12 of 12 rings")
     page.wait_for_function("() => /bit\\/s/.test(document.getElementById('figures').textContent)")
-    assert "neurotouch calibrate" in page.inner_text("#result")
+    assert "measure it" in page.inner_text("#result")
 
 
 def test_the_mouse_leads_the_gel_and_the_real_line_follows(open_page, tmp_path):
@@ -440,7 +419,7 @@ def test_the_mouse_leads_the_gel_and_the_real_line_follows(open_page, tmp_path):
         page = open_page(link, has_touch=True)
         assert page.inner_text(".simulated") == "SIMULATED"
         wait_for_say(page, "At rest")
-        box = page.locator("#gel").bounding_box()
+        box = find_box(page.locator("#gel"))
         x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
         step = min(box["width"], box["height"]) / 66
         page.mouse.move(x, y)
@@ -488,13 +467,13 @@ def test_the_mouse_leads_the_gel_and_the_real_line_follows(open_page, tmp_path):
     finally:
         demo.end()
     assert demo.process.returncode == 0
-    assert demo.said.rstrip().splitlines()[-1].endswith("neurotouch game")
+    assert demo.said.rstrip().endswith("The pad is neutral.")
     assert not list((tmp_path / "run").glob("page.json"))
 
 
 def touch(session, page, x, y, way) -> None:
     """Lays two fingers down and moves them: ``way(t)`` is their distance in mm and their turn."""
-    box = page.locator("#gel").bounding_box()
+    box = find_box(page.locator("#gel"))
     step = min(box["width"], box["height"]) / 66
     for i in range(13):
         far, turn = way(i / 12)

@@ -81,26 +81,33 @@ def test_what_is_built_on_another_profile_shows_it_but_edits_only_its_own(mine):
 
 
 @pytest.mark.parametrize(
-    ("key", "mark", "value", "old", "new"),
+    ("key", "mark", "value", "old", "new", "words"),
     [
-        ("pinch", "on_mm", 5.04, "on_mm: 4}", "on_mm: 5.0}"),
-        ("pinch", "off_mm", 2, "on_mm: 4}", "on_mm: 4, off_mm: 2}"),
-        ("push", "power", 1.5, "power: 2}", "power: 1.5}"),
-        ("push", "full", 6, "{power: 2}}}", "{power: 2}, range_mm: [1.0, 6]}}"),
-        ("push", "expo", 0.25, "{power: 2}", "{expo: 0.25}"),
-        ("push", "points", [[0.5, 0.2]], "{power: 2}", "{points: [[0.5, 0.2]]}"),
+        ("pinch", "on_mm", 5.04, "on_mm: 4}", "on_mm: 5.0}", "acts from 5 mm"),
+        ("pinch", "off_mm", 2, "on_mm: 4}", "on_mm: 4, off_mm: 2}", "releases below 2 mm"),
+        ("push", "power", 1.5, "power: 2}", "power: 1.5}", "has a bend of 1.5"),
+        ("push", "full", 6, "{power: 2}}}", "{power: 2}, range_mm: [1.0, 6]}}", "ends at 6 mm"),
+        ("push", "expo", 0.25, "{power: 2}", "{expo: 0.25}", "has a bend of 0.25"),
+        (
+            *("push", "points", [[0.5, 0.2]], "{power: 2}", "{points: [[0.5, 0.2]]}"),
+            "has a curve of its own",
+        ),
         (
             "layers.menu.push_up_left",
             "on_mm",
             3,
             "direction: up_left}",
             "direction: up_left, on_mm: 3}",
+            "push up left",
         ),
     ],
 )
-def test_a_mark_changes_one_line_and_undo_brings_it_back(mine, changes, key, mark, value, old, new):
+def test_a_mark_changes_one_line_and_undo_brings_it_back(
+    mine, changes, key, mark, value, old, new, words
+):
     said = changes.set(mine, key, mark, value)
-    assert said.endswith("1 line.")
+    assert said.startswith("Saved in mine: ")
+    assert words in said
     changed = mine.read_text()
     before, after = LAYERS.splitlines(), changed.splitlines()
     different = [(a, b) for a, b in zip(before, after, strict=True) if a != b]

@@ -6,12 +6,15 @@ import re
 import signal
 import subprocess
 import time
+from pathlib import Path
 
 import pytest
 
 from neurotouch_hid.cli.demo_page import open_page
 from neurotouch_hid.page.address import read_address
 from tests.page.processes import LIMIT_S, PROGRAM
+
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.mark.parametrize("command", ["view", "monitor", "game", "demo"])
@@ -20,20 +23,42 @@ def test_each_has_help_with_examples(command):
     assert "Examples:" in done.stdout
 
 
-def test_the_monitor_needs_a_driver(tmp_path):
+def test_the_monitor_waits_for_a_driver_as_long_as_it_may(tmp_path):
     done = subprocess.run(
-        [*PROGRAM, "monitor", "--plain"],
+        [*PROGRAM, "monitor", "--plain", "--seconds", "0.5"],
         capture_output=True,
         text=True,
         check=False,
         env={**os.environ, "RUNTIME_DIRECTORY": str(tmp_path)},
     )
     assert done.returncode == 8
-    assert done.stderr == "Error: No driver is running.\nFix: Start it: neurotouch run\n"
+    assert done.stderr == (
+        "No driver is running; waiting for one (Ctrl-C stops). Start it: neurotouch run. "
+        "Without a camera: neurotouch demo\n"
+        "Error: No driver has started.\nFix: Start it: neurotouch run. "
+        "Without a camera: neurotouch demo\n"
+    )
+
+
+def test_the_monitor_shows_a_driver_that_starts_later(tmp_path):
+    environment = {**os.environ, "RUNTIME_DIRECTORY": str(tmp_path)}
+    with subprocess.Popen(
+        [*PROGRAM, "monitor", "--plain"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
+    ) as monitor:
+        assert "waiting for one" in monitor.stderr.readline()
+        options = ("--source", "sim:push", "--device", "memory", "--show", "nothing")
+        subprocess.run([*PROGRAM, "run", *options], check=True, env=environment)
+        said, _ = monitor.communicate(timeout=LIMIT_S)
+    assert monitor.returncode == 0
+    assert said.startswith("driver: running")
 
 
 def test_the_monitor_tells_lines(driver):
-    begins = ("hand: ", "health: 17", "latency: camera window 10 ms, tracker ")
+    begins = ("hand: ", "health: 17", "latency: time slice 10 ms, tracker ")
     deadline = time.monotonic() + LIMIT_S
     with subprocess.Popen(
         [*PROGRAM, "monitor", "--plain"],
@@ -79,6 +104,16 @@ def test_the_game_finds_the_page_that_is_served(view):
     assert done.stdout == f"Spacecraft: {view.page('game')}\n"
 
 
+def test_the_game_alone_serves_a_page_that_may_pause(tmp_path, monkeypatch):
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path / "run"))
+    with subprocess.Popen([*PROGRAM, "game", "--no-open"], stdout=subprocess.PIPE) as process:
+        try:
+            assert b"/game#k=" in process.stdout.readline()
+            assert read_address().may_edit
+        finally:
+            process.terminate()
+
+
 def test_a_demo_says_its_links_and_takes_its_page_along(tmp_path):
     done = subprocess.run(
         [*PROGRAM, "demo", "--seconds", "1"],
@@ -91,7 +126,7 @@ def test_a_demo_says_its_links_and_takes_its_page_along(tmp_path):
     link = re.search(r"Watch it here: (http://127\.0\.0\.1:\d+/#k=[\w-]+)", done.stderr)[1]
     game = re.search(r"Play the spacecraft: (\S+)", done.stderr)[1]
     assert game == link.replace("/#", "/game#")
-    assert done.stderr.rstrip().endswith("neurotouch game")
+    assert done.stderr.rstrip().endswith("The pad is neutral.")
     assert not (tmp_path / "run" / "page.json").exists()
 
 
@@ -111,3 +146,78 @@ def test_a_mouse_needs_its_page(tmp_path):
         [*PROGRAM, "demo", "--mouse", "--no-page"], capture_output=True, text=True, check=False
     )
     assert done.returncode == 2
+
+
+def test_the_icon_opens_the_page_that_is_served_already(tmp_path, monkeypatch):
+    shown = tmp_path / "shown"
+    browser = tmp_path / "bin" / "xdg-open"
+    browser.parent.mkdir()
+    browser.write_text(f'#!/bin/sh\necho "$1" >> {shown}\n')
+    browser.chmod(0o755)
+    environment = {
+        **os.environ,
+        "RUNTIME_DIRECTORY": str(tmp_path / "run"),
+        "DISPLAY": ":9",
+        "PATH": f"{browser.parent}:{os.environ['PATH']}",
+    }
+    entry = (ROOT / "packaging/desktop/neurotouch-hid.desktop").read_text()
+    arguments = re.search(r"^Exec=neurotouch (view .*)$", entry, re.MULTILINE)[1].split()
+    assert "Terminal=false" in entry
+    with subprocess.Popen(
+        [*PROGRAM, *arguments], env=environment, stdout=subprocess.PIPE, text=True
+    ) as first:
+        try:
+            link = first.stdout.readline().split(": ", 1)[1].strip()
+            second = subprocess.run(
+                [*PROGRAM, *arguments], env=environment, capture_output=True, text=True, check=True
+            )
+        finally:
+            first.terminate()
+    assert second.stdout == f"Page: {link}\n"
+    assert shown.read_text().split() == [link, link]
+
+
+def test_without_a_browser_the_game_says_so_in_one_line(tmp_path):
+    environment = {name: value for name, value in os.environ.items() if "DISPLAY" not in name}
+    environment["RUNTIME_DIRECTORY"] = str(tmp_path / "run")
+    with subprocess.Popen(
+        [*PROGRAM, "game"],
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        said = process.stderr.readline()
+        process.kill()
+    assert said == "No browser can be opened from here: open the link yourself.\n"
+
+
+def test_on_a_desktop_the_name_alone_opens_the_page(tmp_path):
+    shown, browser = tmp_path / "shown", tmp_path / "bin/xdg-open"
+    browser.parent.mkdir()
+    browser.write_text(f'#!/bin/sh\necho "$1" > {shown}.part && mv {shown}.part {shown}\n')
+    browser.chmod(0o755)
+    terminal, inside = os.openpty()
+    environment = {
+        **os.environ,
+        "RUNTIME_DIRECTORY": str(tmp_path / "run"),
+        "XDG_CONFIG_HOME": str(tmp_path / "config"),
+        "DISPLAY": ":9",
+        "TERM": "xterm",
+        "PATH": f"{browser.parent}:{os.environ['PATH']}",
+    }
+    environment.pop("NT_ACCESSIBLE", None)
+    with subprocess.Popen(PROGRAM, env=environment, stdout=inside, stderr=inside) as process:
+        os.close(inside)
+        deadline = time.monotonic() + LIMIT_S
+        while not shown.exists():
+            assert process.poll() is None
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        process.wait(LIMIT_S)
+    said = os.read(terminal, 10_000).decode()
+    os.close(terminal)
+    assert "No camera found" in said
+    assert shown.read_text().strip() in said
+    assert shown.read_text().startswith("http://127.0.0.1:")

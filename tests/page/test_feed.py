@@ -12,7 +12,7 @@ import pytest
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.ipc import FEED, connect_to
 from neurotouch_hid.monitor.encoder import StateEncoder
-from neurotouch_hid.monitor.publisher import MOST_HZ, MOST_LISTENERS, Publisher
+from neurotouch_hid.monitor.publisher import MOST_HZ, MOST_SUBSCRIBERS, Publisher
 from neurotouch_hid.page.text_view import LineWriter, draw_picture
 from neurotouch_hid.profile import UserSettings
 from neurotouch_hid.profile.reading.load import parse_profile
@@ -37,13 +37,15 @@ class Line:
         self.packets = packets
         profile = parse_profile(PROFILE, "mine.yaml")
         self.pipeline = Pipeline.build(profile, GestureConfig())
-        session = Session(self.pipeline, UserSettings())
-        self.observer = StateEncoder(session, {"source": lambda: "sim:push"})
+        self.session = Session(self.pipeline, UserSettings())
+        facts = {"source": lambda: "sim:push", "simulated": lambda: True}
+        self.observer = StateEncoder(self.session, facts)
         self.feed = Publisher(folder, self.observer)
 
     def play(self, n=None, pace_s=0.0):
         for packet in self.packets[:n]:
             step = self.pipeline.advance(packet)
+            self.session.record(step)
             self.feed(step)
             time.sleep(pace_s)
         return step
@@ -223,9 +225,30 @@ def test_guests_are_admitted_one_by_one(tmp_path, line):
     feed.close()
 
 
+def test_a_guest_who_leaves_the_seat_is_turned_away(tmp_path, line, monkeypatch):
+    monkeypatch.setattr("neurotouch_hid.monitor.publisher.AGAIN_S", 0.0)
+    (tmp_path / "service").mkdir()
+    seated = [os.geteuid()]
+    feed = Publisher(tmp_path / "service", line.observer, lambda uid: uid in seated)
+    with connect_to(tmp_path / "service" / FEED) as guest:
+        guest.setblocking(True)
+        guest.settimeout(LIMIT_S)
+        guest.send(b"60")
+        wait_for(lambda: feed._period_s == 1 / 60)
+        step = line.play(1)
+        feed(step)
+        assert read_head(guest.recv(100_000))["n"] > 0
+        seated.clear()
+        feed._due_s = 0.0
+        feed(step)
+        assert guest.recv(100_000) == b""
+        wait_for(lambda: feed._period_s == 0.0)  # nobody is left to encode for
+    feed.close()
+
+
 def test_there_is_room_for_a_few(line, tmp_path):
-    peers = [connect_to(tmp_path / FEED) for _ in range(MOST_LISTENERS)]
-    wait_for(lambda: len(line.feed._wants) == MOST_LISTENERS)
+    peers = [connect_to(tmp_path / FEED) for _ in range(MOST_SUBSCRIBERS)]
+    wait_for(lambda: len(line.feed._wants) == MOST_SUBSCRIBERS)
     with connect_to(tmp_path / FEED) as late:
         late.setblocking(True)
         late.settimeout(LIMIT_S)

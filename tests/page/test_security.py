@@ -196,14 +196,14 @@ def test_who_says_nothing_is_not_waited_for_long(server):
 
 def test_the_token_is_new_each_time_and_not_in_what_is_served(server):
     assert make_token() != make_token()
-    for path in ("/", "/game", "/gel", "/wire.js"):
+    for path in ("/", "/game", "/gel", "/shared/wire.js"):
         assert server.token.encode() not in get(server, path)[2]
 
 
 # 4. and 6. No other site may read anything; the page may load nothing from elsewhere.
 
 
-@pytest.mark.parametrize("path", ["/", "/gel", "/game", "/style.css", "/nothing", "/stream"])
+@pytest.mark.parametrize("path", ["/", "/gel", "/game", "/shared/style.css", "/nothing", "/stream"])
 def test_every_answer_carries_the_rules(server, path):
     _, headers, _ = get(server, path)
     for name, value in HEADERS.items():
@@ -225,7 +225,7 @@ def test_no_page_names_anything_elsewhere(server):
 
     from neurotouch_hid.page.server import STATIC
 
-    for path in STATIC.iterdir():
+    for path in STATIC.glob("*/*"):
         text = path.read_text()
         found = re.findall(r"(?:https?:)?//[a-z][\w.-]*\.[a-z]+", text)
         assert [each for each in found if "w3.org" not in each] == [], path.name
@@ -240,7 +240,7 @@ def test_no_page_names_anything_elsewhere(server):
 
 @pytest.mark.parametrize(
     "path",
-    ["/../guard.py", "/%2e%2e/guard.py", "/static/../hub.py", "//etc/passwd", "/view.html?x"],
+    ["/../guard.py", "/%2e%2e/guard.py", "/static/../hub.py", "//etc/passwd", "/view/view.html?x"],
 )
 def test_nothing_else_is_served(server, path):
     assert get(server, path)[0] == 404

@@ -21,8 +21,8 @@ except BaseException:
 """Of a library: what comes while it is imported stays there."""
 LOADING = """
 import time
-from neurotouch_hid.process.interrupts import heed_interrupts
-heed_interrupts()
+from neurotouch_hid.process.interrupts import handle_interrupts
+handle_interrupts()
 try:
     exec({code!r}, {{"__name__": {module!r}}})
     time.sleep(60)
@@ -72,7 +72,7 @@ def python(tmp_path):
 def test_before_there_is_a_command_line_the_process_just_ends(python, tmp_path):
     (tmp_path / "click.py").write_text(SWALLOWING.format(name="SIGINT"))
     done = python("-m", "neurotouch_hid", "run")
-    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "Stopped.\n")
 
 
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
@@ -95,6 +95,16 @@ def test_elsewhere_it_waits_until_nobody_can_swallow_it(python, tmp_path, name, 
     (tmp_path / "swallowing.py").write_text(SWALLOWING.format(name=name))
     done = python("-c", LOADING.format(code=code, module=module))
     assert (done.returncode, done.stdout, done.stderr) == (0, "interrupted\n", "")
+
+
+def test_python_still_loses_an_interrupt_that_comes_in_del(python, tmp_path):
+    """When this fails, ``handle_interrupts`` no longer needs to look at who is interrupted."""
+    (tmp_path / "swallowing.py").write_text(
+        "import os, signal; os.kill(os.getpid(), signal.SIGINT)"
+    )
+    done = python("-c", MORTAL + "print('lost')")
+    assert done.stdout == "lost\n"
+    assert "KeyboardInterrupt" in done.stderr
 
 
 @pytest.mark.parametrize("ignores", [True, False])

@@ -73,6 +73,37 @@ def test_an_update_of_what_a_loop_calls_is_not_missed(copy, tmp_path, is_chosen)
     assert (tmp_path / "chosen").exists() == is_chosen
 
 
+def test_an_update_may_rename_a_class_that_a_loop_takes(copy):
+    named = """
+from typing import NamedTuple
+from numba import njit
+
+class Pair(NamedTuple):
+    a: int
+
+@njit(cache=True)
+def inner(pair):
+    return pair.a
+"""
+    outer = """
+from numba import njit
+from neurotouch_hid.inner import Pair, inner
+
+@njit(cache=True)
+def call(x):
+    return inner(Pair(x + x))
+"""
+    (copy / "inner.py").write_text(named)
+    (copy / "outer.py").write_text(outer)
+    assert call(copy) == (6, 0)
+    (copy / "inner.py").write_text(named.replace("Pair", "Couple"))
+    (copy / "outer.py").write_text(outer.replace("Pair", "Couple"))
+    assert call(copy) == (6, 0)
+    assert call(copy) == (6, 1)
+    kept = [path.name for path in copy.rglob("*.nbi")]
+    assert len(kept) == len({name.split("-")[0] for name in kept}) >= 2  # the old ones are gone
+
+
 def test_every_loop_of_ours_is_kept_so():
     from neurotouch_hid.gesture.elastic.kernels.follow import show
     from neurotouch_hid.tracker.kernels.filter import advance
@@ -82,7 +113,7 @@ def test_every_loop_of_ours_is_kept_so():
 
 
 def test_the_stamp_of_a_loop_is_that_of_all_it_imports():
-    loops = [*PACKAGE.rglob("kernels.py"), *PACKAGE.rglob("kernels/[a-z]*.py")]
+    loops = list(PACKAGE.rglob("kernels/[a-z]*.py"))
     stamps = {path: stamp(path) for path in loops}
     assert len(stamps) > 15
     assert len(set(stamps.values())) == len(stamps)

@@ -7,6 +7,8 @@ import sys
 
 import pytest
 
+from neurotouch_hid.process import realtime
+
 SCRIPT = """
 import ctypes, json, os, sys, threading, time
 from neurotouch_hid.process.realtime import realtime_priority
@@ -63,3 +65,18 @@ def test_the_line_is_preferred_while_it_plays_but_not_while_it_hangs(who, raised
     assert line == camera == [os.SCHED_RR if raised else os.SCHED_OTHER, raised_nice]
     hung = [os.SCHED_OTHER, raised_nice]
     assert turns == [hung, line, hung, line]
+
+
+def test_the_system_still_starts_us_among_the_usual():
+    """When this fails, that part of ``realtime_priority`` is no longer needed."""
+    program = """
+import ctypes, os, sys
+print(ctypes.CDLL(None).prctl(30, 0, 0, 0, 0), sys.getswitchinterval(), os.sched_getscheduler(0))
+"""
+    told = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    slack_ns, switch_s, scheduler = told.stdout.split()
+    assert int(slack_ns) > realtime.SLACK_NS
+    assert float(switch_s) > realtime.SWITCH_S
+    assert int(scheduler) == os.SCHED_OTHER

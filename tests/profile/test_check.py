@@ -10,7 +10,7 @@ from neurotouch_hid.messages import Button
 from neurotouch_hid.profile import Mapping, check_content, check_profile, explain, load_profile
 from neurotouch_hid.profile.diagnostics.codes import CODES
 from neurotouch_hid.profile.diagnostics.description import describe_target
-from neurotouch_hid.profile.schema.keys import KEYS, parse_chord
+from neurotouch_hid.profile.schema.keyboard_keys import KEYS, parse_chord
 from tests.profile.stage import RAW, run
 
 HEAD = "version: 1\nname: x\n"
@@ -108,7 +108,7 @@ def test_warnings(text: str, expected: list[str]) -> None:
         ),
         (
             one("when: push, do: {stick: left, curve: {points: [[0.5, 0.5], [0.4, 1]]}}"),
-            "4:44: error[NT114]: bindings[0].do.curve.points: each point must lie right of the one "
+            "4:44: error[NT114]: bindings[0].do.curve.points: each point must be right of the one "
             "before by 0.01, and not below it",
         ),
         (
@@ -169,7 +169,7 @@ def test_every_code_in_the_program_is_explained_and_every_explained_code_is_used
 
 def test_codes_are_explained() -> None:
     assert explain("nt203").title == "a double tap that delays the tap"
-    with pytest.raises(ProfileError, match="no fault has the code 'NT9'"):
+    with pytest.raises(ProfileError, match="No fault has the code 'NT9'"):
         explain("NT9")
 
 

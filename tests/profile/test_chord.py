@@ -158,5 +158,5 @@ def test_it_is_told_why_the_other_did_not_act():
     mapping = Mapping(BESIDE, RAW)
     play(mapping, range(1000))
     ignored = [str(each) for each in mapping.decisions() if each.verdict == "ignored"]
-    assert ignored[0] == "ignored: pinch -> button b (it is a chord's)"
+    assert ignored[0] == "ignored: pinch -> button b, because it is a chord's"
     assert len(ignored) <= 2

@@ -238,4 +238,4 @@ def test_the_journal_tells_what_happened() -> None:
     assert [str(decision) for decision in mapping.decisions()] == [
         "pressed: pinch -> toggle button a"
     ]
-    assert tell(make_profile("when: pinch, do: {button: a}"), "pinch 2mm") == []
+    assert tell(make_profile("when: pinch, do: {button: a}"), "pinch 1mm") == []

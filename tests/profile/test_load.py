@@ -77,7 +77,7 @@ trigger, button, dpad, key, mouse, layer, command
     (
         binding(do="{axis: left_y, sign: - , deadzone: 0.1}"),
         """\
-        p.yaml:5:30: error[NT102]: bindings[0].do.sign: a '-' begins a list, which cannot stand here
+        p.yaml:5:30: error[NT102]: bindings[0].do.sign: a '-' begins a list, which cannot be here
              5 |     do: {axis: left_y, sign: - , deadzone: 0.1}
                |                              ^ write "-" for a minus""",
     ),
@@ -231,7 +231,7 @@ MISTAKES = [
     ),
     (
         HEAD + "  - when: push\n    do: {button: a}\n    §do: {button: b}\n",
-        ["bindings[0].do: this key stands already in line 5, column 5"],
+        ["bindings[0].do: this key is already in line 5, column 5"],
     ),
     (
         "§<stick>: 1\nversion: 1\nname: x\nbindings:\n  - when: push\n    do: {button: a}\n",
@@ -274,7 +274,7 @@ HOSTILE = [
     ('a: "\\U99999999"\n', "1:1: error: a: this escape is no character"),
     ("name: x\nb: \x1b[31m\n", "2:4: error: the character U+001B is not allowed in YAML"),
     ("a:\n\tb: 1\n", "2:1: error: a: a tab cannot indent or begin a value"),
-    ("a: {b: 1\n", "2:1: error: a: this is not YAML: "),
+    ("a: {b: 1\n", "2:1: error: a: a '{' is opened and not closed before here"),
     (b"a: 1\nb: \xff\n", "2:4: error: byte 0xff is not UTF-8 text"),
 ]
 
@@ -330,19 +330,19 @@ def test_words_stay_words() -> None:
 
 
 def test_paths_that_cannot_be_read(tmp_path) -> None:
-    with pytest.raises(ProfileError, match=r"does not exist$"):
+    with pytest.raises(ProfileError, match=r"does not exist\.$"):
         load_profile(tmp_path / "gone.yaml")
-    with pytest.raises(ProfileError, match=r"is not a file$"):
+    with pytest.raises(ProfileError, match=r"is not a file\.$"):
         load_profile(tmp_path)
     os.mkfifo(tmp_path / "pipe.yaml")
-    with pytest.raises(ProfileError, match=r"is not a file$"):
+    with pytest.raises(ProfileError, match=r"is not a file\.$"):
         load_profile(tmp_path / "pipe.yaml")
     with pytest.raises(ProfileError, match=r"cannot be read"):
         load_profile("a\0b.yaml")
     (tmp_path / "locked.yaml").write_text(binding())
     (tmp_path / "locked.yaml").chmod(0)
     if os.geteuid() != 0:
-        with pytest.raises(ProfileError, match=r"cannot be read: Permission denied$"):
+        with pytest.raises(ProfileError, match=r"cannot be read: Permission denied\.$"):
             load_profile(tmp_path / "locked.yaml")
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from neurotouch_hid.messages import GamepadState
 from neurotouch_hid.profile import Mapping
-from neurotouch_hid.profile.decision import Journal
+from neurotouch_hid.profile.decision_log import DecisionLog
 from neurotouch_hid.profile.engine.output import Outputs
 from neurotouch_hid.profile.engine.pointer import PointerCare
 from neurotouch_hid.profile.schema.targets import MouseMotionTarget
@@ -57,14 +57,14 @@ def test_a_dwell_can_be_heard_in_two_steps_and_left_between_them() -> None:
 
 
 def test_it_is_still_while_it_clicks_until_it_is_dragged() -> None:
-    care = PointerCare(MouseMotionTarget(mouse="motion"), Journal())
+    care = PointerCare(MouseMotionTarget(mouse="motion"), DecisionLog())
     still = []
     for i in range(30):
         outputs = Outputs(mouse_buttons={"BTN_LEFT"}, pointer=(100.0, 0.0))
         care.tend(outputs, i * 10_000)
         still.append(outputs.pointer == (0.0, 0.0))
     assert still == [True] * 12 + [False] * 18, "12 px at 100 px/s"
-    free = PointerCare(MouseMotionTarget(mouse="motion", freeze_on_click=False), Journal())
+    free = PointerCare(MouseMotionTarget(mouse="motion", freeze_on_click=False), DecisionLog())
     outputs = Outputs(mouse_buttons={"BTN_LEFT"}, pointer=(100.0, 0.0))
     free.tend(outputs, 0)
     assert outputs.pointer == (100.0, 0.0)

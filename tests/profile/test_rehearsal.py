@@ -49,8 +49,8 @@ def test_lines_semicolons_comments_and_case() -> None:
         ("push lft 3mm", "'lft' is not understood"),
         ("push left 3mm hold", "a number in ms or s is missing"),
         ("push left 3mm hold 3mm", "a number in ms or s is missing"),
-        ("5mm push", "5mm stands where a word belongs"),
-        ("push left 5mm 100ms 200ms", "200ms stands where a word belongs"),
+        ("5mm push", "5mm is where a word belongs"),
+        ("push left 5mm 100ms 200ms", "200ms is where a word belongs"),
         ("push left ☃", "'☃' is not understood"),
         ("rest", "a number in ms or s is missing"),
         ("rest 1000s", "at most 1000 steps and takes 10 minutes"),
@@ -77,9 +77,9 @@ GOLDEN = """\
    0.460 s  key left up
    0.480 s  rest
    0.610 s  pinch
-   0.720 s  rest; key enter down; ignored: pinch hold -> key space (held 90 ms < 350 ms)
+   0.720 s  rest; key enter down; ignored: pinch hold -> key space, because held 90 ms < 350 ms
    0.770 s  key enter up
    0.950 s  pinch
    1.360 s  key space down
-   2.080 s  key space up; ignored: pinch tap -> key enter (lasted 1070 ms > 220 ms)
+   2.080 s  key space up; ignored: pinch tap -> key enter, because lasted 1070 ms > 220 ms
    2.100 s  rest"""

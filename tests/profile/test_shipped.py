@@ -13,7 +13,7 @@ from neurotouch_hid.profile.engine.output import STICK_AXES, TRIGGER_AXES
 from neurotouch_hid.profile.engine.regions import FOUR_WAYS
 from neurotouch_hid.profile.reading.library import find_shipped_folder
 from neurotouch_hid.profile.schema.conditions import Sequence
-from neurotouch_hid.profile.schema.keys import MOUSE_BUTTONS
+from neurotouch_hid.profile.schema.keyboard_keys import MOUSE_BUTTONS
 from neurotouch_hid.profile.schema.layering import merge_bindings
 from neurotouch_hid.profile.schema.profile import Binding
 from neurotouch_hid.profile.schema.targets import (

@@ -74,15 +74,15 @@ def test_new_values_hold_from_the_next_gesture_on() -> None:
 
 def test_a_folder_that_cannot_be_looked_into_is_a_fault_and_no_usual_hand(tmp_path) -> None:
     with pytest.raises(ProfileError, match="cannot be read: File name too long"):
-        load_user(tmp_path / ("x" * 300) / "user.yaml")
-    assert load_user(tmp_path / "none" / "user.yaml") == UserSettings()
+        load_user(folder=tmp_path / ("x" * 300))
+    assert load_user(folder=tmp_path / "none") == UserSettings()
 
 
 def test_the_file_has_defaults_faults_and_a_place(tmp_path) -> None:
-    assert load_user(tmp_path / "none.yaml") == UserSettings()
+    assert load_user(folder=tmp_path) == UserSettings()
     (tmp_path / "user.yaml").write_text("range: {zom: {rest: 0.4, full: 25}}\nmirror: yes\n")
     with pytest.raises(ProfileError) as caught:
-        load_user(tmp_path / "user.yaml")
+        load_user(folder=tmp_path)
     lines = [line for line in caught.value.message.splitlines() if "error" in line]
     assert [line.partition("user.yaml:")[2] for line in lines] == [
         "1:9: error[NT110]: range.zom: unknown key; known here: push_left, push_right, push_up, "

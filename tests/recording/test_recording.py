@@ -173,15 +173,17 @@ def refusal(path):
     with pytest.raises(RecordingError) as caught:
         for _ in Recording(path):
             pass
-    return caught.value.message.removeprefix(str(path))
+    message, quoted = caught.value.message, f"'{path}'"
+    assert message.endswith(".")
+    return message.removeprefix(quoted).removeprefix(str(path)).removesuffix(".")
 
 
 def test_missing(tmp_path):
-    assert refusal(tmp_path / "a.aedat4") == " does not exist"
+    assert refusal(tmp_path / "a.aedat4") == f"There is no file '{tmp_path / 'a.aedat4'}'"
 
 
 def test_a_folder(tmp_path):
-    assert "directory" in refusal(tmp_path)
+    assert refusal(tmp_path) == " is a folder"
 
 
 def test_empty(tmp_path):
@@ -216,7 +218,7 @@ def test_no_stream_of_events(tmp_path):
 
 def test_no_events(tmp_path):
     frame = EventPacket(0, 1, np.empty(0, EVENT_DTYPE), make_frames(3, 1000))
-    assert refusal(write(tmp_path / "a.aedat4", [frame])) == " holds no events"
+    assert refusal(write(tmp_path / "a.aedat4", [frame])) == " has no events"
 
 
 def test_no_stream_of_frames_is_said(tmp_path):
@@ -276,7 +278,7 @@ def test_frames_of_another_size(tmp_path):
         writer.writeFrame(dv.Frame(400, np.zeros((100, 200), np.uint8)))
 
     path = with_dv(tmp_path / "a.aedat4", fill=fill)
-    assert refusal(path) == " holds a frame of 200×100 pixels (uint8), not 346×260 of 8 bit"
+    assert refusal(path) == " has a frame of 200×100 pixels (uint8), not 346×260 of 8 bit"
 
 
 def test_colour_becomes_grey(tmp_path):

@@ -11,7 +11,7 @@ from neurotouch_hid.errors import GelNotFoundError
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline, run_pipeline
-from neurotouch_hid.runtime.stall import LIVE_STALL_S, STALL_S
+from neurotouch_hid.runtime.stall_guard import LIVE_STALL_S, STALL_S
 
 
 @pytest.fixture
@@ -105,7 +105,7 @@ def test_while_a_live_source_has_nothing_the_loop_turns_obeys_and_ends(push, lin
         def __iter__(self):
             raise AssertionError
 
-        def turns(self):
+        def poll(self):
             yield from push.packets[:50]
             while True:
                 yield None

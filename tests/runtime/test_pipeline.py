@@ -25,7 +25,8 @@ def wait_for(condition):
 def lines():
     """A live one and one for recordings."""
     both = [
-        Pipeline.build(load_profile("default"), GestureConfig(), live=it) for it in (True, False)
+        Pipeline.build(load_profile("default"), GestureConfig(), frame_thread=it)
+        for it in (True, False)
     ]
     yield both
     for line in both:
@@ -60,7 +61,8 @@ def test_frames_that_wait_for_the_pad_tell_the_same(push, lines):
 
 def test_a_slice_whose_head_was_taken_in_before_tells_the_same(push):
     plain, early = (
-        Pipeline.build(load_profile("default"), GestureConfig(), live=True) for _ in range(2)
+        Pipeline.build(load_profile("default"), GestureConfig(), frame_thread=True)
+        for _ in range(2)
     )
     apart_px, same = [], []
     for packet in push.packets:
@@ -82,7 +84,7 @@ def test_a_head_whose_slice_never_came_is_a_gap(push):
     line = Pipeline.build(load_profile("default"), GestureConfig())
     for packet in push.packets[:20]:
         line.advance(packet)
-    line.is_live = True
+    line.has_frame_thread = True
     line.advance_partial(cut_partial(push.packets[20]))
     line.advance(push.packets[21])
     assert line.tracker.stats().n_gaps == 1

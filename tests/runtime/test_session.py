@@ -11,7 +11,7 @@ from neurotouch_hid.messages import Button
 from neurotouch_hid.profile import UserSettings, load_profile, rehearse
 from neurotouch_hid.runtime import Pipeline, Session, run_pipeline
 from neurotouch_hid.runtime.command_queue import CAPACITY, Command, CommandQueue
-from neurotouch_hid.runtime.timing import KEPT
+from neurotouch_hid.runtime.stage_timing import KEPT
 
 
 class Line:
@@ -252,7 +252,7 @@ def test_status_tells_counts_times_and_errors(push):
 
 
 def test_status_names_what_was_held_for_long(push, monkeypatch):
-    monkeypatch.setattr("neurotouch_hid.runtime.session.WINDOW_S", 1e-6)
+    monkeypatch.setattr("neurotouch_hid.runtime.rates.WINDOW_S", 1e-6)
     line = Line(push)
     for gesture in rehearse("push left 6mm 200ms hold 6s; rest 500ms"):
         line.session.mapping.update(gesture)

@@ -103,7 +103,7 @@ def test_a_recording_without_frames(recorded, tmp_path):
         ("davis:", "No DAVIS camera is plugged in", "sim:tour"),
         ("nonsense", "'nonsense' is not a source", "davis:SERIAL, file:NAME.aedat4, sim:NAME"),
         ("http://x", "'http://x' is not a source", "sim:NAME"),
-        ("file:", "needs the name of a recording", "file:NAME.aedat4"),
+        ("file:", "needs the name of a recording", "file:play.aedat4"),
         ("sim:nothing", "nothing", "tour"),
     ],
 )
@@ -114,7 +114,7 @@ def test_unknown_sources(spec, words, hint):
 
 
 def test_a_missing_recording_is_not_an_unknown_source(tmp_path):
-    with pytest.raises(RecordingError, match="does not exist"):
+    with pytest.raises(RecordingError, match="There is no file"):
         open_source(str(tmp_path / "a.aedat4"))
 
 

@@ -90,17 +90,17 @@ def test_a_late_frame_goes_into_the_next_slice():
     assert [len(packet.frames) for packet in done] == [1]
 
 
-def test_the_head_of_a_slice_can_be_had_and_changes_nothing():
+def test_a_partial_slice_can_be_taken_and_changes_nothing():
     slicer = Slicer(SLICE_US)
-    assert slicer.head(10, 100) is None
+    assert slicer.partial(10, 100) is None
     assert list(slicer.push(events_at([0, 20]))) == []
     assert list(slicer.push(events_at([40, 60, 60]), [Frame(PIXELS, 10, 30)])) == []
-    head = slicer.head(60, 5)
-    assert (head.t_begin_us, head.t_end_us, head.is_partial) == (0, 60, True)
-    assert head.events["t"].tolist() == [0, 20, 40]  # another event at 60 may still come
-    assert head.frames == ()
-    assert slicer.head(60, 4) is None
-    assert slicer.head(SLICE_US, 100) is None
+    partial = slicer.partial(60, 5)
+    assert (partial.t_begin_us, partial.t_end_us, partial.is_partial) == (0, 60, True)
+    assert partial.events["t"].tolist() == [0, 20, 40]  # another event at 60 may still come
+    assert partial.frames == ()
+    assert slicer.partial(60, 4) is None
+    assert slicer.partial(SLICE_US, 100) is None
     (whole,) = slicer.push(events_at([SLICE_US + 50]))
     assert not whole.is_partial
     assert whole.events["t"].tolist() == [0, 20, 40, 60, 60]

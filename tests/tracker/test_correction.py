@@ -19,7 +19,7 @@ TUNING = TrackerConfig().tuning()
 @given(st.integers(0, 2**32 - 1), st.floats(0.0, 0.2))
 @settings(max_examples=20, deadline=None)
 def test_blobs_are_those_of_the_plain_twin(seed, share):
-    """Some tracks follow a neighbour, some blobs are hidden, merged or nobody's."""
+    """Some tracks follow a neighbour, some blobs are hidden, merged or of no marker."""
     rng = np.random.default_rng(seed)
     truth = REST_PX + rng.normal(0, 1, REST_PX.shape)
     then = truth + rng.normal(0, 0.5, REST_PX.shape)
@@ -32,18 +32,18 @@ def test_blobs_are_those_of_the_plain_twin(seed, share):
     sharp, missed = rng.random(177) < 0.95, rng.integers(0, 2, 177)
     tracks = make_tracks(NEIGHBOURS, TrackerConfig())
     tracks.rest_px[:], tracks.lost[:] = REST_PX, rng.random(177) < share
-    blob, counted = np.empty(177, np.int32), missed.astype(np.intp)
-    assign_blobs(then, sharp, points, begin, counted, tracks, TUNING, blob)
+    tracks.state["n_missed"], blob = missed, np.empty(177, np.int32)
+    assign_blobs(then, sharp, points, begin, tracks, TUNING, blob)
     twin, twin_missed = reference.assign_blobs(
         then.tolist(), sharp.tolist(), points.tolist(), areas.tolist(), missed.tolist(),
         tracks.lost.tolist(), REST_PX.tolist(), NEIGHBOURS.tolist(), TUNING,
     )  # fmt: skip
     assert [None if j < 0 else j for j in blob.tolist()] == twin
-    assert counted.tolist() == twin_missed
+    assert tracks.state["n_missed"].tolist() == twin_missed
     assert sum(j is not None for j in twin) > 100
 
 
-def test_the_past_is_remembered_between_checks_and_no_longer_than_the_ring():
+def test_past_positions_are_interpolated_as_far_back_as_the_ring_reaches():
     tracks = make_tracks(NEIGHBOURS, TrackerConfig())
     tracks.rest_px[:] = REST_PX
     track_kernels.place(np.arange(177), REST_PX, 1.0, 0.0, tracks, TUNING)
@@ -58,7 +58,7 @@ def test_the_past_is_remembered_between_checks_and_no_longer_than_the_ring():
     assert recall(198_500, tracks, out)  # after the last check
     assert not recall(70_000, tracks, out)
     assert not recall(260_000, tracks, out)
-    kernels.check(206_000, tracks, TUNING)  # it had waited
+    kernels.check(206_000, tracks, TUNING)  # a late check
     assert recall(204_000, tracks, out)
     before, after = (tracks.past_px[(tracks.common["n_checks"][0] - k) % 64] for k in (2, 1))
     np.testing.assert_allclose(out, before + 0.75 * (after - before), atol=1e-9)

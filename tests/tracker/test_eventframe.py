@@ -15,7 +15,7 @@ from tests.tracker.test_markers import stroke
 
 @pytest.fixture(scope="module")
 def touch():
-    """Packets without frames of a light touch and a push, and the true markers at their ends."""
+    """Returns packets of a light touch and a push, without frames, and the true markers."""
     light = stroke(Finger((2.0, 3.0), (2.0, -1.5), press_mm=1.0), move_us=300_000)
     firm: Stroke = stroke(Finger((-4.0, 0.0), (6.0, 2.0)))
     config = SimulatorConfig(sensor=SensorConfig(shot_hz=1.0))

@@ -27,7 +27,7 @@ def twist(turn_rad, radius_mm=12.0):
 
 
 def play(*strokes, shot_hz=1.0, rig=None, seed=1):
-    """Packets of a script, and the true markers at the end of each."""
+    """Returns packets of a script, and the true markers at the end of each."""
     config = SimulatorConfig(
         camera=CameraConfig(rig=rig or Rig((172.5, 129.5), 2.5)),
         sensor=SensorConfig(shot_hz=shot_hz),
@@ -41,7 +41,7 @@ def play(*strokes, shot_hz=1.0, rig=None, seed=1):
 
 
 def follow(packets, tracker=None, *, frames=True, detector=None):
-    """What the line would show: rest detection in step, then the tracker."""
+    """Returns the fields of a pipeline: rest detection, then the tracker."""
     tracker, detector = tracker or MarkerTracker(), detector or RestDetector()
     fields = []
     for packet in packets:
@@ -54,7 +54,7 @@ def follow(packets, tracker=None, *, frames=True, detector=None):
 
 
 def errors(fields, truth):
-    """(slices, 177) px, NaN before the anchor."""
+    """Returns (slices, 177) px, NaN before the anchor."""
     return np.hypot(*(np.array([f.position_px for f in fields]) - truth).transpose(2, 0, 1))
 
 
@@ -69,7 +69,7 @@ def gestures():
     )
 
 
-def test_the_lists_of_the_tiles_hide_no_marker(gestures):
+def test_a_search_by_tiles_equals_a_search_of_all(gestures):
     packets, _ = gestures
     listed, plain = (
         follow(packets, MarkerTracker(TrackerConfig(search=search))) for search in ("tiles", "all")
@@ -212,13 +212,13 @@ def test_missing_events_end_all_motion(lost):
     assert tracker.stats().n_gaps == 1
 
 
-def test_after_the_camera_was_away_nothing_is_known_before_the_next_anchor():
+def test_after_a_long_gap_markers_are_unknown_until_the_next_anchor():
     tracker = MarkerTracker()
     tracker.anchor(RestField(0, REST_PX))
     assert tracker.update(packet(0)).valid.all()
     assert not tracker.update(packet(50, gap=1)).valid.any()
     assert not tracker.update(packet(51)).valid.any()
-    moved_px = REST_PX + np.float32(5.0)  # the camera was put back a little askew
+    moved_px = REST_PX + np.float32(5.0)  # the camera is elsewhere afterwards
     tracker.anchor(RestField(512_000, moved_px))
     field = tracker.update(packet(52))
     assert field.valid.all()
@@ -240,7 +240,7 @@ def test_the_rest_position_stays_one_object_and_follows_slowly():
 
 
 @pytest.mark.parametrize("px", [0.25, 0.6, 1.5])
-def test_a_soft_touch_that_passes_for_rest_is_not_absorbed(px):
+def test_a_soft_touch_that_looks_like_rest_is_not_absorbed(px):
     touched = REST_PX.copy()
     touched[80:92, 0] += px
     tracker = MarkerTracker()
@@ -293,7 +293,7 @@ def test_a_bumped_camera_moves_the_rest_position_at_once():
 
 
 def swap(tracker, i, j):
-    """Let two tracks change places, as crossing markers would."""
+    """Swaps two tracks, as crossing markers would."""
     state = tracker._tracks.state
     for name in ("x", "y"):
         state[name][[i, j]] = state[name][[j, i]]
@@ -301,7 +301,7 @@ def swap(tracker, i, j):
         tracker._tracks.past_px[:, k] = state["x"][k], state["y"][k]
 
 
-def test_swapped_markers_are_told_apart_at_the_next_rest(gestures):
+def test_swapped_markers_are_corrected_at_the_next_rest(gestures):
     packets, truth = gestures
     tracker, detector = MarkerTracker(), RestDetector()
     follow(packets[:10], tracker, detector=detector)
@@ -312,7 +312,7 @@ def test_swapped_markers_are_told_apart_at_the_next_rest(gestures):
     assert fields[0].position_px.shape == (N_MARKERS, 2)
 
 
-def test_what_was_put_in_place_is_not_moved_again_by_the_same_frame(gestures):
+def test_a_frame_does_not_correct_a_repaired_marker_twice(gestures):
     """Tracks that lagged behind a knock once jumped across their places with each frame."""
     packets, truth = gestures
     tracker, detector = MarkerTracker(), RestDetector()
@@ -324,7 +324,7 @@ def test_what_was_put_in_place_is_not_moved_again_by_the_same_frame(gestures):
     assert (errors(fields, truth[10:20])[frame:] < 1.0).all()
 
 
-def test_a_marker_that_nobody_sees_is_not_valid(gestures):
+def test_a_marker_that_is_not_seen_is_not_valid(gestures):
     packets, truth = gestures
     tracker = MarkerTracker()
     tracker.anchor(RestField(0, truth[0]))

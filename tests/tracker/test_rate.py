@@ -1,4 +1,4 @@
-"""The length of a slice changes what the tracker says by nothing but rounding."""
+"""The length of a slice changes the tracks only by rounding."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from neurotouch_hid.tracker import MarkerTracker, RestDetector
 
 
 def follow(slice_us):
-    """Positions at every 20 ms of the first 0.8 s of a push."""
+    """Returns positions at every 20 ms of the first 0.8 s of a push."""
     rest, tracker = RestDetector(), MarkerTracker()
     positions = {}
     with open_source("sim:push", slice_us=slice_us, speed="max") as source:

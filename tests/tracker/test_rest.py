@@ -1,4 +1,4 @@
-"""The gel is found, and rest told from touch."""
+"""The gel is found, and rest is distinguished from touch."""
 
 from dataclasses import replace
 
@@ -13,14 +13,14 @@ RIG = Rig((172.0, 130.0), 2.5, 0.1)
 
 
 def push(mm, contact_mm=(3.0, -2.0)):
-    """Displacement (177, 2) mm of a finger that drags to the right: a long tail, no bump."""
+    """Returns the displacement (177, 2) mm of a finger that drags to the right."""
     r = np.hypot(*(LATTICE_MM - contact_mm).T)
     rim = np.clip(1 - (np.hypot(*LATTICE_MM.T) / 31) ** 2, 0, 1) ** 0.4
     return np.stack([mm * rim / (1 + (r / 9.0) ** 2), np.zeros_like(r)], axis=1)
 
 
 def picture(moved_mm=0.0, rig=RIG, level=150.0, spots=8, seed=0):
-    """A frame of the gel: dots of 1 mm, uneven light, noise, bright spots outside."""
+    """Returns a frame of the gel: dots of 1 mm, uneven light, noise, bright spots outside."""
     rng = np.random.default_rng(seed)
     y, x = np.mgrid[:260, :346]
     light = level * (1 + 0.3 * (x - 173) / 173)
@@ -38,7 +38,7 @@ def picture(moved_mm=0.0, rig=RIG, level=150.0, spots=8, seed=0):
 
 
 def show(detector, *pictures):
-    """What the detector says of the last of some pictures."""
+    """Returns the result of the detector for the last of some frames."""
     answer = None
     for pixels in pictures:
         begin_us = 40_000 * detector.stats().n_frames
@@ -96,7 +96,7 @@ def test_a_hand_on_the_gel_at_the_start_is_not_taken_for_rest(mm):
 def test_the_end_of_a_touch_at_the_start_is_not_taken_for_rest():
     detector, found = RestDetector(), None
     sizes = (3.0, 1.2, 0.6, 0.45, 0.33, 0.24, 0.1, 0.04, 0.0)
-    for seed, mm in enumerate(sizes):  # a hand that was there before the camera lets go
+    for seed, mm in enumerate(sizes):  # a hand that was on the gel from the start leaves it
         found = show(detector, picture(push(mm), seed=seed))
         if found is not None:
             break
@@ -104,7 +104,7 @@ def test_the_end_of_a_touch_at_the_start_is_not_taken_for_rest():
     assert np.abs(found.position_px - RIG.to_px(LATTICE_MM)).max() < 0.6
 
 
-def test_a_lattice_that_stays_bent_a_little_is_taken():
+def test_a_lattice_that_stays_slightly_bent_is_accepted():
     bent = [picture(push(0.5), seed=seed) for seed in range(3)]
     detector = RestDetector()
     assert show(detector, bent[0]) is None
@@ -154,8 +154,8 @@ def test_a_known_rig_is_taken():
     assert np.abs(rest.position_px - rig.to_px(LATTICE_MM)).max() < 0.35
 
 
-def test_odd_optics_are_taken_when_the_gel_lies_still():
-    swirl = 0.1 * np.sin(LATTICE_MM[:, ::-1] / 4.0)  # no smooth model has that: 1 mm of waves
+def test_odd_optics_are_accepted_once_the_gel_is_still():
+    swirl = 0.1 * np.sin(LATTICE_MM[:, ::-1] / 4.0)  # waves of 1 mm, which no smooth model contains
     detector = RestDetector()
     answers = [show(detector, picture(4.0 * swirl, seed=s)) for s in range(27)]
     assert answers[0] is None

@@ -22,10 +22,7 @@ from neurotouch_hid.evaluation.accuracy.report.style import (
 )
 from neurotouch_hid.evaluation.speed.pace import choose_device, measure_live
 from neurotouch_hid.evaluation.speed.workload import SPREAD_PX, TOUR_US, DenseSource, load_scene
-from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
-from neurotouch_hid.profile import load_profile
-from neurotouch_hid.runtime import Pipeline, warm_up
 from neurotouch_hid.tracker import TrackerConfig
 from neurotouch_hid.tracker.kernels import filter as kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
@@ -34,7 +31,7 @@ from neurotouch_hid.tracker.markers import make_tracks
 RATES: Final = (0.1e6, 0.3e6, 1e6, 3e6, 6e6, 12e6)
 """Events a second: a slow push to the sensor's ceiling."""
 NUMBERS: Final = (50, 100, 177, 350, 700, 1000, 1400, 2000)
-"""Of markers; 2000 lie 6.7 px apart, closer than the gates of two allow."""
+"""Of markers; 2000 are 6.7 px apart, closer than the gates of two allow."""
 RANKS: Final = ("p50", "p99", "p99.9")
 
 _SECONDS = 10.0
@@ -67,29 +64,28 @@ def measure_rates(
     seconds: float = _SECONDS,
     length_us: int = TOUR_US,
 ) -> dict[float, dict[str, float]]:
-    """Latency of the live line in ms, by events a second.
+    """Measures the latency of the live pipeline in ms, by events a second.
 
     Args:
         progress: called with what is being done.
         rates: events a second.
         seconds: for how long each.
-        length_us: of the scene, which is played in turn.
+        length_us: of the scene, which is played again and again.
     """
-    config, kind = GestureConfig(), choose_device()
-    warm_up(Pipeline.build(load_profile("default"), config))
+    kind = choose_device()
     scene = load_scene("tour", _SLICE_US, length_us)
     latency = {}
     for rate in rates:
         progress(f"Playing {rate / 1e6:g} million events/s")
-        run = measure_live(DenseSource(scene, seconds, rate), config, kind)
+        run = measure_live(DenseSource(scene, seconds, rate), kind)
         latency[rate] = run["latency_ms"]
     return latency
 
 
 def measure_markers(n: int) -> float:
-    """Processor time in ns for an event, of the filter and its checks, with n markers.
+    """Measures the filter's processor time per event in ns, with n markers.
 
-    They lie on a lattice that fills the sensor, swing together, and make a million events/s.
+    They are on a lattice that fills the sensor, swing together, and make a million events/s.
     """
     rest_px, neighbours = lay_lattice(n)
     config = TrackerConfig()
@@ -107,7 +103,7 @@ def measure_markers(n: int) -> float:
 
 
 def lay_lattice(n: int) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-    """A square lattice that fills the sensor.
+    """Returns a square lattice that fills the sensor.
 
     Returns:
         (n, 2) px, and (n, 8) indices of the neighbours, -1 where there is none.

@@ -1,23 +1,21 @@
 """From the last event of a slice to the moment in which another program has read its input."""
 
 import subprocess
-import sys
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import takewhile
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.device import Device, check_device, open_device, shows_change
+from neurotouch_hid.device import check_device, shows_change
+from neurotouch_hid.driver import REFERENCE, DeviceKind, Driver
 from neurotouch_hid.errors import DeviceError
-from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EventPacket, GamepadState
+from neurotouch_hid.process.own_command import make_own_command
 from neurotouch_hid.process.realtime import realtime_priority
-from neurotouch_hid.profile import load_profile
-from neurotouch_hid.runtime import Pipeline, warm_up
 from neurotouch_hid.source import open_source
 
 SCENE: Final = "sim:random"
@@ -55,13 +53,13 @@ class Latency:
 
     @classmethod
     def of(cls, times_ms: NDArray[np.float64]) -> "Latency":
-        """The distribution of these times, of which there must be one at least."""
+        """Returns the distribution of these times, of which there must be one at least."""
         p50, p99, p999 = (float(value) for value in np.percentile(times_ms, [50, 99, 99.9]))
         bins = np.histogram(times_ms, [-np.inf, *EDGES_MS, np.inf])[0]
         return cls(len(times_ms), p50, p99, p999, float(times_ms.max()), tuple(map(int, bins)))
 
     def as_json(self) -> dict[str, Any]:
-        """The same for programs."""
+        """Returns the same for programs."""
         edges = [*EDGES_MS, None]
         return {
             "n": self.n,
@@ -83,16 +81,16 @@ class Sent:
 
 
 def measure_latency(
-    kind: str,
+    kind: DeviceKind,
     method: str,
     progress: Callable[[str], None],
     *,
     source: str = SCENE,
     seconds: float = SECONDS,
 ) -> dict[str, Any]:
-    """Plays slices in their own time through the whole line to a real pad, and reads it elsewhere.
+    """Plays slices in their own time to a real pad, and reads it in another process.
 
-    The slices are made beforehand, so that a simulator does not compete with the line.
+    The slices are made beforehand, so that a simulator does not compete with the pipeline.
 
     Args:
         kind: ``uinput`` or ``hid``.
@@ -112,19 +110,17 @@ def measure_latency(
     check_device(kind)
     progress(f"Preparing {seconds:g} s of {source}")
     packets = _prepare(source, seconds)
-    config = GestureConfig(method=method)
-    profile = load_profile(PROFILE)
-    warm_up(Pipeline.build(profile, config))
-    line = Pipeline.build(profile, config, live=True)
-    with open_device(kind) as device:
+    options = replace(
+        REFERENCE, source=source, speed="recorded", profile=PROFILE, device=kind, method=method
+    )
+    with Driver(options) as driver:
         reader = _start_reader()
         progress("Playing it to a real pad")
         try:
             with realtime_priority():
-                sent = _play(packets, line, device)
+                sent = _play(packets, driver)
         finally:
-            line.close()
-            device.close()  # which ends the reader
+            driver.close()  # which ends the reader
             received = _collect(reader)
     if not sent or len(received) < len(sent):
         raise DeviceError(
@@ -135,7 +131,7 @@ def measure_latency(
 
 
 def evaluate(sent: Sequence[Sent], received: Sequence[tuple[int, int]]) -> dict[str, Any]:
-    """The distributions of what was sent and received, one for one.
+    """Returns the distributions of what was sent and received, one for one.
 
     Args:
         sent: the slices.
@@ -166,8 +162,8 @@ def _prepare(source: str, seconds: float) -> list[EventPacket]:
         return list(takewhile(is_early, packets))
 
 
-def _play(packets: list[EventPacket], line: Pipeline, device: Device) -> list[Sent]:
-    """Each slice at the moment in which a sensor would have finished it."""
+def _play(packets: list[EventPacket], driver: Driver) -> list[Sent]:
+    """Returns each slice at the moment in which a sensor would have finished it."""
     sent = []
     shown = GamepadState(0)
     offset_ns = time.monotonic_ns() + round(_AHEAD_S * 1e9) - packets[0].t_begin_us * 1_000
@@ -175,10 +171,10 @@ def _play(packets: list[EventPacket], line: Pipeline, device: Device) -> list[Se
         wait_s = (packet.t_end_us * 1_000 + offset_ns - time.monotonic_ns()) / 1e9
         if wait_s > 0:
             time.sleep(wait_s)
-        step = line.advance(packet)
+        step = driver.pipeline.advance(packet)
         pad, written_ns = step.pad, time.monotonic_ns()
-        device.write(pad)
-        line.process_frames(step)
+        driver.device.write(pad)
+        driver.pipeline.process_frames(step)
         if shows_change(shown, pad):
             # A slice without events changes the pad when its time is over.
             last_us = int(packet.events["t"][-1]) if len(packet.events) else packet.t_end_us
@@ -188,7 +184,7 @@ def _play(packets: list[EventPacket], line: Pipeline, device: Device) -> list[Se
 
 
 def _start_reader() -> "subprocess.Popen[str]":
-    command = [sys.executable, "-m", "neurotouch_devtools.bench.receiver", PLACE]
+    command = make_own_command(PLACE, module="neurotouch_devtools.bench.receiver")
     reader = subprocess.Popen(  # noqa: S603  # our own command
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )

@@ -1,8 +1,8 @@
 """A program that reads a pad as a game does and notes when: ``python -m ... PHYS``.
 
-It runs as a process of its own, because in ours it would wait for the line. It prints ``ready``,
-then, when the pad has gone, for each frame the moment the kernel has stamped it with and the moment
-it was read, both in ns of CLOCK_MONOTONIC.
+It runs as a process of its own, because in ours it would wait for the pipeline. It prints
+``ready``. When the pad has gone, it prints for each frame the moment of the kernel's stamp and the
+moment of reading, both in ns of CLOCK_MONOTONIC.
 """
 
 import fcntl
@@ -21,7 +21,7 @@ _SYN, _SYN_REPORT, _SYN_DROPPED = 0, 0, 3
 
 
 def find_node(phys: str) -> Path:
-    """Return the event node that says it is plugged in at this place, once it can be read.
+    """Returns the event node that says it is plugged in at this place, once it can be read.
 
     Raises:
         TimeoutError: it does not come, or we may not read it.
@@ -38,7 +38,7 @@ def find_node(phys: str) -> Path:
 
 
 def receive(node: Path) -> None:
-    """Print the moments of each frame until the node goes."""
+    """Prints the moments of each frame until the node goes."""
     descriptor = os.open(node, os.O_RDONLY)
     fcntl.ioctl(descriptor, _EVIOCSCLOCKID, struct.pack("@i", time.CLOCK_MONOTONIC))
     print("ready", flush=True)

@@ -2,23 +2,22 @@
 
 import os
 import tempfile
-import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
-from neurotouch_hid.device import MemoryDevice
+from neurotouch_hid.closing import Closing
+from neurotouch_hid.driver import REFERENCE, Driver, DriverOptions
 from neurotouch_hid.evaluation.speed.workload import TOUR_US, load_scene, shift_packet
-from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.process.gc_freeze import freeze_gc
-from neurotouch_hid.profile import load_profile
 from neurotouch_hid.recording import RecordingWriter
-from neurotouch_hid.runtime import Pipeline, run_pipeline, warm_up
 from neurotouch_hid.source import open_source
 
 SLICE_US: Final = 10_000
@@ -29,7 +28,7 @@ _PAGE_MB: Final = os.sysconf("SC_PAGE_SIZE") / 2**20
 
 
 def measure_soak(
-    config: GestureConfig,
+    method: str,
     minutes: float,
     progress: Callable[[str], None],
     length_us: int = TOUR_US,
@@ -40,49 +39,64 @@ def measure_soak(
     It also compiles what has not been compiled yet, which takes 0.3 GB.
 
     Args:
-        config: how gestures are recognised.
+        method: the recogniser.
         minutes: of sensor time.
         progress: called after each.
-        length_us: of the recording, which is played in turn.
+        length_us: of the recording, which is played again and again.
 
     Returns:
         ``minutes``; ``rss_mb``, resident memory after each of them; ``kb_per_hour``, its growth
         after the first fifth, by least squares; and ``realtime_factor``.
     """
-    with tempfile.TemporaryDirectory() as folder, MemoryDevice() as pad:
+    options = replace(REFERENCE, method=method)
+    with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "soak.aedat4"
         with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-            pool.submit(_prepare, path, length_us, config).result()
-        profile = load_profile("default")
-        warm_up(Pipeline.build(profile, config))
+            pool.submit(_prepare, path, length_us, options).result()
         scale = Scale(progress)
-        begun_s = time.perf_counter()
-        with freeze_gc():
-            run_pipeline(_repeat(path, minutes), Pipeline.build(profile, config), pad, [scale])
-        took_s = time.perf_counter() - begun_s
+        with Driver(options, make_source=lambda: Repeat(path, minutes)) as driver, freeze_gc():
+            stats = driver.run([scale])
     return {
         "minutes": minutes,
         "rss_mb": scale.rss_mb,
         "kb_per_hour": measure_growth(scale.rss_mb),
-        "realtime_factor": minutes * 60.0 / took_s,
+        "realtime_factor": stats.sensor_s / stats.host_s,
     }
 
 
-def _prepare(path: Path, length_us: int, config: GestureConfig) -> None:
-    warm_up(Pipeline.build(load_profile("default"), config))
+def _prepare(path: Path, length_us: int, options: DriverOptions) -> None:
+    Driver(replace(options, source="sim:tour")).compile()
     with RecordingWriter(path) as writer:
         for packet in load_scene("tour", SLICE_US, length_us).packets:
             writer.write(packet)
 
 
-def _repeat(path: Path, minutes: float) -> Iterator[EventPacket]:
-    """The recording in turn; the gel is at rest where it ends and where it begins."""
-    now_us, end_us = 0, round(minutes * 60e6)
-    while now_us < end_us:
-        with open_source(f"file:{path}", slice_us=SLICE_US, speed="max") as source:
-            for packet in source:
-                yield shift_packet(packet, now_us - packet.t_begin_us)
-                now_us += SLICE_US
+@dataclass
+class Repeat(Closing):
+    """A source that plays a recording again and again; the gel is at rest at both of its ends.
+
+    Args:
+        path: the recording.
+        minutes: of sensor time.
+    """
+
+    path: Path
+    minutes: float
+    name = "repeat"
+    rig: Rig | None = None
+    is_live = False
+    is_simulated = False
+
+    def __iter__(self) -> Iterator[EventPacket]:
+        now_us, end_us = 0, round(self.minutes * 60e6)
+        while now_us < end_us:
+            with open_source(f"file:{self.path}", slice_us=SLICE_US, speed="max") as source:
+                for packet in source:
+                    yield shift_packet(packet, now_us - packet.t_begin_us)
+                    now_us += SLICE_US
+
+    def close(self) -> None:
+        """Does nothing: nothing is open between two rounds."""
 
 
 class Scale:
@@ -110,7 +124,10 @@ class Scale:
 
 
 def measure_growth(rss_mb: list[float]) -> float:
-    """Growth in kB an hour of a weight taken every minute; 0 of fewer than three that count."""
+    """Returns growth in kB an hour of a weight taken every minute.
+
+    Fewer than three that count give 0.
+    """
     settled = rss_mb[int(WARM_SHARE * len(rss_mb)) :]
     if len(settled) < 3:  # two points are no trend
         return 0.0

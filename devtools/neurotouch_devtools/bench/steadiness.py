@@ -59,7 +59,7 @@ DESIGN: Final[Table[str, Steadiness]] = MappingProxyType(
 
 
 def measure_filter(name: str) -> Steadiness:
-    """What the filter of this name in ``DESIGN`` does to the signals."""
+    """Returns what the filter of this name in ``DESIGN`` does to the signals."""
     times = np.arange(-0.5, 6.0, STEP_US * 1e-6)
     share = np.clip(times / PRESS_S, 0.0, 1.0)
     press = HOLD_MM * (10 * share**3 - 15 * share**4 + 6 * share**5)
@@ -85,7 +85,7 @@ def _smooth(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _cross(times: NDArray[np.float64], values: NDArray[np.float64], level: float) -> float:
-    """When the values pass the level for the first time, by linear interpolation, in s."""
+    """Returns when the values first pass the level, by linear interpolation, in s."""
     above = (values >= level) == (values[-1] >= level)
     i = int(np.argmax(above & (np.arange(len(values)) > 0)))
     share = (level - values[i - 1]) / (values[i] - values[i - 1])
@@ -93,7 +93,7 @@ def _cross(times: NDArray[np.float64], values: NDArray[np.float64], level: float
 
 
 def measure_engine(repetitions: int = 20) -> dict[str, float]:
-    """What the profile stage costs for a slice, with 60 bindings and the filter ``medium``.
+    """Returns what the profile stage costs for a slice, with 60 bindings and the filter ``medium``.
 
     Returns:
         ``median`` and ``p99``, in ms of the clock, over every gesture held and tapped.

@@ -97,7 +97,7 @@ def command(
 
 
 def _repeat(packets: "Iterable[EventPacket]") -> "Iterator[EventPacket]":
-    """The source again and again, in one time that goes on."""
+    """Gives the source again and again, in one time that goes on."""
     from dataclasses import replace
 
     shift_us = 0

@@ -1,11 +1,14 @@
 """``neurotouch bench latency``: from the last event of a slice to another program."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from neurotouch_hid.cli.ui.options import method_option
+from neurotouch_hid.cli.ui.options import Finite, method_option
 from neurotouch_hid.cli.ui.output import json_option, print_json
+
+if TYPE_CHECKING:
+    from neurotouch_hid.driver import DeviceKind
 
 _BAR = 40
 _ROWS = (
@@ -30,17 +33,17 @@ _ROWS = (
 @click.option("--source", default="sim:random", show_default=True, help="What to play.")
 @click.option(
     "--seconds",
-    type=click.FloatRange(min=1.0, max=600.0),
+    type=Finite(min=1.0, max=600.0),
     default=20.0,
     show_default=True,
     help="Of sensor time, at most.",
 )
 @method_option
 @json_option
-def command(device: str, source: str, seconds: float, method: str, as_json: bool) -> None:
+def command(device: "DeviceKind", source: str, seconds: float, method: str, as_json: bool) -> None:
     """Measure how long it takes from the last event of a slice until a game has its input.
 
-    Slices are played in their own time through the whole line; another process reads the pad's
+    Slices are played in their own time through the whole pipeline; another process reads the pad's
     event node. The camera's own delay (USB, exposure) is not in it.
     """
     from neurotouch_devtools.bench.latency import measure_latency

@@ -2,7 +2,7 @@
 
 import click
 
-from neurotouch_hid.cli.ui.options import method_option
+from neurotouch_hid.cli.ui.options import Finite, method_option
 from neurotouch_hid.cli.ui.output import json_option, print_json
 
 
@@ -14,7 +14,7 @@ from neurotouch_hid.cli.ui.output import json_option, print_json
 )
 @click.option(
     "--minutes",
-    type=click.FloatRange(min=1.0),
+    type=Finite(min=1.0),
     default=30.0,
     show_default=True,
     help="Of sensor time; it is played as fast as this machine can.",
@@ -22,13 +22,10 @@ from neurotouch_hid.cli.ui.output import json_option, print_json
 @method_option
 @json_option
 def command(minutes: float, method: str, as_json: bool) -> None:
-    """Play all gestures again and again through the whole line, and watch the memory."""
+    """Play all gestures again and again through the whole pipeline, and watch the memory."""
     from neurotouch_devtools.bench.soak import measure_soak
-    from neurotouch_hid.gesture import GestureConfig
 
-    result = measure_soak(
-        GestureConfig(method=method), minutes, lambda text: click.echo(text, err=True)
-    )
+    result = measure_soak(method, minutes, lambda text: click.echo(text, err=True))
     if as_json:
         print_json(result)
     else:

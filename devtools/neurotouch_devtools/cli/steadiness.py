@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def command(as_json: bool) -> None:
     """Measure what each tremor filter leaves and delays, and what a profile costs.
 
-    Beside each figure stands, in brackets, the value the filter was designed for. The signals are
+    Beside each figure, in brackets, is the value the filter was designed for. The signals are
     made by a program: they say nothing about a person.
     """
     from neurotouch_devtools.bench.steadiness import (

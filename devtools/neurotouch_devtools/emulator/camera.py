@@ -1,4 +1,4 @@
-"""The emulated camera itself: control requests in, a stream of bytes out, whatever lies between."""
+"""The emulated camera itself: control requests in, a stream of bytes out."""
 
 import time
 from collections.abc import Callable, Iterable, Sequence
@@ -66,7 +66,7 @@ class EmulatedCamera:
 
     Attributes:
         registers: the register file.
-        script: counts what the host does, and says what goes wrong.
+        script: counts what the host does, and makes faults.
         n_dropped: events lost because the host did not read.
     """
 
@@ -107,7 +107,7 @@ class EmulatedCamera:
         self._silent_until_ns = self._last_ns
 
     def write(self, address: tuple[int, int], value: int) -> None:
-        """Write a register and do what it says."""
+        """Writes a register and applies it."""
         self.advance()
         before = self.registers[address]
         self.registers[address] = value
@@ -118,7 +118,7 @@ class EmulatedCamera:
         self._note_switches()
 
     def flush(self) -> None:
-        """Drop what waits in the FIFO."""
+        """Empties the FIFO."""
         self.advance()
         self._fifo.clear()
 
@@ -128,11 +128,11 @@ class EmulatedCamera:
         return self._streaming
 
     def put_back(self, data: bytes) -> None:
-        """What was read, but did not reach the host, comes again."""
+        """Puts back what was read but did not reach the host."""
         self._fifo[:0] = data
 
     def disturb(self, kind: FaultKind) -> None:
-        """Let something go wrong with what the camera sends from now on."""
+        """Makes what the camera sends faulty from now on."""
         if kind is FaultKind.RESET:
             self._reset_time()
         elif kind is FaultKind.WRAP:
@@ -149,7 +149,7 @@ class EmulatedCamera:
             self.say(self._encoder.garble(kind))
 
     def say(self, words: Words) -> None:
-        """Put words into the stream as they are, whatever they do to a host."""
+        """Puts words into the stream as they are, whatever they do to a host."""
         if not len(words):
             return
         if not self._fifo:
@@ -167,7 +167,7 @@ class EmulatedCamera:
         return max(self.registers.early_packet_delay_us, 125.0) / self.config.pace
 
     def read(self, n_bytes: int) -> bytes | None:
-        """The answer to a bulk transfer of ``n_bytes``, or None as long as there is none.
+        """Returns the answer to a bulk transfer of ``n_bytes``, or None as long as there is none.
 
         A transfer ends when it is full, or short when its data has waited for the early packet
         delay.
@@ -184,7 +184,7 @@ class EmulatedCamera:
         return data
 
     def advance(self) -> None:
-        """Let the time pass that has passed."""
+        """Advances the camera's clock to the present."""
         now_ns = self._clock_ns()
         elapsed_ns, self._last_ns = now_ns - self._last_ns, now_ns
         if not self.registers[reg.TIMESTAMP_RUN]:
@@ -200,7 +200,7 @@ class EmulatedCamera:
         self._produce(elapsed_ns)
 
     def _hurry(self) -> None:
-        """Have something to read, whatever the clock says."""
+        """Makes sure that something can be read, whatever the clock says."""
         while len(self._fifo) < _HURRY_BYTES and not self._scene.ended:
             self._produce(1_000_000)
 
@@ -230,12 +230,12 @@ class EmulatedCamera:
             self.say(words)
 
     def _jump(self, by_us: int) -> None:
-        """The clock goes forward, the scene does not."""
+        """Advances the clock, but not the scene."""
         self._t_ns += 1000 * by_us
         self._resume_us += by_us
 
     def _produce(self, elapsed_ns: int) -> None:
-        """Let camera time pass, and send what has happened in it."""
+        """Advances camera time, and sends what has happened meanwhile."""
         overflows = self._t_ns < self._full_until_ns  # at its beginning, however long it was
         self._t_ns += elapsed_ns
         if not self._streaming:
@@ -250,12 +250,12 @@ class EmulatedCamera:
             self.say(self._encoder.encode_dated(self._imu.sample(t_us), t_us))
 
     def _show(self, t_us: int, *, full: bool) -> None:
-        """Let the scene go on up to the camera time ``t_us``."""
+        """Advances the scene to the camera time ``t_us``."""
         scene = self._scene
         if self._scene_us is None:
             self._scene_us = scene.begin()
             if self._scene_us is None:
-                self._resume_us = t_us  # it stands still before it has begun, too
+                self._resume_us = t_us  # it is still before it has begun, too
                 return
         shift_us = self._resume_us - self._scene_us
         until_us = t_us - shift_us

@@ -1,4 +1,4 @@
-"""What the camera says about itself when it is plugged in: the USB descriptors, byte by byte."""
+"""The camera's own description when it is plugged in: the USB descriptors, byte by byte."""
 
 import struct
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ _BULK, _INTERRUPT = 2, 3
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """What tells one camera from another.
+    """What distinguishes one camera from another.
 
     Attributes:
         serial: eight digits on real cameras; None leaves the string out.
@@ -43,7 +43,7 @@ class Identity:
         return self.board << 8 | self.firmware
 
     def describe(self, kind: int, index: int) -> bytes | None:
-        """A descriptor of the given type and index, or None if the camera has none."""
+        """Returns a descriptor of the given type and index, or None if the camera has none."""
         if kind == DEVICE:
             return self._device()
         if kind == CONFIGURATION and index == 0:
@@ -95,7 +95,7 @@ def _class() -> tuple[int, int, int]:
 
 
 def _bos() -> bytes:
-    """No link power management: the kernel's log of a real camera says that it is off."""
+    """Returns the BOS without link power management: a real camera's kernel log says it is off."""
     usb_2 = struct.pack("<BBBI", 7, CAPABILITY, 2, 0)
     super_speed = struct.pack("<BBBBHBBH", 10, CAPABILITY, 3, 0, 0b1110, 3, 0, 0)
     return struct.pack("<BBHB", 5, BOS, 5 + len(usb_2) + len(super_speed), 2) + usb_2 + super_speed

@@ -79,7 +79,7 @@ class Fault:
         kind: what goes wrong.
         stage: when.
         after: so many requests or transfers of the stage are spared.
-        times: how many of them it befalls then.
+        times: how many of them it hits then.
     """
 
     kind: FaultKind
@@ -89,24 +89,24 @@ class Fault:
 
     def __post_init__(self) -> None:
         if self.kind in _ONLY_STREAM and self.stage is not Stage.STREAM:
-            raise SourceError(f"the fault {self.kind} happens to the stream, not at {self.stage}")
+            raise SourceError(f"The fault {self.kind} happens to the stream, not at {self.stage}.")
 
     @classmethod
     def parse(cls, text: str) -> "Fault":
-        """From ``KIND[@STAGE][+AFTER][xTIMES]``, such as ``stall@configure+3``.
+        """Parses ``KIND[@STAGE][+AFTER][xTIMES]``, such as ``stall@configure+3``.
 
         Raises:
-            SourceError: it says something else.
+            SourceError: it is something else.
         """
         found = _FORM.fullmatch(text)
         kinds, stages = ", ".join(FaultKind), ", ".join(Stage)
-        hint = f"KIND[@STAGE][+AFTER][xTIMES]; kinds: {kinds}; stages: {stages}"
+        hint = f"Write KIND[@STAGE][+AFTER][xTIMES]; kinds: {kinds}; stages: {stages}."
         if not found:
-            raise SourceError(f"{text!r} is not a fault", hint=hint)
+            raise SourceError(f"'{text}' is not a fault.", hint=hint)
         try:
             kind, stage = FaultKind(found["kind"]), Stage(found["stage"] or Stage.STREAM)
         except ValueError as error:
-            raise SourceError(f"{text!r} is not a fault", hint=hint) from error
+            raise SourceError(f"'{text}' is not a fault.", hint=hint) from error
         return cls(kind, stage, int(found["after"] or 0), int(found["times"] or 1))
 
 
@@ -119,7 +119,7 @@ class FaultError(Exception):
 
 
 class Script:
-    """Counts what the host does and says when a fault strikes.
+    """Counts what the host does and decides when a fault hits.
 
     Args:
         faults: in any order.
@@ -130,11 +130,11 @@ class Script:
         self._seen = dict.fromkeys(Stage, 0)
 
     def has(self, kind: FaultKind) -> bool:
-        """Such a fault is among them."""
+        """Tells whether such a fault is among them."""
         return any(fault.kind is kind for fault in self._faults)
 
     def strike(self, stage: Stage) -> FaultKind | None:
-        """Count one request or transfer; return what befalls it."""
+        """Counts one request or transfer; returns the fault that hits it."""
         n = self._seen[stage]
         self._seen[stage] += 1
         for fault in self._faults:

@@ -18,7 +18,7 @@ class EventFilter:
         self._registers = registers
 
     def keep(self, events: NDArray[np.void]) -> NDArray[np.void]:
-        """The events that pass: (n,) EVENT_DTYPE."""
+        """Returns the events that pass: (n,) EVENT_DTYPE."""
         registers = self._registers
         x, y = events["x"], events["y"]
         limits = [registers[address] for address in reg.DVS_REGION]

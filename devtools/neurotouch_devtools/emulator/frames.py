@@ -32,13 +32,13 @@ class FrameReader:
         self.wanted = False
 
     def hold(self, by_us: int) -> None:
-        """Stop reading for so long: there is no room for what is read."""
+        """Stops reading for so long: there is no room for what is read."""
         for readout in self.readouts:
             readout.t_us[readout.next :] += by_us
         self._busy_until_us += by_us
 
     def begin(self, frames: deque[Frame], now_us: int, until_us: int) -> None:
-        """Take the frames whose readout begins before a moment.
+        """Takes the frames whose readout begins before a moment.
 
         Args:
             frames: of the scene, oldest first; those that are taken are removed.

@@ -25,7 +25,7 @@ class Imu:
         self._next_us = 0
 
     def sample(self, t_us: int) -> list[int]:
-        """The words of the sample that is due at a camera time, or none."""
+        """Returns the words of the sample that is due at a camera time, or none."""
         accel, gyro, temperature = (bool(self._registers[reg.Module.IMU, p]) for p in (2, 3, 4))
         if not (accel or gyro or temperature):
             return []

@@ -68,7 +68,7 @@ class Port:
         return self._camera.patience_us / 1e6 if self._camera.streaming else None
 
     def submit(self, number: int, endpoint: int, length: int) -> None:
-        """Queue a transfer from an endpoint; the debug endpoint never has anything to say."""
+        """Queues a transfer from an endpoint; the debug endpoint never has anything to say."""
         if endpoint != DATA_ENDPOINT:
             self._hanging.add(number)
             return
@@ -76,7 +76,7 @@ class Port:
         self._waiting[number] = length
 
     def control(self, number: int, setup: Setup, data: bytes) -> Completion | None:
-        """Answer a control transfer; None if it hangs.
+        """Answers a control transfer; None if it hangs.
 
         Raises:
             UnpluggedError: a fault has struck.
@@ -89,7 +89,7 @@ class Port:
         return Completion(number, 0, answer, length)
 
     def cancel(self, number: int) -> bool | None:
-        """Forget a transfer; False if it has ended already, None if the host gets no answer."""
+        """Forgets a transfer; False if it has ended already, None if the host gets no answer."""
         if number in self._lost:
             return None
         waited = number in self._hanging or number in self._waiting
@@ -98,11 +98,11 @@ class Port:
         return waited
 
     def clear_halt(self) -> None:
-        """End the stall of the data endpoint."""
+        """Ends the stall of the data endpoint."""
         self._data.clear_halt()
 
     def completions(self) -> Iterator[Completion]:
-        """The transfers that end now; call it again after ``patience_s``.
+        """Gives the transfers that end now; call it again after ``patience_s``.
 
         Raises:
             UnpluggedError: a fault has struck.

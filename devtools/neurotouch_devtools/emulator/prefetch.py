@@ -29,7 +29,7 @@ class Prefetch(Closing):
         self._thread.start()
 
     def __iter__(self) -> Iterator[EventPacket | None]:
-        """The packets.
+        """Gives the packets.
 
         Raises:
             NeuroTouchError: the source has failed; what it gave before comes first.
@@ -45,7 +45,7 @@ class Prefetch(Closing):
             yield packet
 
     def close(self) -> None:
-        """Stop pulling."""
+        """Stops pulling."""
         with self._change:
             self._closing = True
             self._change.notify()

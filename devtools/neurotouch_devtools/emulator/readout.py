@@ -95,7 +95,7 @@ def read_out(
     begin_us: int,
     global_shutter: bool = True,
 ) -> Readout:
-    """A frame's words: start, exposure, region, reset columns, exposure, signal columns, end.
+    """Returns a frame's words: start, exposure, region, reset and signal columns, end.
 
     Every value v of 0 to 255 is sent as a difference of 4 v between reset and signal: both ways to
     get 8 bits from the ADC's 10, ``ceil(d / 4)`` (dv-processing) and ``d >> 2``, give v again.
@@ -131,7 +131,7 @@ def read_out(
 
 
 def readout_us(region: Region, orientation: int) -> int:
-    """How long the columns of a region are read once."""
+    """Returns how long one readout of a region's columns takes."""
     swap = orientation & 0b100
     n_columns = region.end_y - region.start_y + 1 if swap else region.end_x - region.start_x + 1
     return n_columns * COLUMN_US
@@ -140,7 +140,7 @@ def readout_us(region: Region, orientation: int) -> int:
 def _samples(
     frame: Frame, region: Region, orientation: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Reset and signal samples, (columns, rows) as the chip reads them."""
+    """Returns reset and signal samples, (columns, rows), as the chip reads them."""
     rows, columns = np.mgrid[region.start_y : region.end_y + 1, region.start_x : region.end_x + 1]
     reset = _RESET_LEVEL - (7 * rows + 3 * columns) % _SPREAD
     signal = np.maximum(reset - 4 * frame.pixels[rows, columns].astype(np.int64), 1)

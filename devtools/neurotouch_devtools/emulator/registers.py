@@ -111,7 +111,7 @@ class Registers:
             CLOCK_DEVIATION: _DEVIATION,
             LOGIC_PATCH: logic[1],
         }
-        # Counters of 64 bits, high word first; they are told by the camera, not by the host.
+        # Counters of 64 bits, high word first; the camera writes them, not the host.
         for module, first in (
             (Module.MUX, 81),
             (Module.MUX, 83),
@@ -122,7 +122,7 @@ class Registers:
         self.power_up()
 
     def power_up(self) -> None:
-        """Forget everything that was written."""
+        """Forgets everything that was written."""
         self._values = {
             **dict(zip(DVS_REGION, FULL_REGION, strict=True)),
             **dict(zip(APS_REGION, FULL_REGION, strict=True)),
@@ -146,14 +146,14 @@ class Registers:
             self._values[address] = value & 0xFFFFFFFF
 
     def count(self, address: tuple[int, int], n: int) -> None:
-        """Add to a counter, given by the address of its high word."""
+        """Adds to a counter, given by the address of its high word."""
         module, parameter = address
         low = (module, parameter + 1)
         total = (self._fixed[address] << 32 | self._fixed[low]) + n
         self._fixed[address], self._fixed[low] = total >> 32, total & 0xFFFFFFFF
 
     def adc_cycles(self, time_us: int) -> int:
-        """A time in cycles of the ADC's clock, the unit of exposure and frame interval."""
+        """Returns a time in cycles of the ADC's clock, the unit of exposure and frame interval."""
         return round(time_us * self._mhz(ADC_CLOCK))
 
     @property

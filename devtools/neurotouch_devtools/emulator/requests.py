@@ -60,12 +60,12 @@ class Setup:
 
     @classmethod
     def parse(cls, data: bytes) -> "Setup":
-        """From the bytes on the wire."""
+        """Parses the bytes on the wire."""
         return cls(*struct.unpack("<BBHHH", data))
 
     @property
     def is_in(self) -> bool:
-        """The host wants data."""
+        """Whether the host asks for data."""
         return bool(self.request_type & IN)
 
     @property
@@ -88,7 +88,7 @@ class ControlEndpoint:
         self._stopping = False
 
     def answer(self, setup: Setup, data: bytes = b"") -> bytes:
-        """Do what a request asks for.
+        """Does what a request asks for.
 
         Args:
             setup: the request.
@@ -112,7 +112,7 @@ class ControlEndpoint:
         return answer[: setup.length]
 
     def _stage(self, setup: Setup, data: bytes) -> Stage:
-        """What the host is doing, as far as the request tells."""
+        """Returns what the host is doing, as far as the request tells."""
         if not setup.is_vendor:
             return Stage.PLUGGED
         if setup.is_in:

@@ -10,7 +10,7 @@ from neurotouch_hid.events import join_events
 from neurotouch_hid.messages import EventPacket, Frame
 
 LOOK_AHEAD_US = 100_000
-"""A frame is read from before its exposure on, but a packet holds it when the exposure is over."""
+"""A frame is read from before its exposure on, but a packet gets it when the exposure is over."""
 
 
 class Scene:
@@ -18,7 +18,7 @@ class Scene:
 
     Args:
         packets: the source's packets, pulled only as far as needed; None means "not yet", and the
-            scene stands still.
+            scene is still.
 
     Attributes:
         frames: known frames that nobody has taken, oldest first.
@@ -37,12 +37,12 @@ class Scene:
         return self._exhausted and not self._pending and not self.frames
 
     def begin(self) -> int | None:
-        """The first moment, or None as long as it is not known."""
+        """Returns the first moment, or None as long as it is not known."""
         packet = self._pull()
         return packet.t_begin_us if packet else None
 
     def take(self, until_us: int) -> NDArray[np.void]:
-        """The events before a moment that have not been taken: (n,) EVENT_DTYPE."""
+        """Returns the events before a moment that have not been taken: (n,) EVENT_DTYPE."""
         parts = []
         while self._pending:
             events = self._pending[0]
@@ -58,7 +58,10 @@ class Scene:
         return join_events(parts)
 
     def look_ahead(self, until_us: int) -> int:
-        """Pull what happens soon after a moment; return how far the scene can go, at most there."""
+        """Pulls what happens soon after a moment.
+
+        Return how far the scene can go, at most there.
+        """
         while self._known_us < until_us + LOOK_AHEAD_US and self._pull():
             pass
         if self._exhausted:

@@ -20,7 +20,7 @@ class DataEndpoint:
         self._halted = False
 
     def answer(self, length: int) -> bytes | None:
-        """What a transfer of ``length`` bytes gets, or None as long as there is nothing.
+        """Returns what a transfer of ``length`` bytes gets, or None as long as there is nothing.
 
         Raises:
             FaultError: the transfer ends otherwise. With TIMEOUT and LOST it never ends.
@@ -48,13 +48,13 @@ class DataEndpoint:
         return data
 
     def clear_halt(self) -> None:
-        """The host ends a stall; the camera drops what waits."""
+        """Ends a stall for the host; the camera drops what waits."""
         self._halted = False
         self._camera.flush()
 
 
 def _cut_after_row(data: bytes) -> int:
-    """Where to cut, in bytes: behind the first row word, or in the middle if there is none."""
+    """Returns the cut in bytes: behind the first row word, or in the middle without one."""
     for high in range(1, len(data) - 2, 2):
         if data[high] & _CODE_MASK == _ROW_CODE:
             return high + 1

@@ -76,7 +76,7 @@ class Umockdev(Closing):
         self.plug(camera)
 
     def plug(self, camera: EmulatedCamera) -> None:
-        """Plug a camera in where none is.
+        """Plugs a camera in where none is.
 
         Programs that listen to udev hear of it if umockdev's library is preloaded here, too;
         others see it by themselves.
@@ -91,7 +91,7 @@ class Umockdev(Closing):
         self._tell("add")
 
     def unplug(self) -> None:
-        """Pull the cable; what waits ends."""
+        """Pulls the cable; waiting calls end."""
         pulled, self._socket = self._socket, None
         if pulled:
             pulled.end()
@@ -103,7 +103,7 @@ class Umockdev(Closing):
             self._testbed.uevent(_PATH, action)
 
     def close(self) -> None:
-        """Take everything down."""
+        """Takes everything down."""
         self.unplug()
         for address in range(2, self._address + 1):
             self._testbed.detach_ioctl(_node(address))
@@ -125,14 +125,14 @@ class _Socket:
         self._done: deque[Any] = deque()
 
     def end(self) -> None:
-        """The cable is pulled."""
+        """Ends the calls of a pulled cable."""
         with self._lock:
             self._gone = True
             for address in list(self._urbs):
                 self._finish(address, -errno.ESHUTDOWN, b"", 0)
 
     def handle(self, _: Any, client: Any) -> bool:
-        """Answer one call of the program; umockdev calls this in a thread of its own."""
+        """Answers one call of the program; umockdev calls this in a thread of its own."""
         try:
             with self._lock:
                 code = self._obey(client.get_request(), client.get_arg())
@@ -143,7 +143,7 @@ class _Socket:
         return True
 
     def _obey(self, request: int, argument: Any) -> int:
-        """Carry out a call; return its errno."""
+        """Carries out a call; returns its errno."""
         if request in {_REAP, _REAP_NO_DELAY}:
             return self._reap(argument)
         if self._gone:
@@ -183,7 +183,7 @@ class _Socket:
             self._finish(address, done.status, answer, done.length)
 
     def _reap(self, argument: Any) -> int:
-        """Hand over one URB that has ended."""
+        """Hands over one URB that has ended."""
         if not self._done and not self._gone:
             for done in self._port.completions():
                 self._finish(done.number, done.status, done.data, done.length)
@@ -208,7 +208,7 @@ def _node(address: int) -> str:
 
 
 def _describe(identity: Identity, address: int) -> str:
-    """A camera as umockdev takes it."""
+    """Returns a camera as umockdev takes it."""
     descriptors = (identity.describe(DEVICE, 0) or b"") + (
         identity.describe(CONFIGURATION, 0) or b""
     )
@@ -239,7 +239,7 @@ def _describe(identity: Identity, address: int) -> str:
 
 
 def _load() -> Any:
-    """Return umockdev's library, by the bindings of the system's Python if ours has none."""
+    """Returns umockdev's library, by the bindings of the system's Python if ours has none."""
     sys.path.append(_SYSTEM_PACKAGES)
     try:
         import gi  # noqa: PLC0415 - only those who use it have it
@@ -248,8 +248,8 @@ def _load() -> Any:
         from gi.repository import UMockdev  # noqa: PLC0415
     except (ImportError, ValueError) as error:
         raise SourceError(
-            "umockdev cannot be loaded",
-            hint="apt install umockdev gir1.2-umockdev-1.0 python3-gi",
+            "The library umockdev cannot be loaded.",
+            hint="Debian: apt install umockdev gir1.2-umockdev-1.0 python3-gi",
         ) from error
     finally:
         sys.path.remove(_SYSTEM_PACKAGES)  # nothing else shall come from there

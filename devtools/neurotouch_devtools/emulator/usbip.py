@@ -29,7 +29,7 @@ _SIZE = 48
 _FREE = "004"
 _HIGH_SPEED, _SUPER_SPEED = 3, 5
 _BUS = 1
-"""Our name for the camera at the other end; nobody compares it with anything."""
+"""Our name for the camera at the other end; it is compared with nothing."""
 
 
 class UsbIp(Closing):
@@ -59,13 +59,13 @@ class UsbIp(Closing):
         self._thread.start()
 
     def close(self) -> None:
-        """Pull the cable."""
-        with contextlib.suppress(OSError):  # the kernel may have let go before
+        """Pulls the cable."""
+        with contextlib.suppress(OSError):  # the kernel may have released it before
             self._ours.shutdown(socket.SHUT_RDWR)
         self._thread.join()
 
     def wait(self, timeout_s: float | None = None) -> bool:
-        """Wait until the cable is pulled, by whomever; False if it is not in that time.
+        """Waits until the cable is pulled; False if time runs out first.
 
         Raises:
             NeuroTouchError: what the camera looks at has failed; the camera is unplugged.
@@ -126,7 +126,7 @@ class UsbIp(Closing):
 
 
 def find_port(*, super_speed: bool) -> int:
-    """The number of a free virtual port of the right speed.
+    """Returns the number of a free virtual port of the right speed.
 
     Raises:
         SourceError: there is none, or it is not for us.
@@ -148,12 +148,12 @@ def find_port(*, super_speed: bool) -> int:
         if its_hub == hub and state == _FREE:
             return int(port)
     raise SourceError(
-        "All virtual USB ports are taken.", hint="Unplug another emulated camera first"
+        "All virtual USB ports are taken.", hint="Unplug another emulated camera first."
     )
 
 
 def _attach(cable: socket.socket, *, super_speed: bool) -> int:
-    """Hand the cable to a free port; return its number."""
+    """Hands the cable to a free port; returns its number."""
     port = find_port(super_speed=super_speed)
     speed = _SUPER_SPEED if super_speed else _HIGH_SPEED
     (VHCI / "attach").write_text(f"{port} {cable.fileno()} {_BUS << 16 | port + 1} {speed}")

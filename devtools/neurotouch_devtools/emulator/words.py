@@ -5,8 +5,14 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_devtools.emulator import kernels
 from neurotouch_devtools.emulator.faults import FaultKind
+from neurotouch_devtools.emulator.kernels.encode import (
+    STATE_DTYPE,
+    AddressEvents,
+    Runs,
+    catch_up,
+    encode,
+)
 from neurotouch_devtools.emulator.readout import NO_READOUT, Readout, Special, Words
 from neurotouch_hid.messages import EVENT_DTYPE
 
@@ -29,23 +35,23 @@ class WordEncoder:
 
     def __init__(self, *, swap: bool) -> None:
         self._swap = swap
-        self._state = np.zeros(kernels.STATE_SIZE, np.int64)
+        self._state = np.zeros(1, STATE_DTYPE)
         self._out = np.empty(1 << 16, np.uint16)
-        self._state[kernels.ROW] = -1
+        self._state["row"] = -1
         # Compile or load the kernels now: a camera that is plugged in must not stop to think.
         self.encode(_NO_EVENTS, deque(), until_us=0, shift_us=0)
         self.wrap(0)
 
     def reset(self) -> Words:
-        """The time starts again at 0; the host is told."""
+        """Starts the time again at 0, and tells the host."""
         self._state[:] = 0
-        self._state[kernels.ROW] = -1
+        self._state["row"] = -1
         return np.array([Special.TIMESTAMP_RESET], np.uint16)
 
     def encode(
         self, events: NDArray[np.void], readouts: deque[Readout], *, until_us: int, shift_us: int
     ) -> Words:
-        """What is due before a moment: events and frames, merged in order of time.
+        """Returns the words due before a moment: events and frames, merged in order of time.
 
         Args:
             events: (n,) EVENT_DTYPE, all before ``until_us``.
@@ -55,22 +61,17 @@ class WordEncoder:
         """
         t_us = events["t"] + shift_us
         rows, columns = ("x", "y") if self._swap else ("y", "x")
-        # copies: for each way to lie in memory the kernel would be compiled again, in mid-stream
+        # copies: for each memory layout the kernel would be compiled again, in mid-stream
         row, column, on = (events[name].copy() for name in (rows, columns, "p"))
+        addressed = AddressEvents(t_us, row, column, on)
         parts, first = [], 0
         while True:
             readout = readouts[0] if readouts else NO_READOUT
             stop_us = min(until_us, int(readout.t_us[-1]) + 1) if readouts else until_us
-            n, first, readout.next = kernels.encode(
-                t_us,
-                row,
-                column,
-                on,
+            n, first, readout.next = encode(
+                addressed,
                 first,
-                readout.t_us + shift_us,
-                readout.end,
-                readout.dated,
-                readout.words,
+                Runs(readout.t_us + shift_us, readout.end, readout.dated, readout.words),
                 readout.next,
                 stop_us + shift_us,
                 self._state,
@@ -92,14 +93,14 @@ class WordEncoder:
         return self.encode(_NO_EVENTS, deque([run]), until_us=t_us + 1, shift_us=0)
 
     def wrap(self, t_us: int) -> Words:
-        """The wrap words that are due at a camera time if nothing happens before it."""
-        n = kernels.catch_up(t_us, self._state, self._out)
+        """Returns the wrap words that are due at a camera time if nothing happens before it."""
+        n = catch_up(t_us, self._state, self._out)
         return self._out[:n].copy()
 
     def garble(self, kind: FaultKind) -> Words:
         """Words that a healthy camera does not send; what comes after them is right again."""
-        low = int(self._state[kernels.LOW])
-        self._state[kernels.ROW] = -1
+        low = int(self._state["low"][0])
+        self._state["row"] = -1
         return np.array([*_GARBLED.get(kind, ()), *_backward(kind, low)], np.uint16)
 
     def _make_room(self, n_words: int) -> Words:

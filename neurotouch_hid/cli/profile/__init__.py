@@ -13,15 +13,16 @@ _SUMMARIES = {
     "new": "Make a profile of your own as a copy of another.",
     "edit": "Change a profile step by step, by questions.",
     "set": "Set one value; nothing else in the file changes.",
-    "bind": "Let a gesture do something.",
-    "unbind": "Let a gesture no longer do something.",
+    "bind": "Bind a gesture to an action.",
+    "unbind": "Remove what a gesture does.",
     "use": "Play with a profile from now on.",
     "diff": "Show in which lines two profiles differ.",
     "history": "Print the versions that are kept, newest first.",
     "undo": "Take back the last change.",
+    "delete": "Delete a profile of your own; undo brings it back.",
     "upgrade": "Rewrite a profile in the present format.",
-    "export": "Give a profile away, without your own values.",
-    "import": "Take a profile from a file, after showing what it does.",
+    "export": "Export a profile to a file, without your own values.",
+    "import": "Import a profile from a file, after showing what it does.",
 }
 _MODULES = {
     "looking": {"list": "list_command", "show": "show"},
@@ -35,7 +36,7 @@ _MODULES = {
         "upgrade": "upgrade",
     },
     "edit": {"edit": "edit"},
-    "history": {"diff": "diff", "history": "history", "undo": "undo"},
+    "history": {"diff": "diff", "history": "history", "undo": "undo", "delete": "delete"},
     "sharing": {"export": "export", "import": "import_command"},
 }
 

@@ -1,11 +1,14 @@
 """Commands that change profiles, one thing at a time."""
 
+from contextlib import suppress
+
 import click
 
-from neurotouch_hid.cli.profile.saving import save_edited
+from neurotouch_hid.cli.profile.saving import hand_over_saved, save_edited
 from neurotouch_hid.cli.ui.completing import complete_key, complete_paper, complete_profile
 from neurotouch_hid.cli.ui.outcome import Outcome
 from neurotouch_hid.cli.ui.output import json_option, make_stamp, plain_option
+from neurotouch_hid.cli.ui.usage import SignedCommand, WrongUsage
 
 
 @click.command(
@@ -29,19 +32,23 @@ def new(name: str, template: str, as_json: bool, plain: bool) -> None:
     What needs a movement that you do not use goes to another one, as far as one is free.
     """
     from neurotouch_hid.profile import load_unused
-    from neurotouch_hid.profile.editing import avoid, make_profile
+    from neurotouch_hid.profile.editing import make_profile, remap_unused
 
     edited = make_profile(name, template, make_stamp)
     edited.check(edited.text).require()
-    mine = avoid(edited.text, load_unused())
+    mine = remap_unused(edited.text, load_unused())
     edited.save(mine.text)
+    effect = hand_over_saved(name)
     path = edited.store.path
     outcome = Outcome(
         f"Saved {path}",
+        effect.status,
+        fix=effect.fix,
         file=path,
         changed=True,
         checked=edited.check(mine.text),
         notes=(
+            effect.text,
             *(f"For you: {what}" for what in mine.moved),
             *(f"For you, without a gesture: {what}" for what in mine.left),
             f"Next: neurotouch profile edit {name}",
@@ -52,7 +59,7 @@ def new(name: str, template: str, as_json: bool, plain: bool) -> None:
 
 @click.command(
     "set",
-    context_settings={"ignore_unknown_options": True},
+    cls=SignedCommand,
     epilog="\b\nExamples:\n"
     "  neurotouch profile set mine push.curve.expo 0.4\n"
     '  neurotouch profile set mine zoom.range_mm "[1, 3.5]"\n'
@@ -77,17 +84,33 @@ def set_command(
     A KEY is the gesture of a binding and what is set in it, or any key of the file. The NAME user
     is your own values: filter, timing, handedness, feedback.sound and others.
     """
-    from neurotouch_hid.profile.editing import parse_value, reset_value, set_value, take_paper
+    from neurotouch_hid.profile.editing import (
+        list_namesakes,
+        parse_value,
+        reset_value,
+        set_value,
+        take_file,
+    )
 
-    if to_default == (value is not None):
-        raise click.UsageError("give a VALUE, or --default")
-    edited = take_paper(name, make_stamp)
+    if to_default and value is not None:
+        raise WrongUsage(
+            "A VALUE and --default cannot go together.", hint="Leave one of them away."
+        )
+    if not to_default and value is None:
+        raise WrongUsage(
+            "VALUE is missing.", hint=f"Give one, or: neurotouch profile set {name} {key} --default"
+        )
+    edited = take_file(name, make_stamp)
     text = (
         reset_value(edited.text, key, edited.model)
         if value is None
         else set_value(edited.text, key, parse_value(value), edited.model)
     )
-    save_edited(edited, text, plain=plain, as_json=as_json)
+    own, *others = list_namesakes(text, key, edited.model) or ("",)
+    note = f"This was {own}. The same gesture has more bindings: {', '.join(others)}."
+    refused = f"'{key}' was not changed"
+    notes = (note,) if others else ()
+    save_edited(edited, text, notes, refused=refused, plain=plain, as_json=as_json)
 
 
 @click.command(
@@ -96,7 +119,7 @@ def set_command(
     '  neurotouch profile bind mine "push left tap" "key ctrl+c"\n'
     '  neurotouch profile bind mine "push left then pinch" "layer menu"\n'
     '  neurotouch profile bind mine twist_cw "axis right_x +" --layer fly',
-    context_settings={"ignore_unknown_options": True},
+    cls=SignedCommand,
 )
 @click.argument("name", shell_complete=complete_profile)
 @click.argument("when")
@@ -108,7 +131,7 @@ def set_command(
 def bind(
     name: str, when: str, do: str, layer: str | None, add: bool, as_json: bool, plain: bool
 ) -> None:
-    """Let a gesture do something.
+    """Bind a gesture to an action.
 
     WHEN is a gesture (push, pinch, zoom, twist cw, twist ccw, twist, scale, any), perhaps with a
     direction (left, up right), tap, double, hold or long, soft or hard, from 7 mm, at the centre,
@@ -118,11 +141,18 @@ def bind(
     rezero or next profile; perhaps after toggle, sticky, oneshot or turbo.
     """
     from neurotouch_hid.profile.editing import bind as bind_text
-    from neurotouch_hid.profile.editing import parse_do, parse_when, take_profile
+    from neurotouch_hid.profile.editing import list_company, parse_do, parse_when, take_profile
 
     edited = take_profile(name, make_stamp)
-    text = bind_text(edited.text, parse_when(when), parse_do(do), layer, add=add)
-    save_edited(edited, text, plain=plain, as_json=as_json)
+    condition = parse_when(when)
+    text = bind_text(edited.text, condition, parse_do(do), layer, add=add)
+    others = list_company(text, condition, layer)
+    note = (
+        f"The same gesture also does: {', '.join(others)}. 'unbind' removes what you do not want."
+    )
+    refused = f"'{when}' was not bound to '{do}'"
+    notes = (note,) if others else ()
+    save_edited(edited, text, notes, refused=refused, plain=plain, as_json=as_json)
 
 
 @click.command(
@@ -139,7 +169,7 @@ def bind(
 def unbind(
     name: str, when: str, do: str | None, layer: str | None, as_json: bool, plain: bool
 ) -> None:
-    """Let a gesture no longer do something.
+    """Remove what a gesture does.
 
     Without DO, WHEN no longer does anything. The words are those of bind.
     """
@@ -188,31 +218,21 @@ def use(name: str, as_json: bool, plain: bool) -> None:
     A running driver switches to NAME, and NAME becomes the first of your favourites.
     """
     from neurotouch_hid.client import ask
-    from neurotouch_hid.errors import NotRunningError, ProfileError
-    from neurotouch_hid.profile import load_profile, load_user
-    from neurotouch_hid.profile.editing import compare, set_value, take_user
-    from neurotouch_hid.profile.reading.library import find_profile, list_profiles
-    from neurotouch_hid.profile.schema.user import UserSettings
+    from neurotouch_hid.errors import NotRunningError
+    from neurotouch_hid.profile.editing import compare
+    from neurotouch_hid.profile.editing.favourites import make_favourite
+    from neurotouch_hid.profile.reading.library import OWN_VALUES
 
-    load_profile(name)
-    path = find_profile(name)
-    stem = path.stem
-    known = list_profiles().get(stem)
-    if known is None or known.resolve() != path.resolve():
-        raise ProfileError(
-            f"{path} is not among your profiles",
-            hint=f"Import it first: neurotouch profile import {name}",
-        )
-    slots = [stem, *(slot for slot in load_user().slots if slot != stem)]
-    edited = take_user(make_stamp)
-    text = set_value(edited.text, "slots", slots[:8], UserSettings)
-    edited.save(text, keep=False)  # no version: the versions kept are calibrations
-    try:
-        note = str(ask("use", profile=stem)["text"])
-    except NotRunningError:
-        note = "No driver is running; it holds from the next start."
+    stem, edited, text = make_favourite(name, make_stamp)
+    effect = hand_over_saved(OWN_VALUES)
+    note = effect.text
+    if effect.status == "OK":
+        with suppress(NotRunningError):
+            note = str(ask("use", profile=stem)["text"])
     outcome = Outcome(
         f"{stem} is the first of your favourites.",
+        effect.status,
+        fix=effect.fix,
         file=edited.store.path,
         changed=text != edited.text,
         lines=compare(edited.text, text) if as_json else (),

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def find_draft(edited: "EditedFile") -> Path:
-    """Where the draft of a profile lies; it need not exist."""
+    """Returns the path of a profile's draft; it need not exist."""
     return edited.store.path.parent / ".drafts" / edited.store.path.name
 
 
@@ -20,5 +20,5 @@ def save_draft(draft: Path, text: str) -> None:
     """Keeps a text that was not saved, and says where."""
     draft.parent.mkdir(parents=True, exist_ok=True)
     draft.write_text(text, encoding="utf-8")
-    say("WARNING", f"Not saved; the draft lies in {draft}")
+    say("WARNING", f"Not saved; the draft is in {draft}")
     click.echo(f"Go on with it: neurotouch profile edit {draft.stem}")

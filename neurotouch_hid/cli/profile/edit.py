@@ -36,9 +36,9 @@ def edit(name: str, editor: bool, source: str | None, plain: bool) -> None:
     Nothing is timed. Every step can be taken back, and nothing is saved before you say so.
     """
     from neurotouch_hid.profile import UserSettings
-    from neurotouch_hid.profile.editing import read_text, take_paper
+    from neurotouch_hid.profile.editing import read_text, take_file
 
-    edited = take_paper(name, make_stamp)
+    edited = take_file(name, make_stamp)
     draft = find_draft(edited)
     text = edited.text
     if draft.exists():
@@ -75,7 +75,7 @@ def _edit_text(edited: "EditedFile", text: str, draft: Path, *, plain: bool) -> 
             save_edited(edited, text, plain=plain)
             return True
         show_faults(checked, plain=plain)
-        choices = ["Edit again", "Keep the old profile, throw this away", "Keep this as a draft"]
+        choices = ["Edit again", "Keep the old profile, discard this one", "Keep this as a draft"]
         answer = choose("There are errors. What now?", choices, default=0)
         if answer == 1:
             say("OK", "The old profile is kept.", plain=plain)

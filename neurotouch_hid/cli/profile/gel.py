@@ -13,7 +13,7 @@ TOLD_EVERY_US = 100_000  # ten lines a second of sensor time: readable, and stil
 
 
 def see_gesture(source: str) -> str | None:
-    """The first movement that is made on the gel, in words; None if the source ends before."""
+    """Returns the first movement made on the gel, in words; None if the source ends first."""
     from neurotouch_hid.profile import load_user
     from neurotouch_hid.profile.calibration import CalibrationSession
 
@@ -30,7 +30,7 @@ def see_gesture(source: str) -> str | None:
 
 
 def try_on_gel(source: str, profile: "Profile") -> None:
-    """One gesture, and what the draft makes of it while it moves, ten times a second."""
+    """Shows one gesture and what the draft makes of it, ten times a second."""
     from neurotouch_hid.messages import GestureKind
     from neurotouch_hid.monitor import describe_gesture, describe_pad
     from neurotouch_hid.profile import Mapping, load_user

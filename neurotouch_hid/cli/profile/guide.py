@@ -39,7 +39,7 @@ class Guide:
         try:
             self._edited.check(self._text).require()
         except ProfileError as error:
-            hint = f"Mend it first: neurotouch profile edit {self._edited.name} --editor"
+            hint = f"Fix it first: neurotouch profile edit {self._edited.name} --editor"
             raise ProfileError(error.message, hint=hint) from None
         try:
             while self._ask_what():
@@ -244,7 +244,7 @@ class Guide:
             self._text = before
 
     def _show_response(self, binding: "Binding") -> None:
-        """The value moving through the curve, from rest to beyond the end."""
+        """Shows the value moving through the curve, from rest to beyond the end."""
         from neurotouch_hid.profile.editing.questions import sample_response
 
         for measure, value in sample_response(binding):

@@ -1,7 +1,10 @@
 """Commands about what a profile was before, or is elsewhere."""
 
+from contextlib import suppress
+
 import click
 
+from neurotouch_hid.cli.profile.saving import hand_over_saved
 from neurotouch_hid.cli.ui.completing import complete_profile
 from neurotouch_hid.cli.ui.outcome import Outcome, report_lines
 from neurotouch_hid.cli.ui.output import (
@@ -45,8 +48,8 @@ def diff(name: str, other: str | None, last: bool, as_json: bool, plain: bool) -
         base = versions[0].path
     else:
         raise ProfileError(
-            f"there is nothing to compare '{name}' with: it is not a copy, and never changed",
-            hint=f"neurotouch profile diff {name} OTHER",
+            f"There is nothing to compare '{name}' with: it is not a copy, and never changed.",
+            hint=f"Compare with another: neurotouch profile diff {name} OTHER",
         )
     before = read_text(base)[0]
     if base == shipped:  # the schema line differs in every copy
@@ -77,9 +80,9 @@ def diff(name: str, other: str | None, last: bool, as_json: bool, plain: bool) -
 @json_option
 def history(name: str, as_json: bool) -> None:
     """Print the versions of NAME that are kept, newest first."""
-    from neurotouch_hid.profile.editing import compare, read_text, take_paper
+    from neurotouch_hid.profile.editing import compare, read_text, take_deleted, take_file
 
-    edited = take_paper(name, make_stamp)
+    edited = take_deleted(name, make_stamp) or take_file(name, make_stamp)
     path = edited.store.path
     rows = [
         {
@@ -95,10 +98,19 @@ def history(name: str, as_json: bool) -> None:
         return
     for row in rows:
         n = row["lines_different_now"]
-        difference = f"{n} lines differ from now" if n else "the same as now"
-        click.echo(f"version {row['version']}: replaced {row['replaced']}, {difference}")
+        words = "1 line differs" if n == 1 else f"{n} lines differ"
+        difference = f"{words} from now" if n else "the same as now"
+        replaced = _tell_time(str(row["replaced"]))
+        click.echo(f"version {row['version']}: replaced {replaced}, {difference}")
     if not rows:
         click.echo(f"{path.stem} has never been changed")
+
+
+def _tell_time(stamp: str) -> str:
+    """Returns the name of a version, such as ``2026-11-24 02-13-08``, with colons in its time."""
+    day, _, rest = stamp.partition(" ")
+    time, _, kind = rest.partition(" ")
+    return f"{day} {time.replace('-', ':')}" + (f" by a {kind}" if kind else "")
 
 
 @click.command(
@@ -111,15 +123,65 @@ def history(name: str, as_json: bool) -> None:
 @json_option
 @plain_option
 def undo(name: str, number: int | None, as_json: bool, plain: bool) -> None:
-    """Take back the last change.
+    """Take back the last change; a deleted profile comes back.
 
     Nothing is lost: what is undone stays in the history of NAME.
     """
-    from neurotouch_hid.profile.editing import compare, read_text, take_paper
+    from neurotouch_hid.profile.editing import compare, read_text, take_deleted, take_file
 
-    edited = take_paper(name, make_stamp)
+    edited = take_deleted(name, make_stamp) or take_file(name, make_stamp)
     version = edited.store.undo() if number is None else edited.store.restore(number)
     lines = compare(edited.text, read_text(edited.store.path)[0])
-    message = f"{edited.name} is as in version {version.number} again."
-    outcome = Outcome(message, file=edited.store.path, changed=bool(lines), lines=lines)
+    effect = hand_over_saved(edited.name)
+    was_deleted = edited.content is None and not edited.text
+    outcome = Outcome(
+        f"{edited.name} is back, as in version {version.number}."
+        if was_deleted
+        else f"{edited.name} is as in version {version.number} again.",
+        effect.status,
+        file=edited.store.path,
+        changed=bool(lines),
+        lines=lines if as_json or not was_deleted else (),
+        notes=(effect.text,),
+        fix=effect.fix,
+    )
     outcome.tell(plain=plain, as_json=as_json)
+
+
+@click.command(epilog="\b\nExamples:\n  neurotouch profile delete mine")
+@click.argument("name", shell_complete=complete_profile)
+@json_option
+@plain_option
+def delete(name: str, as_json: bool, plain: bool) -> None:
+    """Delete the profile NAME of your own; 'undo' brings it back.
+
+    A shipped profile is never deleted. Your own copy of one is, and then the shipped one is there
+    again. A profile that is active, a favourite, or a base of another stays.
+    """
+    from neurotouch_hid.profile.editing import delete_profile
+
+    hidden = delete_profile(name, make_stamp, _list_played())
+    effect = hand_over_saved(name) if hidden is not None else None
+    again = (f"The profile '{name}' is now: {hidden}",) if hidden is not None else ()
+    outcome = Outcome(
+        f"Deleted '{name}'.",
+        "OK" if effect is None else effect.status,
+        changed=True,
+        notes=(*again, f"Back: neurotouch profile undo {name}"),
+        fix="" if effect is None else effect.fix,
+    )
+    outcome.tell(plain=plain, as_json=as_json)
+
+
+def _list_played() -> list[str]:
+    """Returns the profiles that drivers play now, and those that applications have chosen."""
+    from neurotouch_hid.client import ask
+    from neurotouch_hid.driver.settings import load_driver_settings
+    from neurotouch_hid.errors import DriverError
+    from neurotouch_hid.players import list_players
+
+    played = list(load_driver_settings().profile_of.values())
+    for player in list_players():
+        with suppress(DriverError):
+            played.append(str(ask("status", player=player)["profile"]))
+    return played

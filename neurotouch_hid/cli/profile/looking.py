@@ -1,9 +1,12 @@
 """Commands that say which profiles there are and what they do."""
 
+import shutil
+import textwrap
+
 import click
 
 from neurotouch_hid.cli.ui.completing import complete_profile
-from neurotouch_hid.cli.ui.output import json_option, plain_option, print_json, say
+from neurotouch_hid.cli.ui.output import json_option, plain_option, print_json
 
 
 @click.command(
@@ -39,10 +42,13 @@ def list_command(as_json: bool, plain: bool) -> None:
         notes = ["yours" if row["own"] else "shipped"] + (["in use"] if row["in_use"] else [])
         text = row["description"] or "it has errors, see: neurotouch profile check"
         if plain:
-            say(str(row["status"]), f"{row['name']}, {', '.join(notes)}: {text}")
+            wrong = "FAILED " if row["status"] != "OK" else ""
+            click.echo(f"{wrong}{row['name']}, {', '.join(notes)}: {text}")
         else:
             mark = "!" if row["status"] != "OK" else "*" if row["in_use"] else " "
-            click.echo(f"{mark} {row['name']:<18} {notes[0]:<8} {text}")
+            head = f"{mark} {row['name']:<18} {notes[0]:<8} "
+            width = shutil.get_terminal_size().columns
+            click.echo(textwrap.fill(f"{head}{text}", width, subsequent_indent=" " * len(head)))
 
 
 @click.command(
@@ -55,7 +61,7 @@ def list_command(as_json: bool, plain: bool) -> None:
 @click.option(
     "--effective",
     is_flag=True,
-    help="What holds in the end: with what it is built on, your values, all times.",
+    help="What applies in the end: with its base profiles, your values, all times.",
 )
 @json_option
 @plain_option
@@ -84,9 +90,9 @@ def show(name: str, effective: bool, as_json: bool, plain: bool) -> None:
 
 
 def _show_values(*, as_json: bool) -> None:
+    from neurotouch_hid.players import find_user_file
     from neurotouch_hid.profile import load_user
     from neurotouch_hid.profile.editing.values import format_value
-    from neurotouch_hid.profile.reading.library import find_user_file
 
     path = find_user_file()
     values = load_user().model_dump(mode="json", exclude_none=True)

@@ -1,17 +1,87 @@
 """What every change of a profile ends with: checked, saved, told."""
 
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from neurotouch_hid.cli.ui.outcome import Outcome
 from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
+    from neurotouch_hid.profile import Checked
     from neurotouch_hid.profile.editing import EditedFile
+    from neurotouch_hid.profile.faults import Fault
 
 
-def save_edited(edited: "EditedFile", text: str, *, plain: bool, as_json: bool = False) -> None:
-    """Saves a changed text if it is right, and tells what has changed.
+class Effect(NamedTuple):
+    """What a saved file does now: a status, a sentence, and the way out if it does nothing."""
+
+    status: Literal["OK", "WARNING"]
+    text: str
+    fix: str
+
+
+def hand_over_saved(name: str) -> Effect:
+    """Gives what has been saved to the running driver.
+
+    Args:
+        name: the profile, or ``user`` for the person's own values.
+    """
+    from neurotouch_hid.handover import hand_over
+    from neurotouch_hid.profile.reading.library import OWN_VALUES
+
+    done = hand_over()
+    if done.status == "refused":
+        return Effect("WARNING", done.text, done.fix)
+    text = done.text
+    if name != OWN_VALUES and done.status == "plays" and name not in done.profiles:
+        text = f"It is not the active profile. To play it: neurotouch profile use {name}"
+    return Effect("OK", text, "")
+
+
+def _find_new_error(edited: "EditedFile", checked: "Checked[Any]") -> "Fault | None":
+    """Returns the first error that the file as it is does not have."""
+    before = {(each.path, each.sentence) for each in edited.check(edited.text).faults}
+    return next(
+        (
+            each
+            for each in sorted(checked.faults)
+            if each.severity == "error" and (each.path, each.sentence) not in before
+        ),
+        None,
+    )
+
+
+def _explain(refused: str, fault: "Fault") -> ProfileError:
+    """Returns the error about one change, for a person who sees no file."""
+    hint = f"{fault.hint[:1].upper()}{fault.hint[1:]}"
+    if hint and not hint.endswith("?"):
+        hint += "."
+    subject = "it " if fault.sentence.startswith(("needs", "is ", "has ")) else ""
+    return ProfileError(
+        f"{refused}: {subject}{fault.sentence}.",
+        hint=hint or f"What this means: neurotouch explain {fault.code}",
+    )
+
+
+def save_edited(
+    edited: "EditedFile",
+    text: str,
+    notes: tuple[str, ...] = (),
+    *,
+    refused: str = "",
+    plain: bool,
+    as_json: bool = False,
+) -> None:
+    """Saves a changed text if it is right, and tells what has changed; then prints ``notes``.
+
+    Args:
+        edited: the file.
+        text: its text now.
+        notes: sentences for the end.
+        refused: what has failed if this one change brings a mistake in, such as "'filter' was not
+            changed"; the mistake is then told without its place in a file that was not saved.
+        plain: one fact per line.
+        as_json: the result as JSON.
 
     Raises:
         ProfileError: there are errors, or it cannot be written; nothing has changed. With
@@ -28,22 +98,28 @@ def save_edited(edited: "EditedFile", text: str, *, plain: bool, as_json: bool =
     try:
         checked.require()
     except ProfileError as error:
-        fix = error.hint or "Nothing was saved."
+        fault = _find_new_error(edited, checked) if refused else None
+        told = ProfileError(f"{error.message}\nNothing was saved.", hint=error.hint)
+        if fault is not None:
+            told = _explain(refused, fault)
         if not as_json:
-            raise ProfileError(error.message, hint=fix) from None
-        refused = Outcome("There are errors.", "FAILED", path, checked=checked, fix=fix)
-        refused.tell(plain=plain, as_json=True)
+            raise told from None
+        message = "There are errors." if fault is None else told.message
+        fix = told.hint or "Nothing was saved."
+        Outcome(message, "FAILED", path, checked=checked, fix=fix).tell(plain=plain, as_json=True)
         sys.exit(error.exit_code)
     edited.save(text)
-    notes = (
-        ("This is your own copy; the shipped profile stays as it is.",) if edited.shipped else ()
-    )
+    effect = hand_over_saved(edited.name)
+    if edited.shipped:
+        notes = ("This is your own copy; the shipped profile stays as it is.", *notes)
     saved = Outcome(
         f"Saved {path}",
+        effect.status,
         file=path,
         changed=True,
         lines=compare(edited.text, text),
         checked=checked,
-        notes=notes,
+        notes=(effect.text, *notes),
+        fix=effect.fix,
     )
     saved.tell(plain=plain, as_json=as_json)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from neurotouch_hid.cli.profile.saving import hand_over_saved
 from neurotouch_hid.cli.ui.completing import complete_profile
 from neurotouch_hid.cli.ui.outcome import Outcome, confirm, show_faults
 from neurotouch_hid.cli.ui.output import (
@@ -13,6 +14,7 @@ from neurotouch_hid.cli.ui.output import (
     print_json,
     show_changes,
 )
+from neurotouch_hid.cli.ui.usage import WrongUsage
 from neurotouch_hid.errors import ProfileError
 
 
@@ -36,29 +38,27 @@ from neurotouch_hid.errors import ProfileError
 def export(
     name: str, output: Path | None, user_path: Path | None, force: bool, as_json: bool
 ) -> None:
-    """Give a profile away, without your own values.
+    """Export a profile to a file, without your own values.
 
     Ranges, filter and timing are yours: they go along only with --user, in a file of their own,
     which 'neurotouch profile import --user' takes in.
     """
+    from neurotouch_hid.players import find_user_file
     from neurotouch_hid.profile import check_profile
-    from neurotouch_hid.profile.editing import read_text
-    from neurotouch_hid.profile.reading.library import (
-        find_profile,
-        find_shipped_folder,
-        find_user_file,
-    )
+    from neurotouch_hid.profile.editing import forget_schema, read_text
+    from neurotouch_hid.profile.reading.library import find_profile, find_shipped_folder
 
     path = find_profile(name)
     checked = check_profile(path)
     profile = checked.require()
-    files = {} if output is None else {output: checked.text}
+    shared = forget_schema(checked.text)
+    files = {} if output is None else {output: shared}
     if user_path is not None:
         if not find_user_file().exists():
             raise ProfileError(
-                "you have no values of your own yet", hint="Make them: neurotouch calibrate"
+                "You have no values of your own yet.", hint="Make them: neurotouch calibrate"
             )
-        files[user_path] = read_text(find_user_file())[0]
+        files[user_path] = forget_schema(read_text(find_user_file())[0])
     for target, text in files.items():
         _write(target, text, force=force)
     notes = tuple(
@@ -68,11 +68,11 @@ def export(
     )
     if as_json:
         written = [str(target) for target in files]
-        content = checked.text if output is None else None
+        content = shared if output is None else None
         print_json({"status": "OK", "files": written, "content": content, "notes": list(notes)})
         return
     if output is None:
-        click.echo(checked.text, nl=False)
+        click.echo(shared, nl=False)
     for target in files:
         click.echo(f"OK Saved {target}", err=True)
     for note in notes:
@@ -83,11 +83,13 @@ def _write(path: Path, text: str, *, force: bool) -> None:
     from neurotouch_hid.profile.editing.store import write_whole
 
     if path.exists() and not force:
-        raise ProfileError(f"{path} exists already", hint="Add --force to overwrite it.")
+        raise ProfileError(f"'{path}' exists already.", hint="Add --force to overwrite it.")
     try:
         write_whole(path, text.encode("utf-8"))
     except OSError as error:
-        raise ProfileError(f"{path} cannot be written: {error.strerror}") from None
+        raise ProfileError(
+            f"'{path}' cannot be written: {error.strerror}.", hint="Choose another folder."
+        ) from None
 
 
 @click.command(
@@ -99,20 +101,23 @@ def _write(path: Path, text: str, *, force: bool) -> None:
 )
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--name", help="What to call it. Default: the name in the file.")
-@click.option("--user", "is_user", is_flag=True, help="FILE holds your own values, no profile.")
+@click.option("--user", "is_user", is_flag=True, help="FILE has your own values, not a profile.")
 @click.option("--yes", is_flag=True, help="Do not ask.")
 @json_option
 @plain_option
 def import_command(
     file: Path, name: str | None, is_user: bool, yes: bool, as_json: bool, plain: bool
 ) -> None:
-    """Take a profile from a file, after showing what it does.
+    """Import a profile from a file, after showing what it does.
 
     Nothing in FILE is ever run. With --json nothing is asked: without --yes it only says what would
     change.
     """
     if is_user and name is not None:
-        raise click.UsageError("--user and --name cannot go together")
+        raise WrongUsage(
+            "Options --user and --name cannot go together.",
+            hint="Leave --name away: your own values have no name.",
+        )
     if is_user:
         _take_values(file, yes=yes, as_json=as_json, plain=plain)
     else:
@@ -160,14 +165,22 @@ def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, pla
         _decline(own, lines, plain=plain, as_json=as_json)
         return
     EditedFile(stem, Store(own, make_stamp), old, old_text).save(text)
-    saved = Outcome(f"Saved {own}", file=own, changed=True)
-    if as_json:
-        saved = Outcome(f"Saved {own}", file=own, changed=True, lines=lines, checked=checked)
+    effect = hand_over_saved(stem)
+    saved = Outcome(
+        f"Saved {own}",
+        effect.status,
+        file=own,
+        changed=True,
+        lines=lines if as_json else (),  # else they have been shown
+        checked=checked if as_json else None,
+        notes=(effect.text,),
+        fix=effect.fix,
+    )
     saved.tell(plain=plain, as_json=as_json)
 
 
 def _take_values(file: Path, *, yes: bool, as_json: bool, plain: bool) -> None:
-    """The values of a person from a file that ``export --user`` wrote."""
+    """Takes a person's values from a file that ``export --user`` wrote."""
     from neurotouch_hid.profile import check_user
     from neurotouch_hid.profile.editing import adopt, compare, read_text, take_user
     from neurotouch_hid.profile.editing.edited_file import find_schema
@@ -185,12 +198,21 @@ def _take_values(file: Path, *, yes: bool, as_json: bool, plain: bool) -> None:
     if lines and not confirm(f"Save them as {path}?", yes=yes, as_json=as_json):
         _decline(path, lines, plain=plain, as_json=as_json)
         return
-    if lines:
-        edited.save(text)
-    said = f"Saved {path}" if lines else "These are your values already, nothing has changed."
-    notes = ("Back to those before: neurotouch calibrate --undo",) if lines else ()
-    shown = lines if as_json else ()
-    outcome = Outcome(said, file=path, changed=bool(lines), lines=shown, notes=notes)
+    if not lines:
+        same = Outcome("These are your values already, nothing has changed.", file=path)
+        same.tell(plain=plain, as_json=as_json)
+        return
+    edited.save(text)
+    effect = hand_over_saved(edited.name)
+    outcome = Outcome(
+        f"Saved {path}",
+        effect.status,
+        file=path,
+        changed=True,
+        lines=lines if as_json else (),
+        notes=(effect.text, "Back to those before: neurotouch profile undo user"),
+        fix=effect.fix,
+    )
     outcome.tell(plain=plain, as_json=as_json)
 
 

@@ -56,7 +56,7 @@ def ask_values(edited: "EditedFile", text: str, *, plain: bool) -> bool:
 
 
 def _ask(edited: "EditedFile", text: str, key: str, *, plain: bool) -> str:
-    """The text with another value; as it is if that does not fit."""
+    """Returns the text with another value; unchanged if the value does not fit."""
     from neurotouch_hid.profile import UserSettings
     from neurotouch_hid.profile.editing import compare, parse_value, reset_value, set_value
     from neurotouch_hid.profile.editing.questions import list_words

@@ -20,12 +20,12 @@ def complete_paper(_ctx: click.Context, _param: click.Parameter, incomplete: str
 
 
 def complete_key(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Ways to the values of the profile that stands before on the line."""
-    from neurotouch_hid.profile.document import parse_document
-    from neurotouch_hid.profile.editing import list_ways, take_paper
+    """Completes paths to values of the profile named before on the command line."""
+    from neurotouch_hid.profile.editing import list_ways, take_file
+    from neurotouch_hid.profile.yaml_document import parse_document
 
     try:
-        paper = take_paper(ctx.params.get("name") or "default", str)
+        paper = take_file(ctx.params.get("name") or "default", str)
     except NeuroTouchError:
         return []
     root, _ = parse_document(paper.text)

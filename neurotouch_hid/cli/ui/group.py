@@ -1,9 +1,30 @@
 """A command whose sub-commands are imported only when they are used."""
 
+import difflib
 import importlib
 from collections.abc import Mapping
 
 import click
+
+from neurotouch_hid.cli.ui.usage import WrongUsage
+from neurotouch_hid.errors import NeuroTouchError
+
+_OTHER_WORDS = {
+    "stop": ("quit", "exit", "end", "kill", "off"),
+    "run": ("start", "play", "on"),
+    "resume": ("continue", "unpause", "go"),
+    "calibrate": ("calibration", "measure"),
+    "record": ("capture",),
+    "new": ("create", "add", "copy"),
+    "list": ("ls",),
+    "show": ("cat", "print"),
+}
+"""What people may type instead of a name."""
+
+_PAGES = ("help", "version")
+"""What people may type as a command, and is an option."""
+_REMOVING = ("remove", "rm")
+"""What can mean a whole profile or one binding."""
 
 DEVTOOLS = "neurotouch_devtools"
 """The distribution with the emulated camera and the long benchmarks; not everybody has it."""
@@ -32,11 +53,11 @@ class LazyGroup(click.Group):
         self._summaries = summaries
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """The names, in the order of the help page."""
+        """Returns the names, in the order of the help page."""
         return list(self._summaries)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The sub-command; None if there is none of that name."""
+        """Returns the sub-command; None if none has that name."""
         if cmd_name not in self._summaries:
             return None
         module, name = self._places[cmd_name]
@@ -49,6 +70,24 @@ class LazyGroup(click.Group):
         command.name = cmd_name  # of the function it has "command"; the documents show this one
         return command
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Returns the sub-command; where none has the name, the error names the nearest one."""
+        name = args[0]
+        if name in self._summaries or name.startswith("-"):
+            return super().resolve_command(ctx, args)
+        near = [each for each, others in _OTHER_WORDS.items() if name.lower() in others]
+        near = [each for each in near if each in self._summaries]
+        near = near or difflib.get_close_matches(name.lower(), self._summaries, 1)
+        fix = f"Did you mean: {ctx.command_path} {near[0]}" if near else ""
+        if name in _PAGES:
+            fix = f"Did you mean: neurotouch --{name}"
+        elif name.lower() in _REMOVING and "unbind" in self._summaries:
+            fix = "A profile: neurotouch profile delete. A binding: neurotouch profile unbind"
+        fix = fix or f"All commands: {ctx.command_path} --help"
+        raise WrongUsage(f"There is no command '{name}'.", hint=fix)
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Writes names and summaries without importing any sub-command."""
         with formatter.section("Commands"):
@@ -56,15 +95,15 @@ class LazyGroup(click.Group):
 
 
 def _explain_missing(name: str) -> click.Command:
-    """Returns a stand-in for a command of the development tools that says how to get them."""
+    """Returns a substitute for a command of the development tools that says how to get them."""
 
     @click.command(name, context_settings={"ignore_unknown_options": True})
     @click.argument("anything", nargs=-1, type=click.UNPROCESSED)
     def command(anything: tuple[str, ...]) -> None:  # noqa: ARG001
         """Belongs to the development tools, which are not installed."""
-        raise click.ClickException(
-            f"'{name}' belongs to the development tools, which are not installed.\n"
-            "Fix: in a checkout of the project: pip install ./devtools"
+        raise NeuroTouchError(
+            f"'{name}' belongs to the development tools, which are not installed.",
+            hint="In a checkout of the project: pip install ./devtools",
         )
 
     return command

@@ -6,6 +6,8 @@ import sys
 
 import click
 
+from neurotouch_hid.errors import NeuroTouchError
+
 
 class Keyboard:
     """Reads whole lines from the standard input, also from a pipe.
@@ -19,20 +21,20 @@ class Keyboard:
         self._ended = False
 
     def poll(self) -> str | None:
-        """The next line if one has arrived, without its end.
+        """Returns the next line if one has arrived, without its end.
 
         Raises:
-            click.Abort: the input has ended.
+            NeuroTouchError: the input has ended.
         """
         while b"\n" not in self._arrived and select.select([self._fd], [], [], 0)[0]:
             self._receive()
         return self._take() if b"\n" in self._arrived else None
 
     def ask(self, question: str) -> str:
-        """The answer to a question; waits for ever.
+        """Waits for the answer to a question.
 
         Raises:
-            click.Abort: the input has ended.
+            NeuroTouchError: the input has ended.
         """
         click.echo(question)
         while b"\n" not in self._arrived:
@@ -52,7 +54,10 @@ class Keyboard:
         content = os.read(self._fd, 4096)
         if not content:
             if not self._arrived:
-                raise click.Abort
+                raise NeuroTouchError(
+                    "The input has ended, so nothing more can be answered.",
+                    hint="Run this command in a terminal.",
+                )
             content = b"\n"  # the last line without its end
         self._arrived += content
 

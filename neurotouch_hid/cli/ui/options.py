@@ -1,11 +1,46 @@
 """Options that several commands share, so that they are called and mean the same everywhere."""
 
 import difflib
+import math
+from pathlib import Path
+from typing import Any
 
 import click
 from click.shell_completion import CompletionItem
 
+from neurotouch_hid.cli.ui.usage import WrongUsage
+
 _METHODS = ("neurotouch", "paper")  # gesture.method.BUILT_IN, without loading its kernels
+
+
+class Finite(click.FloatRange):
+    """A number in a range; ``nan`` and ``inf``, which Python reads as numbers, are none."""
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """Returns the number."""
+        number = float(super().convert(value, param, ctx))
+        if not math.isfinite(number):
+            self.fail(f"'{value}' is not in the range.", param, ctx)
+        return number
+
+
+class OutFile(click.Path):
+    """A file to be written; its folder must be there before the work begins."""
+
+    def __init__(self) -> None:
+        super().__init__(dir_okay=False, path_type=Path)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Returns the path."""
+        path = Path(str(super().convert(value, param, ctx)))
+        if not path.parent.is_dir():
+            raise WrongUsage(
+                f"There is no folder '{path.parent}' to write '{path.name}' to.",
+                hint="Make the folder, or choose another.",
+            )
+        return path
 
 
 class MethodName(click.ParamType):  # type: ignore[type-arg]  # generic from click 8.5 on
@@ -15,28 +50,29 @@ class MethodName(click.ParamType):  # type: ignore[type-arg]  # generic from cli
 
     def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> str:
         """Returns the name if there is such a method."""
-        if value not in _METHODS:
-            from neurotouch_hid.plugins import METHODS, list_plugins
-
-            known = (*_METHODS, *list_plugins(METHODS))
-            if value not in known:
-                near = difflib.get_close_matches(value, known, 1)
-                guess = f" Did you mean '{near[0]}'?" if near else ""
-                self.fail(f"no method '{value}'; methods: {', '.join(known)}.{guess}", param, ctx)
+        if value not in _METHODS and value not in (known := _list_methods()):
+            near = difflib.get_close_matches(value, known, 1)
+            fix = f"Did you mean {near[0]}? " if near else ""
+            raise WrongUsage(
+                f"There is no method '{value}'.", hint=f"{fix}Methods: {', '.join(known)}."
+            )
         return value
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str:
         """Returns what the help page shows."""
-        return f"[{'|'.join(_METHODS)}|...]"
+        return f"[{'|'.join(_list_methods())}]"
 
     def shell_complete(
         self, ctx: click.Context, param: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
         """Returns the names that begin so."""
-        from neurotouch_hid.plugins import METHODS, list_plugins
+        return [CompletionItem(name) for name in _list_methods() if name.startswith(incomplete)]
 
-        known = (*_METHODS, *list_plugins(METHODS))
-        return [CompletionItem(name) for name in known if name.startswith(incomplete)]
+
+def _list_methods() -> tuple[str, ...]:
+    from neurotouch_hid.plugins import METHODS, list_plugins
+
+    return (*_METHODS, *list_plugins(METHODS))
 
 
 method_option = click.option(
@@ -68,12 +104,12 @@ seed_option = click.option(
     "--seed", default=0, show_default=True, help="Seed of whatever is simulated."
 )
 seconds_option = click.option(
-    "--seconds", type=click.FloatRange(min=0.1), help="End by itself after so long."
+    "--seconds", type=Finite(min=0.1), help="End by itself after so long."
 )
 rate_option = click.option(
     "--rate",
     "rate_hz",
-    type=click.FloatRange(min=25.0, max=1000.0),
+    type=Finite(min=25.0, max=1000.0),
     metavar="HZ",
     show_default="250 of a camera, 100 (the paper's) of anything else",
     help="Gestures a second: more answer sooner and cost more processor time.",

@@ -51,7 +51,7 @@ class Outcome:
             show_faults(self.checked, plain=plain)
 
     def report(self) -> dict[str, Any]:
-        """The same as plain values."""
+        """Returns the same as plain values."""
         return {
             "status": self.status,
             "message": self.message,
@@ -70,7 +70,7 @@ def report_lines(lines: Sequence[tuple[str, int, str]]) -> list[dict[str, Any]]:
 
 
 def report_faults(checked: "Checked[Any]") -> list[dict[str, Any]]:
-    """The faults of something that was read, as plain values."""
+    """Returns the faults of a text as plain values."""
     lines = checked.text.splitlines()
     return [
         {
@@ -89,13 +89,13 @@ def report_faults(checked: "Checked[Any]") -> list[dict[str, Any]]:
 
 
 def _find_end(mark: "Mark", lines: list[str]) -> int:
-    """The column after the last one, from 1 on; a mark may say "to the end of the line"."""
+    """Returns the column after the last one, from 1; a mark may reach to the line's end."""
     length = len(lines[mark.line]) if mark.line < len(lines) else 0
     return 1 + max(mark.column + 1, min(mark.column + mark.length, length))
 
 
 def show_faults(checked: "Checked[Any]", *, plain: bool) -> None:
-    """The faults of something that was read, one a line in plain output."""
+    """Prints the faults of a text, one a line in plain output."""
     if not plain:
         if checked.faults:
             click.echo(checked.format())
@@ -108,7 +108,7 @@ def show_faults(checked: "Checked[Any]", *, plain: bool) -> None:
 
 
 def confirm(question: str, *, yes: bool, as_json: bool) -> bool:
-    """True if the person agrees, now or with ``--yes``; a program is never asked."""
+    """Tells whether the person agrees, now or with ``--yes``; a script is never asked."""
     if yes or as_json:
         return yes
     return click.confirm(question, default=False)

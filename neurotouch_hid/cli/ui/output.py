@@ -48,7 +48,7 @@ def json_option(command: Command) -> Command:
 
 
 def is_plain(*, asked: bool = False) -> bool:
-    """True if output is one fact per line."""
+    """Tells whether output is one fact per line."""
     return (
         asked
         or os.environ.get("NT_ACCESSIBLE", "0") not in ("", "0")
@@ -58,14 +58,14 @@ def is_plain(*, asked: bool = False) -> bool:
 
 
 def paint(text: str, colour: str, *, plain: bool) -> str:
-    """The text in colour where that helps nobody less; ``NO_COLOR`` is honoured."""
+    """Returns the text in colour where colour is useful; ``NO_COLOR`` is honoured."""
     if plain or os.environ.get("NO_COLOR"):
         return text
     return click.style(text, fg=colour)
 
 
 def say(status: str, sentence: str, fix: str = "", *, plain: bool = True) -> None:
-    """A line that begins with its status, and the way out in the line below."""
+    """Prints a line that begins with its status, and the next step below."""
     colours = {"OK": "green", "WARNING": "yellow", "FAILED": "red"}
     click.echo(f"{paint(status, colours.get(status, 'cyan'), plain=plain)} {sentence}")
     if fix:
@@ -83,13 +83,18 @@ def show_changes(lines: Sequence[tuple[str, int, str]], *, plain: bool) -> None:
 
 
 def print_json(value: Any) -> None:
-    """The value as JSON."""
+    """Prints the value as JSON."""
     click.echo(json.dumps(value, indent=2, ensure_ascii=False, default=str))
 
 
 def make_stamp() -> str:
-    """The present moment, for the name of a version."""
+    """Returns the present moment, for the name of a version."""
     return time.strftime("%Y-%m-%d_%H-%M-%S")
+
+
+def make_calibration_stamp() -> str:
+    """Returns the same for a version that a calibration replaces, so that it can be found again."""
+    return f"{make_stamp()}_calibration"
 
 
 def choose(question: str, choices: Sequence[str], *, default: int | None = None) -> int:
@@ -102,5 +107,10 @@ def choose(question: str, choices: Sequence[str], *, default: int | None = None)
     for number, choice in enumerate(choices, 1):
         click.echo(f"  {number}. {choice}")
     shown = None if default is None else default + 1
-    answer = click.prompt("Number", type=click.IntRange(1, len(choices)), default=shown)
-    return int(answer) - 1
+
+    def read(answer: str) -> int:
+        if answer.strip() in map(str, range(1, len(choices) + 1)):
+            return int(answer)
+        raise click.UsageError(f"Type a number from 1 to {len(choices)}.")
+
+    return int(click.prompt("Number", value_proc=read, default=shown)) - 1

@@ -1,8 +1,12 @@
-"""``neurotouch`` alone: how things stand, and the next sensible step."""
+"""``neurotouch`` alone: the present state, and the next sensible step."""
 
+import os
+import sys
 from typing import Any
 
 import click
+
+from neurotouch_hid.cli.ui.output import is_plain
 
 
 def welcome() -> None:
@@ -15,6 +19,12 @@ def welcome() -> None:
     except DriverError:
         click.echo(_advise())
     click.echo("All commands: neurotouch --help")
+
+
+def has_desktop() -> bool:
+    """Tells whether a person at a desktop has asked, who can be shown a page."""
+    desktop = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    return bool(desktop) and sys.stdout.isatty() and not is_plain()
 
 
 def _describe_driver(status: dict[str, Any]) -> None:
@@ -31,18 +41,7 @@ def _describe_driver(status: dict[str, Any]) -> None:
 
 
 def _advise() -> str:
-    from neurotouch_hid.profile.reading.library import find_user_file
-    from neurotouch_hid.source.davis.finding import find_cameras
+    from neurotouch_hid.page.situation import find_situation
 
-    cameras = find_cameras()
-    if not cameras:
-        return "No camera found. Try it now: neurotouch demo"
-    reasons = [info.reason for info in cameras]
-    if all(reasons):
-        if "no right" in reasons[0]:
-            return "Camera found but not readable. Fix: neurotouch setup"
-        return f"Camera found but not usable: {reasons[0]}. Fix: neurotouch doctor"
-    user = find_user_file()
-    if user.exists() and "range:" in user.read_text(encoding="utf-8", errors="replace"):
-        return "Ready. Next: neurotouch run"
-    return "Ready. Next: neurotouch calibrate (about 3 minutes, no time limit)"
+    found = find_situation()
+    return f"{found.text} {found.next}"

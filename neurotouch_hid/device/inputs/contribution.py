@@ -37,10 +37,10 @@ class Contribution:
 
 
 def merge(gel: Contribution, helper: Contribution, priority: Priority = "equal") -> Contribution:
-    """Return what both hands do together.
+    """Returns what both hands do together.
 
     Buttons are down if either holds them. A stick, and the D-pad, is where the one that moves it
-    further has it; a trigger as far as the one that pulls it further. Whoever has priority decides
+    further has it; a trigger as far as the one that pulls it further. The one with priority decides
     alone about what he moves.
 
     Args:

@@ -28,7 +28,7 @@ class Copilot:
     """Takes a device for itself, tells what it does, and finds it again when it comes back.
 
     Other programs no longer hear the device as long as this lives. What is held when it begins is
-    let go first: whoever has seen the press must see the release.
+    released first: a program that has seen the press must see the release.
 
     Args:
         wanted: which one, see ``find_copilot``.
@@ -81,7 +81,7 @@ class Copilot:
         return self._share
 
     def describe(self) -> str:
-        """Return what it is and whether it is there."""
+        """Returns what it is and whether it is there."""
         if self._device is None or self._trouble:
             return f"waits for {self._wanted}. {self._trouble}"
         if self._open is None:
@@ -91,25 +91,25 @@ class Copilot:
         return f"{self._device.name} ({self._open.path})"
 
     def start(self, hear: HearShare) -> None:
-        """From now on ``hear`` is told of every change; it must return at once."""
+        """Starts telling ``hear`` of every change; it must return at once."""
         self._hear = hear
         self._thread.start()
 
     def listen(self, chords: Mapping[str, tuple[str, ...]], hear: Callable[[str], object]) -> None:
-        """Have ``hear`` told of keys held together on the device, which nobody else can hear."""
+        """Has ``hear`` told of keys held together on the device, which nobody else can hear."""
         self._hear_chord = hear
         self._chords = {
             name: frozenset(ecodes.ecodes[key] for key in keys) for name, keys in chords.items()
         }
 
     def shake(self, rumble: Rumble) -> None:
-        """Make the device shake, if it is there and can; returns at once."""
+        """Makes the device shake, if it is there and can; returns at once."""
         shaker = self._shaker
         if shaker is not None:
             shaker.shake(rumble)
 
     def close(self) -> None:
-        """Give the device back. Harmless when repeated."""
+        """Gives the device back. Harmless when repeated."""
         if self._selector.get_map() is None:
             return
         os.write(self._wake_write, b"x")
@@ -134,7 +134,7 @@ class Copilot:
                 self._search()
 
     def _search(self) -> None:
-        """Look for the device; wireless ones come back at another node."""
+        """Looks for the device; wireless ones come back at another node."""
         try:
             if self._device is None:
                 self._take(find_copilot(self._wanted))
@@ -154,7 +154,7 @@ class Copilot:
             raise explain_opening(device, error) from None
         except UnicodeDecodeError:  # evdev wants text of every device
             raise DeviceError(
-                f"{device.name} ({device.node}) cannot be read: its name is no text."
+                f"'{device.name}' ({device.node}) cannot be read: its name is no text."
             ) from None
         self._open = opened
         self._device = device
@@ -166,7 +166,7 @@ class Copilot:
         }
         self._translation = Translation(device, ranges, self._keys)
         if not (self._translation.codes & _list_bits(device.keys) or self._translation.axis_codes):
-            raise DeviceError(f"{device.name} has no key, button or stick that means something.")
+            raise DeviceError(f"'{device.name}' has no key, button or stick that means something.")
         self._selector.register(opened.fd, selectors.EVENT_READ)
         if self.rumbles:
             self._shaker = RumblePlayer(opened)
@@ -187,7 +187,7 @@ class Copilot:
             raise explain_opening(device, error) from None
 
     def _look(self) -> None:
-        """Ask the kernel for the state of everything, at the begin and after a lost event."""
+        """Asks the kernel for the state of everything, at the begin and after a lost event."""
         opened = self._open
         assert opened is not None  # noqa: S101
         self._down = set(opened.active_keys())
@@ -235,7 +235,7 @@ class Copilot:
                 self._hear_chord(name)
 
     def _let_go(self) -> None:
-        """The device is gone or given back, and with it whatever it held."""
+        """Forgets a device that is gone or given back, with all buttons that were down."""
         opened, self._open = self._open, None
         self._grabbed = False
         self._down.clear()
@@ -258,4 +258,4 @@ def _list_bits(bits: int) -> set[int]:
 
 
 def _ignore(_: object) -> None:
-    """Nobody listens yet."""
+    """Ignores a change while nobody listens."""

@@ -18,7 +18,7 @@ _STEAM: Final = (0x28DE, 0x11FF)
 
 
 def find_copilot(wanted: str) -> Input:
-    """Return the device that a person means.
+    """Returns the device that a person means.
 
     Args:
         wanted: ``auto`` for the first game pad, the path of an event node, or a part of a name.
@@ -39,14 +39,17 @@ def find_copilot(wanted: str) -> Input:
         found = exact or [each for each in named if each.keys]
         if len(found) > 1 and wanted != found[0].name:
             raise DeviceError(
-                f"{wanted!r} could be {_list(found)}.", hint="Name it by its node, or in full."
+                f"'{wanted}' could be {_list(found)}.", hint="Name it by its node, or in full."
             )
     if not found:
+        others = _list([each for each in inputs if each.keys])
         raise DeviceError(
             "No game pad is plugged in."
             if wanted == AUTO
-            else f"There is no input device {wanted!r} (our own pads do not count).",
-            hint=f"There are: {_list([each for each in inputs if each.keys]) or 'none'}.",
+            else f"There is no input device '{wanted}' (our own pads do not count).",
+            hint=f"Use one of these: {others}."
+            if others
+            else "Plug it in, then list what this machine sees: neurotouch devices",
         )
     return found[0]
 
@@ -61,7 +64,10 @@ def _is_pad(device: Input) -> bool:
 
 
 def find_alike(device: Input) -> list[Input]:
-    """The devices of this kind; of two alike the serial number decides, if they have one."""
+    """Returns the devices of this kind.
+
+    Of two alike the serial number decides, if they have one.
+    """
     facts = attrgetter("name", "vendor", "product", "keys", "axes", "uniq")
     return [each for each in find_inputs() if facts(each) == facts(device)]
 
@@ -71,18 +77,18 @@ def _list(inputs: list[Input]) -> str:
 
 
 def explain_opening(device: Input, error: OSError) -> DeviceError:
-    """Return why a device cannot be had, and the way out."""
+    """Returns why a device cannot be had, and the way out."""
     if error.errno == EBUSY:
         return DeviceError(
             f"Another program has taken {device.name} ({device.node}) for itself.",
             hint="End that program: a remapper, another 'neurotouch run', or InputPlumber.",
         )
     if error.errno == ENODEV or isinstance(error, FileNotFoundError):
-        return DeviceError(f"{device.name} ({device.node}) has just been unplugged.")
+        return DeviceError(f"'{device.name}' ({device.node}) has just been unplugged.")
     if isinstance(error, PermissionError):
         return DeviceError(
             f"You have no right to read {device.node} ({device.name}).",
             hint="Log in at the machine itself, or join the group: "
             "sudo usermod -aG input $USER, then log in again.",
         )
-    return DeviceError(f"{device.node} ({device.name}) cannot be read: {error.strerror}.")
+    return DeviceError(f"'{device.name}' ({device.node}) cannot be read: {error.strerror}.")

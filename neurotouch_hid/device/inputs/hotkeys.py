@@ -1,6 +1,6 @@
 """Keys held together on a real keyboard stop the driver, whatever a profile or a remapper does.
 
-The kernel's event nodes are read beside whoever else reads them. A remapper that has taken a
+The kernel's event nodes are read beside other readers. A remapper that has taken a
 keyboard for itself is the only reader of it; then the keyboard it makes instead is what is read
 here. Our own keyboard never is.
 """
@@ -27,7 +27,7 @@ CHORDS: Final = {
 """Keys that no program wants together; keyd ends itself at the first of these."""
 
 RULE: Final = 'KERNEL=="event*", SUBSYSTEM=="input", ENV{ID_INPUT_KEYBOARD}=="1", TAG+="uaccess"'
-"""The udev rule that lets whoever sits at the machine read its keyboards, in any program."""
+"""The udev rule that lets the person at the machine read its keyboards, in any program."""
 
 _USUAL: Final = [ecodes.ecodes[name] for name in ("KEY_ESC", "KEY_ENTER", "KEY_SPACE")]
 """What has one of these is a keyboard to us; a box with two switches may be one."""
@@ -52,7 +52,7 @@ class Keyboard:
 
 
 def find_keyboards(nodes: Path = NODES, system: Path = SYSTEM) -> list[Keyboard]:
-    """Return all keyboards but our own, without opening one."""
+    """Returns all keyboards but our own, without opening one."""
     found = []
     for entry in sorted(system.glob("event*")):
         device, node = entry / "device", nodes / entry.name
@@ -74,7 +74,7 @@ def find_keyboards(nodes: Path = NODES, system: Path = SYSTEM) -> list[Keyboard]
 
 
 def explain_keyboards(keyboards: list[Keyboard]) -> tuple[str, str | None]:
-    """Return a sentence on whether chords can be heard, and the way out if they cannot."""
+    """Returns a sentence on whether chords can be heard, and the way out if they cannot."""
     readable = [keyboard.name for keyboard in keyboards if keyboard.readable]
     if readable:
         return f"chords are heard on {', '.join(readable)}", None
@@ -82,7 +82,7 @@ def explain_keyboards(keyboards: list[Keyboard]) -> tuple[str, str | None]:
         return "no keyboard is plugged in, so no chord can be heard", None
     return (
         f"chords cannot be heard: this user may not read {keyboards[0].node} ({keyboards[0].name})",
-        "Allow it for whoever sits at the machine, but mind that every program of theirs can then "
+        "Allow it for the person at the machine, but mind that every program of theirs can then "
         "see what is typed:\n"
         f"  echo '{RULE}' | sudo tee /etc/udev/rules.d/70-neurotouch-keyboard.rules\n"
         "  sudo udevadm control --reload && sudo udevadm trigger --subsystem-match=input",
@@ -126,11 +126,11 @@ class ChordReader:
         self._thread.start()
 
     def describe(self) -> str:
-        """Return whether chords can be heard, and the way out if not."""
+        """Returns whether chords can be heard, and the way out if not."""
         return ". ".join(filter(None, explain_keyboards(self._keyboards)))
 
     def close(self) -> None:
-        """End the thread and release the keyboards. Harmless when repeated."""
+        """Ends the thread and releases the keyboards. Harmless when repeated."""
         if not self._thread.is_alive():
             return
         os.write(self._wake_write, b"x")
@@ -186,7 +186,7 @@ class ChordReader:
                 self._compare()
 
     def _compare(self) -> None:
-        """Tells of each chord once, until one of its keys is let go."""
+        """Tells of each chord once, until one of its keys is released."""
         down = frozenset().union(*self._down.values())
         for name, keys in self._chords.items():
             if not keys <= down:
@@ -196,7 +196,7 @@ class ChordReader:
                 self._hear(name)
 
     def _drop(self, descriptor: int) -> None:
-        """The keyboard is gone, and with it whatever was down on it."""
+        """Forgets a keyboard that is gone, with all keys that were down."""
         self._selector.unregister(descriptor)
         os.close(descriptor)
         del self._down[descriptor]

@@ -1,4 +1,4 @@
-"""One virtual pad for two: the gel and whoever helps on a physical device."""
+"""One virtual pad for two: the gel and a helper on a physical device."""
 
 from collections.abc import Iterable
 from contextlib import suppress
@@ -63,11 +63,11 @@ class SharedDevice(Closing):
         return self._helper.buttons
 
     def describe_mouse(self) -> str:
-        """Return whether the pointer yields to the mouse."""
+        """Returns whether the pointer yields to the mouse."""
         return "nothing moves the pointer" if self._mice is None else self._mice.describe()
 
     def prepare(self, extra_devices: Iterable[ExtraDevice]) -> None:
-        """Make those of the extra devices that are missing.
+        """Makes those of the extra devices that are missing.
 
         Raises:
             DeviceError: they cannot be made.
@@ -78,7 +78,7 @@ class SharedDevice(Closing):
             self._mice = MouseWatch()
 
     def write(self, state: GamepadState) -> None:
-        """Show this state of the gel, and with it what the helper does.
+        """Shows this state of the gel, and with it what the helper does.
 
         Raises:
             DeviceError: the state cannot be written.
@@ -88,7 +88,7 @@ class SharedDevice(Closing):
             self._device.write(self._unite())
 
     def neutral(self) -> None:
-        """Release what the gel holds; the helper's share stays.
+        """Releases what the gel holds; the helper's share stays.
 
         Raises:
             DeviceError: the kernel does not take it.
@@ -101,7 +101,7 @@ class SharedDevice(Closing):
                 self._device.neutral()
 
     def close(self) -> None:
-        """Give the helper's device back, release everything and take the pad away."""
+        """Gives the helper's device back, releases everything and takes the pad away."""
         if self._copilot is not None:  # its thread may wait for the lock
             self._copilot.close()
         if self._mice is not None:
@@ -110,8 +110,8 @@ class SharedDevice(Closing):
             self._device.close()
 
     def _take(self, share: Contribution) -> None:
-        """Show a change of the helper's, in the co-pilot's thread."""
-        with self._lock, suppress(DeviceError):  # the line's own next write meets and reports it
+        """Shows a change of the helper's, in the co-pilot's thread."""
+        with self._lock, suppress(DeviceError):  # the pipeline's next write reports it
             self._helper = share
             self._device.write(self._unite())
 

@@ -13,14 +13,14 @@ from evdev import InputDevice, ecodes
 from neurotouch_hid.device.inputs.nodes import Input, find_inputs
 
 RULE: Final = 'KERNEL=="event*", SUBSYSTEM=="input", ENV{ID_INPUT_MOUSE}=="1", TAG+="uaccess"'
-"""The udev rule that lets whoever sits at the machine read its mice."""
+"""The udev rule that lets the person at the machine read its mice."""
 
 _SEARCH_S: Final = 2.0
 _MOTIONS: Final = (ecodes.REL_X, ecodes.REL_Y, ecodes.REL_WHEEL)
 
 
 class MouseWatch:
-    """Reads all mice but our own, beside whoever else reads them; new ones within two seconds."""
+    """Reads all mice but our own, beside other readers; new ones within two seconds."""
 
     def __init__(self) -> None:
         self._moved_at = -1e9
@@ -39,7 +39,7 @@ class MouseWatch:
         return time.monotonic() - self._moved_at
 
     def describe(self) -> str:
-        """Return which mice are watched, and the way out if they cannot be."""
+        """Returns which mice are watched, and the way out if they cannot be."""
         names = [mouse.name for mouse in self._mice if mouse.readable]
         if names:
             return f"the pointer waits while {', '.join(names)} moves"
@@ -51,7 +51,7 @@ class MouseWatch:
         )
 
     def close(self) -> None:
-        """End the thread. Harmless when repeated."""
+        """Ends the thread. Harmless when repeated."""
         if not self._thread.is_alive():
             return
         os.write(self._wake_write, b"x")

@@ -51,7 +51,7 @@ class Input:
 
 
 def find_inputs(nodes: Path = NODES, system: Path = SYSTEM) -> list[Input]:
-    """Return all event nodes but our own."""
+    """Returns all event nodes but our own."""
     found = []
     for entry in sorted(system.glob("event*"), key=lambda entry: int(entry.name[5:] or 0)):
         device, node = entry / "device", nodes / entry.name
@@ -71,12 +71,12 @@ def find_inputs(nodes: Path = NODES, system: Path = SYSTEM) -> list[Input]:
 
 
 def is_input_name(name: str) -> bool:
-    """Say whether the kernel has a key or button of this name, ``KEY_SPACE`` or ``BTN_SOUTH``."""
+    """Says whether the kernel has a key or button of this name, ``KEY_SPACE`` or ``BTN_SOUTH``."""
     return name.startswith(("KEY_", "BTN_")) and name in ecodes.ecodes
 
 
 def parse_bits(text: str) -> int:
-    """Return a bitmap of the kernel, words of hexadecimal digits, as one number."""
+    """Returns a bitmap of the kernel, words of hexadecimal digits, as one number."""
     bits = 0
     for word in text.split():
         bits = bits << _WORD_BITS | int(word, 16)

@@ -18,7 +18,7 @@ _EVIOCSFF: Final = 1 << 30 | ctypes.sizeof(ff.Effect) << 16 | ord("E") << 8 | 0x
 
 
 def upload_effect(pad: InputDevice, effect: ff.Effect) -> int:
-    """Hand an effect to a pad and return its number there.
+    """Hands an effect to a pad and returns its number there.
 
     Not evdev's own way: it keeps all threads from running until the pad's driver has answered,
     which may be a program that takes half a minute to fail.
@@ -28,7 +28,7 @@ def upload_effect(pad: InputDevice, effect: ff.Effect) -> int:
 
 
 class RumblePlayer:
-    """Shows the newest rumble on a pad; whoever tells it never waits.
+    """Shows the newest rumble on a pad; its callers never wait.
 
     Args:
         pad: opened for reading and writing; stays the caller's.
@@ -44,13 +44,13 @@ class RumblePlayer:
         self._thread.start()
 
     def shake(self, rumble: Rumble) -> None:
-        """Show this from now on."""
+        """Shows this from now on."""
         with self._changed:
             self._newest = rumble
             self._changed.notify()
 
     def close(self) -> None:
-        """Let it be still and end the thread."""
+        """Lets it be still and ends the thread."""
         with self._changed:
             self._newest = STILL
             self._closed = True

@@ -64,7 +64,7 @@ class Range:
     flat: int
 
     def scale(self, value: int) -> float:
-        """Return -1..1 for a stick or D-pad, 0..1 for a trigger."""
+        """Returns -1..1 for a stick or D-pad, 0..1 for a trigger."""
         span = self.maximum - self.minimum
         if span <= 0:
             return 0.0
@@ -118,7 +118,7 @@ class Translation:
         return set(self._axes)
 
     def read(self, down: set[int], values: Mapping[int, int]) -> Contribution:
-        """Return the share of these keys that are down and these values of the axes."""
+        """Returns the share of these keys that are down and these values of the axes."""
         axes: dict[Axis, float] = {}
         for code, steps in self._steps.items():
             if code in down:

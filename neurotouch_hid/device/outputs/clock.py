@@ -29,7 +29,7 @@ class SensorClock:
         self._windows: list[tuple[int, int]] = []  # begin and least offset; the newest two
 
     def stamp(self, t_us: int) -> int:
-        """Return the moment of a state in ns; now if it brings no newer sensor time."""
+        """Returns the moment of a state in ns; now if it brings no newer sensor time."""
         now = self._now_ns()
         before_us, self._t_us = self._t_us, t_us
         stamp = now
@@ -45,7 +45,7 @@ class SensorClock:
         return self._last_ns
 
     def now(self) -> int:
-        """Return this moment in ns, for what no sensor has seen."""
+        """Returns this moment in ns, for what no sensor has seen."""
         self._last_ns = self._now_ns()
         return self._last_ns
 

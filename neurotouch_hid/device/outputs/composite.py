@@ -1,4 +1,4 @@
-"""The pad with a keyboard and a mouse beside it: what the line writes to, one state for all."""
+"""The pad with a keyboard and a mouse beside it: what the pipeline writes to, one state for all."""
 
 import time
 from collections.abc import Callable, Iterable
@@ -29,7 +29,7 @@ class CompositeDevice(Closing):
     another place among the players. Keyboard and mouse come with the first profile that uses them,
     and stay to the end.
 
-    One lock guards all nodes, so that a watchdog's thread may call ``neutral`` while the line
+    One lock guards all nodes, so that a watchdog's thread may call ``neutral`` while the pipeline
     writes.
     """
 
@@ -44,13 +44,13 @@ class CompositeDevice(Closing):
         open_descriptor: Callable[[], int] = open_uinput,
         ioctl: Ioctl = call_kernel,
     ) -> None:
-        """Create the nodes, at rest.
+        """Creates the nodes, at rest.
 
         Args:
             extra_devices: what to make beside the pad.
             kind: how the pad is made; the others are always made through ``/dev/uinput``.
             identity: what the pad claims to be; an Xbox 360 pad without.
-            player: whose nodes these are, from 1 on; it stands in the place where they claim to be
+            player: whose nodes these are, from 1 on; it is in the place where they claim to be
                 plugged in.
             hear_rumble: is told how games shake the pad; without, it does not claim to rumble.
             open_descriptor: gives ``/dev/uinput``, opened for each node; a service manager may
@@ -86,7 +86,7 @@ class CompositeDevice(Closing):
         return " + ".join((self._identity.name, *names))
 
     def prepare(self, extra_devices: Iterable[ExtraDevice]) -> None:
-        """Make those of the nodes that are missing.
+        """Makes those of the nodes that are missing.
 
         A desktop takes a moment to notice a node and misses what is written until then, so this is
         better called with a profile than left to the first press.
@@ -100,7 +100,7 @@ class CompositeDevice(Closing):
             self._add(extra_devices)
 
     def write(self, state: GamepadState) -> None:
-        """Show everything in this state: one write for each node on which something changed.
+        """Shows everything in this state: one write for each node on which something changed.
 
         A node that the state needs and nobody has prepared is made.
 
@@ -113,7 +113,7 @@ class CompositeDevice(Closing):
             self._show(state, self._motion.advance(state), self._clock.stamp(state.t_us))
 
     def neutral(self) -> None:
-        """Release everything on all nodes now; one that fails does not keep the others from it.
+        """Releases everything on all nodes now; one that fails does not keep the others from it.
 
         Raises:
             DeviceError: the kernel does not take it.
@@ -123,7 +123,7 @@ class CompositeDevice(Closing):
                 self._release()
 
     def close(self) -> None:
-        """Release everything and remove the nodes, the pad last."""
+        """Releases everything and removes the nodes, the pad last."""
         with self._lock:
             if self._closed:
                 return
@@ -161,7 +161,7 @@ class CompositeDevice(Closing):
         self._show(GamepadState(0), (), self._clock.now())
 
     def _show(self, state: GamepadState, steps: Steps, stamp_ns: int) -> None:
-        """Write to every node, whatever happens at the others; raise the first failure."""
+        """Writes to every node, whatever happens at the others; raise the first failure."""
         reports: list[tuple[VirtualDevice | None, tuple[int, ...], Steps]] = [
             (self._pad, self._layout.encode(state), ()),
             (self._extra_devices.get(ExtraDevice.KEYBOARD), keyboard.encode(state), ()),

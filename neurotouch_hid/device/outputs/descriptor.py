@@ -41,7 +41,7 @@ _HAT_PLACES: Final = ((0, 0), (0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1),
 
 
 class ReportFormat:
-    """How the values of some controls lie in a report; the controls are those of a pad.
+    """How the values of some controls are packed in a report; the controls are those of a pad.
 
     Args:
         controls: the controls, in the order of the values.
@@ -66,7 +66,7 @@ class ReportFormat:
         self.descriptor = self._describe()
 
     def pack(self, values: tuple[int, ...]) -> bytes:
-        """Return the report with these values."""
+        """Returns the report with these values."""
         axes = (values[at] for at in self._axes)
         x, y = (values[at] for at in self._hat)
         down = sum(values[at] << bit for bit, at in enumerate(self._buttons))
@@ -74,7 +74,7 @@ class ReportFormat:
         return self._struct.pack(*axes, _HAT_PLACES.index((x, y)), buttons)
 
     def unpack(self, report: bytes) -> tuple[int, ...]:
-        """Return the values in a report.
+        """Returns the values in a report.
 
         Raises:
             ValueError: it is no such report.
@@ -95,7 +95,7 @@ class ReportFormat:
         return tuple(values)
 
     def _describe(self) -> bytes:
-        """Return the descriptor.
+        """Returns the descriptor.
 
         The outer collection is a multi-axis controller, because for a game pad the kernel would
         declare a fuzz of 1/256 of the range, and a released stick would not come back to 0. It
@@ -165,7 +165,7 @@ def _is_wide(control: Control) -> bool:
 
 
 def _pack_number(item: int, value: int) -> bytes:
-    """An item with a signed number in as few bytes as hold it."""
+    """Returns an item with a signed number in as few bytes as hold it."""
     for size_code, letter, reach in ((1, "b", 0x80), (2, "h", 0x8000)):
         if -reach <= value < reach:
             return bytes((item | size_code,)) + struct.pack(f"<{letter}", value)

@@ -48,7 +48,7 @@ class Effect:
 
     @classmethod
     def read(cls, effect: ff.Effect) -> "Effect":
-        """Return the effect that a game describes; one of a kind we do not know is still."""
+        """Returns the effect that a game describes; one of a kind we do not know is still."""
         strong = weak = 0.0
         if effect.type == ecodes.FF_RUMBLE:
             motors = effect.u.ff_rumble_effect
@@ -73,16 +73,16 @@ class Effects:
         self._gain = 1.0
 
     def upload(self, number: int, effect: Effect) -> None:
-        """Take an effect; one that plays goes on with the new values."""
+        """Takes an effect; one that plays goes on with the new values."""
         self._effects[number] = effect
 
     def erase(self, number: int) -> None:
-        """Forget an effect."""
+        """Forgets an effect."""
         self._effects.pop(number, None)
         self._playing.pop(number, None)
 
     def play(self, number: int, n_times: int, now: float) -> None:
-        """Play an effect so many times in a row; 0 stops it."""
+        """Plays an effect so many times in a row; 0 stops it."""
         effect = self._effects.get(number)
         if effect is None or n_times <= 0:
             self._playing.pop(number, None)
@@ -91,11 +91,11 @@ class Effects:
             self._playing[number] = begin, begin + n_times * effect.seconds
 
     def set_gain(self, gain: float) -> None:
-        """Set how strong everything is, 0..1."""
+        """Sets how strong everything is, 0..1."""
         self._gain = gain
 
     def sum_up(self, now: float) -> tuple[Rumble, float]:
-        """Return what the pad does now, and when that may change by itself."""
+        """Returns what the pad does now, and when that may change by itself."""
         self._playing = {number: span for number, span in self._playing.items() if span[1] > now}
         sounding = [
             self._effects[number] for number, span in self._playing.items() if span[0] <= now

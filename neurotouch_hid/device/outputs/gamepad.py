@@ -20,7 +20,7 @@ _TO_BOTH_SIDES = {Axis.LEFT_X, Axis.LEFT_Y, Axis.RIGHT_X, Axis.RIGHT_Y, Axis.DPA
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class ControlLayout:
     """Which control of the kernel each control of the pad is.
 
     Attributes:
@@ -34,8 +34,8 @@ class Layout:
     axes: Mapping[Axis, Control]
 
     @classmethod
-    def parse(cls, table: Mapping[str, Mapping[str, object]]) -> "Layout":
-        """Return the layout that a table of ``identities.toml`` describes."""
+    def parse(cls, table: Mapping[str, Mapping[str, object]]) -> "ControlLayout":
+        """Returns the layout that a table of ``identities.toml`` describes."""
         return cls(
             {Button(name): _make_key(code) for name, code in table["buttons"].items()},
             {
@@ -51,7 +51,7 @@ class Layout:
         return (*self.buttons.values(), *self.trigger_buttons.values(), *self.axes.values())
 
     def encode(self, state: GamepadState) -> tuple[int, ...]:
-        """Return the report of a state: the value of every control, in order."""
+        """Returns the report of a state: the value of every control, in order."""
         buttons, axes = state.buttons, state.axes
         levels = {
             axis: _scale(axes[axis], control, signed=axis in _TO_BOTH_SIDES)
@@ -66,7 +66,7 @@ class Layout:
         )
 
     def decode(self, report: tuple[int, ...]) -> tuple[frozenset[Button], dict[Axis, float]]:
-        """Return what a report says: the buttons that are down, and the axes off their rest."""
+        """Returns what a report says: the buttons that are down, and the axes off their rest."""
         n_keys = len(self.buttons) + len(self.trigger_buttons)
         down = zip(self.buttons, report, strict=False)
         moved = zip(self.axes.items(), report[n_keys:], strict=True)
@@ -91,7 +91,7 @@ def _make_axis(axis: object) -> Control:
 
 
 def _scale(value: float, control: Control, *, signed: bool) -> int:
-    """Scale -1..1 or 0..1 to the control's integers, the same to both sides; NaN is at rest.
+    """Scales -1..1 or 0..1 to the control's integers, alike on both sides; NaN is at rest.
 
     The kernel does not clamp, so a value out of range would reach the games.
     """

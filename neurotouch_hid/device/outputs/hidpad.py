@@ -9,7 +9,7 @@ from typing import Final
 import hidraw
 
 from neurotouch_hid.device.outputs.descriptor import ReportFormat
-from neurotouch_hid.device.outputs.gamepad import Layout
+from neurotouch_hid.device.outputs.gamepad import ControlLayout
 from neurotouch_hid.device.outputs.identity import load_identities
 from neurotouch_hid.device.outputs.opening import explain_rule
 from neurotouch_hid.errors import DeviceError
@@ -28,7 +28,7 @@ _TURN_MS: Final = 200
 
 @dataclass(frozen=True, slots=True)
 class HidPad:
-    """A HID pad that speaks our report, whoever made it.
+    """A HID pad with our report format, made by any process.
 
     Attributes:
         node: its hidraw node.
@@ -42,7 +42,7 @@ class HidPad:
     name: str
     place: str
     ids: str
-    layout: Layout
+    layout: ControlLayout
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +54,7 @@ class Report:
 
 
 def find_hid_pads(nodes: Path = NODES, system: Path = SYSTEM) -> list[HidPad]:
-    """Return all HID pads with a descriptor of ours, without opening one."""
+    """Returns all HID pads with a descriptor of ours, without opening one."""
     ours = {
         ReportFormat(identity.layout.controls).descriptor: identity.layout
         for identity in load_identities().values()
@@ -79,7 +79,7 @@ def find_hid_pads(nodes: Path = NODES, system: Path = SYSTEM) -> list[HidPad]:
 
 
 def read_reports(pad: HidPad) -> Iterator[Report | None]:
-    """Open a pad and return its reports, from now on, as they come.
+    """Opens a pad and returns its reports, from now on, as they come.
 
     Returns:
         Each report, None after a while without one; ends when the pad goes.
@@ -90,7 +90,7 @@ def read_reports(pad: HidPad) -> Iterator[Report | None]:
     return _read_on(_open(pad), pad.layout)
 
 
-def _read_on(device: "hidraw.device", layout: Layout) -> Iterator[Report | None]:
+def _read_on(device: "hidraw.device", layout: ControlLayout) -> Iterator[Report | None]:
     form = ReportFormat(layout.controls)
     try:
         while True:
@@ -114,5 +114,5 @@ def _open(pad: HidPad) -> "hidraw.device":
     try:
         device.open_path(os.fsencode(pad.node))
     except OSError as error:
-        raise DeviceError(f"{pad.node} cannot be read: {error}.") from None
+        raise DeviceError(f"'{pad.node}' cannot be read: {error}.") from None
     return device

@@ -10,7 +10,7 @@ from typing import Any, Final, Literal
 
 from evdev import ecodes
 
-from neurotouch_hid.device.outputs.gamepad import Layout
+from neurotouch_hid.device.outputs.gamepad import ControlLayout
 from neurotouch_hid.device.outputs.spec import DeviceSpec
 from neurotouch_hid.errors import DeviceError
 
@@ -69,10 +69,10 @@ class Identity:
     vendor: int
     product: int
     version: int
-    layout: Layout
+    layout: ControlLayout
 
     def make_claim(self, player: int = 1, *, rumbles: bool = False) -> DeviceSpec:
-        """Return all that the kernel is told about the pad of a player (1, 2, ...)."""
+        """Returns all that the kernel is told about the pad of a player (1, 2, ...)."""
         return DeviceSpec(
             self.name,
             (ecodes.BUS_USB, self.vendor, self.product, self.version),
@@ -84,13 +84,13 @@ class Identity:
 
 @cache
 def load_identities() -> Mapping[str, Identity]:
-    """Return the identities that come with the program, by name."""
+    """Returns the identities that come with the program, by name."""
     said = _read_shipped()
     return {name: _make(table) for name, table in said["identities"].items()}
 
 
 def choose_identity(wanted: str | None, kind: PadKind) -> Identity:
-    """Return the identity of this name or in this file, if programs will read it rightly.
+    """Returns the identity of this name or in this file, if programs will read it rightly.
 
     Args:
         wanted: a shipped name, or the path of a TOML file; None for the usual one.
@@ -115,7 +115,7 @@ def choose_identity(wanted: str | None, kind: PadKind) -> Identity:
 
 
 def check_identity(identity: Identity, kind: PadKind) -> None:
-    """Refuse what programs are known to misread.
+    """Refuses what programs are known to misread.
 
     Raises:
         DeviceError: says which program would do what.
@@ -149,8 +149,8 @@ def check_identity(identity: Identity, kind: PadKind) -> None:
 def _check_name(name: str, kind: PadKind) -> None:
     if not name or not name.isprintable() or len(name.encode()) > _NAME_BYTES[kind]:
         raise DeviceError(
-            f"{name!r} is no name for a pad.",
-            hint=f"1 to {_NAME_BYTES[kind]} bytes of printable characters.",
+            f"'{name}' is no name for a pad.",
+            hint=f"Use 1 to {_NAME_BYTES[kind]} bytes of printable characters.",
         )
     for what, reads in (
         *((f"begins with {word!r}", name.startswith(word)) for word in _NO_BEGIN),
@@ -177,9 +177,9 @@ def _read_file(path: Path) -> Identity:
     try:
         table = tomllib.loads(path.read_text("utf-8"))
     except OSError as error:
-        raise DeviceError(f"{path} cannot be read: {error.strerror}.") from None
+        raise DeviceError(f"'{path}' cannot be read: {error.strerror}.") from None
     except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise DeviceError(f"{path} is no TOML: {error}.") from None
+        raise DeviceError(f"'{path}' is no TOML: {error}.") from None
     for key in ("name", "layout"):
         if not isinstance(table.get(key), str):
             raise DeviceError(f"{path}: {key!r} must be there, text.")
@@ -196,5 +196,5 @@ def _read_file(path: Path) -> Identity:
 
 
 def _make(table: Mapping[str, Any]) -> Identity:
-    layout = Layout.parse(_read_shipped()["layouts"][table["layout"]])
+    layout = ControlLayout.parse(_read_shipped()["layouts"][table["layout"]])
     return Identity(table["name"], table["vendor"], table["product"], table["version"], layout)

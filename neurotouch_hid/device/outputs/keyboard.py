@@ -54,7 +54,7 @@ _SYSRQ = "KEY_SYSRQ"
 
 
 def encode(state: GamepadState) -> tuple[int, ...]:
-    """Return the report of a state: for every key, in the order of KEYS, whether it is down.
+    """Returns the report of a state: for every key, in the order of KEYS, whether it is down.
 
     Print is not down while Alt is: to the kernel the two begin its magic keys, and with B as the
     third many distributions let it reboot on the spot. A profile from a stranger must not do that.

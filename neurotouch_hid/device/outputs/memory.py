@@ -23,7 +23,7 @@ class MemoryDevice(Closing):
         name: what the user is told it is.
         states: the changes; the newest 1000 (10 s of ceaseless motion), so that a dry run of
             days does not grow. The mouse's moving and its stopping are changes too.
-        extra_devices: the nodes that would stand beside the pad.
+        extra_devices: the nodes that would come with the pad.
         travel: how far the mouse went in all, in steps, by EV_REL code.
     """
 
@@ -40,7 +40,7 @@ class MemoryDevice(Closing):
         self._lock = Lock()
 
     def prepare(self, extra_devices: Iterable[ExtraDevice]) -> None:
-        """Count these to the nodes.
+        """Counts these to the nodes.
 
         Raises:
             DeviceError: the device is closed.
@@ -50,7 +50,7 @@ class MemoryDevice(Closing):
             self.extra_devices.update(extra_devices)
 
     def write(self, state: GamepadState) -> None:
-        """Keep the state if it changes anything.
+        """Keeps the state if it changes anything.
 
         Raises:
             DeviceError: the device is closed.
@@ -64,14 +64,14 @@ class MemoryDevice(Closing):
             self._show(state, moved=bool(steps))
 
     def neutral(self) -> None:
-        """Release everything, at the moment of the state before."""
+        """Releases everything, at the moment of the state before."""
         with self._lock:
             if not self._closed:
                 self._motion = mouse.PointerMotion()
                 self._show(GamepadState(self._t_us), moved=False)
 
     def close(self) -> None:
-        """Release everything and accept nothing more."""
+        """Releases everything and accept nothing more."""
         self.neutral()
         with self._lock:
             self._closed = True
@@ -89,6 +89,6 @@ class MemoryDevice(Closing):
 
 
 def _encode(state: GamepadState) -> tuple[_Report, _Report, _Report, bool]:
-    """The three reports, and whether the mouse moves: its stopping is kept too."""
+    """Returns the three reports, and whether the mouse moves: its stopping is kept too."""
     moves = any(state.pointer) or state.wheel != 0.0
     return _LAYOUT.encode(state), keyboard.encode(state), mouse.encode(state), moves

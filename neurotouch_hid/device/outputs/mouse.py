@@ -41,14 +41,14 @@ _FASTEST_CLICKS_S = 200.0
 
 
 def encode(state: GamepadState) -> tuple[int, ...]:
-    """Return the report of a state: for every button, in the order of BUTTONS, if it is down."""
+    """Returns the report of a state: for every button, in the order of BUTTONS, if it is down."""
     return tuple(int(name in state.mouse_buttons) for name in BUTTONS)
 
 
 class PointerMotion:
     """Sums speeds over sensor time into whole steps, and keeps what is left over.
 
-    A state stands for the time since the one before, as the gesture in it does.
+    A state is for the time since the one before, as the gesture in it does.
     """
 
     def __init__(self) -> None:
@@ -57,7 +57,7 @@ class PointerMotion:
         self._since_click = 0
 
     def advance(self, state: GamepadState) -> Steps:
-        """Return the steps from the state before to this one."""
+        """Returns the steps from the state before to this one."""
         before_us, self._t_us = self._t_us, state.t_us
         if not (state.wheel or any(state.pointer)):
             return ()  # what is left over is less than a step
@@ -79,7 +79,7 @@ class PointerMotion:
         return n_steps
 
     def _click(self, fine: int) -> int:
-        """Whole clicks, for programs that do not know the fine wheel."""
+        """Sends whole clicks, for programs that do not know the fine wheel."""
         self._since_click += fine
         n_clicks = int(self._since_click / CLICK)  # towards zero, the same up and down
         self._since_click -= n_clicks * CLICK

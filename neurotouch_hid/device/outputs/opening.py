@@ -15,7 +15,7 @@ class DeviceNode:
     Attributes:
         node: where it is.
         module: the kernel module behind it.
-        rule: the udev rule that gives it to whoever sits at the machine.
+        rule: the udev rule that gives it to the person at the machine.
         file: what the rule's file is called.
     """
 
@@ -25,7 +25,7 @@ class DeviceNode:
     file: str
 
     def open(self, node: Path | None = None) -> int:
-        """Return an open descriptor.
+        """Returns an open descriptor.
 
         Args:
             node: another place, for tests.
@@ -49,7 +49,7 @@ class DeviceNode:
             )
         if error.errno in (errno.ENODEV, errno.ENXIO):
             return DeviceError(
-                f"{node} exists, but the kernel module behind it is missing.",
+                f"'{node}' exists, but the kernel module behind it is missing.",
                 hint=f"Load it: {load}. If it is not found, this kernel was built "
                 "without it: install your distribution's package of extra kernel modules.",
             )
@@ -60,13 +60,13 @@ class DeviceNode:
                 hint=f"{explain_rule(self.rule, self.file, f'--name-match={self.module}')}\n"
                 "In a container the host must grant the device as well.",
             )
-        return DeviceError(f"{node} cannot be opened: {error.strerror}.")
+        return DeviceError(f"'{node}' cannot be opened: {error.strerror}.")
 
 
 def explain_rule(rule: str, file: str, trigger: str) -> str:
-    """Return how to install a rule and make it hold."""
+    """Returns how to install a rule and make it hold."""
     return (
-        "Allow it for whoever sits at the machine:\n"
+        "Allow it for the person at the machine:\n"
         f"  echo '{rule}' | sudo tee /etc/udev/rules.d/{file}\n"
         f"  sudo udevadm control --reload && sudo udevadm trigger {trigger}"
     )

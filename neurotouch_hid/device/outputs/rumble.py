@@ -47,7 +47,7 @@ _UI_FF_UPLOAD, _UI_FF_ERASE = 1, 2
 
 
 def _both_ways(number: int, size: int) -> int:
-    """Return the number of an ioctl that hands ``size`` bytes over and back: ``_IOWR('U', …)``."""
+    """Returns the number of an ioctl that hands ``size`` bytes over and back: ``_IOWR('U', …)``."""
     return 3 << 30 | size << 16 | ord("U") << 8 | number
 
 
@@ -149,7 +149,7 @@ class RumbleServer:
             self._call(_END_ERASE, erase)
 
     def _call(self, number: int, argument: ctypes.Structure) -> bool:
-        """False if the game has gone while we answer."""
+        """Returns False if the game has gone while we answer."""
         while self._libc.ioctl(self._descriptor, number, ctypes.byref(argument)) != 0:
             if ctypes.get_errno() != errno.EINTR:
                 return False

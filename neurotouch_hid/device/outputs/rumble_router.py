@@ -1,4 +1,4 @@
-"""Hands the rumble of games to whoever wants it: a physical pad, viewers."""
+"""Hands the rumble of games to its listeners: a physical pad, viewers."""
 
 import time
 from collections import deque
@@ -26,13 +26,13 @@ class RumbleRouter:
         self._latest = deque([(now(), STILL)], maxlen=64)  # when each began
 
     def hear(self, rumble: Rumble) -> None:
-        """Take a change and pass it on."""
+        """Takes a change and passes it on."""
         self._latest.append((self._now(), rumble))
         for listener in self._listeners:
             listener(rumble)
 
     def describe(self) -> dict[str, float]:
-        """Return the strongest of the last moments, ready for JSON."""
+        """Returns the strongest of the last moments, ready for JSON."""
         since = self._now() - _SHOWN_S
         latest = list(self._latest)
         ends = [begin for begin, _ in latest[1:]] + [self._now()]

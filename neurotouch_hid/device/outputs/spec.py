@@ -13,14 +13,14 @@ Steps = tuple[tuple[int, int], ...]
 
 
 class ExtraDevice(StrEnum):
-    """The nodes that may stand beside the pad; each is made only when a profile uses it."""
+    """The nodes that may come with the pad; each is made only when a profile uses it."""
 
     KEYBOARD = "keyboard"
     MOUSE = "mouse"
 
 
 def find_needed(state: GamepadState) -> set[ExtraDevice]:
-    """Return the extra devices that a state cannot be shown without."""
+    """Returns the extra devices that a state cannot be shown without."""
     needed = set()
     if state.keys:
         needed.add(ExtraDevice.KEYBOARD)
@@ -78,7 +78,7 @@ class VirtualDevice(Protocol):
     """One device of the kernel, at rest when it is made."""
 
     def show(self, report: tuple[int, ...], steps: Steps = (), stamp_ns: int = 0) -> None:
-        """Write what has changed, as one frame; nothing if nothing has.
+        """Writes what has changed, as one frame; nothing if nothing has.
 
         Args:
             report: the value of every control of the claim, in its order.
@@ -90,9 +90,9 @@ class VirtualDevice(Protocol):
         """
 
     def close(self) -> None:
-        """Remove the node."""
+        """Removes the node."""
 
 
 def make_key(code: int) -> Control:
-    """A key or button, down (1) or up (0)."""
+    """Returns a key or button, down (1) or up (0)."""
     return Control(ecodes.EV_KEY, code, 0, 1)

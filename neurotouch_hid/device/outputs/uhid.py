@@ -22,7 +22,7 @@ NODE: Final = Path("/dev/uhid")
 
 RULE: Final = 'KERNEL=="uhid", SUBSYSTEM=="misc", TAG+="uaccess", OPTIONS+="static_node=uhid"'
 RULES_FILE: Final = "70-neurotouch-hid.rules"
-"""Where the rule lies in ``udev``."""
+"""Where the rule is in ``udev``."""
 
 _MAKER: Final = DeviceNode(NODE, "uhid", RULE, RULES_FILE)
 
@@ -43,7 +43,7 @@ START_S: Final = 10.0
 
 
 def open_uhid(node: Path = NODE) -> int:
-    """Return an open descriptor of the node.
+    """Returns an open descriptor of the node.
 
     Raises:
         DeviceError: there is no node, no module behind it, or no right to use it.
@@ -59,7 +59,7 @@ class UhidNode:
     """
 
     def __init__(self, descriptor: int, claim: DeviceSpec, *, patience_s: float = START_S) -> None:
-        """Create the device and wait until the kernel reads it.
+        """Creates the device and waits until the kernel reads it.
 
         Args:
             descriptor: ``/dev/uhid``, opened. The node owns it from here on, also when this call
@@ -98,7 +98,7 @@ class UhidNode:
         steps: Steps = (),  # noqa: ARG002  # a pad does not move in steps
         stamp_ns: int = 0,  # noqa: ARG002  # HID reports carry no time
     ) -> None:
-        """Write one report if anything has changed.
+        """Writes one report if anything has changed.
 
         Args:
             report: the value of every control of the claim, in its order.
@@ -121,7 +121,7 @@ class UhidNode:
         self._report = report
 
     def close(self) -> None:
-        """Remove the device."""
+        """Removes the device."""
         with suppress(OSError):  # it is gone already, or never came to be
             os.write(self._descriptor, _TYPE.pack(_DESTROY))
         os.write(self._wake_write, b"x")
@@ -153,7 +153,7 @@ class UhidNode:
                 return
 
     def _answer(self, event: bytes) -> bytes:
-        """Return what to say to the kernel, nothing if it only tells."""
+        """Returns what to say to the kernel, nothing if it only tells."""
         kind = _TYPE.unpack_from(event)[0]
         if kind == _START:
             self._started.set()

@@ -32,7 +32,7 @@ _ABS_SETUP = struct.Struct("@H2x6i")  # code, value, minimum, maximum, fuzz, fla
 
 
 def _write_request(number: int, size: int) -> int:
-    """Return the number of an ioctl that hands ``size`` bytes to uinput: ``_IOW('U', …)``."""
+    """Returns the number of an ioctl that hands ``size`` bytes to uinput: ``_IOW('U', …)``."""
     return 1 << 30 | size << 16 | ord("U") << 8 | number
 
 
@@ -50,12 +50,12 @@ Ioctl = Callable[[int, int, int | bytes], None]
 
 
 def call_kernel(descriptor: int, request: int, argument: int | bytes) -> None:
-    """Make the system call; uinput takes numbers by value and structures by their bytes."""
+    """Makes the system call; uinput takes numbers by value and structures by their bytes."""
     fcntl.ioctl(descriptor, request, argument)
 
 
 def open_uinput(node: Path = NODE) -> int:
-    """Return an open descriptor of the node.
+    """Returns an open descriptor of the node.
 
     Raises:
         DeviceError: there is no node, no module behind it, or no right to use it.
@@ -81,7 +81,7 @@ class UinputNode:
         ioctl: Ioctl = call_kernel,
         hear: HearRumble | None = None,
     ) -> None:
-        """Create the node.
+        """Creates the node.
 
         Args:
             descriptor: ``/dev/uinput`` opened by ``open_uinput`` or by the service manager, for
@@ -110,7 +110,7 @@ class UinputNode:
             ) from error
 
     def show(self, report: tuple[int, ...], steps: Steps = (), stamp_ns: int = 0) -> None:
-        """Write one frame with all that changed, in one write; nothing if nothing did.
+        """Writes one frame with all that changed, in one write; nothing if nothing did.
 
         Steps come first, so that a click is where the pointer then is. What is released comes
         before what is pressed, and in the opposite order: the letter of a chord before its ctrl.
@@ -153,7 +153,7 @@ class UinputNode:
         self._report = report
 
     def close(self) -> None:
-        """Remove the node."""
+        """Removes the node."""
         self._end_rumble()
         try:
             self._ioctl(self._descriptor, UI_DEV_DESTROY, 0)

@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.evaluation.accuracy.labels import LabelTrack
+from neurotouch_hid.evaluation.accuracy.label_track import LabelTrack
 from neurotouch_hid.evaluation.accuracy.moments import WorstMoments
 from neurotouch_hid.evaluation.accuracy.tally import Tally
-from neurotouch_hid.evaluation.accuracy.timing import Stopwatch
+from neurotouch_hid.evaluation.accuracy.type_timing import Stopwatch
 from neurotouch_hid.geometry import Rig, fit_rig
 from neurotouch_hid.messages import GestureKind, MarkerField, Step, Truth
 

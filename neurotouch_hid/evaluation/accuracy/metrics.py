@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.evaluation.accuracy.reliability import N_BINS, Reliability
 from neurotouch_hid.evaluation.accuracy.tally import BIN_MM, Tally
-from neurotouch_hid.evaluation.accuracy.timing import TypeTiming
+from neurotouch_hid.evaluation.accuracy.type_timing import TypeTiming
 from neurotouch_hid.messages import GestureKind
 
 _LABELS = [kind.label for kind in GestureKind]
 
 
 def summarise(tally: Tally) -> dict[str, Any]:
-    """Every figure of [NT, "Metrics"] and [NT, "Results"] that a tally holds."""
+    """Returns every figure of [NT, "Metrics"] and [NT, "Results"] that a tally holds."""
     confusion = tally.confusion
     total = int(confusion.sum())
     performed = total - int(confusion[GestureKind.NONE].sum())
@@ -49,7 +49,7 @@ def summarise(tally: Tally) -> dict[str, Any]:
 
 
 def balance(confusion: NDArray[np.int64]) -> list[list[float | None]]:
-    """The mean of the row-normalised and the column-normalised matrix [NT, confusion matrix].
+    """Returns the mean of the row- and the column-normalised matrix [NT, confusion matrix].
 
     A type that is never labelled has no row and one that is never predicted has no column; such a
     cell keeps the other half alone, and is None if it has neither.
@@ -65,7 +65,10 @@ def balance(confusion: NDArray[np.int64]) -> list[list[float | None]]:
 
 
 def _describe_gesture(tally: Tally, kind: GestureKind) -> dict[str, float | None]:
-    """What [NT] shows by labelled type; no contact and no intensity is labelled for none."""
+    """Returns what [NT] shows by labelled type.
+
+    No contact and no intensity is labelled for none.
+    """
     labelled = int(tally.confusion[kind].sum())
     performed = labelled if kind is not GestureKind.NONE else 0
     return {
@@ -77,7 +80,7 @@ def _describe_gesture(tally: Tally, kind: GestureKind) -> dict[str, float | None
 
 
 def _summarise_timing(timing: TypeTiming) -> dict[str, Any]:
-    """A gesture that never gets its type is infinitely late: None where that is the figure."""
+    """Summarises delays; a gesture that never gets its type counts as infinitely late."""
     late = [math.inf] * (timing.gestures - len(timing.times_ms))
     times_ms = sorted(timing.times_ms + late)
     return {
@@ -94,7 +97,7 @@ def _summarise_timing(timing: TypeTiming) -> dict[str, Any]:
 
 
 def _summarise_reliability(reliability: Reliability) -> dict[str, Any]:
-    """By bins of confidence; ``error`` is the mean of |confidence - accuracy| over the slices."""
+    """Bins slices by confidence; ``error`` is the mean of |confidence - accuracy|."""
     seen, right = reliability.observations, reliability.right
     confidence = [_ratio(reliability.confidence.get(k, 0.0), seen[k]) for k in range(N_BINS)]
     gaps = [abs(reliability.confidence[k] - right[k]) for k in seen]
@@ -108,7 +111,10 @@ def _summarise_reliability(reliability: Reliability) -> dict[str, Any]:
 
 
 def _quantile(ascending: list[float], share: float) -> float | None:
-    """The smallest value that ``share`` of all values do not exceed; None if it is infinite."""
+    """Returns the smallest value that ``share`` of all values do not exceed.
+
+    None if it is infinite.
+    """
     if not ascending:
         return None
     value = ascending[math.ceil(share * len(ascending)) - 1]

@@ -12,7 +12,7 @@ FINGERTIP_MM = 12.0  # typical radius of a fingertip [NT, "Results"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WorstMoment:
-    """What the line saw and said at one moment, and what the labels say.
+    """What the pipeline saw and said at one moment, and what the labels say.
 
     Attributes:
         severity_mm: how bad it is; see ``measure_severity``.
@@ -32,7 +32,7 @@ class WorstMoment:
 
 
 def measure_severity(gesture: Gesture, truth: Truth, rig: Rig) -> float:
-    """How wrong an answer is, in millimetres of the motion that is told wrongly.
+    """Returns how wrong an answer is, in millimetres of the motion that is told wrongly.
 
     The error of the intensity; plus the larger of both intensities times the sum of three shares:
     1 for a wrong type, the share of the contacts that are too many or too few, and the mean contact
@@ -68,6 +68,6 @@ class WorstMoments:
             self._worst = WorstMoment(severity_mm, since_s, markers, gesture, truth, rig)
 
     def ranked(self) -> list[WorstMoment]:
-        """The worst moments so far, the worst first; at most ``N_WORST``."""
+        """Returns the worst moments so far, the worst first; at most ``N_WORST``."""
         all_moments = [*self._kept, *([self._worst] if self._worst is not None else [])]
         return sorted(all_moments, key=lambda moment: -moment.severity_mm)[:N_WORST]

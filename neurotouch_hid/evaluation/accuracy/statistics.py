@@ -29,7 +29,9 @@ class LabelStatistics:
 
     @classmethod
     def of(cls, labels: Sequence[Truth], rig: Rig | None) -> "LabelStatistics":
-        """The columns of one recording; without a rig nobody knows the contact points on the gel.
+        """Returns the columns of one recording.
+
+        Without a rig nobody knows the contact points on the gel.
 
         Differs: the paper draws its points in the image; recordings of several rigs share the gel.
         """
@@ -46,7 +48,7 @@ class LabelStatistics:
 
     @classmethod
     def joined(cls, parts: Sequence["LabelStatistics"]) -> "LabelStatistics":
-        """The columns of all recordings; at least one."""
+        """Returns the columns of all recordings; at least one."""
         return cls(
             np.concatenate([part.kinds for part in parts]),
             np.concatenate([part.intensity_mm for part in parts]),

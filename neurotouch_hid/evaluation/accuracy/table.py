@@ -17,7 +17,7 @@ BEYOND = (
 
 
 def format_table(report: Mapping[str, Any]) -> str:
-    """All files together, ready to print.
+    """Returns all files together, ready to print.
 
     Args:
         report: what ``summarise`` gives.
@@ -75,12 +75,15 @@ def _format_amount(report: Mapping[str, Any]) -> str:
     return (
         f"{report['observations']} slices compared, {report['frames']} frames, "
         f"{report['events']} events"
-        + (f", {speed:.1f} times real time on one core." if speed is not None else ".")
+        + (f"; {speed:.1f} s of recording in 1 s, on one core." if speed is not None else ".")
     )
 
 
 def find_figure(report: Mapping[str, Any], key: str) -> float | None:
-    """One figure of a report; a dot in the key leads into a part of it, ``time_to_type_ms.p95``."""
+    """Returns one figure of a report.
+
+    A dot in the key leads into a part of it, ``time_to_type_ms.p95``.
+    """
     if key in report:
         value: float | None = report[key]
         return value
@@ -89,7 +92,7 @@ def find_figure(report: Mapping[str, Any], key: str) -> float | None:
 
 
 def format_figure(value: float | None, unit: str) -> str:
-    """A figure for people: ``91.1 %``, ``3.41 mm``, ``-`` where it is undefined."""
+    """Returns a figure for people: ``91.1 %``, ``3.41 mm``, ``-`` where it is undefined."""
     if value is None:
         return "-"
     if unit == "%":

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.evaluation.accuracy.reliability import Reliability
-from neurotouch_hid.evaluation.accuracy.timing import FIRM_MM, TypeTiming
+from neurotouch_hid.evaluation.accuracy.type_timing import FIRM_MM, TypeTiming
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import Gesture, GestureKind, Truth
 
@@ -112,7 +112,9 @@ class Tally:
 def measure_distances(
     predicted: NDArray[np.float64], labelled: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Distance of each predicted point to its nearest labelled point; the surplus is dropped.
+    """Returns distance of each predicted point to its nearest labelled point.
+
+    The surplus is dropped.
 
     [NT, "Metrics"]: where more points are predicted than labelled, the furthest are discarded.
 

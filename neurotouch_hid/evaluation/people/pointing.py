@@ -26,7 +26,10 @@ _WAYS: Final = ("right", "down right", "down", "down left", "left", "up left", "
 
 
 def lay_targets(n: int = TARGETS, distance_px: float = DISTANCE_PX) -> list[Point]:
-    """The middles of ``n`` targets on a circle, in the order they are reached; the first again."""
+    """Returns the middles of ``n`` targets on a circle, in the order they are reached.
+
+    The first comes again at the end.
+    """
     order = [(k * ((n + 1) // 2)) % n for k in range(n + 1)]
     angles = [2.0 * math.pi * k / n - 0.5 * math.pi for k in order]
     radius_px = 0.5 * distance_px
@@ -34,7 +37,7 @@ def lay_targets(n: int = TARGETS, distance_px: float = DISTANCE_PX) -> list[Poin
 
 
 def name_way(begin: Point, end: Point) -> str:
-    """The direction from one point to another in words, one of eight."""
+    """Returns the direction from one point to another in words, one of eight."""
     angle = math.atan2(end[1] - begin[1], end[0] - begin[0])
     return _WAYS[round(angle / (0.25 * math.pi)) % 8]
 
@@ -126,7 +129,7 @@ class Pointing:
         return self._finish(selected_us - self._moved_us) if selected_us is not None else None
 
     def _find_rest(self, t_us: int) -> int | None:
-        """When the pointer came to the rest that is now long enough; None if it has not."""
+        """Returns when the pointer came to its present rest; None if that is too short."""
         width_px, begin, _ = self._plan[len(self.trials)]
         where, since_us = self._rest
         if math.dist(self.pointer_px, where) > STILL_SHARE * width_px:

@@ -43,7 +43,7 @@ class Subject:
         self._aim = (0.0, 0.0)
 
     def push(self, test: Pointing, t_us: int) -> Gesture:
-        """What its hand does at this moment."""
+        """Returns what its hand does at this moment."""
         width_px, (x, y) = test.target
         x, y = x + self._aim[0] * width_px, y + self._aim[1] * width_px
         self._seen.append((x - test.pointer_px[0], y - test.pointer_px[1]))

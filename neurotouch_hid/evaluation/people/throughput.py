@@ -87,7 +87,7 @@ class Block:
 
 
 def measure_block(trials: Sequence[Trial]) -> Block:
-    """The figures of the trials with one width; at least three of them."""
+    """Returns the figures of the trials with one width; at least three of them."""
     overshoots = [trial.overshoot_px for trial in trials]
     width_px = max(WIDTH_FACTOR * stdev(overshoots), LEAST_WIDTH_PX)
     distance_px = fmean(trial.distance_px + trial.overshoot_px for trial in trials)
@@ -104,7 +104,7 @@ def measure_block(trials: Sequence[Trial]) -> Block:
 
 
 def measure_pointing(trials: Sequence[Trial]) -> dict[str, Any]:
-    """The figures of a test, ready for JSON: the means over its blocks, and the blocks.
+    """Returns the figures of a test, ready for JSON: the means over its blocks, and the blocks.
 
     Raises:
         NeuroTouchError: no width has three trials.
@@ -125,7 +125,7 @@ def measure_pointing(trials: Sequence[Trial]) -> dict[str, Any]:
 
 
 def read_result(path: Path) -> dict[str, Any]:
-    """A result that was saved.
+    """Returns a result that was saved.
 
     Raises:
         NeuroTouchError: the file is missing or holds something else.
@@ -134,7 +134,7 @@ def read_result(path: Path) -> dict[str, Any]:
     try:
         result = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise NeuroTouchError(f"'{path}': {error.strerror}.", hint=hint) from error
+        raise NeuroTouchError(f"'{path}' cannot be read: {error.strerror}.", hint=hint) from error
     except ValueError as error:
         raise NeuroTouchError(f"'{path}' is no JSON.", hint=hint) from error
     keys = [key for key, *_ in COMPARED]
@@ -146,7 +146,7 @@ def read_result(path: Path) -> dict[str, Any]:
 
 
 def compare_results(before: dict[str, Any], after: dict[str, Any]) -> list[str]:
-    """One line for each figure: what it was, what it is, and whether that is better."""
+    """Returns one line for each figure: what it was, what it is, and whether that is better."""
     lines = []
     for key, name, unit, better in COMPARED:
         was, now = float(before[key]), float(after[key])

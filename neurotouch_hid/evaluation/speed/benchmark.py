@@ -1,29 +1,29 @@
-"""How fast the line is on this machine, stage by stage and as a whole."""
+"""How fast the pipeline is on this machine, stage by stage and as a whole."""
 
 import gc
 import os
 import resource
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.driver import REFERENCE, Driver, DriverOptions
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.evaluation.accuracy.files import evaluate_files
 from neurotouch_hid.evaluation.speed.decoding import measure_decoding
 from neurotouch_hid.evaluation.speed.pace import run_live_benchmark
 from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
 from neurotouch_hid.messages import EventPacket, GestureKind, Truth
+from neurotouch_hid.process.own_command import make_own_command
 from neurotouch_hid.profile import Mapping, load_profile
 from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
-from neurotouch_hid.runtime import Pipeline, warm_up
 from neurotouch_hid.source import open_source
 from neurotouch_hid.tracker import MarkerTracker, RestDetector, TrackerConfig
 
@@ -48,12 +48,12 @@ class Spread:
 
     @classmethod
     def of(cls, values: NDArray[np.float64], *, rate: bool = False) -> "Spread":
-        """The spread of measured values."""
+        """Returns the spread of measured values."""
         ranks = (50.0, 1.0, 0.1) if rate else (50.0, 99.0, 99.9)
         return cls(*(float(v) for v in np.percentile(values, ranks)))
 
     def as_json(self) -> dict[str, float]:
-        """The same for programs."""
+        """Returns the same for programs."""
         return {"median": self.median, "p99": self.p99, "p99.9": self.p999}
 
 
@@ -73,25 +73,25 @@ def run_benchmark(
         ``gesture_ms``, ``profile_ms`` and ``advance_ms`` (all together, per slice of 10 ms). And
         ``tracker_ratio`` (how much longer it takes to look for the nearest marker among all),
         ``events_per_s`` of the scene of the slices, ``realtime_factor`` of a recording
-        played through the whole line as fast as possible, ``startup_s`` (``help_cpu``: processor
+        played as fast as possible, ``startup_s`` (``help_cpu``: processor
         time of ``neurotouch --help``; ``pad``: from the start of ``run`` to the pad) and
         ``rss_mb``, the most memory that playing it took; ``evaluate_factor``, of recordings on
         all cores; and ``live``, see ``run_live_benchmark``.
     """
-    config = GestureConfig(method=method)
+    options = replace(REFERENCE, source=f"sim:{SCENE}", method=method)
     progress(f"Simulating {PREPARED_S:.0f} s of gestures")
     packets = _simulate(SCENE)
     fast = _simulate(FAST_SCENE)
-    warm_up(Pipeline.build(load_profile("default"), config))
+    Driver(options).compile()
     gc.collect()
     gc.freeze()  # as ``run`` does it
     progress("Measuring the stages")
     result: dict[str, Any] = {
         "davis_decode_events_per_s": Spread.of(measure_decoding(), rate=True).as_json(),
         **_measure_tracker(fast),
-        **_measure_stages(packets, config),
+        **_measure_stages(packets, options),
     }
-    progress("Measuring the whole line")
+    progress("Measuring the whole pipeline")
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "bench.aedat4"
         with RecordingWriter(path) as writer:
@@ -99,10 +99,10 @@ def run_benchmark(
                 writer.write(packet)
         result |= _measure_whole(path, method)
         progress("Measuring the evaluation")
-        result["evaluate_factor"] = _measure_evaluation(path, config)
+        result["evaluate_factor"] = _measure_evaluation(path, options)
     progress("Measuring the start")
     result["startup_s"] = _measure_start(method)
-    result["live"] = run_live_benchmark(config, progress, long=long)
+    result["live"] = run_live_benchmark(method, progress, long=long)
     return result
 
 
@@ -117,7 +117,7 @@ def _simulate(scene: str) -> list[EventPacket]:
 
 
 def _measure_tracker(packets: list[EventPacket]) -> dict[str, Any]:
-    """Events a second through the tracker, its checks and frames included.
+    """Returns events a second through the tracker, its checks and frames included.
 
     ``tracker_ratio``: how much longer it takes to look for the nearest marker among all.
     """
@@ -142,8 +142,8 @@ def _measure_tracker(packets: list[EventPacket]) -> dict[str, Any]:
     return {"tracker_events_per_s": rate.as_json(), "tracker_ratio": float(np.median(full / ours))}
 
 
-def _measure_stages(packets: list[EventPacket], config: GestureConfig) -> dict[str, Any]:
-    """Each stage alone on what the stage before gave, then all together."""
+def _measure_stages(packets: list[EventPacket], options: DriverOptions) -> dict[str, Any]:
+    """Returns each stage alone on what the stage before gave, then all together."""
     took_ms: dict[str, list[float]] = {}
 
     def measure(stage: str, call: Callable[[Any], Any], argument: object) -> Any:
@@ -152,18 +152,18 @@ def _measure_stages(packets: list[EventPacket], config: GestureConfig) -> dict[s
         took_ms.setdefault(stage, []).append((time.perf_counter() - begun) * 1e3)
         return result
 
-    profile = load_profile("default")
     rest, tracker = RestDetector(), MarkerTracker()
-    recognizer, mapping = GestureRecognizer(config), Mapping(profile)
+    recognizer = GestureRecognizer(GestureConfig(method=options.method))
+    mapping = Mapping(load_profile("default"))
     for packet in packets:
         answers = [measure("rest", rest.update, frame) for frame in packet.frames]
         if answers and answers[-1] is not None:
             tracker.anchor(answers[-1])
         markers = measure("tracker", tracker.update, packet)
         measure("profile", mapping.update, measure("gesture", recognizer.update, markers))
-    line = Pipeline.build(profile, config)
-    for packet in packets:
-        measure("advance", line.advance, packet)
+    with Driver(options) as driver:
+        for packet in packets:
+            measure("advance", driver.pipeline.advance, packet)
     spreads = {f"{stage}_ms": Spread.of(np.array(ms)).as_json() for stage, ms in took_ms.items()}
     return {**spreads, "events_per_s": sum(len(packet.events) for packet in packets) / PREPARED_S}
 
@@ -181,20 +181,20 @@ def _measure_whole(path: Path, method: str) -> dict[str, float]:
     return {"realtime_factor": PREPARED_S / took_s, "rss_mb": rss_mb}
 
 
-def _measure_evaluation(path: Path, config: GestureConfig) -> float:
-    """Sensor time over time, of as many recordings at once as there are cores."""
+def _measure_evaluation(path: Path, options: DriverOptions) -> float:
+    """Returns sensor time over time, of as many recordings at once as there are cores."""
     paths = []
     for k in range(os.cpu_count() or 1):
         paths.append(path.with_stem(f"{path.stem}{k}"))
         paths[-1].hardlink_to(path)
         nothing = [Truth(t, GestureKind.NONE, np.zeros((0, 2)), 0.0) for t in _LABELLED_US]
         write_labels(labels_path(paths[-1]), nothing)
-    played = evaluate_files(paths, config, jobs=len(paths)).files.values()
+    played = evaluate_files(paths, options, jobs=len(paths)).files.values()
     return sum(each.tally.sensor_s / each.tally.host_s for each in played)
 
 
 def _read_peak_mb(pid: int) -> float:
-    """The most memory a process had so far, 0 once it has ended.
+    """Returns the most memory a process had so far, 0 once it has ended.
 
     Not ``ru_maxrss``, which begins with the memory of the process that started it.
     """
@@ -224,7 +224,7 @@ def _start_run(source: str, method: str) -> subprocess.Popen[str]:
 
 
 def _start(arguments: list[str]) -> subprocess.Popen[str]:
-    command = [sys.executable, "-m", "neurotouch_hid", *arguments]
+    command = make_own_command(*arguments)
     # With its modules compiled, as installing does it: it is the warm start that counts.
     environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
     return subprocess.Popen(  # noqa: S603  # our own command
@@ -248,5 +248,5 @@ def _reap(process: subprocess.Popen[str]) -> resource.struct_rusage:
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode:
-        raise NeuroTouchError(f"A measured process failed: {said.strip()}")
+        raise NeuroTouchError(f"A measured process failed: {said.strip().rstrip('.')}.")
     return usage

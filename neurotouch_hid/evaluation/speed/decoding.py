@@ -15,7 +15,7 @@ EVENTS_PER_US = 5
 
 
 def measure_decoding() -> NDArray[np.float64]:
-    """Events a second from bytes to events, for each transfer of a busy stream."""
+    """Returns events a second from bytes to events, for each transfer of a busy stream."""
     data = _make_stream()
     decoder, rates = Decoder(synced=True), []
     decoder.decode(data[:TRANSFER_BYTES])  # compiles, or loads what is compiled
@@ -27,7 +27,7 @@ def measure_decoding() -> NDArray[np.float64]:
 
 
 def _make_stream() -> bytes:
-    """Events all over the sensor, wraps of the clock included."""
+    """Returns events all over the sensor, wraps of the clock included."""
     rng = np.random.default_rng(0)
     words = np.empty((N_US, 1 + 2 * EVENTS_PER_US), "<u2")
     low = np.arange(1, N_US + 1) % 0x8000

@@ -1,25 +1,23 @@
-"""How the line keeps pace: latency, late slices and cost, in the time of the sensor."""
+"""How the pipeline keeps pace: latency, late slices and cost, in the time of the sensor."""
 
 import time
 from array import array
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
 
-from neurotouch_hid.device import check_device, open_device
+from neurotouch_hid.device import check_device
+from neurotouch_hid.driver import REFERENCE, DeviceKind, Driver
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.evaluation.speed.workload import DenseSource, load_scene
-from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import Step
 from neurotouch_hid.process.realtime import realtime_priority
-from neurotouch_hid.profile import load_profile
-from neurotouch_hid.runtime import Pipeline, run_pipeline
 from neurotouch_hid.source.pacing import PacedSource
 
 LOST_US: Final = 100_000
-"""A slice that waits longer for the line is one that a camera's queue would have dropped."""
+"""A slice that waits longer for the pipeline is one that a camera's queue would have dropped."""
 WARM_S: Final = 1.0
 """Until the caches are filled, the gel is found and a gel at rest counts as idle; not counted."""
 
@@ -32,7 +30,7 @@ class Load:
 
     Attributes:
         name: of the figures.
-        scene: of the simulator, played in turn.
+        scene: of the simulator, played again and again.
         rate_hz: of the slices.
         events_per_s: how many; as simulated without.
         seconds: for how long.
@@ -56,12 +54,12 @@ LOADS: Final = (
 
 
 def run_live_benchmark(
-    config: GestureConfig, progress: Callable[[str], None], *, long: bool
+    method: str, progress: Callable[[str], None], *, long: bool
 ) -> dict[str, Any]:
-    """The line at the rates and loads that matter, each in its own time.
+    """Returns the pipeline at the rates and loads that matter, each in its own time.
 
     Args:
-        config: how gestures are recognised.
+        method: the recogniser.
         progress: called with what is being done.
         long: the sustained rates for ten minutes instead of twenty seconds.
 
@@ -79,12 +77,12 @@ def run_live_benchmark(
         alone = DenseSource(scene, load.seconds, load.events_per_s)
         machine = measure_machine(alone, is_idle=load.scene == "rest")
         dense = DenseSource(scene, seconds, load.events_per_s)
-        result[load.name] = {**measure_live(dense, config, kind), "machine": machine}
+        result[load.name] = {**measure_live(dense, kind, method), "machine": machine}
     return result
 
 
-def choose_device() -> str:
-    """``uinput`` where this machine allows it, else ``memory``, which writes to nobody."""
+def choose_device() -> DeviceKind:
+    """Returns ``uinput`` where this machine allows it, else ``memory``, which writes to nobody."""
     try:
         check_device("uinput")
     except DeviceError:
@@ -92,13 +90,15 @@ def choose_device() -> str:
     return "uinput"
 
 
-def measure_live(source: DenseSource, config: GestureConfig, kind: str) -> dict[str, Any]:
-    """Plays a source in its own time through the line as ``run`` has it, to a real pad.
+def measure_live(
+    source: DenseSource, kind: DeviceKind, method: str = "neurotouch"
+) -> dict[str, Any]:
+    """Plays a source in its own time as ``run`` does it, to a real pad.
 
     Args:
         source: what to play.
-        config: how gestures are recognised.
         kind: of device, see ``choose_device``.
+        method: the recogniser.
 
     Returns:
         ``core``, the processor time of this process over the sensor's, and what
@@ -106,15 +106,15 @@ def measure_live(source: DenseSource, config: GestureConfig, kind: str) -> dict[
     """
     paced = PacedSource(source)
     probe = Probe(paced)
-    line = Pipeline.build(load_profile("default"), config, live=True)
-    with open_device(kind) as device, realtime_priority():
-        run_pipeline(paced, line, device, [probe])
+    options = replace(REFERENCE, device=kind, speed="recorded", method=method)
+    with Driver(options, make_source=lambda: paced) as driver:
+        driver.run([probe])
         core = probe.measure_core()
     return {**summarise_delays(probe.due_ns, probe.late_ns, probe.waited_ns), "core": core}
 
 
 def measure_machine(source: DenseSource, *, is_idle: bool) -> dict[str, Any]:
-    """How late slices are taken by a line that has nothing to do: no real one can be quicker.
+    """Measures how late an empty pipeline takes its slices: no real one can be quicker.
 
     Args:
         source: what to play.
@@ -181,7 +181,7 @@ class Probe:
         self.waited_ns.append(late_ns + (packet.t_end_us - last_us) * 1_000)
 
     def measure_core(self) -> float:
-        """Processor time over sensor time since it is warm."""
+        """Returns processor time over sensor time after the warm-up."""
         if self._warm is None or self._warm[0] == self._now_us:
             return 0.0
         warm_us, warm_s = self._warm
@@ -191,7 +191,7 @@ class Probe:
 def summarise_delays(
     due_ns: Sequence[int], late_ns: Sequence[int], waited_ns: Sequence[int]
 ) -> dict[str, Any]:
-    """What the delays of a run tell.
+    """Returns what the delays of a run tell.
 
     Args:
         due_ns: when each slice ended.

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.closing import Closing
-from neurotouch_hid.evaluation.speed.kernels import fill_slice
+from neurotouch_hid.evaluation.speed.kernels.event_load import fill_slice
 from neurotouch_hid.events import copy_events
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import (
@@ -33,7 +33,7 @@ _MARGIN_PX: Final = 5.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Scene:
+class LoopScene:
     """Slices of one length in a row, at the end of which the gel is as at the begin.
 
     Attributes:
@@ -46,8 +46,8 @@ class Scene:
 
 
 @cache
-def load_scene(name: str, slice_us: int, length_us: int = TOUR_US) -> Scene:
-    """The first slices of a scene of the simulator.
+def load_scene(name: str, slice_us: int, length_us: int = TOUR_US) -> LoopScene:
+    """Returns the first slices of a scene of the simulator.
 
     Args:
         name: of the scene.
@@ -59,13 +59,13 @@ def load_scene(name: str, slice_us: int, length_us: int = TOUR_US) -> Scene:
         for packet in takewhile(lambda packet: packet.t_end_us <= length_us, simulator):
             packets.append(packet)
             markers.append(simulator.truth(packet.t_begin_us + slice_us // 2).markers_px)
-    return Scene(tuple(packets), np.array(markers, np.float32))
+    return LoopScene(tuple(packets), np.array(markers, np.float32))
 
 
 def shift_packet(
     packet: EventPacket, shift_us: int, events: NDArray[np.void] | None = None
 ) -> EventPacket:
-    """A slice at another time.
+    """Returns a slice at another time.
 
     Args:
         packet: the slice.
@@ -87,10 +87,10 @@ def shift_packet(
 
 
 class DenseSource(Closing):
-    """A scene played in turn for as long as wanted, with as many events as wanted.
+    """A scene played again and again for as long as wanted, with as many events as wanted.
 
     Each slice is made when it is asked for. It has its own events, in their order; what is missing
-    to the wanted number lies about the markers, in no order, which is the hardest for the caches,
+    to the wanted number is about the markers, in no order, which is the hardest for the caches,
     and evenly on all sides of each, which draws it nowhere.
 
     Args:
@@ -111,7 +111,7 @@ class DenseSource(Closing):
     rig: Rig | None = None
 
     def __init__(
-        self, scene: Scene, seconds: float, events_per_s: float | None = None, seed: int = 0
+        self, scene: LoopScene, seconds: float, events_per_s: float | None = None, seed: int = 0
     ) -> None:
         self._packets = scene.packets
         self.seconds = seconds
@@ -154,4 +154,4 @@ class DenseSource(Closing):
         return events
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Does nothing: nothing is open."""

@@ -1,4 +1,4 @@
-"""The method ``neurotouch``: fingers fitted to the field, decided over time."""
+"""The method ``neurotouch``: fits fingers to the displacements and decides over time."""
 
 from neurotouch_hid.gesture.elastic.method import ElasticMethod
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import LATTICE_MM, N_MARKERS, PITCH_MM, Rig
 from neurotouch_hid.gesture.elastic.kernels.field import fill_responses, rim_window
-from neurotouch_hid.gesture.elastic.kernels.follow import N_FITS, TURN_US, follow, show
+from neurotouch_hid.gesture.elastic.kernels.follow import CHECK_US, N_FITS, follow, show
 from neurotouch_hid.gesture.elastic.kernels.markers import measure_spread
 from neurotouch_hid.messages import GestureKind
 
@@ -74,7 +74,7 @@ class FingerConfig:
 CONFIG: Final = np.dtype(
     [(f.name, "i8" if f.name == "most" else "f8") for f in fields(FingerConfig)]
 )
-"""A ``FingerConfig`` for kernels."""
+"""``FingerConfig`` as a record for kernels."""
 
 FIT: Final = np.dtype(
     [
@@ -88,25 +88,60 @@ FIT: Final = np.dtype(
         ("radii", "f8", MOST),
         ("motions", "f8", (MOST, 3)),
         ("press", "f8", MOST),
-        ("offset", "f8", 3),
+        ("offset_x_mm", "f8"),
+        ("offset_y_mm", "f8"),
+        ("offset_rad", "f8"),
         ("residual", "f8", (N_MARKERS, 2)),
         ("cost", "f8"),
         ("largest_mm", "f8"),
     ],
     align=True,
 )
-"""Fingers that explain one field: how many; names that stay with them; how surely earlier slices
-know their centres, 1/mm²; whether each is shown as a contact; how it landed, see
-``subtract_landing``; centres on the gel at rest and radii, mm; motions (drag x, drag y in mm, sine
-of the turn) and presses, mm; what everything moved by (mm, mm, rad); what each marker moved beside
-that, mm; the weighted sum of its squares, mm²; the largest motion of a finger, mm."""
+"""Fingers that explain one field.
 
-HAND: Final = np.dtype(
+- ``count``: their number.
+- ``ids``: names that stay with them.
+- ``trust``: how surely earlier slices know their centres, 1/mm².
+- ``shown``: 1 for a finger that is shown as a contact, else 0.
+- ``landed``, ``landed_us``: how each finger landed, see ``subtract_landing``.
+- ``centres``, ``radii``: of the contact patches on the gel at rest, mm.
+- ``motions``: drag x, drag y in mm, sine of the turn.
+- ``press``: mm.
+- ``offset_x_mm``, ``offset_y_mm``, ``offset_rad``: motion of the whole gel.
+- ``residual``: the part of each marker's motion that is not explained, mm.
+- ``cost``: its weighted sum of squares, mm²; infinite where no fit was possible.
+- ``largest_mm``: the largest motion of a finger.
+"""
+
+SLICE: Final = np.dtype(
+    [("noise_mm", "f8"), ("step_us", "i8"), ("forming", "?"), ("falling", "?")], align=True
+)
+"""The arguments of ``FingerTracker.update`` for one slice, beside the displacements."""
+
+MOTION: Final = np.dtype(
     [
+        ("n_fingers", "i8"),
+        ("largest_mm", "f8"),
+        ("sway_mm", "f8"),
+        ("error_mm", "f8"),
+        ("x_mm", "f8"),
+        ("y_mm", "f8"),
+        ("rotation_rad", "f8"),
+        ("scale", "f8"),
+        ("parts_mm", "f8", len(GestureKind)),
+    ],
+    align=True,
+)
+"""``FingerMotion`` as a record for kernels."""
+
+FINGERS: Final = np.dtype(
+    [
+        ("slice", SLICE),
+        ("motion", MOTION),
         ("next_id", "i8"),
-        ("turn", "i8"),
-        ("since_us", "i8"),
-        ("unsought_us", "i8"),
+        ("n_checks", "i8"),
+        ("unchecked_us", "i8"),
+        ("unsearched_us", "i8"),
         ("n_searches", "i8"),
         ("n_asked", "i8"),
         ("noise_mm", "f8"),
@@ -114,32 +149,48 @@ HAND: Final = np.dtype(
         ("moved", "f8", (N_MARKERS, 2)),
         ("weight", "f8", N_MARKERS),
         ("since", "f8", (MOST, 3)),
-        ("parts", "f8", len(GestureKind)),
     ],
     align=True,
 )
-"""What else is remembered: the next free name; turns so far; time since the last turn and since
-fingers were last looked for; how often they were, and how often all sites were asked; error of a
-marker, mm; how far everything had moved together when fingers were last looked for, mm; how far
-each marker moved, mm; trust in each; motions of the fingers since they landed; what speaks for each
-type, see ``measure_motion``."""
+"""What the kernels remember beside the fits.
+
+- ``slice``, ``motion``: arguments and result of ``follow``.
+- ``next_id``: the next free name of a finger.
+- ``n_checks``: how often the number of fingers was checked since there are some.
+- ``unchecked_us``, ``unsearched_us``: time since that, and since fingers were last searched for
+  from nothing.
+- ``n_searches``, ``n_asked``: how often they were searched for, and how often all sites were asked.
+- ``noise_mm``: error of a marker on one axis.
+- ``sway_mm``: how far the whole gel had moved at the last search.
+- ``moved``: displacement of each marker, mm.
+- ``weight``: trust in each marker, 0..1.
+- ``since``: motions of the fingers since they landed, as ``motions`` in ``FIT``.
+"""
+
+
+RIG: Final = np.dtype([("x_px", "f8"), ("y_px", "f8"), ("along", "f8"), ("across", "f8")])
+"""``Rig`` as a record for kernels.
+
+- ``x_px``, ``y_px``: its centre.
+- ``along``, ``across``: the x and the y part of a mm along the gel's x axis, px.
+"""
 
 
 class FingerMotion(NamedTuple):
     """The common motion of the fingers.
 
     Attributes:
-        n_fingers: how many take part; without one only ``sway_mm`` means anything, the rest is 0,
-            scale 1.
+        n_fingers: the number of fingers that take part. If it is 0, only ``sway_mm`` has a
+            meaning; all else is 0, and ``scale`` is 1.
         largest_mm: the largest motion of a finger.
-        sway_mm: how far everything moved together.
+        sway_mm: how far the whole gel moved.
         error_mm: rms of what the fingers leave unexplained, one axis.
         x_mm: translation of the fingers' mean position along x.
         y_mm: the same along y.
         rotation_rad: rotation about the mean position, clockwise for the user positive.
         scale: scaling about the mean position, 1 at rest.
-        parts_mm: what speaks for each GestureKind, as a motion of the fingers since they landed;
-            NONE has 0.
+        parts_mm: (6,) float64, the motion since the fingers landed that speaks for each
+            GestureKind; NONE has 0.
     """
 
     n_fingers: int
@@ -150,16 +201,16 @@ class FingerMotion(NamedTuple):
     y_mm: float
     rotation_rad: float
     scale: float
-    parts_mm: list[float]
+    parts_mm: Floats
 
 
 class Contacts(NamedTuple):
     """The contacts that are shown.
 
     Attributes:
-        mm: (k, 2), gel coordinates.
-        px: (k, 2), the same in the image.
-        intensity_mm: how far they have dragged the gel in the mean.
+        mm: (k, 2) float64, gel coordinates, columns x, y.
+        px: (k, 2) float64, the same points in the image.
+        intensity_mm: their mean drag.
     """
 
     mm: Floats
@@ -168,11 +219,11 @@ class Contacts(NamedTuple):
 
 
 class FingerTracker:
-    """Follows up to three fingers; keeps where each one stuck to the gel.
+    """Follows up to three fingers from slice to slice.
 
     Attributes:
-        fits: (N_FITS,) ``FIT``, in ``NOW`` the fingers that are believed.
-        state: (1,) ``HAND``.
+        fits: (N_FITS,) ``FIT``; the fingers of the last slice are in ``NOW``.
+        state: (1,) ``FINGERS``.
         gel: (1,), the markers at rest, see ``_lay_out_gel``.
     """
 
@@ -180,8 +231,8 @@ class FingerTracker:
         self.config = config or FingerConfig()
         self.fits = np.zeros(N_FITS, FIT)
         self._rules = np.array([astuple(self.config)], CONFIG)
-        self.state = np.zeros(1, HAND)
-        self._parts: Floats = self.state["parts"][0]
+        self.state = np.zeros(1, FINGERS)
+        self._slice, self._motion = self.state["slice"], self.state["motion"]
         sites = LATTICE_MM[np.hypot(*LATTICE_MM.T) <= self.config.reach_mm]
         is_between = (sites % (2.0 * PITCH_MM)).any(axis=1)
         self.gel = np.zeros(1, _lay_out_gel(len(sites)))
@@ -195,14 +246,19 @@ class FingerTracker:
         self.fits["count"] = 0
         self.fits["trust"] = 0.0
         self.state[0] = 0
-        self.state["unsought_us"] = TURN_US
+        self.state["unsearched_us"] = CHECK_US
 
     def measure_noise(self) -> float:
-        """Returns the spread of the last slice's markers about their common motion, mm an axis."""
+        """Returns the spread of the markers about their common motion on one axis, mm."""
         return float(measure_spread(self.state["moved"][0], self.state["weight"][0]))
 
     def place(self, rest_px: NDArray[np.float32], rig: Rig) -> None:
-        """Takes new positions (177, 2) px of the markers at rest."""
+        """Takes new positions of the markers at rest.
+
+        Args:
+            rest_px: (177, 2) float32 px.
+            rig: fitted to them.
+        """
         gel = self.gel[0]
         gel["rig"] = (
             *rig.centre_px,
@@ -230,55 +286,49 @@ class FingerTracker:
         use: NDArray[np.bool_],
         noise_mm: float,
         *,
-        step_us: int = TURN_US,
+        step_us: int = CHECK_US,
         forming: bool,
         falling: bool = False,
     ) -> FingerMotion:
         """Fits the fingers to the displacements of one slice.
 
         Args:
-            moved_px: (177, 2) px.
-            use: (177,), measured markers.
-            noise_mm: error of a marker, one axis.
-            step_us: time since the slice before.
+            moved_px: (177, 2) float64 px, displacement of each marker.
+            use: (177,) bool, True for measured markers.
+            noise_mm: error of a marker on one axis.
+            step_us: time since the previous slice.
             forming: the gesture may still become another one; also search for fingers from nothing.
             falling: the fingers leave the gel; then no finger is added.
 
         Returns:
             Their common motion.
         """
-        told = follow(
-            self.state,
-            self.fits,
-            self.gel,
-            self._rules,
-            moved_px,
-            use,
-            noise_mm,
-            step_us,
-            forming,
-            falling,
-        )
-        return FingerMotion._make((*told, self._parts.tolist()))
+        self._slice[0] = (noise_mm, step_us, forming, falling)
+        follow(self.state, self.fits, self.gel, self._rules, moved_px, use)
+        return FingerMotion._make(self._motion.item())
 
     def show(self, least: int = 1) -> Contacts:
         """Returns the contacts of the fingers found in the last slice.
 
         Args:
-            least: so many are shown even if they hardly move.
+            least: the least number of contacts, even if the fingers hardly move.
         """
         return Contacts(*show(self.fits, self.gel, self._rules, least))
 
 
 def _lay_out_gel(n_sites: int) -> np.dtype[np.void]:
-    """The markers at rest, mm, with ``rim_window`` there, and the sites where fingers are sought.
+    """Returns the dtype of the gel at rest.
 
-    ``rig``: its centre in px, and px per mm along and across. ``n_coarse``: the first sites, every
-    fourth, lie all over the gel. ``atoms`` are float32, half as much to read for each slice.
+    - ``rig``: where it is in the image.
+    - ``points``, ``window``: the markers, mm, with ``rim_window`` there.
+    - ``sites``: where fingers are searched for, mm. The first ``n_coarse``, every fourth, cover
+      the gel.
+    - ``atoms``, ``inverse``: see ``fill_responses`` and ``measure_gains``. ``atoms`` are float32,
+      half as much to read for each slice.
     """
     return np.dtype(
         [
-            ("rig", "f8", 4),
+            ("rig", RIG),
             ("points", "f8", (2, N_MARKERS)),
             ("window", "f8", N_MARKERS),
             ("sites", "f8", (n_sites, 2)),

@@ -1,1 +1,1 @@
-"""The method of the paper: outliers of a homography, local maxima, a similarity."""
+"""The method ``paper``: outliers of a homography, local maxima, a similarity."""

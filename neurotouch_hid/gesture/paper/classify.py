@@ -1,4 +1,4 @@
-"""Which gesture it is: the dominant part of a similarity fitted to the markers at the fingers."""
+"""Tells which gesture it is: the dominant part of a similarity fitted near the contacts."""
 
 import math
 from typing import NamedTuple
@@ -26,13 +26,13 @@ def fit_similarity(
     origin_px: NDArray[np.float64],
     threshold_px: float,
 ) -> Similarity | None:
-    """The four-degree-of-freedom motion of the markers about an origin, by RANSAC.
+    """Returns the four-degree-of-freedom motion of the markers about an origin, by RANSAC.
 
     [NT, "Gesture Classification and Intensity Prediction"].
-    Open in the paper: RANSAC's threshold. The callers pass r: a marker that lies a fingertip away
-    from where the fit puts it is mistracked, everything nearer belongs to the hand. With a few
-    pixels instead RANSAC keeps the strongest finger alone, whose own motion is a pure translation,
-    and calls most pinches a push.
+    Open in the paper: RANSAC's threshold. The callers pass r. A marker that is a fingertip away
+    from its fitted place is mistracked; everything nearer belongs to the gesture. With a threshold
+    of a few pixels RANSAC keeps only the strongest finger, whose motion is a pure translation, and
+    most pinches become a push.
 
     Args:
         rest_px: (n, 2) float64 px, columns x, y.
@@ -41,7 +41,7 @@ def fit_similarity(
         threshold_px: distance beyond which a marker is an outlier.
 
     Returns:
-        The motion, or None where the markers do not determine one.
+        The motion, or None if the markers do not determine one.
     """
     if len(rest_px) < _MIN_POINTS:
         return None
@@ -60,7 +60,7 @@ def fit_similarity(
 
 
 def measure_reach(position_px: NDArray[np.float64], origin_px: NDArray[np.float64]) -> float:
-    """Radius of the even disc whose points lie as far from the origin as these do, in px.
+    """Returns the radius of the even disc with the same rms distance from the origin, px.
 
     Args:
         position_px: (n, 2) float64 px, n >= 1.
@@ -70,21 +70,21 @@ def measure_reach(position_px: NDArray[np.float64], origin_px: NDArray[np.float6
 
 
 def classify(motion: Similarity, reach_px: float) -> tuple[GestureKind, float]:
-    """The gesture type and how far it stands out.
+    """Returns the gesture kind and its lead over the next kind.
 
     Open in the paper: the unit of t, which is compared with pure numbers. Here it is the radius of
-    the region the motion was fitted to, so that all three say how far the region's rim moves, and a
-    gesture means the same for near and for wide fingers. A fixed unit makes the type depend on how
-    many fingers there are: with the gel's radius every fourth slice of a push becomes a twist or a
-    pinch, with r a third of the pinches becomes a push.
-    Differs: the paper calls a clockwise turn negative; ours are positive, as image y points down.
+    the region that the motion was fitted to. All three numbers are then motions of the
+    region's edge, and a gesture means the same for near and for wide fingers. With a fixed unit,
+    the kind depends on the number of fingers: with the gel's radius every fourth slice of a push
+    becomes a twist or a pinch; with r a third of the pinches becomes a push.
+    Differs: the paper calls a clockwise turn negative; here it is positive, as image y points down.
 
     Args:
         motion: the similarity about the mean contact.
         reach_px: radius of the region, px, > 0.
 
     Returns:
-        The type, and 1 - runner-up/winner in 0..1.
+        The kind, and 1 - second/first in 0..1.
     """
     turn = GestureKind.TWIST_CW if motion.rotation_rad > 0 else GestureKind.TWIST_CCW
     zoom = GestureKind.ZOOM if motion.scale > 1 else GestureKind.PINCH

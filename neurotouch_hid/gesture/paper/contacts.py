@@ -1,10 +1,10 @@
-"""Where the fingers are: homography outliers, then local maxima of the displacement."""
+"""Finds the contacts: homography outliers, then local maxima of the displacement."""
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.gesture.paper.kernels import find_peaks
+from neurotouch_hid.gesture.paper.kernels.neighbourhoods import find_peaks
 
 _MIN_POINTS = 4  # a homography has eight degrees of freedom
 _NO_POINTS = np.zeros((0, 2))
@@ -15,17 +15,17 @@ def find_outliers(
     position_px: NDArray[np.float64],
     threshold_px: float,
 ) -> NDArray[np.bool_]:
-    """Markers that leave the global pattern: S(t_k) [NT, "Contact Point Detection"].
+    """Returns the markers that leave the global pattern: S(t_k) [NT, "Contact Point Detection"].
 
-    OpenCV's RANSAC starts from a fixed seed, so equal markers give equal answers, bit for bit.
+    OpenCV's RANSAC starts from a fixed seed, so equal markers give equal results, bit for bit.
 
     Args:
         rest_px: (n, 2) float64 px, columns x, y.
         position_px: (n, 2) float64 px, the same markers now.
-        threshold_px: reprojThreshold, > 0 (OpenCV takes 3 px for 0).
+        threshold_px: reprojThreshold, > 0 (OpenCV replaces 0 by 3 px).
 
     Returns:
-        (n,) bool; all False where no homography is found.
+        (n,) bool; all False if no homography is found.
     """
     if len(rest_px) < _MIN_POINTS:
         return np.zeros(len(rest_px), np.bool_)
@@ -45,10 +45,10 @@ def find_contacts(
     radius_px: float,
     min_neighbours: int,
 ) -> NDArray[np.float64]:
-    """Contact points: outliers whose displacement no outlier around them exceeds.
+    """Returns the contacts: outliers whose displacement no outlier around them exceeds.
 
-    Differs: the reprojection threshold a·mean|v| has a floor. Near rest it shrinks below the
-    tracker's noise, and then the noise makes the outliers.
+    Differs: the reprojection threshold a·mean|v| has a floor. Near rest it would shrink below the
+    tracker's noise, and noise would make outliers.
     Open in the paper: whether a marker counts as its own neighbour for N_min; it does here, as the
     definition of N(i, t_k) has it.
 

@@ -1,4 +1,4 @@
-"""The paper's method: outliers of a homography, local maxima, the dominant part of a similarity."""
+"""Recognises a gesture as the paper does: outliers, local maxima, a similarity."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,18 +7,18 @@ from neurotouch_hid.geometry import Rig
 from neurotouch_hid.gesture.config import GestureConfig
 from neurotouch_hid.gesture.paper.classify import classify, fit_similarity, measure_reach
 from neurotouch_hid.gesture.paper.contacts import find_contacts
-from neurotouch_hid.gesture.paper.kernels import find_near, smooth_displacement
+from neurotouch_hid.gesture.paper.kernels.neighbourhoods import find_near, smooth_displacement
 from neurotouch_hid.messages import Gesture, no_gesture
 
 
 class PaperMethod:
-    """Frame-wise, without memory [NT, "Methodology"]."""
+    """Recognises each slice by itself, without memory [NT, "Methodology"]."""
 
     def __init__(self, config: GestureConfig) -> None:
         self._config = config
 
     def reset(self) -> None:
-        """There is nothing to forget."""
+        """Does nothing: there is no memory."""
 
     def update(
         self,
@@ -29,7 +29,7 @@ class PaperMethod:
         use: NDArray[np.bool_],
         rig: Rig,
     ) -> Gesture:
-        """The gesture at the end of a slice; see ``ElasticMethod.update``."""
+        """Returns the gesture at the end of a slice; see ``GestureMethod.update``."""
         config = self._config
         rest = rest_px[use].astype(np.float64)
         position = rest + moved_px[use]
@@ -82,11 +82,11 @@ def _measure_intensity(displacement_mm: NDArray[np.float64]) -> float:
 def _at_rest(
     rest_px: NDArray[np.float64], position_px: NDArray[np.float64], config: GestureConfig
 ) -> bool:
-    """True while no region of a fingertip's size has moved as a whole.
+    """Returns True while no region of a fingertip's size has moved as a whole.
 
-    Differs: the paper has no such gate, but at rest its outliers are noise alone. The gel moves
-    neighbours together while tracking errors are independent, so the mean over the markers within
-    r shows a motion far below the error of a single marker.
+    Differs: the paper has no such gate, but at rest its outliers are only noise. The gel moves
+    neighbours together, and tracking errors are independent. So the mean over the markers within r
+    shows a motion far below the error of a single marker.
     """
     moved_px = smooth_displacement(rest_px, position_px - rest_px, config.radius_px)
     return bool((np.linalg.norm(moved_px, axis=1) < config.rest_gate_px).all())

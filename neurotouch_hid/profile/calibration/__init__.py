@@ -1,7 +1,12 @@
 """Measuring what a hand can do, without hurry: noise, tremor, the range of eight movements."""
 
 from neurotouch_hid.profile.calibration.repetition import Repetition
-from neurotouch_hid.profile.calibration.result import WeakSide, find_weak_sides, write_ranges
+from neurotouch_hid.profile.calibration.result import (
+    WeakSide,
+    find_weak_sides,
+    undo_ranges,
+    write_ranges,
+)
 from neurotouch_hid.profile.calibration.session import CalibrationSession
 from neurotouch_hid.profile.calibration.tremor import Tremor
 
@@ -11,5 +16,6 @@ __all__ = [
     "Tremor",
     "WeakSide",
     "find_weak_sides",
+    "undo_ranges",
     "write_ranges",
 ]

@@ -11,7 +11,7 @@ from neurotouch_hid.profile.schema.movements import name_movement
 BEGIN_MM: Final = 1.5
 END_MM: Final = 1.0
 END_SHARE: Final = 0.3
-"""A repetition ends below 1 mm or below 0.3 of its peak: some hands never let go entirely."""
+"""A repetition ends below 1 mm or below 0.3 of its peak: some hands never come back entirely."""
 
 AGAIN_MM: Final = 1.5
 """Above what was left at the end, another one begins this far up."""
@@ -57,7 +57,7 @@ class RepetitionFinder:
         return self._begin_us is not None
 
     def update(self, reading: ConditionedGesture) -> Repetition | None:
-        """The repetition that this reading ends, if it ends one."""
+        """Returns the repetition that this reading ends, if it ends one."""
         self._window.append(reading.mm)
         mm = median(self._window)
         if self._begin_us is None:

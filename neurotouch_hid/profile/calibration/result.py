@@ -5,7 +5,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
-from typing import Final
+from typing import Any, Final
 
 from neurotouch_hid.profile.editing.layout import read_layout
 from neurotouch_hid.profile.editing.paths import find_way
@@ -23,6 +23,7 @@ LEAST_REST_MM: Final = 0.6
 MOST_REST_MM: Final = 3.0
 LEAST_ROOM_MM: Final = 1.0
 WEAK_SHARE: Final = 0.5
+_CALIBRATED: Final = ("unused", "filter", "tremor_hz")
 _DATE: Final = re.compile(r"^# Calibrated \d{4}-\d{2}-\d{2}\.", re.MULTILINE)
 
 
@@ -42,7 +43,7 @@ class WeakSide:
 
 
 def measure_rest(resting_mm: Sequence[float]) -> float:
-    """Up to where it is noise: three times the deviation while nothing was done, 0.6 mm at least.
+    """Returns the noise limit: three deviations of the rest, 0.6 mm at least.
 
     Args:
         resting_mm: the intensity while nothing was done, in mm; may be empty.
@@ -55,7 +56,7 @@ def measure_rest(resting_mm: Sequence[float]) -> float:
 
 
 def measure_range(peaks_mm: Sequence[float], rest_mm: float) -> Range | None:
-    """The comfortable range of a movement; None if it is not used.
+    """Returns the comfortable range of a movement; None if it is not used.
 
     Args:
         peaks_mm: how far each repetition went; those below 2.5 mm do not count.
@@ -69,7 +70,7 @@ def measure_range(peaks_mm: Sequence[float], rest_mm: float) -> Range | None:
 
 
 def find_weak_sides(ranges: Mapping[str, Range | None]) -> list[WeakSide]:
-    """The measured movements whose partner, also measured, goes more than twice as far."""
+    """Returns the measured movements whose partner, also measured, goes more than twice as far."""
     found = []
     for name, range_ in ranges.items():
         strong = MOVEMENTS[name].partner
@@ -89,7 +90,9 @@ def write_ranges(
     tremor_filter: FilterName | None = None,
     tremor_hz: float | None = None,
 ) -> str:
-    """The user's file with these ranges; a movement that is not used has none, and is named so.
+    """Returns the user's file with these ranges.
+
+    A movement that is not used has none, and is named so.
 
     Args:
         text: the file.
@@ -120,6 +123,35 @@ def write_ranges(
     if tremor_hz is not None:
         text = set_value(text, "tremor_hz", round(tremor_hz, 1), UserSettings)
     return _put_date(text, date)
+
+
+def undo_ranges(text: str, before: str, after: str) -> str:
+    """Returns the user's file as it was before a calibration, without touching anything else.
+
+    Args:
+        text: the file now.
+        before: the file when the calibration began.
+        after: the file when it was saved. What was changed again since then stays.
+    """
+    now, old, new = (read_layout(each, "user.yaml")[1] for each in (text, before, after))
+    for name in [*(f"range.{each}" for each in Ranges.model_fields), *_CALIBRATED]:
+        was, became, is_ = (_look(each, name) for each in (old, new, now))
+        if was == became or is_ != became:
+            continue
+        if was is None:
+            text = reset_value(text, name, UserSettings)
+        else:
+            text = set_value(text, name, was, UserSettings)
+    saved, first = _DATE.search(after), _DATE.search(before)
+    if saved is None:
+        return text
+    return text.replace(f"{saved[0]}\n", f"{first[0]}\n" if first else "", 1)
+
+
+def _look(document: Any, path: str) -> Any:
+    for key in path.split("."):
+        document = document.get(key) if isinstance(document, dict) else None
+    return document
 
 
 def _write_unused(text: str, before: list[str], ranges: Mapping[str, Range | None]) -> str:

@@ -8,7 +8,12 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.messages import Gesture
 from neurotouch_hid.profile.calibration.repetition import Repetition, RepetitionFinder
-from neurotouch_hid.profile.calibration.result import LEAST_PEAK_MM, measure_range, measure_rest
+from neurotouch_hid.profile.calibration.result import (
+    LEAST_PEAK_MM,
+    LEAST_PEAKS,
+    measure_range,
+    measure_rest,
+)
 from neurotouch_hid.profile.calibration.tremor import Tremor, choose_filter, find_tremor
 from neurotouch_hid.profile.engine.conditioner import InputConditioner
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
@@ -70,19 +75,19 @@ class CalibrationSession:
         return self._steps[self._at] if self._at < len(self._steps) else None
 
     def next(self) -> None:
-        """This step is done."""
+        """Ends this step."""
         self._at = min(self._at + 1, len(self._steps))
         self._finder = RepetitionFinder()
 
     def skip(self) -> None:
-        """This step cannot be done."""
+        """Leaves out this step."""
         if self.step is not None:
             self._skipped.add(self.step)
             self._measured.peaks_mm.pop(self.step, None)
         self.next()
 
     def back(self) -> None:
-        """The step before once more, from its beginning."""
+        """Repeats the step before, from its beginning."""
         self._at = max(self._at - 1, 0)
         step = self._steps[self._at]
         self._skipped.discard(step)
@@ -111,12 +116,12 @@ class CalibrationSession:
         return repetition
 
     def accepts(self, repetition: Repetition) -> bool:
-        """True if it is what was asked for, and far enough."""
+        """Returns True if it is what was asked for, and far enough."""
         asked = self.step in (EVERYTHING, repetition.movement)
         return asked and repetition.peak_mm >= LEAST_PEAK_MM
 
     def _collect(self, mm: float, raw_mm: float) -> None:
-        """Rest between repetitions, and the longest stretch in which a movement was held."""
+        """Collects the rest between repetitions, and the longest stretch of one held movement."""
         if self._finder.is_moving:
             self._rest()
             if mm < _HOLD_SHARE * self._finder.peak_mm:
@@ -128,7 +133,7 @@ class CalibrationSession:
         self._still_mm.append(raw_mm)
 
     def _rest(self) -> None:
-        """Takes what lies between two movements, but not right beside them."""
+        """Takes what is between two movements, but not right beside them."""
         if self.step == EVERYTHING:
             self._measured.resting_mm += self._still_mm[_SETTLE_READINGS:-_SETTLE_READINGS]
         self._still_mm = []
@@ -145,13 +150,35 @@ class CalibrationSession:
 
     @property
     def ranges(self) -> dict[str, Range | None]:
-        """The range of each movement that was asked for; None for one that is not used.
+        """The range of each movement made often enough; None for one that was skipped.
 
-        Without guidance, only the movements that were made.
+        All others are left out: no movement is switched off unless a person says so.
         """
-        made = self._measured.peaks_mm
-        names = [name for name in self.movements if self._steps[0] == NEUTRAL or name in made]
-        return {name: measure_range(made.get(name, ()), self.rest_mm) for name in names}
+        measured = {name: self._measure(name) for name in self.movements}
+        return {
+            name: range_
+            for name, range_ in measured.items()
+            if range_ is not None or name in self._skipped
+        }
+
+    @property
+    def unfinished(self) -> dict[str, int]:
+        """How often each movement was made that was begun, but not made often enough."""
+        return {
+            name: len(peaks)
+            for name, peaks in self._measured.peaks_mm.items()
+            if self._measure(name) is None and name not in self._skipped
+        }
+
+    @property
+    def missing(self) -> int:
+        """How many repetitions this step still needs."""
+        if self.step not in self.movements:
+            return 0
+        return max(LEAST_PEAKS - len(self._measured.peaks_mm.get(self.step, ())), 0)
+
+    def _measure(self, name: str) -> Range | None:
+        return measure_range(self._measured.peaks_mm.get(name, ()), self.rest_mm)
 
     @property
     def peaks_mm(self) -> dict[str, list[float]]:
@@ -171,7 +198,7 @@ class CalibrationSession:
         return choose_filter(hold, self._step_us) if enough else None
 
     def _hold(self) -> NDArray[np.float64]:
-        """The middle of the longest hold: its beginning and end are movements."""
+        """Returns the middle of the longest hold: its beginning and end are movements."""
         hold = self._measured.hold_mm
         edge = min(len(hold) // 5, round(500_000 / self._step_us))
         return np.array(hold[edge : len(hold) - edge])

@@ -12,11 +12,11 @@ from neurotouch_hid.profile.schema.timing import FilterName
 __all__ = ["Tremor", "choose_filter", "find_tremor", "smooth"]
 
 GAP_MM: Final = 1.0
-"""Between pressing at 2.5 and letting go at 1.5 mm."""
+"""Between pressing at 2.5 and releasing at 1.5 mm."""
 
 
 def choose_filter(mm: NDArray[np.float64], step_us: int) -> FilterName:
-    """The weakest filter that leaves less tremor than the gap between pressing and letting go.
+    """Returns the weakest filter that brings the tremor below the hysteresis.
 
     Args:
         mm: (n,) how far the hand was while it held, in mm.
@@ -31,7 +31,7 @@ def choose_filter(mm: NDArray[np.float64], step_us: int) -> FilterName:
 
 
 def smooth(mm: NDArray[np.float64], step_us: int, name: FilterName) -> NDArray[np.float64]:
-    """What a filter makes of a hold, from where it has settled (0.5 s) on."""
+    """Returns what a filter makes of a hold, from where it has settled (0.5 s) on."""
     if name == "none":
         return mm
     one_euro = OneEuro(*FILTERS[name])

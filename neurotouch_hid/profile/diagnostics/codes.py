@@ -41,7 +41,7 @@ CODES: Final[dict[str, Explanation]] = {
         "are made of them.",
     ),
     "NT104": Explanation(
-        "a key stands there twice",
+        "a key is there twice",
         "Only one of them could hold. Remove or rename one.",
     ),
     "NT105": Explanation(
@@ -92,7 +92,7 @@ CODES: Final[dict[str, Explanation]] = {
     ),
     "NT122": Explanation(
         "thresholds the wrong way round",
-        "off_mm must lie below on_mm. Between them nothing changes; without that gap a trembling "
+        "off_mm must be below on_mm. Between them nothing changes; without that gap a trembling "
         "hand would press again and again.",
     ),
     "NT123": Explanation(
@@ -159,7 +159,7 @@ CODES: Final[dict[str, Explanation]] = {
     ),
     "NT204": Explanation(
         "a binding that never acts",
-        "Another binding of the same layer does the same, or its range lies beyond what people "
+        "Another binding of the same layer does the same, or its range is beyond what people "
         "reach with this gesture.",
     ),
     "NT205": Explanation(
@@ -207,15 +207,17 @@ CODES: Final[dict[str, Explanation]] = {
 
 
 def explain(code: str) -> Explanation:
-    """What a code means.
+    """Returns what a code means.
 
     Raises:
         ProfileError: there is no such code.
     """
     known = CODES.get(code.upper())
     if known is None:
+        digits = "".join(filter(str.isdecimal, code))  # the number alone, or a slip in the letters
+        meant = f"NT{digits}"
         raise ProfileError(
-            f"no fault has the code '{make_printable(code[:16])}'",
-            hint=f"Codes: {', '.join(CODES)}.",
+            f"No fault has the code '{make_printable(code[:16])}'.",
+            hint=f"Did you mean '{meant}'?" if meant in CODES else "List them: neurotouch explain",
         )
     return known

@@ -2,18 +2,18 @@
 
 from collections.abc import Iterator
 
-from neurotouch_hid.profile.document import Node, find_key_mark, find_mark
 from neurotouch_hid.profile.faults import Fault, Keys, format_path, suggest
 from neurotouch_hid.profile.schema.layering import merge_bindings
 from neurotouch_hid.profile.schema.profile import Binding, Layer, Profile
 from neurotouch_hid.profile.schema.targets import LayerTarget
+from neurotouch_hid.profile.yaml_document import Node, find_key_mark, find_mark
 
 MAX_LAYERS = 8
 MAX_BINDINGS = 256
 
 
 def find_bindings(profile: Profile) -> Iterator[tuple[Keys, Layer, Binding]]:
-    """Every binding as it stands in the file, with the way to it and its layer."""
+    """Gives every binding as it is in the file, with the way to it and its layer."""
     own = [("bindings",), *(("layers", i, "bindings") for i in range(len(profile.layers or ())))]
     if profile.bindings is None:
         own = own[1:]
@@ -26,7 +26,7 @@ def check_layers(profile: Profile, whole: Profile, root: Node) -> list[Fault]:
     """Faults of the layers.
 
     Args:
-        profile: as it stands in the file.
+        profile: as it is in the file.
         whole: with everything it is built on.
         root: the file.
     """
@@ -78,7 +78,10 @@ def _find_dead_ends(profile: Profile, whole: Profile, root: Node) -> Iterator[Fa
 
 
 def _find_ways(layer: Layer, layers: tuple[Layer, ...]) -> set[str]:
-    """Where one can go from a layer; a held layer, and one for one action, end by themselves."""
+    """Returns where one can go from a layer.
+
+    A held layer, and one for one action, end by themselves.
+    """
     first = layers[0].name
     ways = set()
     for binding in merge_bindings(layer, layers[0]):

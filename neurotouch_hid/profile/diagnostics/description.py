@@ -19,19 +19,19 @@ from neurotouch_hid.profile.schema.targets import (
 
 
 def describe_binding(binding: Binding) -> str:
-    """For example ``push left tap -> key ctrl+c``."""
+    """Returns for example ``push left tap -> key ctrl+c``."""
     return f"{describe_when(binding)} -> {describe_target(binding.do)}"
 
 
 def describe_when(binding: Binding) -> str:
-    """For example ``push left tap``."""
+    """Returns for example ``push left tap``."""
     if isinstance(binding.when, Sequence):
         return " then ".join(step.replace("_", " ") for step in binding.when.sequence)
     return describe_condition(binding.condition)
 
 
 def describe_condition(condition: Condition) -> str:
-    """For example ``push left tap`` or ``pinch hard``."""
+    """Returns for example ``push left tap`` or ``pinch hard``."""
     words = [condition.gesture.replace("_", " ")]
     if condition.direction is not None:
         words.append(condition.direction.replace("_", " "))
@@ -50,7 +50,7 @@ def describe_condition(condition: Condition) -> str:
 
 
 def describe_target(target: Target) -> str:
-    """For example ``button a`` or ``toggle key ctrl+c``."""
+    """Returns for example ``button a`` or ``toggle key ctrl+c``."""
     match target:
         case StickTarget():
             words = f"stick {target.stick}"

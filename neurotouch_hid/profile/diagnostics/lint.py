@@ -4,14 +4,14 @@ from collections.abc import Iterator
 from typing import Final
 
 from neurotouch_hid.profile.diagnostics.consistency import find_bindings
-from neurotouch_hid.profile.document import Node, find_mark
 from neurotouch_hid.profile.faults import Fault, Keys, format_path
 from neurotouch_hid.profile.schema.conditions import Condition, Sequence
-from neurotouch_hid.profile.schema.keys import is_order_to_kernel
+from neurotouch_hid.profile.schema.keyboard_keys import is_order_to_kernel
 from neurotouch_hid.profile.schema.layering import merge_bindings
 from neurotouch_hid.profile.schema.profile import Binding, Profile
 from neurotouch_hid.profile.schema.targets import KeyTarget, LayerTarget
 from neurotouch_hid.profile.schema.timing import PRESETS
+from neurotouch_hid.profile.yaml_document import Node, find_mark
 from neurotouch_hid.vocabulary import GestureKind
 
 COUNTING_MM: Final = 7.0
@@ -37,10 +37,10 @@ Finding = tuple[str, Keys, str]
 
 
 def find_warnings(profile: Profile, whole: Profile, root: Node) -> list[Fault]:
-    """Warnings about what stands in the file.
+    """Warnings about what is in the file.
 
     Args:
-        profile: as it stands in the file.
+        profile: as it is in the file.
         whole: with everything it is built on.
         root: the file.
     """
@@ -99,7 +99,7 @@ def _check_binding(binding: Binding) -> Iterator[Finding]:
         yield (
             "NT202",
             ("when", key),
-            f"only {on_mm - off_mm:.2g} mm between pressing and letting go, less than the noise "
+            f"only {on_mm - off_mm:.2g} mm between pressing and releasing, less than the noise "
             f"({NOISE_MM:g} mm)",
         )
     reach_mm = max(REACH_MM[kind] for kind in condition.kinds)
@@ -114,7 +114,7 @@ def _check_binding(binding: Binding) -> Iterator[Finding]:
 
 
 def _check_beside(binding: Binding, beside: list[Binding]) -> Iterator[Finding]:
-    """What two bindings of one gesture do to each other."""
+    """Gives what two bindings of one gesture do to each other."""
     if binding.is_followed or isinstance(binding.when, Sequence):
         return
     condition = binding.condition

@@ -4,11 +4,11 @@ from collections.abc import Collection, Iterator
 from typing import Final
 
 from neurotouch_hid.profile.diagnostics.consistency import find_bindings
-from neurotouch_hid.profile.document import Node, find_mark
 from neurotouch_hid.profile.faults import Fault, Keys, format_path
 from neurotouch_hid.profile.schema.conditions import Condition, Sequence
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.profile import Binding, Profile, make_step
+from neurotouch_hid.profile.yaml_document import Node, find_mark
 from neurotouch_hid.vocabulary import GestureKind
 
 _PUSHES: Final = tuple(name for name in MOVEMENTS if name.startswith("push_"))
@@ -20,7 +20,7 @@ def find_unmet(
     """Warnings about what a person cannot do.
 
     Args:
-        profile: as it stands in the file.
+        profile: as it is in the file.
         whole: with everything it is built on.
         root: the file.
         unused: the movements the person does not make.
@@ -59,7 +59,10 @@ def _check_bindings(profile: Profile, unused: Collection[str]) -> Iterator[tuple
 
 
 def _find_lost(binding: Binding, unused: Collection[str]) -> list[str]:
-    """The movements a binding misses; what is pressed misses none as long as one way is left."""
+    """Returns the movements a binding misses.
+
+    What is pressed misses none as long as one way is left.
+    """
     if isinstance(binding.when, Sequence):
         steps = [make_step(name) for name in binding.when.sequence]
         return [name for step in steps if not _list_made(step, unused) for name in _list_all(step)]
@@ -69,7 +72,7 @@ def _find_lost(binding: Binding, unused: Collection[str]) -> list[str]:
 
 
 def _list_made(condition: Condition, unused: Collection[str]) -> list[str]:
-    """The movements that still meet a condition; a diagonal push needs two at once."""
+    """Returns the movements that still meet a condition; a diagonal push needs two at once."""
     movements = _list_all(condition)
     made = [name for name in movements if name not in unused]
     needs_all = condition.direction is not None and len(made) < len(movements)
@@ -77,7 +80,7 @@ def _list_made(condition: Condition, unused: Collection[str]) -> list[str]:
 
 
 def _list_all(condition: Condition) -> list[str]:
-    """Every movement that meets a condition."""
+    """Returns every movement that meets a condition."""
     found: list[str] = []
     for kind in condition.kinds:
         if kind != GestureKind.PUSH:

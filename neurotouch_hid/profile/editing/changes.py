@@ -13,7 +13,7 @@ from neurotouch_hid.profile.faults import Keys, format_path
 
 
 def replace_value(text: str, keys: Keys, value: Any) -> str:
-    """The text with another value at a place; a quoted word stays quoted in the same way.
+    """Returns the text with another value at a place; a quoted word stays quoted in the same way.
 
     Raises:
         ProfileError: there is no such place.
@@ -30,7 +30,7 @@ def replace_value(text: str, keys: Keys, value: Any) -> str:
 
 
 def insert_key(text: str, keys: Keys, key: str, value: Any, order: Sequence[str] = ()) -> str:
-    """The text with a further key in a mapping.
+    """Returns the text with a further key in a mapping.
 
     Args:
         text: the text.
@@ -45,7 +45,7 @@ def insert_key(text: str, keys: Keys, key: str, value: Any, order: Sequence[str]
     part = find_part(_read(text), keys)
     pair = f"{format_value(key)}: {format_value(value)}"
     if part.is_list or part.style not in ("flow", "block"):
-        raise ProfileError(f"{format_path(keys)} has no keys")
+        raise ProfileError(f"'{format_path(keys)}' has no keys.")
     if part.style == "flow":
         return _insert_in_flow(text, part, pair)
     before = list(order[: order.index(key)]) if key in order else []
@@ -55,14 +55,14 @@ def insert_key(text: str, keys: Keys, key: str, value: Any, order: Sequence[str]
 
 
 def append_item(text: str, keys: Keys, value: dict[str, Any]) -> str:
-    """The text with a further mapping at the end of a list; in a block list, a key a line.
+    """Returns the text with a further mapping at the end of a list; in a block list, a key a line.
 
     Raises:
         ProfileError: there is no such list.
     """
     part = find_part(_read(text), keys)
     if not part.is_list:
-        raise ProfileError(f"{format_path(keys)} is not a list")
+        raise ProfileError(f"'{format_path(keys)}' is not a list.")
     if part.style == "flow":
         return _insert_in_flow(text, part, format_value(value))
     dash = " " * part.column + "-"
@@ -72,14 +72,14 @@ def append_item(text: str, keys: Keys, value: dict[str, Any]) -> str:
 
 
 def insert_lines(text: str, after: int, lines: Sequence[str]) -> str:
-    """The text with further lines below the one in which the character ``after`` stands."""
+    """Returns the text with further lines below the one in which the character ``after`` is."""
     return _insert_line(text, after, "\n".join(lines))
 
 
 def remove_value(text: str, keys: Keys) -> str:
-    """The text without a key or an item; what it leaves empty goes too.
+    """Returns the text without a key or an item; what it leaves empty goes too.
 
-    A comment right above an item goes with it if the item stands alone under it; above several
+    A comment right above an item goes with it if the item is alone under it; above several
     items it stays.
 
     Raises:
@@ -123,7 +123,7 @@ def _remove_from_flow(text: str, parent: Part, entry: Entry) -> str:
 
 
 def _insert_line(text: str, after: int, line: str) -> str:
-    """The text with a line below the one in which ``after`` stands, ended as lines are there."""
+    """Returns the text with a line below that of ``after``, with the same line ending."""
     end = _find_line_end(text, after)
     newline = "\r\n" if "\r\n" in text else "\n"
     line = line.replace("\n", newline)
@@ -137,12 +137,12 @@ def _find_line_begin(text: str, at: int) -> int:
 
 
 def _find_line_end(text: str, at: int) -> int:
-    """The first character of the line below."""
+    """Returns the first character of the line below."""
     return text.find("\n", at) + 1 or len(text)
 
 
 def _find_dash(text: str, at: int, column: int) -> int:
-    """The beginning of the line in which an item's dash stands."""
+    """Returns the beginning of the line in which an item's dash is."""
     begin = _find_line_begin(text, at)
     while text[begin + column] != "-" or text[begin : begin + column].strip():
         begin = _find_line_begin(text, begin - 1)
@@ -150,7 +150,7 @@ def _find_dash(text: str, at: int, column: int) -> int:
 
 
 def _find_comment(text: str, begin: int, end: int) -> int:
-    """Where the comment begins that goes with the lines from ``begin`` to ``end``."""
+    """Returns where the comment begins that goes with the lines from ``begin`` to ``end``."""
     below = text[end : _find_line_end(text, end)].strip() if end < len(text) else ""
     if below.startswith("-"):
         return begin

@@ -3,7 +3,9 @@
 import os
 import re
 import stat
+import unicodedata
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from difflib import unified_diff
 from pathlib import Path
@@ -11,15 +13,16 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.editing.revision import MODELINE, adopt
+from neurotouch_hid.players import find_machine_folder, find_user_file
+from neurotouch_hid.profile.editing.revision import MODELINE, adopt, reset_value
 from neurotouch_hid.profile.editing.store import Store
 from neurotouch_hid.profile.faults import make_printable
 from neurotouch_hid.profile.reading.library import (
     OWN_VALUES,
     find_profile,
     find_shipped_folder,
-    find_user_file,
     find_user_folder,
+    list_profile_folders,
     list_profiles,
 )
 from neurotouch_hid.profile.reading.load import (
@@ -28,6 +31,7 @@ from neurotouch_hid.profile.reading.load import (
     check_content,
     check_user,
     load_unused,
+    load_user,
 )
 from neurotouch_hid.profile.schema.profile import Profile
 from neurotouch_hid.profile.schema.user import UserSettings
@@ -39,15 +43,15 @@ Stamp = Callable[[], str]
 
 @dataclass(frozen=True, slots=True)
 class EditedFile:
-    """A file on the desk.
+    """A file being edited.
 
     Attributes:
         name: what people call it.
         store: where it is saved to.
-        content: what stands there, or None if it does not exist.
+        content: what is there, or None if it does not exist.
         text: what an edit begins with.
         model: what it is: a profile or the user's own values.
-        shipped: true if saving makes the user's own copy of a shipped profile.
+        shipped: true if saving makes the person's own copy of a shipped profile, or the machine's.
     """
 
     name: str
@@ -58,7 +62,7 @@ class EditedFile:
     shipped: bool = False
 
     def check(self, text: str) -> Checked[Profile] | Checked[UserSettings]:
-        """The text with all its faults, as it would be there."""
+        """Returns the text with all its faults, as it would be there."""
         content, name = encode(text), make_printable(str(self.store.path))
         if self.model is UserSettings:
             return check_user(content, name)
@@ -80,24 +84,24 @@ class EditedFile:
 
 
 def encode(text: str) -> bytes:
-    """The text as it stands in a file."""
+    """Returns the text as it is in a file."""
     return text.encode("utf-8", "surrogatepass")
 
 
 def take_profile(name_or_path: str, stamp: Stamp) -> EditedFile:
-    """A profile to be edited; of a shipped one, the copy that saving makes.
+    """Returns a profile to be edited; of one for everybody, the copy that saving makes.
 
     Raises:
         ProfileError: there is none, or it cannot be read as text.
     """
     path = find_profile(name_or_path)
     text, content = read_text(path)
-    if path.resolve().parent != find_shipped_folder().resolve():
+    if path.resolve().parent not in {each.resolve() for each in list_profile_folders()[1:]}:
         return EditedFile(path.stem, Store(path, stamp), content, text)
     own = find_user_folder() / path.name
     if own.exists():  # named by its path
         raise ProfileError(
-            f"{path} is shipped with the program and never changed",
+            f"'{path}' is for everybody and never changed from here.",
             hint=f"Edit your own copy: {own}",
         )
     return EditedFile(
@@ -106,7 +110,7 @@ def take_profile(name_or_path: str, stamp: Stamp) -> EditedFile:
 
 
 def make_profile(name: str, template: str, stamp: Stamp) -> EditedFile:
-    """A new profile of the user's, begun as a copy of another.
+    """Returns a new profile of the user's, begun as a copy of another.
 
     Raises:
         ProfileError: the name is taken or none, or there is no such template.
@@ -114,14 +118,15 @@ def make_profile(name: str, template: str, stamp: Stamp) -> EditedFile:
     own = find_own_path(name)
     if own.exists():
         raise ProfileError(
-            f"you have a profile '{name}' already", hint=f"neurotouch profile edit {name}"
+            f"You have a profile '{name}' already.",
+            hint=f"Change it: neurotouch profile edit {name}",
         )
     text, _ = read_text(find_profile(template))
     return EditedFile(name, Store(own, stamp), None, adopt(text, name, find_schema(own)))
 
 
-def take_paper(name_or_path: str, stamp: Stamp) -> EditedFile:
-    """A profile to be edited, or for ``user`` the person's own values.
+def take_file(name_or_path: str, stamp: Stamp) -> EditedFile:
+    """Returns a profile to be edited, or for ``user`` the person's own values.
 
     Raises:
         ProfileError: as ``take_profile``.
@@ -131,37 +136,59 @@ def take_paper(name_or_path: str, stamp: Stamp) -> EditedFile:
 
 
 def take_user(stamp: Stamp) -> EditedFile:
-    """The user's own values to be edited; a new file if there is none."""
+    """Returns the person's own values to be edited.
+
+    A new file begins with what applied to the person until now: the machine's values, if it has
+    some.
+    """
     path = find_user_file()
     store = Store(path, stamp, kept=10)
     if path.exists():
         text, content = read_text(path)
         return EditedFile("user", store, content, text, UserSettings)
     schema = find_schema(path, "user-1.json")
-    text = f"{MODELINE}{schema}\n#\n# What belongs to you and holds in every profile.\nversion: 1\n"
+    machine = find_user_file(folder=find_machine_folder())
+    if machine.exists():
+        text = adopt(read_text(machine)[0], "user", schema)
+        if load_user().slots == UserSettings().slots:  # no choice, and must not become one
+            with suppress(ProfileError):
+                text = reset_value(text, "slots", UserSettings)
+        return EditedFile("user", store, None, text, UserSettings)
+    text = (
+        f"{MODELINE}{schema}\n#\n# What belongs to you and applies in every profile.\nversion: 1\n"
+    )
     return EditedFile("user", store, None, text, UserSettings)
 
 
 def find_own_path(name: str) -> Path:
-    """The path of the user's own profile of a name.
+    """Returns the path of the user's own profile of a name.
 
     Raises:
         ProfileError: that is no name.
     """
     if not re.fullmatch(NAME_PATTERN, name):
         raise ProfileError(
-            f"'{make_printable(name[:80])}' is no name for a profile",
-            hint="A name has 1 to 64 small letters, digits, _ or -, and is never a path.",
+            f"A profile cannot be called '{make_printable(name[:80])}'.",
+            hint=_propose_name(name)
+            + "A name has 1 to 64 letters from a to z, digits, _ or -; it is never a path.",
         )
     if name == OWN_VALUES:
         raise ProfileError(
-            f"'{name}' is what your own values are called", hint="Give the profile another name."
+            f"'{name}' is what your own values are called.", hint="Give the profile another name."
         )
     return find_user_folder() / f"{name}.yaml"
 
 
+def _propose_name(wrong: str) -> str:
+    """Returns a sentence with a name that can be used and resembles the wrong one, or nothing."""
+    plain = unicodedata.normalize("NFKD", wrong.lower())  # an accent is a character of its own
+    words = re.findall(r"[a-z0-9_]+", plain.encode("ascii", "ignore").decode())
+    near = "-".join(words)[:64].strip("-")
+    return f"Try: {near}. " if near and "/" not in wrong else ""
+
+
 def find_schema(path: Path, schema: str = "profile-1.json") -> str:
-    """The path of a shipped schema, for the schema line of a file."""
+    """Returns the path of a shipped schema, for the schema line of a file."""
     shipped = find_shipped_folder() / "schema" / schema
     if path.parent.resolve() == find_shipped_folder().resolve():
         return f"schema/{schema}"
@@ -169,29 +196,31 @@ def find_schema(path: Path, schema: str = "profile-1.json") -> str:
 
 
 def read_text(path: Path) -> tuple[str, bytes]:
-    """The text of a file, with its own ends of lines, and its bytes.
+    """Returns the text of a file, with its own ends of lines, and its bytes.
 
     Raises:
         ProfileError: it is not a file, too large, or not UTF-8.
     """
     try:
         if not stat.S_ISREG(path.stat().st_mode):
-            raise ProfileError(f"{make_printable(str(path))} is not a file")
+            raise ProfileError(f"'{make_printable(str(path))}' is not a file.")
         with path.open("rb") as file:
             content = file.read(MAX_BYTES + 1)
     except OSError as error:
         reason = error.strerror or os.strerror(error.errno or 0)
-        raise ProfileError(f"{make_printable(str(path))} cannot be read: {reason}") from None
+        raise ProfileError(
+            f"'{make_printable(str(path))}' cannot be read: {reason}.", hint="Check the name."
+        ) from None
     if len(content) > MAX_BYTES:
-        raise ProfileError(f"{make_printable(str(path))} is larger than {MAX_BYTES // 1024} kB")
+        raise ProfileError(f"'{make_printable(str(path))}' is larger than {MAX_BYTES // 1024} kB.")
     try:
         return content.decode("utf-8"), content
     except UnicodeDecodeError:
-        raise ProfileError(f"{make_printable(str(path))} is not UTF-8 text") from None
+        raise ProfileError(f"'{make_printable(str(path))}' is not UTF-8 text.") from None
 
 
 def compare(before: str, after: str) -> list[tuple[str, int, str]]:
-    """The lines that differ: ``removed`` or ``added``, the line's number, its text."""
+    """Returns the lines that differ: ``removed`` or ``added``, the line's number, its text."""
     found = []
     old_line = new_line = 0
     for line in unified_diff(before.splitlines(), after.splitlines(), n=0, lineterm=""):

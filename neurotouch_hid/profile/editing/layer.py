@@ -8,7 +8,7 @@ from neurotouch_hid.profile.editing.values import format_value
 
 
 def append_layer(text: str, layer: dict[str, Any]) -> str:
-    """The text with a further layer at its end.
+    """Returns the text with a further layer at its end.
 
     Args:
         text: the profile.

@@ -1,4 +1,4 @@
-"""Where every value stands in a text, by character, so that an edit touches nothing else."""
+"""Where every value is in a text, by character, so that an edit touches nothing else."""
 
 from dataclasses import dataclass
 from typing import Any, Final, Literal
@@ -7,8 +7,8 @@ from ruamel.yaml import YAML
 from ruamel.yaml.nodes import MappingNode, SequenceNode
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.document import parse_document
 from neurotouch_hid.profile.faults import Keys, format_faults, format_path
+from neurotouch_hid.profile.yaml_document import parse_document
 
 Style = Literal["plain", "'", '"', "flow", "block"]
 _QUOTES: Final[dict[str | None, Style]] = {"'": "'", '"': '"'}
@@ -21,7 +21,7 @@ class Part:
     Attributes:
         begin: its first character.
         end: the character after its last; of a block, after its last value.
-        column: where its first character stands in its line; of a block list, the dash.
+        column: where its first character is in its line; of a block list, the dash.
         style: how it is written.
         is_list: true of a list.
         entries: the values in it.
@@ -53,7 +53,7 @@ class Entry:
 
 
 def read_layout(text: str, name: str) -> tuple[Part, Any]:
-    """The layout of a document and its plain value.
+    """Returns the layout of a document and its plain value.
 
     Args:
         text: the document.
@@ -69,7 +69,7 @@ def read_layout(text: str, name: str) -> tuple[Part, Any]:
 
 
 def find_entry(root: Part, keys: Keys) -> Entry:
-    """The entry at the end of the way.
+    """Returns the entry at the end of the way.
 
     Raises:
         ProfileError: the way leads nowhere.
@@ -78,15 +78,15 @@ def find_entry(root: Part, keys: Keys) -> Entry:
     for i, key in enumerate(keys):
         entry = next((entry for entry in part.entries if entry.key == key), None)
         if entry is None:
-            raise ProfileError(f"there is no {format_path(keys[: i + 1])}")
+            raise ProfileError(f"There is no '{format_path(keys[: i + 1])}'.")
         part = entry.part
     if entry is None:
-        raise ProfileError("the way to a value has at least one key")
+        raise ProfileError("The way to a value has at least one key.")
     return entry
 
 
 def find_part(root: Part, keys: Keys) -> Part:
-    """The value at the end of the way; the whole document for an empty one.
+    """Returns the value at the end of the way; the whole document for an empty one.
 
     Raises:
         ProfileError: the way leads nowhere.

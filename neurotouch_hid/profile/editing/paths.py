@@ -2,7 +2,7 @@
 
 A part is a key, a number in a list (``bindings[0]`` or ``bindings.0``), the name of a layer, or the
 gesture of a binding in one word (``push_left_tap``; with ``#2`` the second of that kind). A binding
-may be named without its list, and what stands under its ``when`` and ``do`` without those.
+may be named without its list, and what is under its ``when`` and ``do`` without those.
 """
 
 import re
@@ -14,29 +14,14 @@ from pydantic import BaseModel
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.profile.faults import Keys, format_path, make_printable, suggest
-from neurotouch_hid.profile.schema.conditions import Condition, Sequence, WeakRelease
-from neurotouch_hid.profile.schema.feedback import Feedback, Volumes
-from neurotouch_hid.profile.schema.profile import Layer, Profile, Safety, SafetyGesture
-from neurotouch_hid.profile.schema.shaping import CURVES
-from neurotouch_hid.profile.schema.targets import MICE, TARGETS, Repeat
+from neurotouch_hid.profile.schema.conditions import Condition
+from neurotouch_hid.profile.schema.profile import Binding, Profile
 from neurotouch_hid.profile.schema.timing import Timing
-from neurotouch_hid.profile.schema.user import Range, Ranges
+from neurotouch_hid.profile.schema.tree import find_model
 
 _PART: Final = re.compile(r"\[(\d+)\]|([^.\[\]]+)")
+_MOST_PATHS: Final = 3
 _PATH: Final = re.compile(r"[^.\[\]]+(\.[^.\[\]]+|\[\d+\])*")
-_INSIDE: Final[dict[str, type[BaseModel]]] = {
-    "timing": Timing,
-    "safety": Safety,
-    "pause": SafetyGesture,
-    "panic": SafetyGesture,
-    "repeat": Repeat,
-    "release": WeakRelease,
-    "range": Ranges,
-    "feedback": Feedback,
-    "volume": Volumes,
-    **dict.fromkeys(Ranges.model_fields, Range),
-}
-"""The model of what stands under a key."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +30,7 @@ class Way:
 
     Attributes:
         keys: the whole way.
-        exists: whether the value stands there.
+        exists: whether the value is there.
         widen: keys whose value is a word and must become keys of its own, and the key of that word:
             ``when: push`` becomes ``when: {gesture: push}``.
     """
@@ -56,7 +41,7 @@ class Way:
 
 
 def find_way(document: Any, path: str, model: type[BaseModel] = Profile) -> Way:
-    """The way a person means.
+    """Returns the way a person means.
 
     Args:
         document: the plain value of the document.
@@ -82,7 +67,7 @@ def find_way(document: Any, path: str, model: type[BaseModel] = Profile) -> Way:
 
 
 def list_ways(document: Any, model: type[BaseModel] = Profile) -> Iterator[str]:
-    """Every way of the document that people may write, the shortest form of each, in its order."""
+    """Returns every path that people may write, the shortest form of each, in the text's order."""
     for key, value in document.items() if isinstance(document, dict) else ():
         if key == "bindings":
             yield from _list_bindings(value, "")
@@ -90,14 +75,14 @@ def list_ways(document: Any, model: type[BaseModel] = Profile) -> Iterator[str]:
             for layer in value:
                 yield from _list_bindings(layer.get("bindings", []), f"layers.{layer.get('name')}.")
         else:
-            yield from _list_leaves(key, value)
+            yield from _list_leaves((key,), value, model)
     for key in model.model_fields:
         if key not in document and key not in ("bindings", "layers"):
-            yield key
+            yield from _list_leaves((key,), None, model)
 
 
 def name_binding(binding: Any) -> str:
-    """The gesture of a binding in one word: ``push_left_tap``, ``pinch``, ``push_up-zoom``."""
+    """Names the gesture of a binding: ``push_left_tap``, ``pinch``, ``push_up-zoom``."""
     when = binding.get("when") if isinstance(binding, dict) else None
     if isinstance(when, dict) and isinstance(when.get("sequence"), list):
         return "-".join(map(str, when["sequence"]))
@@ -108,7 +93,7 @@ def name_binding(binding: Any) -> str:
 
 
 def name_bindings(bindings: Any) -> list[str]:
-    """The names of all bindings of a list; from the second of a name on with its number."""
+    """Returns the names of all bindings of a list; from the second of a name on with its number."""
     names: list[str] = []
     seen: dict[str, int] = {}
     for name in map(name_binding, bindings):
@@ -118,7 +103,7 @@ def name_bindings(bindings: Any) -> list[str]:
 
 
 def _hop(value: Any, part: str, keys: Keys) -> Keys | None:
-    """The keys a part leads over, or None if it leads nowhere."""
+    """Returns the keys a part leads over, or None if it leads nowhere."""
     if isinstance(value, list):
         names = _name_items(value, keys)
         if part.isdecimal() and int(part) < len(value):
@@ -133,14 +118,14 @@ def _hop(value: Any, part: str, keys: Keys) -> Keys | None:
 
 
 def _name_items(items: Any, keys: Keys) -> list[str]:
-    """What the items of a list at a place are called: layers by name, bindings by gesture."""
+    """Names the items of a list at a place: layers by name, bindings by gesture."""
     if keys[-1:] == ("layers",):
         return [str(item.get("name")) for item in items]
     return name_bindings(items) if keys[-1:] == ("bindings",) else []
 
 
 def _find_new(value: Any, keys: Keys, rest: list[str], path: str, model: type[BaseModel]) -> Way:
-    """The way to a key that does not stand there yet."""
+    """Returns the way to a key that is not there yet."""
     part = rest[0]
     if isinstance(value, dict) and len(rest) == 1:
         if "when" in value and "do" in value:
@@ -157,36 +142,31 @@ def _find_new(value: Any, keys: Keys, rest: list[str], path: str, model: type[Ba
             return Way((*keys, part), False)
     if keys[-1:] == ("timing",) and part in Timing.model_fields and len(rest) == 1:
         return Way(keys, True) if part == "preset" else Way((*keys, part), False, (keys, "preset"))
-    if isinstance(value, dict) and part in _INSIDE and len(rest) > 1:
-        return _find_new({}, (*keys, part), rest[1:], path, model)
-    raise _refuse(path, _advise(value, part, keys, model))
+    if isinstance(value, dict) and len(rest) > 1:
+        do = _find_target(value["do"]) if "when" in value and "do" in value else None
+        inner = (*keys, "do", part) if do is not None and part in do.model_fields else (*keys, part)
+        if find_model(model, inner, {}) is not None:
+            return _find_new({}, inner, rest[1:], path, model)
+    raise _refuse(path, _find_deeper(value, rest, keys, model) or _advise(value, part, keys, model))
 
 
 def list_known(value: Any, keys: Keys, model: type[BaseModel]) -> list[str]:
-    """The keys that may stand in a mapping at a place."""
-    names = [key for key in keys if isinstance(key, str)]
-    if not names:
-        return list(model.model_fields)
-    last = names[-1]
-    if last == "when":
-        found: type[BaseModel] | None = Sequence if "sequence" in value else Condition
-    elif last == "do":
-        found = _find_target(value)
-    elif last == "curve":
-        found = next((CURVES[key] for key in value if key in CURVES), None)
-    elif last == "layers":
-        found = Layer
-    else:
-        found = _INSIDE.get(last)
+    """Returns the keys that may be in a mapping at a place."""
+    found = find_model(model, keys, value) if isinstance(value, dict) else None
     return list(found.model_fields) if found is not None else []
 
 
 def _find_target(do: Any) -> type[BaseModel] | None:
-    if not isinstance(do, dict):
-        return None
-    if do.get("mouse") in MICE:
-        return MICE[do["mouse"]]
-    return next((TARGETS[key] for key in do if key in TARGETS), None)
+    return find_model(Binding, ("do",), do) if isinstance(do, dict) else None
+
+
+def _find_deeper(value: Any, rest: list[str], keys: Keys, model: type[BaseModel]) -> str:
+    """Returns a hint with the paths that end as the person has written, if there are some."""
+    if keys:
+        return ""
+    end = "." + ".".join(rest)
+    found = [f"'{way}'" for way in list_ways(value, model) if way.endswith(end)]
+    return f"Did you mean {' or '.join(found[:_MOST_PATHS])}?" if found else ""
 
 
 def _advise(value: Any, part: str, keys: Keys, model: type[BaseModel]) -> str:
@@ -209,7 +189,7 @@ def _advise(value: Any, part: str, keys: Keys, model: type[BaseModel]) -> str:
 def _refuse(path: str, hint: str) -> ProfileError:
     shown = make_printable(path[:100])
     example = "For example: push.curve.expo, layers.menu.pinch.on_mm, timing."
-    return ProfileError(f"No such key: '{shown}'", hint=hint or example)
+    return ProfileError(f"No such key: '{shown}'.", hint=hint or example)
 
 
 def _list_bindings(bindings: Any, prefix: str) -> Iterator[str]:
@@ -218,13 +198,17 @@ def _list_bindings(bindings: Any, prefix: str) -> Iterator[str]:
         target = _find_target(do)
         keys = [*(when if isinstance(when, dict) else ()), *Condition.model_fields]
         keys += [*do, *(target.model_fields if target is not None else ())]
-        yield from (f"{prefix}{name}.{key}" for key in dict.fromkeys(keys))
+        for key in dict.fromkeys(keys):
+            yield f"{prefix}{name}.{key}"
+            inner = find_model(target, (key,), do.get(key)) if target is not None else None
+            if inner is not None:
+                yield from (f"{prefix}{name}.{key}.{part}" for part in inner.model_fields)
 
 
-def _list_leaves(key: str, value: Any) -> Iterator[str]:
-    model = _INSIDE.get(key.rsplit(".", 1)[-1])
+def _list_leaves(keys: Keys, value: Any, model: type[BaseModel]) -> Iterator[str]:
+    found = find_model(model, keys, value)
     inner = value if isinstance(value, dict) else {}
-    if model is None or not isinstance(value, dict):
-        yield key
-    for name in dict.fromkeys([*inner, *(model.model_fields if model is not None else ())]):
-        yield from _list_leaves(f"{key}.{name}", inner.get(name))
+    if found is None or not isinstance(value, dict):
+        yield format_path(keys)
+    for name in dict.fromkeys([*inner, *(found.model_fields if found is not None else ())]):
+        yield from _list_leaves((*keys, name), inner.get(name), model)

@@ -26,6 +26,24 @@ _KEYS: Final = {
     **dict.fromkeys(get_args(PressName), "press"),
     **dict.fromkeys(("soft", "hard"), "level"),
 }
+_AFTER_GESTURE: Final = (
+    "After the gesture comes a direction (up, down, left, right), tap, double, hold, long, soft or "
+    'hard. What it does is a word of its own, for example: "pinch tap" "button a".'
+)
+_ACTIONS: Final = (
+    "An action is stick, axis, trigger, button, dpad, key, mouse or layer and which one, for "
+    'example "button a"; or pause, panic, rezero or "next profile".'
+)
+_EXAMPLES: Final = {
+    "stick": "stick left",
+    "axis": "axis right_x +",
+    "trigger": "trigger right",
+    "button": "button a",
+    "dpad": "dpad up",
+    "key": "key space",
+    "mouse": "mouse left",
+    "layer": "layer menu",
+}
 _LONG: Final = {
     r"\bat (?:the )?(\w+)\b": "zone",
     r"\bwith (\d+) fingers?\b": "contacts",
@@ -36,7 +54,7 @@ _LONG: Final = {
 
 
 def parse_when(words: str) -> Any:
-    """What a profile writes after ``when:``.
+    """Returns what a profile writes after ``when:``.
 
     Raises:
         ProfileError: the words mean no gesture.
@@ -61,7 +79,7 @@ def parse_when(words: str) -> Any:
         raise _refuse(words, gesture, _GESTURES)
     for word in others:
         if word not in _KEYS or _KEYS[word] in found:
-            raise _refuse(words, word, list(_KEYS))
+            raise _refuse(words, word, list(_KEYS), _AFTER_GESTURE)
         found[_KEYS[word]] = word
     order = ("direction", "zone", "contacts", "with_button", "level", "press", "phase", "on_mm")
     narrowed = {key: found[key] for key in order if key in found}
@@ -69,7 +87,7 @@ def parse_when(words: str) -> Any:
 
 
 def parse_do(words: str) -> dict[str, Any]:
-    """What a profile writes after ``do:``.
+    """Returns what a profile writes after ``do:``.
 
     Raises:
         ProfileError: the words mean no output.
@@ -82,8 +100,15 @@ def parse_do(words: str) -> dict[str, Any]:
     if command in _COMMANDS:
         return {"command": command}
     mode = {"mode": parts.pop(0)} if parts and parts[0] in _MODES else {}
+    if len(parts) == 1 and parts[0] in _EXAMPLES:
+        raise ProfileError(
+            f"'{make_printable(words[:80])}' does not say which {parts[0]}.",
+            hint=f"For example: {_EXAMPLES[parts[0]]}.",
+        )
     if len(parts) < 2 or parts[0] not in TARGETS:
-        raise _refuse(words, parts[0] if parts else "", [*TARGETS, *_COMMANDS, *_MODES])
+        known = [name for name in TARGETS if name != "command"]  # which are words of their own
+        known += [*_COMMANDS, *_MODES]
+        raise _refuse(words, parts[0] if parts else "", known, _ACTIONS)
     target, *what = parts
     if target == "axis" and what[-1] in ("+", "-") and len(what) > 1:
         return {"axis": "_".join(what[:-1]), "sign": what[-1], **mode}
@@ -96,7 +121,7 @@ def _join(words: str) -> str:
 
 
 def _split(words: str, known: list[str]) -> list[str]:
-    """The words, with those that belong together joined: ``twist cw`` is ``twist_cw``."""
+    """Returns the words, with those that belong together joined: ``twist cw`` is ``twist_cw``."""
     line = "_".join(words.replace("-", "_").split())
     found = []
     longest = sorted(known, key=len, reverse=True)
@@ -108,10 +133,12 @@ def _split(words: str, known: list[str]) -> list[str]:
     return found
 
 
-def _refuse(words: str, word: str, known: Any) -> ProfileError:
+def _refuse(words: str, word: str, known: Any, help_: str = "") -> ProfileError:
+    """Returns the error about a word; without a near one its fix is ``help_``, or all words."""
     shown, near = make_printable(words[:80]), suggest(word, list(known)) if word else ""
-    choice = f"Known: {', '.join(known)}."
+    choice = help_ or f"Known: {', '.join(known)}."
+    part = make_printable(word[:40])
     return ProfileError(
-        f"'{shown}' is not understood" + (f": '{make_printable(word[:40])}'" if word else ""),
+        f"'{shown}' is not understood" + (f": '{part}'." if part not in ("", shown) else "."),
         hint=near[:1].upper() + near[1:] or choice,
     )

@@ -62,9 +62,9 @@ class Question:
 
     Attributes:
         key: its name.
-        part: where it stands, ``when`` or ``do``.
+        part: where it is, ``when`` or ``do``.
         description: what it is, its unit and default.
-        value: what is written now, or None where the default holds.
+        value: what is written now, or None where the default applies.
         choices: the known words; empty if it is not a choice.
     """
 
@@ -76,7 +76,7 @@ class Question:
 
 
 def list_questions(binding: Binding) -> Iterator[Question]:
-    """Every key of a binding that says how, not what."""
+    """Gives every key of a binding that says how, not what."""
     parts: list[tuple[Literal["when", "do"], BaseModel | str]] = [
         ("do", binding.do),
         ("when", binding.when),
@@ -100,7 +100,7 @@ _TIMED: Final = frozenset(
 
 
 def list_words(annotation: Any) -> tuple[str, ...]:
-    """The words of a choice, or none if it is not one."""
+    """Returns the words of a choice, or none if it is not one."""
     if annotation is bool:
         return ("true", "false")
     if get_origin(annotation) is Literal:
@@ -111,7 +111,7 @@ def list_words(annotation: Any) -> tuple[str, ...]:
 
 
 def sample_response(binding: Binding) -> list[tuple[str, float]]:
-    """The value of what follows a gesture at some measures from 0 to beyond its range.
+    """Returns the value of what follows a gesture at some measures from 0 to beyond its range.
 
     Returns:
         (measure with its unit, value of 0..1) from small to large; empty for what is pressed.

@@ -34,18 +34,18 @@ class Remapping:
     left: tuple[str, ...] = ()
 
 
-def hand_over(text: str, weak: str, wishes: Sequence[When]) -> Remapping:
-    """The profile with everything a movement does given to other conditions.
+def remap(text: str, weak: str, substitutes: Sequence[When]) -> Remapping:
+    """Returns the profile with everything a movement does given to other conditions.
 
-    What is pressed is pressed by one of the wishes instead. A trigger or an axis that followed the
-    movement is pressed to its end, and stays so until the wish comes again. A stick, the pointer or
-    the wheel cannot be pressed: a wish leads to a layer in which the movement the other way does
-    what this one did, as finely as before, and back again.
+    What is pressed is pressed by a substitute instead. A trigger or an axis that followed the
+    movement is pressed to its end, until the substitute comes again. A stick, the pointer or the
+    wheel cannot be pressed: a substitute leads to a layer in which the opposite movement does what
+    this one did, as finely as before, and back again.
 
     Args:
         text: the profile.
         weak: the movement.
-        wishes: what may stand in for it, the best first; each is used once in a layer.
+        substitutes: what may replace it, the best first; each is used once in a layer.
     """
     _, document = read_layout(text, "the profile")
     moved: list[str] = []
@@ -61,7 +61,7 @@ def hand_over(text: str, weak: str, wishes: Sequence[When]) -> Remapping:
             if _is_turned(binding, weak):
                 turned[i] = _turn(binding, weak)
             elif _is_made_by(binding["when"], weak):
-                when = _choose(wishes, taken)
+                when = _choose(substitutes, taken)
                 if when is None:
                     left.append(_describe(binding))
                     continue
@@ -78,7 +78,7 @@ def hand_over(text: str, weak: str, wishes: Sequence[When]) -> Remapping:
         for i, binding in enumerate(bindings):
             if _is_made_by(binding["when"], strong) and _is_turned(binding, strong):
                 turned[i] = _turn(binding, strong)
-        when = _choose(wishes, taken, [binding["when"] for binding in turned.values()])
+        when = _choose(substitutes, taken, [binding["when"] for binding in turned.values()])
         if when is None:
             left += [_describe(bindings[i]) for i in turned]
             continue
@@ -88,20 +88,20 @@ def hand_over(text: str, weak: str, wishes: Sequence[When]) -> Remapping:
     return Remapping(text, tuple(moved), tuple(left))
 
 
-def avoid(text: str, unused: Sequence[str]) -> Remapping:
-    """The profile without the movements a person does not make, as far as others are free."""
+def remap_unused(text: str, unused: Sequence[str]) -> Remapping:
+    """Returns the profile without the movements a person does not make, if others are free."""
     moved: list[str] = []
     left: list[str] = []
     for weak in unused:
-        done = hand_over(text, weak, list_wishes(weak, unused))
+        done = remap(text, weak, list_substitutes(weak, unused))
         text = done.text
         moved += done.moved
         left += done.left
     return Remapping(text, tuple(moved), tuple(left))
 
 
-def list_wishes(weak: str, unused: Sequence[str] = ()) -> list[When]:
-    """What may stand in for a movement: its partner in every way, then the others."""
+def list_substitutes(weak: str, unused: Sequence[str] = ()) -> list[When]:
+    """Returns what may replace a movement: its partner in every way, then the others."""
     partner = MOVEMENTS[weak].partner
     others = [name for name in MOVEMENTS if name not in (weak, partner)]
     ways: list[tuple[str, str]] = [(partner, press) for press in _PRESSES]
@@ -110,7 +110,7 @@ def list_wishes(weak: str, unused: Sequence[str] = ()) -> list[When]:
 
 
 def make_when(movement: str, press: str) -> When:
-    """The condition of a movement: ``push_left`` and ``tap`` is a short push to the left."""
+    """Returns a movement's condition: ``push_left`` and ``tap`` is a short push to the left."""
     gesture, _, way = movement.partition("_")
     if gesture == "push":
         return {"gesture": "push", "direction": way, "press": press}
@@ -118,7 +118,7 @@ def make_when(movement: str, press: str) -> When:
 
 
 def _list_layers(document: Any) -> Iterator[tuple[Keys, str, Any]]:
-    """The way to each layer's bindings, its name, and the layer."""
+    """Gives the way to each layer's bindings, its name, and the layer."""
     if "bindings" in document:
         yield ("bindings",), FIRST_LAYER, {"bindings": document["bindings"]}
     for i, layer in enumerate(document.get("layers", [])):
@@ -126,7 +126,7 @@ def _list_layers(document: Any) -> Iterator[tuple[Keys, str, Any]]:
 
 
 def _is_made_by(when: Any, movement: str) -> bool:
-    """True of a condition that only this movement meets, or that cannot be met without it."""
+    """Tells whether only this movement meets a condition, or no other can."""
     if isinstance(when, str):
         return when == movement
     if "sequence" in when:
@@ -136,7 +136,7 @@ def _is_made_by(when: Any, movement: str) -> bool:
 
 
 def _is_turned(binding: Any, movement: str) -> bool:
-    """True if the movement is one way of what follows both, or moves what cannot be pressed."""
+    """Tells whether the movement is one side of a two-sided binding, or moves an axis."""
     model = Binding.model_validate(binding)
     do = binding["do"]
     if not model.is_followed or do.get("follow", "push").startswith("position"):
@@ -158,7 +158,7 @@ def _is_turned(binding: Any, movement: str) -> bool:
 
 
 def _turn(binding: Any, weak: str) -> Any:
-    """The binding with the two ways exchanged."""
+    """Returns the binding with the two ways exchanged."""
     when, do = binding["when"], dict(binding["do"])
     if _is_made_by(when, weak):
         gesture, _, way = MOVEMENTS[weak].partner.partition("_")
@@ -178,7 +178,7 @@ def _turn(binding: Any, weak: str) -> Any:
 
 
 def _press(do: Any) -> Any:
-    """The same to be pressed: what followed goes to its end, and the next time back."""
+    """Returns the same to be pressed: what followed goes to its end, and the next time back."""
     if ("axis" in do or "trigger" in do) and "value" not in do:
         kept = {key: do[key] for key in ("axis", "trigger", "sign") if key in do}
         return {**kept, "value": 1.0, "mode": "toggle"}
@@ -186,19 +186,21 @@ def _press(do: Any) -> Any:
 
 
 def _choose(
-    wishes: Sequence[When], taken: Sequence[Any], turning: Sequence[Any] = ()
+    substitutes: Sequence[When], taken: Sequence[Any], turning: Sequence[Any] = ()
 ) -> When | None:
-    """The first wish that nothing else answers to; None if there is none.
+    """Returns the first substitute that nothing else reacts to; None if there is none.
 
-    What steers is held all the time anyway, so only a quick press of it is a wish.
+    What steers is held all the time anyway, so only a quick press of it is a substitute.
     """
     steering = [*turning, *(b["when"] for b in taken if _is_planar(b["do"]))]
     steered = {kind for when in steering for kind in _read(when).kinds}
-    for wish in wishes:
-        if wish["press"] in ("hold", "long") and not steered.isdisjoint(_read(wish).kinds):
+    for substitute in substitutes:
+        if substitute["press"] in ("hold", "long") and not steered.isdisjoint(
+            _read(substitute).kinds
+        ):
             continue
-        if not any(_is_heard(wish, binding) for binding in taken):
-            return wish
+        if not any(_is_heard(substitute, binding) for binding in taken):
+            return substitute
     return None
 
 
@@ -206,20 +208,19 @@ def _is_planar(do: Any) -> bool:
     return "stick" in do or do.get("mouse") == "motion"
 
 
-def _is_heard(wish: When, binding: Any) -> bool:
-    """True if a binding would answer to the wish too."""
+def _is_heard(substitute: When, binding: Any) -> bool:
+    """Returns True if a binding would react to the substitute too."""
     model = Binding.model_validate(binding)
     if model.is_followed or "sequence" in binding["when"]:
         return False
     condition = model.condition
-    wished = _read(wish)
+    asked = _read(substitute)
     return (
-        condition.press in (None, wished.press)
-        and condition.on_mm in (None, wished.on_mm)
-        and bool(set(condition.kinds) & set(wished.kinds))
+        condition.press in (None, asked.press)
+        and condition.on_mm in (None, asked.on_mm)
+        and bool(set(condition.kinds) & set(asked.kinds))
         and (
-            None in (condition.direction, wished.direction)
-            or condition.direction == wished.direction
+            None in (condition.direction, asked.direction) or condition.direction == asked.direction
         )
     )
 
@@ -227,7 +228,7 @@ def _is_heard(wish: When, binding: Any) -> bool:
 def _add_turned_layer(
     text: str, keys: Keys, name: str, layer: Any, bindings: list[Any], when: When
 ) -> str:
-    """The text with a layer in which some bindings are turned round, and the way there and back."""
+    """Returns the text with a layer that reverses some bindings, and the way there and back."""
     new = f"{name[:57]}-turned"
     text = append_item(text, keys, {"when": when, "do": {"layer": new}})
     bindings = [*bindings, {"when": when, "do": {"layer": name}}]

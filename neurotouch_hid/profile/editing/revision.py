@@ -13,8 +13,10 @@ from neurotouch_hid.profile.editing.changes import (
 )
 from neurotouch_hid.profile.editing.layout import read_layout
 from neurotouch_hid.profile.editing.paths import find_way, list_known, name_bindings
+from neurotouch_hid.profile.editing.values import parse_value
 from neurotouch_hid.profile.faults import Keys, suggest
 from neurotouch_hid.profile.schema.profile import Profile
+from neurotouch_hid.profile.schema.tree import takes_list
 
 VERSION: Final = 1
 SPOKEN: Final = (
@@ -35,13 +37,17 @@ MODELINE: Final = "# yaml-language-server: $schema="
 
 
 def set_value(text: str, path: str, value: Any, model: type[BaseModel] = Profile) -> str:
-    """The text with a value at the place a person names; what is missing on the way is added.
+    """Returns the text with a value at the place a person names.
+
+    What is missing on the way is added. Where a list belongs, words may come without brackets.
 
     Raises:
         ProfileError: the path leads nowhere.
     """
     _, document = read_layout(text, "the file")
     way = find_way(document, path, model)
+    if isinstance(value, str) and takes_list(model, way.keys, document):
+        value = [parse_value(word) for word in value.replace(",", " ").split()]
     if way.exists:
         return replace_value(text, way.keys, value)
     if way.widen is not None:
@@ -51,20 +57,20 @@ def set_value(text: str, path: str, value: Any, model: type[BaseModel] = Profile
 
 
 def reset_value(text: str, path: str, model: type[BaseModel] = Profile) -> str:
-    """The text without the value at the place a person names, so that the default holds.
+    """Returns the text without the value at the place a person names, so that the default applies.
 
     Raises:
-        ProfileError: the path leads nowhere, or nothing stands there.
+        ProfileError: the path leads nowhere, or nothing is there.
     """
     _, document = read_layout(text, "the file")
     way = find_way(document, path, model)
     if not way.exists:
-        raise ProfileError(f"'{path}' is not set, its default holds already")
+        raise ProfileError(f"'{path}' is not set, its default applies already.")
     return remove_value(text, way.keys)
 
 
 def insert_at(text: str, keys: Keys, value: Any, model: type[BaseModel] = Profile) -> str:
-    """The text with a value at a new place, with the mappings on the way that are missing."""
+    """Returns the text with a value at a new place, with the mappings that are missing."""
     _, document = read_layout(text, "the file")
     n = len(keys) - 1
     while n and _look(document, keys[:n]) is None:
@@ -74,14 +80,14 @@ def insert_at(text: str, keys: Keys, value: Any, model: type[BaseModel] = Profil
 
 
 def bind(text: str, when: Any, do: Any, layer: str | None = None, *, add: bool = False) -> str:
-    """The text with a binding; one for the same ``when`` gets a new ``do`` instead.
+    """Returns the text with a binding; one for the same ``when`` gets a new ``do`` instead.
 
     Args:
         text: the profile.
         when: a gesture as a profile writes it.
         do: an output as a profile writes it.
         layer: the name of the layer; by default the first one.
-        add: keep one for the same ``when`` and stand beside it.
+        add: keep one for the same ``when`` beside it.
 
     Raises:
         ProfileError: there is no such layer.
@@ -97,8 +103,52 @@ def bind(text: str, when: Any, do: Any, layer: str | None = None, *, add: bool =
     return append_item(text, keys, {"when": when, "do": do})
 
 
+def list_namesakes(text: str, path: str, model: type[BaseModel] = Profile) -> list[str]:
+    """Returns the bindings with the same gesture as the one a path leads to, that one first.
+
+    Empty if the path leads to no binding, or to the only one of its gesture.
+    """
+    _, document = read_layout(text, "the file")
+    keys = find_way(document, path, model).keys
+    if "bindings" not in keys[:-1]:
+        return []
+    at = keys.index("bindings") + 1
+    bindings = _look(document, keys[:at])
+    names = name_bindings(bindings)
+    gesture = names[int(keys[at])].partition("#")[0]
+    same = [
+        f"{name} ({_describe_do(binding['do'])})"
+        for name, binding in zip(names, bindings, strict=True)
+        if name.partition("#")[0] == gesture and binding is not bindings[int(keys[at])]
+    ]
+    own = f"{names[int(keys[at])]} ({_describe_do(bindings[int(keys[at])]['do'])})"
+    return [own, *same] if same else []
+
+
+def _describe_do(do: Any) -> str:
+    return " ".join(map(str, next(iter(do.items()))))
+
+
+def list_company(text: str, when: Any, layer: str | None = None) -> list[str]:
+    """Returns a layer's other bindings for the gesture of ``when``, as ``pinch (trigger left)``.
+
+    Raises:
+        ProfileError: there is no such layer.
+    """
+    _, document = read_layout(text, "the file")
+    bindings = _look(document, find_bindings(document, layer)) or []
+    gesture = _say(when).get("gesture")
+    return [
+        f"{name} ({_describe_do(binding['do'])})"
+        for name, binding in zip(name_bindings(bindings), bindings, strict=True)
+        if gesture is not None
+        and _say(binding["when"]).get("gesture") == gesture
+        and not _is_same(binding["when"], when)
+    ]
+
+
 def unbind(text: str, when: Any, do: Any = None, layer: str | None = None) -> str:
-    """The text without the bindings for ``when``, or only without those of them that do ``do``.
+    """Returns the text without the bindings for ``when``, or only without those that do ``do``.
 
     Raises:
         ProfileError: there is no such layer or binding, or it is the last one.
@@ -113,18 +163,63 @@ def unbind(text: str, when: Any, do: Any = None, layer: str | None = None) -> st
     ]
     if not gone:
         names = ", ".join(name_bindings(bindings))
-        raise ProfileError("there is no such binding", hint=f"Bindings here: {names or 'none'}.")
+        raise ProfileError("There is no such binding.", hint=f"Bindings here: {names or 'none'}.")
     if len(gone) == len(bindings):
         raise ProfileError(
-            "the last binding of a layer cannot be removed", hint="Bind something else first."
+            "The last binding of a layer cannot be removed.", hint="Bind something else first."
         )
     for i in reversed(gone):
         text = remove_value(text, (*keys, i))
     return text
 
 
+def rebind(
+    text: str, when: Any, do: Any, layer: str | None = None, *, instead: str | None = None
+) -> str:
+    """Returns the text with a binding that takes the place of another one.
+
+    Args:
+        text: the profile.
+        when: a gesture as a profile writes it.
+        do: an output as a profile writes it.
+        layer: the name of the layer; by default the first one.
+        instead: the path of the binding it replaces; None: of none.
+
+    Raises:
+        ProfileError: there is no such layer or binding.
+    """
+    if instead is None:
+        return bind(text, when, do, layer, add=True)
+    _, document = read_layout(text, "the file")
+    keys = find_way(document, instead).keys
+    old = _look(document, keys)
+    if not isinstance(old, dict) or "when" not in old:
+        raise ProfileError(f"'{instead}' is no binding.")
+    if _is_same(old["when"], when):
+        return replace_value(text, (*keys, "do"), do)
+    return remove_value(append_item(text, keys[:-1], {"when": when, "do": do}), keys)
+
+
+def remove_binding(text: str, path: str) -> str:
+    """Returns the text without the binding a path leads to.
+
+    Raises:
+        ProfileError: there is none, or it is the last one of its layer.
+    """
+    _, document = read_layout(text, "the file")
+    keys = find_way(document, path).keys
+    siblings = _look(document, keys[:-1])
+    if not isinstance(siblings, list):
+        raise ProfileError(f"'{path}' is no binding.")
+    if len(siblings) == 1:
+        raise ProfileError(
+            "The last binding of a layer cannot be removed.", hint="Bind something else first."
+        )
+    return remove_value(text, keys)
+
+
 def find_bindings(document: Any, layer: str | None) -> Keys:
-    """The way to the bindings of a layer; of the first one without a name.
+    """Returns the way to the bindings of a layer; of the first one without a name.
 
     Raises:
         ProfileError: there is no such layer.
@@ -137,12 +232,14 @@ def find_bindings(document: Any, layer: str | None) -> Keys:
         return ("bindings",) if "bindings" in document or not layers else ("layers", 0, "bindings")
     near = suggest(layer, names)
     raise ProfileError(
-        f"there is no layer '{layer}'", hint=near or f"Layers: {', '.join(names) or 'none'}."
+        f"There is no layer '{layer}'.",
+        hint=near[:1].upper() + near[1:]
+        or (f"Layers: {', '.join(names)}." if names else "This profile has none: name no layer."),
     )
 
 
 def adopt(text: str, name: str, schema: str) -> str:
-    """The text as a profile of this name in another folder: ``name`` and schema line made right.
+    """Returns the text for another folder, with its ``name`` and schema line corrected.
 
     Args:
         text: the profile.
@@ -158,19 +255,28 @@ def adopt(text: str, name: str, schema: str) -> str:
     return text
 
 
+def forget_schema(text: str) -> str:
+    """Returns the text without a path of this machine in its schema line."""
+    first, newline, rest = text.partition("\n")
+    if not first.startswith(MODELINE):
+        return text
+    name = first.removeprefix(MODELINE).strip().rsplit("/", 1)[-1]
+    return f"{MODELINE}{name}{newline}{rest}"
+
+
 def upgrade(text: str, schema: str) -> str:
-    """The text in the current version of the format, with a schema line for editors.
+    """Returns the text in the current version of the format, with a schema line for editors.
 
     Raises:
         ProfileError: it is of a version we do not know.
     """
     _, document = read_layout(text, "the file")
     if not isinstance(document, dict):
-        raise ProfileError("the file is not a profile")
+        raise ProfileError("The file is not a profile.")
     version = document.get("version", 0)
     if version not in range(VERSION + 1):
         raise ProfileError(
-            f"the file is of version {version}, this program knows {VERSION}",
+            f"The file is of version {version}, this program knows {VERSION}.",
             hint="Update the program.",
         )
     if version == 0:  # files from before there were versions
@@ -191,7 +297,10 @@ def _look(document: Any, keys: Keys) -> Any:
 
 
 def _is_same(when: Any, named: Any) -> bool:
-    """True if people say both in the same words; thresholds and times beyond those do not count."""
+    """Returns True if people say both in the same words.
+
+    Thresholds and times beyond those do not count.
+    """
     return _say(when) == _say(named)
 
 

@@ -3,7 +3,7 @@
 import os
 import re
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -46,7 +46,7 @@ class Store:
         self._folder = path.parent / ".history" / path.stem
 
     def read(self) -> bytes | None:
-        """What stands there now, or None."""
+        """Returns what is there now, or None."""
         try:
             return self.path.read_bytes()
         except FileNotFoundError:
@@ -68,7 +68,7 @@ class Store:
         """
         if self.read() != over:
             raise ProfileError(
-                f"{self.path} was changed by another program meanwhile", hint="Do it once more."
+                f"'{self.path}' was changed by another program meanwhile.", hint="Do it once more."
             )
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
@@ -90,7 +90,7 @@ class Store:
             version.path.unlink(missing_ok=True)
 
     def versions(self) -> list[Version]:
-        """The versions before, newest first."""
+        """Returns the versions before, newest first."""
         found = []
         for path in self._folder.glob("*.yaml") if self._folder.is_dir() else ():
             parts = _VERSION_FILE.fullmatch(path.name)
@@ -98,10 +98,33 @@ class Store:
                 found.append(Version(int(parts[1]), parts[2], path))
         return sorted(found, key=lambda version: version.number, reverse=True)
 
+    def changes(self, kind: str) -> Iterator[tuple[bytes, bytes]]:
+        """Gives the content before and after each change whose stamp ends so, newest first."""
+        after = self.read() or b""
+        for version in self.versions():
+            before = version.path.read_bytes()
+            if version.stamp.endswith(kind):
+                yield before, after
+            after = before
+
+    def delete(self) -> None:
+        """Deletes the file and keeps its content as the newest version.
+
+        Raises:
+            ProfileError: it cannot be deleted; then it is as it was.
+        """
+        content = self.read()
+        try:
+            if content is not None:
+                self.keep(content)
+            self.path.unlink(missing_ok=True)
+        except OSError as error:
+            raise _fail(self.path, "deleted; it is as it was", error) from None
+
     def undo(self) -> Version:
         """Takes the file back to the version before; again, to the one before that.
 
-        What stands there now stays among the versions, so nothing is lost.
+        What is there now stays among the versions, so nothing is lost.
 
         Raises:
             ProfileError: there is none, or it cannot be written.
@@ -111,7 +134,7 @@ class Store:
         place = known.index(content) if content in known else -1
         if place + 1 >= len(versions):
             raise ProfileError(
-                f"there is nothing to undo: '{self.path.stem}' has no version before this one"
+                f"There is nothing to undo: '{self.path.stem}' has no version before this one."
             )
         return self._put_back(versions[place + 1], content, is_known=place >= 0)
 
@@ -126,7 +149,7 @@ class Store:
         if version is None:
             numbers = ", ".join(str(version.number) for version in versions) or "none"
             raise ProfileError(
-                f"'{self.path.stem}' has no version {number}", hint=f"Versions kept: {numbers}."
+                f"'{self.path.stem}' has no version {number}.", hint=f"Versions kept: {numbers}."
             )
         return self._put_back(version, content, is_known=False)
 
@@ -170,4 +193,4 @@ def write_whole(path: Path, content: bytes) -> None:
 
 def _fail(path: Path, what: str, error: OSError) -> ProfileError:
     reason = error.strerror or str(error)
-    return ProfileError(f"{make_printable(str(path))} cannot be {what}: {reason}")
+    return ProfileError(f"'{make_printable(str(path))}' cannot be {what}: {reason}.")

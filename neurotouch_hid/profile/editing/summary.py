@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from neurotouch_hid.profile.diagnostics.description import describe_binding, describe_condition
+from neurotouch_hid.profile.editing.paths import name_bindings
 from neurotouch_hid.profile.editing.values import format_value
 from neurotouch_hid.profile.schema.layering import merge_bindings
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
@@ -33,7 +34,7 @@ _SAID: Final = frozenset(
 
 
 def summarize(profile: Profile, user: UserSettings | None = None) -> Iterator[str]:
-    """The profile line by line.
+    """Gives the profile line by line.
 
     Args:
         profile: as written, or with everything it is built on.
@@ -60,7 +61,7 @@ def summarize(profile: Profile, user: UserSettings | None = None) -> Iterator[st
 
 
 def summarize_binding(binding: Binding) -> str:
-    """A binding with everything it sets, ``push -> stick left, range_mm [1.0, 8.0]``."""
+    """Returns a binding with everything it sets, ``push -> stick left, range_mm [1.0, 8.0]``."""
     words = [describe_binding(binding)]
     for part in (binding.when, binding.do):
         if not isinstance(part, str):
@@ -103,5 +104,6 @@ def _summarize_times(profile: Profile, user: UserSettings | None) -> Iterator[st
 def _summarize_layer(layer: Layer, *, alone: bool) -> Iterator[str]:
     if not alone:
         yield f"layer: {layer.name}, what it does not bind is {layer.below}"
-    for number, binding in enumerate(layer.bindings):
-        yield f"  binding {number}: {summarize_binding(binding)}"
+    written = [each.model_dump(mode="json", exclude_unset=True) for each in layer.bindings]
+    for name, binding in zip(name_bindings(written), layer.bindings, strict=True):
+        yield f"  {name}: {summarize_binding(binding)}"

@@ -1,4 +1,4 @@
-"""Plain values written as YAML that stays what it is, whoever reads it."""
+"""Plain values written as YAML that stays what it is, for every reader."""
 
 import math
 import re
@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.document import parse_document
 from neurotouch_hid.profile.faults import make_printable
+from neurotouch_hid.profile.yaml_document import parse_document
 
 _PLAIN: Final = re.compile(r"[A-Za-z][A-Za-z0-9_+]*( [A-Za-z0-9_+]+)*|[A-Za-z0-9_-]*[A-Za-z]")
 _TREACHEROUS: Final = frozenset(
@@ -17,7 +17,7 @@ _TREACHEROUS: Final = frozenset(
 
 
 def format_value(value: Any, quote: str = '"') -> str:
-    """The value in one line, lists and mappings in brackets.
+    """Returns the value in one line, lists and mappings in brackets.
 
     Args:
         value: a word, a number, true or false, a list or a mapping with words as keys.
@@ -53,7 +53,7 @@ def _escape(char: str) -> str:
 
 
 def parse_value(text: str) -> Any:
-    """What a person means by a value on the command line: ``0.4``, ``[1, 6]``, ``-``, ``a``.
+    """Returns the value of a word on the command line: ``0.4``, ``[1, 6]``, ``-``, ``a``.
 
     Text that is no YAML, such as ``-`` or ``{``, is taken as the word it is.
 
@@ -61,7 +61,7 @@ def parse_value(text: str) -> Any:
         ProfileError: there is nothing, or YAML that profiles do not use.
     """
     if not text.strip():
-        raise ProfileError("the value is empty", hint="To go back to a default, use --default.")
+        raise ProfileError("The value is empty.", hint="To go back to a default, use --default.")
     if len(text.strip()) == 1 and not text.strip().isalnum():
         return text.strip()  # a sign, which in YAML would begin something
     root, faults = parse_document(text)
@@ -69,5 +69,5 @@ def parse_value(text: str) -> Any:
         return root.value
     refused = next((fault for fault in faults if fault.code in ("NT103", "NT105")), None)
     if refused is not None or any(char in text for char in "{[\n"):
-        raise ProfileError(f"'{make_printable(text[:80])}' is no value: {faults[0].sentence}")
+        raise ProfileError(f"'{make_printable(text[:80])}' is no value: {faults[0].sentence}.")
     return text.strip()

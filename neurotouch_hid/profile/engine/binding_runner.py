@@ -74,7 +74,7 @@ class BindingRunner:
         self.reset()
 
     def reset(self) -> None:
-        """Lets go and forgets."""
+        """Releases and forgets."""
         self.down = self.busy = False
         plan = self._plan
         self._threshold = plan.make_threshold()
@@ -86,7 +86,7 @@ class BindingRunner:
             self._slew.rest()
 
     def may_act(self, reading: ConditionedGesture) -> bool:
-        """True if the kind and direction of the gesture are right, whatever else is asked."""
+        """Tells whether the gesture's kind and direction are right, whatever else is required."""
         return reading.kind in self.kinds and (self._direction is None or self._direction(reading))
 
     def update(self, reading: ConditionedGesture) -> None:
@@ -123,8 +123,8 @@ class BindingRunner:
         self.down = held
         self.busy = busy or held
 
-    def claims(self, reading: ConditionedGesture) -> bool:
-        """True of a chord whose button is held, if the gesture is its own, however far it goes."""
+    def takes_over(self, reading: ConditionedGesture) -> bool:
+        """Tells whether a chord's button is down and the gesture is its own, however large."""
         condition = self.binding.condition
         return (
             condition.with_button in reading.helper
@@ -134,7 +134,7 @@ class BindingRunner:
         )
 
     def withdraw(self, t_us: int) -> None:
-        """The current gesture is another's: forgets it; what is toggled or sticky stays."""
+        """Forgets the current gesture, which another binding has; toggled and sticky ones stay."""
         self._threshold.reset()
         if self._steps is not None:
             self._steps.update(ConditionedGesture(t_us))
@@ -147,6 +147,6 @@ class BindingRunner:
             self._slew.rest()
 
     def finish_action(self) -> None:
-        """Another binding's action is done: what waited for it lets go."""
+        """Releases what waited for another binding's action to end."""
         if self._mode is not None:
             self._mode.finish_action()

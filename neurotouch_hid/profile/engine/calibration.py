@@ -12,7 +12,7 @@ Convert = Callable[[GestureKind, float, Vector | None], float]
 
 
 def make_conversion(ranges: Ranges) -> Convert | None:
-    """A function from (kind, intensity in mm, way of a push) to mm of the reference hand.
+    """Returns a function from (kind, intensity in mm, way of a push) to mm of the reference hand.
 
     None if no range is set.
     What the person's ``rest`` is becomes 1 mm, what is ``full`` becomes the default full of that

@@ -69,7 +69,7 @@ class InputConditioner:
         user: the person's own values.
         filter_name: the tremor filter.
         bound: the kinds of gestures any binding waits for.
-        latch: keep the kind until the gesture is let go.
+        latch: keep the kind until the gesture ends.
     """
 
     def __init__(
@@ -113,7 +113,7 @@ class InputConditioner:
             self._watch.reset()
 
     def read(self, gesture: Gesture) -> ConditionedGesture:
-        """What the hand does now; at rest if a measurement is not a number."""
+        """Returns what the hand does now; at rest if a measurement is not a number."""
         step_us = 0 if self._t_us is None else gesture.t_us - self._t_us
         self._t_us = gesture.t_us
         kind, mm = gesture.kind, float(gesture.intensity_mm)
@@ -147,7 +147,7 @@ class InputConditioner:
         return self._describe(gesture, kind, mm, way)
 
     def _orient(self, vector: Vector) -> Vector:
-        """A vector of the gel as the person sees it; (0, 0) if it is not a number."""
+        """Returns a vector of the gel as the person sees it; (0, 0) if it is not a number."""
         x, y = vector
         if not (math.isfinite(x) and math.isfinite(y)):
             return 0.0, 0.0
@@ -161,7 +161,7 @@ class InputConditioner:
     def _take_out(
         self, watch: TremorWatch, values: tuple[float, float, float], step_us: int
     ) -> tuple[float, float, float]:
-        """The values without the person's own tremor."""
+        """Returns the values without the person's own tremor."""
         hz = watch.update(values[0], step_us)
         if hz is not None:
             for notch in self._notches:
@@ -172,13 +172,13 @@ class InputConditioner:
         return max(mm, 0.0), x, y
 
     def _is_made(self, kind: GestureKind) -> bool:
-        """False of a gesture the person does not make: it must be a mistake."""
+        """Returns False of a gesture the person does not make: it must be a mistake."""
         if kind == GestureKind.PUSH:
             return not self._unused.issuperset(_PUSHES)
         return kind.label not in self._unused
 
     def _leave_out(self, mm: float, x: float, y: float) -> tuple[float, float, float]:
-        """A push without its part in a direction that is not used."""
+        """Returns a push without its part in a direction that is not used."""
         left_x = 0.0 if ("push_left" if x < 0.0 else "push_right") in self._unused else x
         left_y = 0.0 if ("push_up" if y < 0.0 else "push_down") in self._unused else y
         length = math.hypot(x, y)
@@ -200,7 +200,10 @@ class InputConditioner:
             self._memory.phase = "hold"
 
     def _decide(self, kind: GestureKind, mm: float, t_us: int) -> bool:
-        """True once it is clear what the gesture is; latches it as far as the profile wants."""
+        """Returns True once it is clear what the gesture is.
+
+        Latches it as far as the profile wants.
+        """
         if self._memory.onset_us is None:
             self._memory.onset_us = t_us
         if (

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.profile.decision import Journal
+from neurotouch_hid.profile.decision_log import DecisionLog
 from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
 from neurotouch_hid.profile.engine.range_assist import RESTED_US, RangeAssist
 from neurotouch_hid.profile.engine.usage import MovementUsage, UsageTracker
@@ -15,32 +15,32 @@ class FatigueMonitor:
 
     Args:
         user: the ranges, and what is to be done.
-        journal: is told of each suggestion and each step.
+        log: gets each suggestion and each step.
     """
 
-    def __init__(self, user: UserSettings, journal: Journal) -> None:
+    def __init__(self, user: UserSettings, log: DecisionLog) -> None:
         self._setting = user.fatigue
-        self._journal = journal
+        self._log = log
         self._effort = UsageTracker(user.range)
         self._relief = RangeAssist(user.range)
         self._suggested: set[str] = set()
         self._used_us: int | None = None
 
     def usages(self) -> tuple[MovementUsage, ...]:
-        """What the movements have cost so far; without suggestions if none are wanted."""
+        """Returns what the movements have cost so far; without suggestions if none are wanted."""
         report = self._effort.report()
         if self._setting != "none":
             return report
         return tuple(replace(usage, share=None, full_mm=None) for usage in report)
 
     def shares(self) -> dict[str, float]:
-        """The share of its full range that each movement needs now, where that is less than 1."""
+        """Returns the share of its full range that each movement needs now, where below 1."""
         return self._relief.shares
 
     def rest(self) -> None:
-        """The person makes a pause: everything is as calibrated again."""
+        """Starts a pause of the person: all ranges are as calibrated again."""
         if self._relief.shares:
-            self._journal.note("fatigue", "full ranges as calibrated", "a pause")
+            self._log.note("fatigue", "full ranges as calibrated", "a pause")
         self._relief.undo()
         self._effort.rest()
         self._suggested.clear()
@@ -69,9 +69,9 @@ class FatigueMonitor:
             words = name.replace("_", " ")
             share = self._relief.shares.get(name)
             if share != before.get(name) and share is not None:
-                self._journal.note("fatigue", f"{words} needs {share:.0%} of its range")
+                self._log.note("fatigue", f"{words} needs {share:.0%} of its range")
             if usage.full_mm is not None and name not in self._suggested:
                 self._suggested.add(name)
                 why = f"its median is {usage.peak_mm:g} mm now"
                 what = f"{words} could be full at {usage.full_mm:g} mm"
-                self._journal.note("fatigue", what, why)
+                self._log.note("fatigue", what, why)

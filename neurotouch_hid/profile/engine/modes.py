@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Final, Protocol
 
 PAUSE_US: Final = 20_000
-"""How long something is let go between two repeats: it must be seen in one slice at least."""
+"""How long something is released between two repeats: it must be seen in one slice at least."""
 
 
 class Mode(Protocol):
@@ -17,11 +17,11 @@ class Mode(Protocol):
     busy: bool
 
     def update(self, pressed: bool, t_us: int, /) -> bool:
-        """Whether the output is down."""
+        """Returns whether the output is down."""
         ...
 
     def finish_action(self) -> None:
-        """Another action is done."""
+        """Notes that another action is done."""
         ...
 
 
@@ -33,7 +33,7 @@ class Toggle:
         self._pressed = False
 
     def update(self, pressed: bool, _t_us: int) -> bool:
-        """Whether it is down."""
+        """Returns whether it is down."""
         if pressed and not self._pressed:
             self.busy = not self.busy
         self._pressed = pressed
@@ -53,7 +53,7 @@ class Sticky:
         self._pressed = False
 
     def update(self, pressed: bool, _t_us: int) -> bool:
-        """Whether it is down."""
+        """Returns whether it is down."""
         if pressed and not self._pressed:
             if not self.busy:
                 self.busy = True
@@ -65,7 +65,7 @@ class Sticky:
         return self.busy
 
     def finish_action(self) -> None:
-        """Lets go, unless it is locked."""
+        """Releases, unless it is locked."""
         self.busy = self._locked
 
 
@@ -82,7 +82,7 @@ class Repeat:
         self._since_us: int | None = None
 
     def update(self, pressed: bool, t_us: int) -> bool:
-        """Whether it is down."""
+        """Returns whether it is down."""
         if not pressed:
             self._since_us = None
             return False
@@ -104,7 +104,7 @@ def make_mode(
     repeat_us: tuple[int, int] | None,
     turbo_us: tuple[int, int],
 ) -> Callable[[], Mode] | None:
-    """How to make a new mode for a binding; None where the output simply follows the press.
+    """Returns how to make a new mode for a binding; None where the output simply follows the press.
 
     Args:
         name: the mode's name in the profile.

@@ -45,7 +45,7 @@ class Notch:
         self._step_us = 0
 
     def update(self, value: float, step_us: int) -> float:
-        """The value without its part near the frequency.
+        """Returns the value without its part near the frequency.
 
         Args:
             value: finite.
@@ -77,7 +77,7 @@ class TremorWatch:
     """Finds where a tremor has drifted to, from the intensity of what is held.
 
     Args:
-        hz: the person's own frequency; what is found lies within 1.5 Hz of it.
+        hz: the person's own frequency; what is found is within 1.5 Hz of it.
     """
 
     def __init__(self, hz: float) -> None:
@@ -86,12 +86,12 @@ class TremorWatch:
         self._held_us = 0
 
     def reset(self) -> None:
-        """The hold has ended."""
+        """Ends the hold."""
         self._held_mm.clear()
         self._held_us = 0
 
     def update(self, mm: float, step_us: int) -> float | None:
-        """The frequency at the end of each window in which a tremor is found, otherwise None.
+        """Returns the frequency at the end of each window with a tremor, otherwise None.
 
         Args:
             mm: how far the hand is, unfiltered.

@@ -43,7 +43,7 @@ class OneEuro:
         self._speed = 0.0
 
     def update(self, value: float, step_us: int) -> float:
-        """The smoothed value, ``step_us`` after the one before."""
+        """Returns the smoothed value, ``step_us`` after the one before."""
         if self._value is None:
             self._value = value
             return value
@@ -56,6 +56,6 @@ class OneEuro:
 
 
 def _share(cutoff_hz: float, step_s: float) -> float:
-    """How much of a new value a low-pass of first order takes."""
+    """Returns how much of a new value a low-pass of first order takes."""
     turn = 2.0 * math.pi * cutoff_hz * step_s
     return turn / (turn + 1.0)

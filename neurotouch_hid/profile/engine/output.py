@@ -1,4 +1,4 @@
-"""From a binding's target to the outputs: what is down, and where the axes stand."""
+"""From a binding's target to the outputs: what is down, and where the axes are."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -9,7 +9,7 @@ from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
 from neurotouch_hid.profile.engine.regions import EIGHT_WAYS
 from neurotouch_hid.profile.engine.response import Response, make_response
 from neurotouch_hid.profile.schema.conditions import KINDS
-from neurotouch_hid.profile.schema.keys import MOUSE_BUTTONS
+from neurotouch_hid.profile.schema.keyboard_keys import MOUSE_BUTTONS
 from neurotouch_hid.profile.schema.profile import Binding
 from neurotouch_hid.profile.schema.shaping import Planar, Shaped
 from neurotouch_hid.profile.schema.targets import (
@@ -46,7 +46,7 @@ class Outputs:
     wheel: float = 0.0
 
     def move(self, axis: Axis, value: float) -> None:
-        """The larger magnitude counts; where two are equal, the one before."""
+        """Moves an axis; the larger magnitude counts, and the earlier of two equal ones."""
         if abs(value) > abs(self.axes.get(axis, 0.0)):
             self.axes[axis] = value
 
@@ -59,7 +59,7 @@ class Slew:
         self._before: dict[Axis | str, tuple[int, float]] = {}
 
     def limit(self, name: Axis | str, value: float, t_us: int) -> float:
-        """The value that can be reached by now."""
+        """Returns the value that can be reached by now."""
         before_us, before = self._before.get(name, (t_us - 10_000, 0.0))
         if before * value < 0.0:
             before = 0.0
@@ -78,7 +78,7 @@ Put = Callable[[Outputs, ConditionedGesture], None]
 
 
 def make_output(binding: Binding) -> tuple[Put | None, Slew | None]:
-    """What the binding does to the outputs while it is down, and its slew limit, if any.
+    """Returns what the binding does to the outputs while it is down, and its slew limit, if any.
 
     None for a layer or a command, which are no outputs.
     """
@@ -92,7 +92,7 @@ def make_output(binding: Binding) -> tuple[Put | None, Slew | None]:
 
 
 def _press(target: Target) -> Put | None:
-    """What is either down or not."""
+    """Returns what is either down or not."""
     put: Put | None = None
     match target:
         case ButtonTarget():
@@ -156,7 +156,7 @@ def _follow_plane(
 def _read_plane(
     binding: Binding, target: Planar
 ) -> Callable[[ConditionedGesture], tuple[float, float]]:
-    """From a reading to x and y of -1..1, by the dead zone's shape."""
+    """Returns x and y of -1..1 of a reading, by the dead zone's shape."""
     responses = _make_responses(binding)
     centre_x, centre_y = target.centre_mm
     follows_push = target.follow == "push"
@@ -214,7 +214,7 @@ def _follow_line(
 def _read_line(
     binding: Binding, target: AxisTarget | TriggerTarget | MouseWheelTarget
 ) -> Callable[[ConditionedGesture], float]:
-    """From a reading to -1..1: the measure the target follows, shaped."""
+    """Returns -1..1 of a reading: the measure the target follows, shaped."""
     responses = _make_responses(binding)
     two_sided = binding.condition.gesture in ("twist", "scale")
     if isinstance(target, TriggerTarget):

@@ -3,9 +3,9 @@
 import math
 from typing import Final
 
-from neurotouch_hid.profile.decision import Journal
+from neurotouch_hid.profile.decision_log import DecisionLog
 from neurotouch_hid.profile.engine.output import Outputs
-from neurotouch_hid.profile.schema.keys import MOUSE_BUTTONS
+from neurotouch_hid.profile.schema.keyboard_keys import MOUSE_BUTTONS
 from neurotouch_hid.profile.schema.targets import MouseMotionTarget
 
 FREEZE_PX: Final = 12.0
@@ -24,8 +24,8 @@ _DWELL: Final = "dwell -> mouse left"
 class PointerCare:
     """Freezes the pointer while a button is down; clicks where it rests, in two audible steps."""
 
-    def __init__(self, target: MouseMotionTarget, journal: Journal) -> None:
-        self._journal = journal
+    def __init__(self, target: MouseMotionTarget, log: DecisionLog) -> None:
+        self._log = log
         self._freezes = target.freeze_on_click
         self._dwell_us = None if target.dwell_ms is None else 1000 * target.dwell_ms
         self._pressed_px = 0.0
@@ -57,9 +57,9 @@ class PointerCare:
             rested_us = t_us - self._rest_us
             if not self._locked and rested_us >= min(LOCK_US, dwell_us):
                 self._locked = True
-                self._journal.note("step", _DWELL, "1 of 2")
+                self._log.note("step", _DWELL, "1 of 2")
             if rested_us >= dwell_us:
                 self._click_us, self._moved_px = t_us, 0.0
-                self._journal.note("pressed", _DWELL)
+                self._log.note("pressed", _DWELL)
         if self._click_us is not None and t_us - self._click_us < CLICK_US:
             outputs.mouse_buttons.add(MOUSE_BUTTONS["left"])

@@ -33,15 +33,15 @@ class Press(Protocol):
     busy: bool
 
     def update(self, held: bool, reading: ConditionedGesture, since_us: int, /) -> bool:
-        """Whether it is pressed; ``since_us`` is when the current press began."""
+        """Returns whether it is pressed; ``since_us`` is when the current press began."""
         ...
 
 
 class Threshold:
-    """Presses at ``on_mm`` and lets go below ``off_mm``.
+    """Presses at ``on_mm`` and releases below ``off_mm``.
 
-    With ``drop`` it also lets go when the intensity has fallen by that share of its peak, and after
-    ``most_us`` in any case.
+    With ``drop`` it also releases when the intensity has fallen by that share of its peak, and
+    after ``most_us`` in any case.
     """
 
     __slots__ = (
@@ -63,7 +63,7 @@ class Threshold:
         self.reset()
 
     def reset(self) -> None:
-        """Lets go."""
+        """Releases."""
         self.held = False
         self._level_mm = 0.0  # the peak while held; after a weak release the lowest since
         self._since_us = 0
@@ -75,7 +75,7 @@ class Threshold:
         return self.held or self._spent or self._level_mm > 0.0
 
     def update(self, mm: float, t_us: int) -> bool:
-        """Whether it is pressed."""
+        """Returns whether it is pressed."""
         if self.held:
             self._level_mm = max(self._level_mm, mm)
             self._spent = t_us - self._since_us >= self._most_us
@@ -102,12 +102,12 @@ class Debounce:
         self.reset()
 
     def reset(self) -> None:
-        """Lets go; what must not come too soon again still must not."""
+        """Releases; the time before the next press still counts."""
         self.since_us: int | None = None
         self._open = self._blocked = False
 
     def update(self, held: bool, t_us: int) -> bool:
-        """Whether the press is accepted."""
+        """Returns whether the press is accepted."""
         if not held:
             if self._open:
                 self._free_us = t_us + self._ignore_us
@@ -138,7 +138,7 @@ class Soft:
         self._until_us: int | None = None
 
     def update(self, held: bool, reading: ConditionedGesture, since_us: int) -> bool:
-        """A soft gesture that is over before it is clear gives a short press."""
+        """Returns a soft gesture that is over before it is clear gives a short press."""
         if not held:
             if self._began and not self._decided and not self._spoiled:
                 self._until_us = reading.t_us + PULSE_US
@@ -166,7 +166,7 @@ class Released:
         self._until_us: int | None = None
 
     def update(self, held: bool, reading: ConditionedGesture, _since_us: int) -> bool:
-        """Whether the short press is on."""
+        """Returns whether the short press is on."""
         if held:
             self._began = True
             self._until_us = None
@@ -198,7 +198,7 @@ class Tap:
         self._counts = True
 
     def update(self, held: bool, reading: ConditionedGesture, since_us: int) -> bool:
-        """Whether the short press is on."""
+        """Returns whether the short press is on."""
         t_us = reading.t_us
         if held:
             if self._since_us is None:
@@ -242,7 +242,7 @@ class Double:
         self._second = False
 
     def update(self, held: bool, reading: ConditionedGesture, since_us: int) -> bool:
-        """Whether the second tap is on."""
+        """Returns whether the second tap is on."""
         t_us = reading.t_us
         if held:
             if self._since_us is None:
@@ -279,7 +279,7 @@ class Hold:
         self._pressed = False
 
     def update(self, held: bool, reading: ConditionedGesture, since_us: int) -> bool:
-        """Whether it has been held long enough."""
+        """Returns whether it has been held long enough."""
         if held:
             if self._since_us is None:
                 self._since_us = since_us

@@ -45,7 +45,7 @@ class RangeAssist:
         return dict(self._shares)
 
     def is_due(self, t_us: int) -> bool:
-        """True once a minute; the first minute begins with the first call."""
+        """Returns True once a minute; the first minute begins with the first call."""
         if self._stepped_us is None or t_us < self._stepped_us:
             self._stepped_us = t_us
         return t_us - self._stepped_us >= STEP_US
@@ -63,7 +63,7 @@ class RangeAssist:
                 self._bends[name] = self._bend(name, share)
 
     def undo(self) -> None:
-        """All ranges are as calibrated again."""
+        """Sets all ranges as calibrated again."""
         self._shares.clear()
         self._bends.clear()
         self._stepped_us = None
@@ -79,7 +79,7 @@ class RangeAssist:
             reading.mm = begin_mm + gain * (reading.mm - begin_mm)
 
     def _find_bend(self, reading: ConditionedGesture, full_mm: float) -> _Bend:
-        """That of the movement; of a diagonal push, blended from the two beside it by angle."""
+        """Returns the movement's bend; for a diagonal push, that of both neighbours by angle."""
         none = (full_mm, full_mm)
         if reading.kind != GestureKind.PUSH:
             return self._bends.get(reading.kind.label, none)

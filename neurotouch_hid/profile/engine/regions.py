@@ -41,7 +41,7 @@ _GUARD_MM: Final = 2.0
 
 
 def choose_direction(way: Vector | None, before: EightWay | None, sectors: int) -> EightWay | None:
-    """The sector of a push: the one before as long as it nearly fits, else the nearest."""
+    """Returns the sector of a push: the one before as long as it nearly fits, else the nearest."""
     if way is None:
         return None
     ways = FOUR_WAYS if sectors == 4 else EIGHT_WAYS
@@ -53,7 +53,7 @@ def choose_direction(way: Vector | None, before: EightWay | None, sectors: int) 
 
 
 def find_zone(x_mm: float, y_mm: float) -> Zone | None:
-    """The zone of a point of the gel; None in the bands between them."""
+    """Returns the zone of a point of the gel; None in the bands between them."""
     radius_mm = math.hypot(x_mm, y_mm)
     if radius_mm <= CENTRE_MM:
         return "centre"

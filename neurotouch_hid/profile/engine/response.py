@@ -18,7 +18,7 @@ Response = Callable[[float], float]
 
 
 def make_response(range_: tuple[float, float], shaped: Shaped) -> Response:
-    """A function from a measure (finite, in the unit of the range) to a value of 0..1, rising.
+    """Returns a rising function from a measure (finite, in the range's unit) to 0..1.
 
     Args:
         range_: (rest, full); 0 up to ``rest``, the end from ``full`` on.
@@ -43,7 +43,7 @@ def make_response(range_: tuple[float, float], shaped: Shaped) -> Response:
 
 
 def make_bend(curve: Curve) -> Response:
-    """The form between the ends: a rising function from 0..1 to 0..1."""
+    """Returns the form between the ends: a rising function from 0..1 to 0..1."""
     match curve:
         case Expo(expo=expo) if expo >= 0.0:
             return lambda x: x * (1.0 - expo + expo * x * x)
@@ -58,7 +58,7 @@ def make_bend(curve: Curve) -> Response:
 
 
 def _invert_expo(expo: float, y: float) -> float:
-    """The x with (1 - expo) x + expo x³ = y: that curve mirrored at the diagonal."""
+    """Returns the x with (1 - expo) x + expo x³ = y: that curve mirrored at the diagonal."""
     if expo < 1e-3 or y >= 1.0:  # nearly straight, Cardano's formula loses its digits; or the end
         return y
     half = y / (2.0 * expo)
@@ -67,7 +67,7 @@ def _invert_expo(expo: float, y: float) -> float:
 
 
 def _interpolate(points: Sequence[tuple[float, float]]) -> Response:
-    """A monotone cubic through the points [Fritsch and Carlson, SIAM J. Num. Analysis 1980]."""
+    """Returns a monotone cubic through the points [Fritsch and Carlson 1980]."""
     knots = [*points]
     if knots[0][0] > 0.0:
         knots.insert(0, (0.0, 0.0))

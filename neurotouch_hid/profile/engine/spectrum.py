@@ -30,7 +30,7 @@ class Tremor:
 
 
 def find_tremor(mm: NDArray[np.float64], step_us: int) -> Tremor | None:
-    """The tremor of a hold, or None if there is none or it was too short to tell.
+    """Returns the tremor of a hold, or None if there is none or it was too short to tell.
 
     Args:
         mm: (n,) how far the hand was, equally spaced, in mm.

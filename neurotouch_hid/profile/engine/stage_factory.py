@@ -24,7 +24,7 @@ from neurotouch_hid.profile.schema.targets import Acting, LayerTarget
 from neurotouch_hid.profile.schema.timing import Times
 
 WEAK_DROP: Final = 0.35
-"""Share of the peak by which the intensity falls where a weak hand wants to let go."""
+"""Share of the peak by which the intensity falls where a weak hand wants to release."""
 
 
 class StageFactory:
@@ -51,7 +51,7 @@ class StageFactory:
         self.make_mode = self._plan_mode()
 
     def make_threshold(self) -> Threshold:
-        """Where it presses and lets go."""
+        """Returns where it presses and releases."""
         on_mm, off_mm = self._binding.thresholds_mm
         release = self._condition.release
         if release is not None:
@@ -61,12 +61,12 @@ class StageFactory:
         return Threshold(on_mm, off_mm, WEAK_DROP if weak else 0.0)
 
     def make_steps(self) -> Steps | None:
-        """The steps, if it is a sequence."""
+        """Returns the steps, if it is a sequence."""
         when = self._binding.when
         return Steps(when, self._say, self._accept) if isinstance(when, Sequence) else None
 
     def make_gate(self) -> Debounce | None:
-        """What it takes to be accepted; None for what follows a measure."""
+        """Returns what it takes to be accepted; None for what follows a measure."""
         if self._binding.is_followed:
             return None
         condition, times = self._condition, self._times
@@ -79,7 +79,7 @@ class StageFactory:
         return Debounce(1000 * accept_ms, 1000 * ignore_ms, self._say)
 
     def make_presses(self) -> tuple[Press, ...]:
-        """Level, then press."""
+        """Returns level, then press."""
         if self._binding.is_followed or isinstance(self._binding.when, Sequence):
             return ()
         condition = self._condition
@@ -119,7 +119,7 @@ class StageFactory:
         )
 
     def _fits(self, reading: ConditionedGesture) -> bool:
-        """True if the gesture is still the one the binding waits for, however far it goes."""
+        """Tells whether the gesture is still the one the binding waits for, however large."""
         condition = self._condition
         direction = make_direction_test(condition)
         return reading.kind in condition.kinds and (direction is None or direction(reading))
@@ -128,7 +128,7 @@ class StageFactory:
         return any(other.press == press for other in self._others)
 
     def _acts_on_release(self) -> bool:
-        """True if it acts when the gesture ends; what is repeated or held cannot."""
+        """Returns True if it acts when the gesture ends; what is repeated or held cannot."""
         target = self._binding.do
         if isinstance(target, Acting) and (target.repeat is not None or target.mode == "turbo"):
             return False
@@ -151,13 +151,13 @@ class StageFactory:
 
 
 def _same_place(a: Condition, b: Condition) -> bool:
-    """True if both act on the same gesture, apart from how it is pressed and how far."""
+    """Returns True if both act on the same gesture, apart from how it is pressed and how far."""
     keys = ("gesture", "direction", "zone", "contacts", "with_button", "phase")
     return all(getattr(a, key) == getattr(b, key) for key in keys)
 
 
 def make_direction_test(condition: Condition) -> Test | None:
-    """Whether a push goes the way the condition wants; None if it wants none."""
+    """Returns whether a push goes the way the condition wants; None if it wants none."""
     direction = condition.direction
     if direction is None:
         return None
@@ -167,7 +167,7 @@ def make_direction_test(condition: Condition) -> Test | None:
 
 
 def make_tests(condition: Condition) -> tuple[Test, ...]:
-    """What must be true beside kind, direction and intensity."""
+    """Returns what must be true beside kind, direction and intensity."""
     tests: list[Test] = []
     if (zone := condition.zone) is not None:
         tests.append(lambda reading: reading.zone == zone)

@@ -34,7 +34,7 @@ class Steps:
         self.busy = False
 
     def update(self, reading: ConditionedGesture) -> bool:
-        """Whether the sequence is complete and its last gesture still there."""
+        """Returns whether the sequence is complete and its last gesture still there."""
         before = self._threshold.held
         if reading.kind == GestureKind.NONE:
             self._threshold.reset()
@@ -54,7 +54,7 @@ class Steps:
         return self._complete
 
     def _count(self) -> int:
-        """How many of its first gestures have just been made."""
+        """Returns how many of its first gestures have just been made."""
         done = list(self._done)
         for n in range(min(len(done), len(self._steps) - 1), 0, -1):
             if all(_fits(step, one) for step, one in zip(self._steps, done[-n:], strict=False)):

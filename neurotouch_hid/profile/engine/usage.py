@@ -85,11 +85,11 @@ class UsageTracker:
             self._long = True
 
     def report(self) -> tuple[MovementUsage, ...]:
-        """Every movement that was made, by name."""
+        """Returns every movement that was made, by name."""
         return tuple(self._judge(name, record) for name, record in sorted(self._records.items()))
 
     def rest(self) -> None:
-        """The hand has rested: only what it does from now on says whether it is tired."""
+        """Starts over after a rest of the hand: only what follows shows whether it is tired."""
         for record in self._records.values():
             record.latest.clear()
 
@@ -120,5 +120,5 @@ class UsageTracker:
 
 
 def find_kind(movement: str) -> GestureKind:
-    """The gesture a movement of the user's ranges belongs to."""
+    """Returns the gesture a movement of the user's ranges belongs to."""
     return GestureKind["PUSH" if movement.startswith("push") else movement.upper()]

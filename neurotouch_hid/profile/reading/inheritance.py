@@ -5,7 +5,7 @@ from neurotouch_hid.profile.schema.profile import Layer, Profile
 
 
 def build_on(profile: Profile, base: Profile) -> Profile:
-    """The profile with what it takes from ``base``; nothing is extended any more.
+    """Returns the profile with what it takes from ``base``; nothing is extended any more.
 
     Layers of the same name become one; ``bindings`` belong to the first layer, whatever its name.
     A binding of the base stays if none of the profile's own in that layer covers it.

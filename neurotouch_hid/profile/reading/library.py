@@ -1,12 +1,14 @@
-"""Where profiles lie: the user's own folder first, then those shipped with the program."""
+"""Where profiles are: the person's own folder first, then the machine's, then the shipped ones.
 
-import os
+``folder`` is always the folder of a person's settings; None means those of this process's user.
+"""
+
 import re
 from pathlib import Path
 from typing import Final
 
-from neurotouch_hid.client import find_player
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.players import find_config_folder, find_machine_folder
 from neurotouch_hid.profile.faults import make_printable, suggest
 from neurotouch_hid.resources import PACKAGE_FOLDER, find_resources
 from neurotouch_hid.vocabulary import NAME_PATTERN
@@ -16,41 +18,23 @@ OWN_VALUES: Final = "user"
 
 
 def find_shipped_folder(package: Path = PACKAGE_FOLDER) -> Path:
-    """The folder of the shipped profiles."""
+    """Returns the folder of the shipped profiles."""
     return find_resources("profiles", package)
 
 
-def find_user_folder() -> Path:
-    """The folder for the user's own profiles; it need not exist."""
-    return _find_config_folder() / "profiles"
+def find_user_folder(folder: Path | None = None) -> Path:
+    """Returns the folder for the person's own profiles; it need not exist."""
+    return (folder or find_config_folder()) / "profiles"
 
 
-def find_user_file(player: int | None = None) -> Path:
-    """Returns the file of the person's own values; it need not exist.
-
-    Another player has another hand: player 2 has it in a folder ``player-2``, and beside it what
-    else belongs to that player. Profiles are for everybody.
-
-    Args:
-        player: the player number; None means the one of the environment.
-
-    Raises:
-        DriverError: the environment names no player.
-    """
-    player = player or find_player()
-    folder = _find_config_folder()
-    return (folder if player == 1 else folder / f"player-{player}") / "user.yaml"
+def list_profile_folders(folder: Path | None = None) -> list[Path]:
+    """Returns where profiles are looked for, first found first; they need not exist."""
+    own, machine = find_user_folder(folder), find_machine_folder() / "profiles"
+    return list(dict.fromkeys([own, machine, find_shipped_folder()]))
 
 
-def _find_config_folder() -> Path:
-    config = Path(os.environ.get("XDG_CONFIG_HOME", ""))
-    if not config.is_absolute():  # the XDG specification: a relative path is to be ignored
-        config = Path("~/.config").expanduser()
-    return config / "neurotouch"
-
-
-def list_profiles() -> dict[str, Path]:
-    """Every profile that can be loaded by name, sorted; a user's own hides a shipped one.
+def list_profiles(folder: Path | None = None) -> dict[str, Path]:
+    """Returns every profile that can be loaded by name, sorted; a person's own hides others.
 
     Raises:
         ProfileError: a folder is there and cannot be looked into.
@@ -58,22 +42,22 @@ def list_profiles() -> dict[str, Path]:
     try:
         found = {
             path.stem: path
-            for folder in (find_shipped_folder(), find_user_folder())
-            if folder.is_dir()
-            for path in folder.glob("*.yaml")
+            for place in reversed(list_profile_folders(folder))
+            if place.is_dir()
+            for path in place.glob("*.yaml")
             if re.fullmatch(NAME_PATTERN, path.stem) and path.is_file()
         }
     except OSError as error:
-        raise ProfileError(f"{error.filename} cannot be looked into: {error.strerror}") from None
+        raise ProfileError(f"'{error.filename}' cannot be looked into: {error.strerror}.") from None
     return dict(sorted(found.items()))
 
 
-def find_profile(name_or_path: str | Path) -> Path:
-    """The file of a profile.
+def find_profile(name_or_path: str | Path, folder: Path | None = None) -> Path:
+    """Returns the file of a profile.
 
     Args:
-        name_or_path: a path (it has a ``/`` or ends in ``.yaml`` or ``.yml``) or a name, which is
-            looked for in the user's folder, then among the shipped ones.
+        name_or_path: a path (it has a ``/`` or ends in ``.yaml`` or ``.yml``) or a name.
+        folder: the person's settings.
 
     Raises:
         ProfileError: no profile has this name, or nobody can know.
@@ -82,11 +66,11 @@ def find_profile(name_or_path: str | Path) -> Path:
         return name_or_path
     if "/" in name_or_path or name_or_path.endswith((".yaml", ".yml")):
         return Path(name_or_path)
-    known = list_profiles()
+    known = list_profiles(folder)
     if name_or_path in known:
         return known[name_or_path]
     near = suggest(name_or_path, list(known))
     raise ProfileError(
-        f"no profile is called '{make_printable(name_or_path[:64])}'{near and ': ' + near}",
-        hint=f"Profiles: {', '.join(known) or 'none'}. Your own go to {find_user_folder()}.",
+        f"No profile is called '{make_printable(name_or_path[:64])}'.",
+        hint=f"{near[:1].upper()}{near[1:]}" or "List them: neurotouch profile list",
     )

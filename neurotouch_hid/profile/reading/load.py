@@ -10,11 +10,11 @@ from typing import Final, Generic, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.players import find_machine_folder, find_user_file
 from neurotouch_hid.profile.diagnostics.consistency import check_layers
+from neurotouch_hid.profile.diagnostics.error_sentences import locate_faults
 from neurotouch_hid.profile.diagnostics.lint import find_warnings
 from neurotouch_hid.profile.diagnostics.unmet import find_unmet
-from neurotouch_hid.profile.diagnostics.wording import locate_faults
-from neurotouch_hid.profile.document import Node, find_mark, parse_document
 from neurotouch_hid.profile.faults import (
     Fault,
     Mark,
@@ -24,10 +24,11 @@ from neurotouch_hid.profile.faults import (
     suggest,
 )
 from neurotouch_hid.profile.reading.inheritance import build_on
-from neurotouch_hid.profile.reading.library import find_profile, find_user_file
+from neurotouch_hid.profile.reading.library import find_profile
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.profile import Profile
 from neurotouch_hid.profile.schema.user import UserSettings
+from neurotouch_hid.profile.yaml_document import Node, find_mark, parse_document
 
 MAX_BYTES: Final = 64 * 1024
 MAX_STEPS: Final = 4
@@ -54,11 +55,11 @@ class Checked(Generic[Model]):
     whole: Model | None = None
 
     def format(self) -> str:
-        """All faults with the marked lines."""
+        """Returns all faults with the marked lines."""
         return format_faults(self.faults, self.name, self.text)
 
     def require(self) -> Model:
-        """What the file says.
+        """Returns what the file says.
 
         Raises:
             ProfileError: there are errors; the message holds them all.
@@ -69,32 +70,40 @@ class Checked(Generic[Model]):
         return self.whole
 
 
-def load_profile(name_or_path: str | Path) -> Profile:
-    """The profile of this name or at this path, with everything it is built on.
+def load_profile(name_or_path: str | Path, folder: Path | None = None) -> Profile:
+    """Returns the profile of this name or at this path, with everything it is built on.
+
+    Args:
+        name_or_path: as people name it.
+        folder: the person's settings; None means those of this process's user.
 
     Raises:
         ProfileError: there is none, or the file says something we cannot do; the message then holds
             all mistakes, each with ``file:line:column`` and the marked line.
     """
-    return check_profile(name_or_path).require()
+    return check_profile(name_or_path, folder=folder).require()
 
 
-def check_profile(name_or_path: str | Path, unused: Collection[str] = ()) -> Checked[Profile]:
-    """The profile of this name or at this path with all its faults, warnings included.
+def check_profile(
+    name_or_path: str | Path, unused: Collection[str] = (), folder: Path | None = None
+) -> Checked[Profile]:
+    """Returns the profile of this name or at this path with all its faults, warnings included.
 
     Args:
         name_or_path: as people name it.
         unused: movements that the person does not make, of whose use is warned.
+        folder: the person's settings; None means those of this process's user.
 
     Raises:
         ProfileError: there is no such file, or it cannot be read.
     """
-    path = find_profile(name_or_path)
-    return _check_profile(_read(path), make_printable(str(path)), (path.resolve(),), unused)
+    path = find_profile(name_or_path, folder)
+    name = make_printable(str(path))
+    return _check_profile(_read(path), name, (path.resolve(),), unused, folder)
 
 
 def parse_profile(content: bytes, name: str) -> Profile:
-    """The profile in the content of a file.
+    """Returns the profile in the content of a file.
 
     Args:
         content: UTF-8 text, at most 64 kB.
@@ -109,7 +118,7 @@ def parse_profile(content: bytes, name: str) -> Profile:
 def check_content(
     content: bytes, name: str, path: Path | None = None, unused: Collection[str] = ()
 ) -> Checked[Profile]:
-    """The profile in the content of a file with all its faults, before it is saved.
+    """Returns the profile in the content of a file with all its faults, before it is saved.
 
     Args:
         content: UTF-8 text, at most 64 kB.
@@ -120,26 +129,37 @@ def check_content(
     return _check_profile(content, name, () if path is None else (path.resolve(),), unused)
 
 
-def load_user(path: Path | None = None, *, player: int | None = None) -> UserSettings:
-    """Returns the person's own values; those of the reference hand if there is no file.
+def load_user(*, player: int | None = None, folder: Path | None = None) -> UserSettings:
+    """Returns the person's own values.
+
+    Without a file they are the machine's, and without those the reference hand's.
 
     Args:
-        path: the file; by default ``user.yaml`` in the person's folder.
         player: the player number; None means the one of the environment.
+        folder: the person's settings; None means those of this process's user.
 
     Raises:
         ProfileError: as ``load_profile``.
     """
-    return load_settings(find_user_file(player) if path is None else path, UserSettings)
+    return load_settings(find_values(player, folder), UserSettings)
+
+
+def find_values(player: int | None = None, folder: Path | None = None) -> Path:
+    """Returns the file whose values apply, the person's or the machine's; it need not exist."""
+    own = find_user_file(player, folder)
+    with suppress(OSError):  # it may be there, and reading it says what is wrong
+        if not own.exists():
+            return find_user_file(player, find_machine_folder())
+    return own
 
 
 def load_unused() -> tuple[str, ...]:
-    """The movements this person does not make; none where the file that says so is wrong.
+    """Returns the movements this person does not make; none where the file that says so is wrong.
 
     Only this one value is read: to make the models of the whole file costs a fifth of a check.
     """
     try:
-        root, _ = parse_document(_decode(_read(find_user_file())))
+        root, _ = parse_document(_decode(_read(find_values())))
     except (ProfileError, _UnreadableError):
         return ()
     values = root.value.get("unused") if root is not None and isinstance(root.value, dict) else ()
@@ -147,7 +167,7 @@ def load_unused() -> tuple[str, ...]:
 
 
 def load_settings(path: Path, model: type[Model]) -> Model:
-    """What a file of settings says; the model's defaults if there is no file.
+    """Returns what a file of settings says; the model's defaults if there is no file.
 
     Raises:
         ProfileError: as ``load_profile``.
@@ -160,7 +180,7 @@ def load_settings(path: Path, model: type[Model]) -> Model:
 
 
 def check_user(content: bytes, name: str) -> Checked[UserSettings]:
-    """The user's file with all its faults."""
+    """Returns the user's file with all its faults."""
     return _check_model(content, name, UserSettings, lambda _, settings: (settings, []))
 
 
@@ -170,7 +190,7 @@ Finish = Callable[[Node, Model], tuple[Model | None, list[Fault]]]
 def _check_model(
     content: bytes, name: str, model: type[Model], finish: Finish[Model]
 ) -> Checked[Model]:
-    """Text, YAML and model one after the other; ``finish`` sees a whole document."""
+    """Returns text, YAML and model one after the other; ``finish`` sees a whole document."""
     try:
         text = _decode(content)
     except _UnreadableError as refusal:
@@ -186,7 +206,8 @@ def _check_model(
         found = locate_faults(error, root, model)
         faults += [fault for fault in found if fault.mark not in known]
     whole = None
-    if isinstance(root.value, dict) and model is Profile:
+    is_other = any(fault.code == "NT119" for fault in faults)  # a version with other keys
+    if isinstance(root.value, dict) and model is Profile and not is_other:
         faults += _find_missing(root)
     if written is not None and not faults:
         whole, faults = finish(root, written)
@@ -196,15 +217,19 @@ def _check_model(
 
 
 def _check_profile(
-    content: bytes, name: str, chain: tuple[Path, ...], unused: Collection[str] = ()
+    content: bytes,
+    name: str,
+    chain: tuple[Path, ...],
+    unused: Collection[str] = (),
+    folder: Path | None = None,
 ) -> Checked[Profile]:
-    """As ``check_content``; ``chain`` are the files that lead here by ``extends``."""
+    """Checks like ``check_content``; ``chain`` are the files that lead here by ``extends``."""
 
     def finish(root: Node, profile: Profile) -> tuple[Profile | None, list[Fault]]:
         whole, faults = profile, []
         for i, base_name in enumerate(profile.extends):
             keys = ("extends", i)
-            base, code, sentence = _load_base(base_name, chain)
+            base, code, sentence = _load_base(base_name, chain, folder)
             if base is None:
                 faults.append(Fault(find_mark(root, keys), format_path(keys), sentence, code=code))
             else:
@@ -219,18 +244,24 @@ def _check_profile(
     return _check_model(content, name, Profile, finish)
 
 
-def _load_base(name: str, chain: tuple[Path, ...]) -> tuple[Profile | None, str, str]:
-    """The profile another one is built on, or the code of a fault and its sentence."""
+def _load_base(
+    name: str, chain: tuple[Path, ...], folder: Path | None
+) -> tuple[Profile | None, str, str]:
+    """Returns the profile another one is built on, or the code of a fault and its sentence."""
     try:
-        path = find_profile(name)
+        path = find_profile(name, folder)
         if path.resolve() in chain:
             return None, "NT131", f"'{name}' is built on this profile itself"
         if len(chain) >= MAX_STEPS:
             return None, "NT131", f"'{name}' is built on too many others, one on the other"
         content = _read(path)
     except ProfileError as error:
-        return None, "NT130", error.message
-    checked = _check_profile(content, make_printable(str(path)), (*chain, path.resolve()))
+        told = error.message[:1].lower() + error.message[1:].rstrip(".")
+        if (error.hint or "").startswith("Did you mean"):
+            told += f"; d{(error.hint or '')[1:].partition('? ')[0]}?"
+        return None, "NT130", told
+    printable = make_printable(str(path))
+    checked = _check_profile(content, printable, (*chain, path.resolve()), folder=folder)
     if checked.whole is None:
         first = checked.format().split("\n", 1)[0]
         return None, "NT132", f"'{name}' has errors: {first}"
@@ -238,7 +269,7 @@ def _load_base(name: str, chain: tuple[Path, ...]) -> tuple[Profile | None, str,
 
 
 def _find_missing(root: Node) -> list[Fault]:
-    """A profile has bindings of its own or of others."""
+    """Returns the fault of a profile with no bindings, neither its own nor those of others."""
     sources = ("bindings", "layers", "extends")
     if any(key in root.keys or any(suggest(k, [key]) for k in root.keys) for key in sources):
         return []
@@ -269,13 +300,13 @@ def _decode(content: bytes) -> str:
 def _read(path: Path) -> bytes:
     try:
         if not stat.S_ISREG(path.stat().st_mode):
-            raise ProfileError(f"{path} is not a file", hint="Give the path of a .yaml file.")
+            raise ProfileError(f"'{path}' is not a file.", hint="Give the path of a .yaml file.")
         with path.open("rb") as file:
             return file.read(MAX_BYTES + 1)
     except FileNotFoundError:
         raise ProfileError(
-            f"the profile file {path} does not exist", hint="Without a '/', a name is looked up."
+            f"The profile file {path} does not exist.", hint="Without a '/', a name is looked up."
         ) from None
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise ProfileError(f"the profile file {path} cannot be read: {reason}") from None
+        raise ProfileError(f"The profile file {path} cannot be read: {reason}.") from None

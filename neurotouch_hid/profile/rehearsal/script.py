@@ -51,7 +51,7 @@ Token = tuple[str, float]
 
 
 @dataclass(slots=True)
-class Step:
+class ScriptStep:
     """One gesture, or a rest: how far, how long, where."""
 
     kind: GestureKind = GestureKind.NONE
@@ -70,7 +70,7 @@ class Step:
         return self.rise_us + self.hold_us + self.fall_us
 
     def measure_mm(self, t_us: int) -> float:
-        """The intensity this long after its beginning."""
+        """Returns the intensity this long after its beginning."""
         if t_us < self.rise_us:
             level = _ease(t_us / self.rise_us)
         elif t_us < self.rise_us + self.hold_us:
@@ -83,12 +83,12 @@ class Step:
 
 
 def rehearse(text: str, *, slice_us: int = SLICE_US) -> Iterator[Gesture]:
-    """The gestures a text describes, one a slice, from 0 µs on, with 0.3 s of rest at the end.
+    """Gives the gestures a text describes, one a slice, from 0 µs on, ending with 0.3 s of rest.
 
     Raises:
         ProfileError: the text says something else.
     """
-    steps = [*parse_script(text), Step(rise_us=0, hold_us=300_000, fall_us=0)]
+    steps = [*parse_script(text), ScriptStep(rise_us=0, hold_us=300_000, fall_us=0)]
     begin_us, t_us = 0, 0
     for step in steps:
         while t_us < begin_us + step.length_us:
@@ -97,8 +97,8 @@ def rehearse(text: str, *, slice_us: int = SLICE_US) -> Iterator[Gesture]:
         begin_us += step.length_us
 
 
-def parse_script(text: str) -> list[Step]:
-    """The steps of a text.
+def parse_script(text: str) -> list[ScriptStep]:
+    """Returns the steps of a text.
 
     Raises:
         ProfileError: the text says something else.
@@ -106,7 +106,7 @@ def parse_script(text: str) -> list[Step]:
     lines = [part for line in text.splitlines() for part in line.partition("#")[0].split(";")]
     steps = [_Parser(line).parse() for line in lines if line.strip()]
     if len(steps) > MAX_STEPS or sum(step.length_us for step in steps) > MAX_TIME_US:
-        raise ProfileError("a script of gestures has at most 1000 steps and takes 10 minutes")
+        raise ProfileError("A script of gestures has at most 1000 steps and takes 10 minutes.")
     return steps
 
 
@@ -117,7 +117,7 @@ class _Parser:
     line: str
     tokens: list[Token] = field(default_factory=list)
 
-    def parse(self) -> Step:
+    def parse(self) -> ScriptStep:
         for number, unit, word, other in _TOKEN.findall(self.line.lower()):
             if other:
                 raise self._refuse(f"'{other}' is not understood")
@@ -125,10 +125,10 @@ class _Parser:
         self.tokens.reverse()
         name = self._take_word()
         if name == "rest":
-            return Step(rise_us=0, hold_us=self._take_us(), fall_us=0)
+            return ScriptStep(rise_us=0, hold_us=self._take_us(), fall_us=0)
         if name not in _KINDS:
             raise self._refuse(f"'{name}' is no gesture", suggest(name, [*_KINDS, "rest"]))
-        step = Step(_KINDS[name], fingers=1 if name == "push" else 2)
+        step = ScriptStep(_KINDS[name], fingers=1 if name == "push" else 2)
         timed = False
         while self.tokens:
             word, number = self.tokens[-1]
@@ -143,7 +143,7 @@ class _Parser:
                 self._take_option(step, self._take_word())
         return step
 
-    def _take_option(self, step: Step, word: str) -> None:
+    def _take_option(self, step: ScriptStep, word: str) -> None:
         match word:
             case "hold":
                 step.hold_us = self._take_us()
@@ -166,7 +166,7 @@ class _Parser:
     def _take_word(self) -> str:
         word, number = self.tokens.pop() if self.tokens else ("", 0.0)
         if word in ("", "mm", "ms", "s", "hz", "deg"):
-            raise self._refuse(f"{number:g}{word} stands where a word belongs")
+            raise self._refuse(f"{number:g}{word} is where a word belongs")
         return word
 
     def _take_us(self) -> int:
@@ -183,17 +183,17 @@ class _Parser:
     def _refuse(self, sentence: str, hint: str = "") -> ProfileError:
         line = make_printable(self.line.strip()[:80])
         return ProfileError(
-            f"in the gesture script, '{line}': {sentence}",
-            hint=hint or "For example: push left 5mm 300ms hold 1s",
+            f"In the gesture script, '{line}': {sentence}.",
+            hint=hint[:1].upper() + hint[1:] or "For example: push left 5mm 300ms hold 1s",
         )
 
 
 def _ease(share: float) -> float:
-    """The way of least jerk from 0 to 1."""
+    """Returns the way of least jerk from 0 to 1."""
     return share**3 * (10.0 - 15.0 * share + 6.0 * share * share)
 
 
-def _make_gesture(step: Step, since_us: int, t_us: int) -> Gesture:
+def _make_gesture(step: ScriptStep, since_us: int, t_us: int) -> Gesture:
     mm = 0.0 if step.kind == GestureKind.NONE else step.measure_mm(since_us)
     if mm < GATE_MM:
         nothing = np.zeros((0, 2))

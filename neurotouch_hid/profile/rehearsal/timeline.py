@@ -33,7 +33,7 @@ class Moment:
 
 
 def perform(mapping: Mapping, gestures: Iterable[Gesture]) -> Iterator[Moment]:
-    """Every moment at which something changes, is ignored, or takes a sequence further."""
+    """Gives every moment at which something changes, is ignored, or takes a sequence further."""
     hand, before, layer = "", _flatten(GamepadState(0)), mapping.layer
     for gesture in gestures:
         state = mapping.update(gesture)
@@ -45,7 +45,7 @@ def perform(mapping: Mapping, gestures: Iterable[Gesture]) -> Iterator[Moment]:
         changes += [
             str(decision)
             for decision in mapping.decisions()
-            if decision.t_us == gesture.t_us and decision.verdict in ("ignored", "step")
+            if decision.t_us == gesture.t_us and (decision.is_refusal or decision.verdict == "step")
         ]
         if changes or doing != hand:
             yield Moment(gesture.t_us, doing if doing != hand else "", tuple(changes))
@@ -64,7 +64,7 @@ def _describe(gesture: Gesture) -> str:
 
 
 def _flatten(state: GamepadState) -> dict[str, float]:
-    """Everything that is not at rest: 1 for what is down, quarters for what moves."""
+    """Returns everything that is not at rest: 1 for what is down, quarters for what moves."""
     flat = {f"button {button.value}": 1.0 for button in state.buttons}
     flat |= {f"key {key.removeprefix('KEY_').lower()}": 1.0 for key in state.keys}
     flat |= {f"mouse {button.removeprefix('BTN_').lower()}": 1.0 for button in state.mouse_buttons}
@@ -78,7 +78,7 @@ def _flatten(state: GamepadState) -> dict[str, float]:
 
 
 def _quantize(value: float) -> float:
-    """The nearest quarter; what moves by more than 1 % is not at rest."""
+    """Returns the nearest quarter; what moves by more than 1 % is not at rest."""
     if abs(value) < 0.01:
         return 0.0
     return math.copysign(max(1, round(LEVELS * abs(value))) / LEVELS, value)

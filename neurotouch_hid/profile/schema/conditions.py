@@ -45,7 +45,7 @@ KINDS: Final[dict[str, tuple[GestureKind, ...]]] = {
     "scale": _SCALES,
     "any": tuple(kind for kind in GestureKind if kind != GestureKind.NONE),
 }
-"""The kinds each name stands for."""
+"""The kinds each name means."""
 
 
 class WeakRelease(Strict):
@@ -53,13 +53,13 @@ class WeakRelease(Strict):
 
     drop: Annotated[float, Field(ge=0.1, le=0.9)] = Field(
         default=0.35,
-        description="Let go when the intensity has fallen by this share from its peak; a rise of "
+        description="Release when the intensity has fallen by this share from its peak; a rise of "
         "20 % presses again. Default: 0.35.",
         json_schema_extra=give_unit("1"),
     )
     max_hold_ms: Annotated[int, Field(ge=100, le=60_000)] | None = Field(
         default=None,
-        description="Let go after this long in any case, in ms. Default: never.",
+        description="Release after this long in any case, in ms. Default: never.",
         json_schema_extra=make_optional("ms"),
     )
 
@@ -126,12 +126,12 @@ class Condition(Strict):
     )
     off_mm: Annotated[float, Field(ge=0.5, le=17.0)] | None = Field(
         default=None,
-        description="Let go below this intensity, in mm. Default: 0.6 of on_mm, so 1.5 mm.",
+        description="Release below this intensity, in mm. Default: 0.6 of on_mm, so 1.5 mm.",
         json_schema_extra=make_optional("mm"),
     )
     press: PressName | None = Field(
         default=None,
-        description="tap: pressed and let go quickly. double: the second of two taps. hold: kept "
+        description="tap: pressed and released quickly. double: the second of two taps. hold: kept "
         "for a while. long: kept for longer still; a hold beside it then acts when it ends sooner. "
         "Default: as soon and as long as the gesture is there.",
         json_schema_extra=make_optional(),
@@ -162,7 +162,7 @@ class Condition(Strict):
     )
     release: WeakRelease | None = Field(
         default=None,
-        description="Let go more easily: {} or {drop, max_hold_ms}. Default: the timing preset's.",
+        description="Release more easily: {} or {drop, max_hold_ms}. Default: the timing preset's.",
         json_schema_extra=make_optional(),
     )
 
@@ -173,7 +173,7 @@ class Condition(Strict):
 
     @property
     def thresholds_mm(self) -> tuple[float, float]:
-        """Where it acts and where it lets go, in mm, defaults filled in."""
+        """Where it acts and where it releases, in mm, defaults filled in."""
         usual = HARD_ON_MM if self.level == "hard" else DEFAULT_ON_MM
         on_mm = usual if self.on_mm is None else self.on_mm
         return on_mm, OFF_SHARE * on_mm if self.off_mm is None else self.off_mm
@@ -196,7 +196,11 @@ class Condition(Strict):
             raise PydanticCustomError(
                 "thresholds",
                 "must be below on_mm ({on} mm), or the output would flicker",
-                {"at": ("off_mm",), "on": f"{on_mm:g}"},
+                {
+                    "at": ("off_mm",),
+                    "on": f"{on_mm:g}",
+                    "hint": f"set off_mm below {on_mm:g} first, or leave it out",
+                },
             )
         if self.hold_ms is not None and self.press not in ("hold", "long"):
             raise PydanticCustomError(

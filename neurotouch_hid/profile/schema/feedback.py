@@ -26,7 +26,7 @@ class Volumes(Strict):
         json_schema_extra=make_optional(),
     )
     reject: Percent = _volume("A gesture was not accepted, in percent", 60)
-    layer: Percent = _volume("Another layer or profile holds, in percent", 60)
+    layer: Percent = _volume("Another layer or profile is active, in percent", 60)
     pause: Percent = _volume("Pause, panic and their end, in percent", 80)
     lost: Percent = _volume("The gel is out of sight, in percent", 80)
 

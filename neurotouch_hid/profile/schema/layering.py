@@ -10,19 +10,19 @@ _NARROWING = (
 
 
 def merge_bindings(upper: Layer, first: Layer) -> tuple[Binding, ...]:
-    """The bindings of a layer with those it inherits, its own first."""
+    """Returns the bindings of a layer with those it inherits, its own first."""
     if upper is first or upper.below == "empty":
         return tuple(upper.bindings)
     return (*upper.bindings, *uncovered(first.bindings, upper.bindings))
 
 
 def uncovered(lower: list[Binding], upper: list[Binding]) -> list[Binding]:
-    """The bindings of ``lower`` that no binding of ``upper`` covers."""
+    """Returns the bindings of ``lower`` that no binding of ``upper`` covers."""
     return [binding for binding in lower if not any(covers(top, binding) for top in upper)]
 
 
 def covers(upper: Binding, lower: Binding) -> bool:
-    """True if ``upper`` acts whenever ``lower`` would: its gesture, and no narrower."""
+    """Returns True if ``upper`` acts whenever ``lower`` would: its gesture, and no narrower."""
     if isinstance(upper.when, Sequence) or isinstance(lower.when, Sequence):
         return upper.when == lower.when
     wide, narrow = upper.condition, lower.condition

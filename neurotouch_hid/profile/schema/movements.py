@@ -59,7 +59,7 @@ MOVEMENTS: Final[Mapping[str, Movement]] = MappingProxyType(
 
 
 def name_movement(kind: GestureKind, four: str | None) -> str | None:
-    """The movement a gesture is; None at rest, or of a push that goes nowhere.
+    """Returns the movement a gesture is; None at rest, or of a push that goes nowhere.
 
     Args:
         kind: the gesture.

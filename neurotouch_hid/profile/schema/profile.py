@@ -48,7 +48,7 @@ SPEED_RANGE_MM_S: Final = (20.0, 150.0)
 
 
 def check_version(version: int) -> int:
-    """The version, if this program knows it."""
+    """Returns the version, if this program knows it."""
     if version != 1:
         raise PydanticCustomError("version", "this program reads version 1 of the format")
     return version
@@ -83,14 +83,14 @@ class Binding(Strict):
 
     @property
     def thresholds_mm(self) -> tuple[float, float]:
-        """Where it acts and where it lets go, in mm; 0 where only its range decides."""
+        """Where it acts and where it releases, in mm; 0 where only its range decides."""
         condition = self.condition
         if self.is_followed and condition.on_mm is None and condition.level is None:
             return 0.0, 0.0
         return condition.thresholds_mm
 
     def range_for(self, kind: GestureKind) -> tuple[float, float]:
-        """Where the output begins to move and where it ends, in mm, or mm/s for a speed."""
+        """Returns where the output begins to move and where it ends, in mm, or mm/s for a speed."""
         if isinstance(self.do, Linear) and self.do.follow == "speed":
             return self.do.range_mm_s or SPEED_RANGE_MM_S
         if isinstance(self.do, Shaped) and self.do.range_mm is not None:
@@ -125,7 +125,11 @@ class Binding(Strict):
                     raise PydanticCustomError(
                         "timed",
                         "what follows a gesture has no '{key}', only what is pressed",
-                        {"at": ("when", "<pattern>", key), "key": key},
+                        {
+                            "at": ("when", "<pattern>", key),
+                            "key": key,
+                            "hint": "remove it, or press something instead, as with 'button: a'",
+                        },
                     )
         if isinstance(self.when, Sequence) and self.is_followed:
             raise PydanticCustomError(
@@ -140,7 +144,7 @@ class Binding(Strict):
 
 
 def make_step(name: str) -> Condition:
-    """The condition of one step of a sequence: ``push_left`` is a push to the left."""
+    """Returns the condition of one step of a sequence: ``push_left`` is a push to the left."""
     if name.startswith("push_"):
         return Condition(gesture="push", direction=name.removeprefix("push_"))  # type: ignore[arg-type]
     return Condition(gesture=name)  # type: ignore[arg-type]
@@ -244,7 +248,7 @@ class Profile(Strict):
     timing: TimingSetting | None = Field(
         default=None,
         description="How fast and how patient: game, steady, slow, or a preset with changes. "
-        "Where the user has a timing too, the slower one holds. Default: game.",
+        "Where the user has a timing too, the slower one applies. Default: game.",
         json_schema_extra=make_optional(),
     )
     filter: FilterName | None = Field(
@@ -255,7 +259,7 @@ class Profile(Strict):
     )
     latch: bool | None = Field(
         default=None,
-        description="Keep the gesture that was recognised until it is let go. Default: true.",
+        description="Keep the gesture that was recognised until it ends. Default: true.",
         json_schema_extra=make_optional(),
     )
     bindings: Bindings | None = Field(
@@ -267,8 +271,8 @@ class Profile(Strict):
     )
     layers: Annotated[list[Layer], Field(min_length=1, max_length=8)] | None = Field(
         default=None,
-        description="Several sets of bindings, of which one holds at a time; it begins with the "
-        "first. Default: one, made of 'bindings'.",
+        description="Several sets of bindings. One is active at a time, at the start the first. "
+        "Default: one, made of 'bindings'.",
         json_schema_extra=make_optional(),
     )
     safety: Safety = Field(
@@ -285,7 +289,7 @@ class Profile(Strict):
 
 
 def make_schema(model: type[BaseModel], title: str) -> dict[str, Any]:
-    """The JSON Schema of a file format, for editors."""
+    """Returns the JSON Schema of a file format, for editors."""
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         **model.model_json_schema(),
@@ -294,5 +298,5 @@ def make_schema(model: type[BaseModel], title: str) -> dict[str, Any]:
 
 
 def profile_schema() -> dict[str, Any]:
-    """The JSON Schema of a profile; shipped as ``profiles/schema/profile-1.json``."""
+    """Returns the JSON Schema of a profile; shipped as ``profiles/schema/profile-1.json``."""
     return make_schema(Profile, "neurotouch_hid profile")

@@ -46,7 +46,7 @@ def _check_points(points: list[tuple[float, float]]) -> list[tuple[float, float]
         # 0.18 - 0.17 is a little less than 0.01.
         if round(next_x - x, 9) < 0.01 or next_y < y:
             raise PydanticCustomError(
-                "points", "each point must lie right of the one before by 0.01, and not below it"
+                "points", "each point must be right of the one before by 0.01, and not below it"
             )
     return points
 
@@ -58,7 +58,7 @@ class Points(Strict):
         min_length=1,
         max_length=16,
         description="[[x, y], ...] from 0 to 1, left to right; [0, 0] and [1, 1] are added where "
-        "no point stands at that end. No default.",
+        "no point is at that end. No default.",
     )
 
 
@@ -133,7 +133,7 @@ class Shaped(Strict):
     )
     slew_per_s: Annotated[float, Field(ge=0.1, le=100.0)] | None = Field(
         default=None,
-        description="The most the output may grow or turn in a second; letting go is never "
+        description="The most the output may grow or turn in a second; releasing is never "
         "delayed. Default: no limit.",
         json_schema_extra=make_optional("1/s"),
     )
@@ -154,7 +154,7 @@ class Planar(Shaped):
 
     follow: Literal["push", "position"] = Field(
         default="push",
-        description="What it follows: the push, or where on the gel the fingers lie. "
+        description="What it follows: the push, or where on the gel the fingers are. "
         "Default: push.",
     )
     centre_mm: Annotated[
@@ -185,7 +185,7 @@ class Linear(Shaped):
     follow: Measure = Field(
         default="intensity",
         description="What it follows: how far (intensity) or how fast (speed) the gesture goes, "
-        "one part of a push (push_x, push_y), or where on the gel the fingers lie (position_x, "
+        "one part of a push (push_x, push_y), or where on the gel the fingers are (position_x, "
         "position_y). Default: intensity.",
     )
     range_mm_s: Annotated[SpeedRange, Field(strict=False)] | None = Field(

@@ -20,12 +20,15 @@ class Strict(BaseModel):
 
 
 def give_unit(unit: str) -> dict[str, Any]:
-    """The unit of a key, for editors."""
+    """Returns the unit of a key, for editors."""
     return {"x-unit": unit}
 
 
 def make_optional(unit: str | None = None) -> Callable[[dict[str, Any]], None]:
-    """A key that may be left out but not be empty; a document's null never gets this far."""
+    """Returns a key that may be left out but not be empty.
+
+    A document's null never gets this far.
+    """
 
     def describe(schema: dict[str, Any]) -> None:
         schema.pop("default")
@@ -37,9 +40,9 @@ def make_optional(unit: str | None = None) -> Callable[[dict[str, Any]], None]:
 
 
 def find_tag(value: object, models: Mapping[str, type[Strict]]) -> str | None:
-    """The tag of the one form of a value, ``<key>`` for the key only that form has.
+    """Returns the tag of the one form of a value, ``<key>`` for the key only that form has.
 
-    Tags stand in angle brackets, so that no error's place takes one for a key of the document.
+    Tags are in angle brackets, so that no error's place takes one for a key of the document.
     None, an error, if the value has none or several of the keys.
     """
     if isinstance(value, dict):

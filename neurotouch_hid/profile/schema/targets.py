@@ -5,7 +5,7 @@ from typing import Annotated, Final, Literal, Self
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
-from neurotouch_hid.profile.schema.keys import parse_chord
+from neurotouch_hid.profile.schema.keyboard_keys import parse_chord
 from neurotouch_hid.profile.schema.shaping import Linear, Planar
 from neurotouch_hid.profile.schema.strict import Strict, find_tag, give_unit, make_optional
 from neurotouch_hid.profile.schema.timing import Ms
@@ -115,7 +115,7 @@ class TriggerTarget(Driven):
 
 
 class ButtonTarget(Acting):
-    """A button is down while the condition holds."""
+    """A button is down while the condition is met."""
 
     button: Annotated[Button, Field(strict=False)] = Field(
         description="The button, by the word printed on it. No default."
@@ -123,13 +123,13 @@ class ButtonTarget(Acting):
 
 
 class DpadTarget(Acting):
-    """The D-pad is pressed one way while the condition holds."""
+    """The D-pad is pressed one way while the condition is met."""
 
     dpad: EightWay = Field(description="The way. No default.")
 
 
 class KeyTarget(Acting):
-    """A key or a chord of keys is down while the condition holds."""
+    """A key or a chord of keys is down while the condition is met."""
 
     key: Annotated[str, AfterValidator(lambda text: (parse_chord(text), text)[1])] = Field(
         max_length=64,
@@ -143,7 +143,7 @@ class KeyTarget(Acting):
 
 
 class MouseButtonTarget(Acting):
-    """A button of the mouse is down while the condition holds."""
+    """A button of the mouse is down while the condition is met."""
 
     mouse: MouseButton = Field(description="The button. No default.")
 

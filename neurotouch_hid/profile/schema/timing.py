@@ -30,7 +30,7 @@ class Times:
         repeat_delay_ms: when a repeat begins.
         repeat_every_ms: its period.
         trigger: act when a gesture begins or when it ends.
-        weak_release: let go when the intensity falls clearly, even above the threshold.
+        weak_release: releases when the intensity falls clearly, even above the threshold.
         filter: the tremor filter that goes with it.
         floor: the person's own times, if there are some: nothing in a profile goes below them.
     """
@@ -50,13 +50,13 @@ class Times:
     floor: "Times | None" = None
 
     def choose_ms(self, name: str, own: int | None) -> int:
-        """The time of this name, or a binding's own one, which may not go below the person's."""
+        """Returns the named time, or the binding's own one if that is not below the person's."""
         if own is None:
             return int(getattr(self, name))
         return own if self.floor is None else max(own, int(getattr(self.floor, name)))
 
     def choose_trigger(self, own: Trigger | None) -> Trigger:
-        """The trigger, or a binding's own one; who acts by letting go always does."""
+        """Returns the trigger, or a binding's own one; what acts on release always does."""
         if own is None or (self.floor is not None and self.floor.trigger == "release"):
             return self.trigger
         return own
@@ -101,7 +101,7 @@ class Timing(Strict):
     )
     weak_release: bool | None = Field(
         default=None,
-        description="Let go when the intensity falls by a third, even above the threshold. "
+        description="Release when the intensity falls by a third, even above the threshold. "
         "Default: the preset's.",
         json_schema_extra=make_optional(),
     )
@@ -114,7 +114,7 @@ TimingSetting = Annotated[
 
 
 def resolve_times(game: str | Timing | None, user: str | Timing | None) -> Times:
-    """The times that hold: the game's, and where the user has set some, the slower of both."""
+    """Returns the times that apply: the profile's or the user's, the slower of both."""
     times = _resolve(game if game is not None else "game")
     if user is None:
         return times

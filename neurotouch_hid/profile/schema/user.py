@@ -1,4 +1,4 @@
-"""What belongs to the person, not to the game: ranges, filter, patience, the way the gel lies."""
+"""What belongs to the person, not to the game: ranges, filter, patience, how the gel is mounted."""
 
 from typing import Annotated, Any, Literal, Self
 
@@ -57,7 +57,7 @@ class Ranges(Strict):
 
 
 class UserSettings(Strict):
-    """What belongs to the person; it holds in every profile and is never exported with one."""
+    """What belongs to the person; it applies in every profile and is never exported with one."""
 
     version: Annotated[int, AfterValidator(check_version)] = Field(
         default=1,
@@ -133,5 +133,5 @@ class UserSettings(Strict):
 
 
 def user_schema() -> dict[str, Any]:
-    """The JSON Schema of the user's file; shipped as ``profiles/schema/user-1.json``."""
+    """Returns the JSON Schema of the user's file; shipped as ``profiles/schema/user-1.json``."""
     return make_schema(UserSettings, "neurotouch_hid user settings")

@@ -2,7 +2,7 @@
 
 from neurotouch_hid.source.davis.camera import CameraVersions, identify
 from neurotouch_hid.source.davis.config import Biases, DavisConfig, Roi
-from neurotouch_hid.source.davis.finding import CameraInfo, find_cameras
+from neurotouch_hid.source.davis.enumeration import CameraInfo, find_cameras
 from neurotouch_hid.source.davis.source import MAX_DELAY_US, DavisSource, DavisStats
 
 __all__ = [

@@ -12,8 +12,8 @@ from neurotouch_hid.errors import CameraError
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.source.davis import registers as r
 from neurotouch_hid.source.davis.config import DavisConfig
-from neurotouch_hid.source.davis.decoder import Layout
-from neurotouch_hid.source.davis.finding import SUPER_SPEED_MBIT_S, CameraInfo
+from neurotouch_hid.source.davis.enumeration import SUPER_SPEED_MBIT_S, CameraInfo
+from neurotouch_hid.source.davis.kernels.decode import AddressLayout
 from neurotouch_hid.source.davis.registers import Register
 from neurotouch_hid.source.davis.transport import Receive, Transport
 from neurotouch_hid.source.davis.usb import Usb
@@ -25,7 +25,7 @@ SETTLE_S: Final = 0.2
 READY_S: Final = 0.05
 """From the stream's start to the first events (libcaer)."""
 
-REST_DELAY_US: Final = 1_000
+IDLE_DELAY_US: Final = 1_000
 """How long data may wait for a full packet while nothing happens: what cameras power up with."""
 
 log = logging.getLogger(__name__)
@@ -33,7 +33,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class CameraVersions:
-    """What a camera says about itself.
+    """A camera's own description.
 
     Attributes:
         firmware: version of the firmware in the USB chip.
@@ -53,7 +53,9 @@ class CameraVersions:
 
 
 def identify(info: CameraInfo) -> CameraVersions:
-    """What a camera says about itself; it is opened for a moment and nothing is changed in it.
+    """Returns a camera's own description.
+
+    It is opened for a moment and nothing is changed in it.
 
     Raises:
         CameraBusyError: another program has it.
@@ -77,7 +79,7 @@ class Camera:
     Attributes:
         info: which one.
         transport: its USB.
-        layout: how its addresses lie in the picture, known once it has been checked.
+        layout: how its addresses map to the picture, known once it has been checked.
     """
 
     def __init__(
@@ -89,12 +91,12 @@ class Camera:
         self.info = info
         self._sleep_s = sleep_s
         self.transport = transport
-        self.layout = Layout()
+        self.layout = AddressLayout()
         self._usb_mhz = 0.0
         self._dropped: dict[Register, int] = {}
 
     def identify(self) -> CameraVersions:
-        """What it says about itself.
+        """Returns its own description.
 
         Raises:
             CameraError: it does not answer.
@@ -108,7 +110,7 @@ class Camera:
         """Refuses what this driver was not made for.
 
         Raises:
-            CameraError: says what was found and what is wanted.
+            CameraError: with what was found and what is needed.
         """
         found = self.identify()
         if found.firmware != r.FIRMWARE:
@@ -128,7 +130,7 @@ class Camera:
             )
 
     def silence(self) -> None:
-        """Switches everything off: whoever had the camera before may have left it running."""
+        """Switches everything off: the last program may have left the camera running."""
         self._switch_off()
         self._sleep_s(SILENCE_S)
         with suppress(CameraError):  # a camera may refuse it (dv-processing)
@@ -158,18 +160,18 @@ class Camera:
         self.write(r.APS_RUN, int(config.frames))
         self._write_together((r.MUX_TIMESTAMP_RESET, 1), (r.MUX_TIMESTAMP_RESET, 0))
 
-    def rest(self, config: DavisConfig) -> None:
+    def enter_idle(self, config: DavisConfig) -> None:
         """Sends fuller packets, and no more frames but those asked for."""
-        delay = round(max(REST_DELAY_US, config.early_packet_delay_us) * self._usb_mhz)
+        delay = round(max(IDLE_DELAY_US, config.early_packet_delay_us) * self._usb_mhz)
         self._write_together((r.APS_RUN, 0), (r.USB_EARLY_PACKET_DELAY, delay))
 
-    def wake(self, config: DavisConfig) -> None:
+    def leave_idle(self, config: DavisConfig) -> None:
         """Sends all it has been configured for, a frame at once."""
         delay = round(config.early_packet_delay_us * self._usb_mhz)
         self._write_together((r.APS_RUN, int(config.frames)), (r.USB_EARLY_PACKET_DELAY, delay))
 
-    def snap(self) -> None:
-        """Asks a camera that rests for one frame: what has begun is finished."""
+    def request_frame(self) -> None:
+        """Requests one frame from an idle camera, which finishes a frame it has begun."""
         self._write_together((r.APS_RUN, 1), (r.APS_RUN, 0))
 
     def stop(self) -> None:
@@ -178,9 +180,9 @@ class Camera:
             self._switch_off()
 
     def count_dropped(self) -> int:
-        """Events that the camera has dropped since it was last asked, for want of room.
+        """Returns how many events the camera dropped, for lack of room, since the last call.
 
-        Two counters tell of it, one before and one behind its multiplexer; the larger one holds.
+        One counter is before and one after its multiplexer; the larger one counts.
         """
         now = {register: self.read(register) for register in self._dropped}
         before, self._dropped = self._dropped, now
@@ -188,7 +190,7 @@ class Camera:
         return max(counts, default=0)
 
     def read(self, register: Register) -> int:
-        """The value of a register.
+        """Returns the value of a register.
 
         Raises:
             CameraError: no answer, or a short one.
@@ -209,7 +211,7 @@ class Camera:
         """
         self.transport.request(r.REQUEST_REGISTER, *register, value.to_bytes(4, "big"))
 
-    def _read_layout(self) -> Layout:
+    def _read_layout(self) -> AddressLayout:
         columns, rows = self.read(r.DVS_COLUMNS), self.read(r.DVS_ROWS)
         events, frames = self.read(r.DVS_ORIENTATION), self.read(r.APS_ORIENTATION)
         swap = bool(events & r.ORIENTATION_SWAP)
@@ -217,7 +219,7 @@ class Camera:
         if size != (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX):
             wanted = f"{SENSOR_WIDTH_PX}×{SENSOR_HEIGHT_PX}"
             raise self._refuse("sensor", f"{size[0]}×{size[1]} pixels", f"{wanted} pixels")
-        return Layout(
+        return AddressLayout(
             columns,
             rows,
             swap_events=swap,
@@ -281,7 +283,7 @@ class Camera:
             yield from ((r.DVS_POLARITY_FLATTEN, 0), (r.DVS_POLARITY_SUPPRESS, 0))
 
     def _read_clock(self, register: Register) -> float:
-        """What a clock really is, in MHz."""
+        """Returns what a clock really is, in MHz."""
         return self.read(register) * self.read(r.SYSINFO_DEVIATION) / 1000
 
     def _refuse(self, part: str, found: str, wanted: str) -> CameraError:

@@ -1,4 +1,4 @@
-"""How the camera is set up: everything a person may want to change, with units."""
+"""How the camera is set up: everything a person may change, with units."""
 
 from dataclasses import dataclass
 from typing import Final, NamedTuple
@@ -81,7 +81,7 @@ class DavisConfig:
         frames_roi: what frames show; black elsewhere.
         frames: whether there are frames. Without, the tracker cannot find the gel at rest again.
         biases: the currents that shape events.
-        mirrored: the camera sees the gel mirrored; the source turns it round.
+        mirrored: the camera sees the gel mirrored; the source mirrors it back.
     """
 
     exposure_us: int = 4_000
@@ -97,7 +97,7 @@ class DavisConfig:
     mirrored: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse what the camera cannot do.
+        """Refuses what the camera cannot do.
 
         Raises:
             CameraError: names the value.
@@ -114,7 +114,9 @@ class DavisConfig:
             _check("y of a hot pixel", y, 0, SENSOR_HEIGHT_PX - 1)
         for name in ("events_roi", "frames_roi"):
             if not getattr(self, name).is_valid:
-                raise CameraError(f"{name} is no part of the picture: {getattr(self, name)}")
+                raise CameraError(
+                    f"Setting {name} is no part of the picture: {getattr(self, name)}."
+                )
         for name, (coarse, fine) in self.biases._asdict().items():
             _check(f"coarse value of {name}", coarse, 0, 7)
             _check(f"fine value of {name}", fine, 0, 255)
@@ -122,4 +124,4 @@ class DavisConfig:
 
 def _check(name: str, value: int, low: int, high: int) -> None:
     if not low <= value <= high:
-        raise CameraError(f"The camera's {name} must lie in {low} to {high}, not be {value}.")
+        raise CameraError(f"The camera's {name} must be {low} to {high}, not {value}.")

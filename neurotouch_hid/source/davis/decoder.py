@@ -7,40 +7,12 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.events import copy_events
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
-from neurotouch_hid.source.davis import kernels
-
-
-@dataclass(frozen=True, slots=True)
-class Layout:
-    """How the addresses of a camera lie in the picture; it says so itself.
-
-    Attributes:
-        columns: of the DVS, as the chip counts: limits X words.
-        rows: of the DVS, as the chip counts: limits row words.
-        swap_events: a row word is an x.
-        swap_frames: columns of a frame are rows of the picture.
-        flip_columns: a frame's columns come last to first.
-        flip_rows: the samples of a column come last to first.
-        mirrored: turn the whole picture round, left to right.
-    """
-
-    columns: int = SENSOR_HEIGHT_PX
-    rows: int = SENSOR_WIDTH_PX
-    swap_events: bool = True
-    swap_frames: bool = True
-    flip_columns: bool = False
-    flip_rows: bool = False
-    mirrored: bool = False
-
-    def pack(self) -> NDArray[np.int64]:
-        """The same as the kernel takes it."""
-        layout = np.zeros(kernels.N_LAYOUT, np.int64)
-        layout[kernels.DVS_COLUMNS], layout[kernels.DVS_ROWS] = self.columns, self.rows
-        layout[kernels.DVS_SWAP], layout[kernels.APS_SWAP] = self.swap_events, self.swap_frames
-        layout[kernels.FLIP_COLUMNS] = self.flip_columns
-        layout[kernels.FLIP_ROWS] = self.flip_rows
-        layout[kernels.MIRRORED] = self.mirrored
-        return layout
+from neurotouch_hid.source.davis.kernels.decode import (
+    COUNTERS_DTYPE,
+    STATE_DTYPE,
+    AddressLayout,
+    decode,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,20 +42,20 @@ class Decoder:
     """Decodes one camera's stream; any cut of the bytes gives the same result.
 
     Args:
-        layout: how its addresses lie.
+        layout: how its addresses map to the picture.
         origin_us: the stream's time at the camera's time 0.
         synced: whether words count from the first on; else from the timestamp reset on.
     """
 
     def __init__(
-        self, layout: Layout | None = None, *, origin_us: int = 0, synced: bool = False
+        self, layout: AddressLayout | None = None, *, origin_us: int = 0, synced: bool = False
     ) -> None:
-        self._layout = (layout or Layout()).pack()
-        self._state = np.zeros(kernels.N_STATE, np.int64)
-        self._state[kernels.SYNCED] = synced
-        self._state[[kernels.ORIGIN, kernels.NOW]] = origin_us
-        self._state[[kernels.Y, kernels.KIND]] = -1
-        self._counters = np.zeros(kernels.N_COUNTERS, np.int64)
+        self._layout = layout or AddressLayout()
+        self._state = np.zeros(1, STATE_DTYPE)
+        self._state["is_synced"] = synced
+        self._state["origin_us"] = self._state["now_us"] = origin_us
+        self._state["y"] = self._state["kind"] = -1
+        self._counters = np.zeros(1, COUNTERS_DTYPE)
         shape = (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
         self._reset = np.zeros(shape, np.int16)
         self._pixels = np.zeros(shape, np.uint8)
@@ -93,24 +65,24 @@ class Decoder:
     @property
     def is_synced(self) -> bool:
         """True once the camera's clock is known."""
-        return bool(self._state[kernels.SYNCED])
+        return bool(self._state["is_synced"][0])
 
     @property
     def now_us(self) -> int:
         """The time of the last word; all later events are not older."""
-        return int(self._state[kernels.NOW])
+        return int(self._state["now_us"][0])
 
     @property
     def n_resets(self) -> int:
         """Times the camera's clock started again after the start."""
-        return int(self._counters[kernels.RESETS])
+        return int(self._counters["resets"][0])
 
     def stats(self) -> DecoderStats:
-        """What was malformed so far."""
-        return DecoderStats(*map(int, self._counters))
+        """Returns counts of what was malformed so far."""
+        return DecoderStats(*self._counters[0].item())
 
     def decode(self, data: bytes) -> tuple[NDArray[np.void], list[Frame]]:
-        """What the next bytes of the stream hold.
+        """Returns the events and frames in the next bytes of the stream.
 
         Returns:
             (n,) EVENT_DTYPE, ascending in ``t``, and the frames completed in them.
@@ -124,7 +96,7 @@ class Decoder:
         position = n = 0
         frames: list[Frame] = []
         while position < len(words):
-            position, n, whole = kernels.decode(
+            position, n, whole = decode(
                 words,
                 position,
                 self._layout,
@@ -140,12 +112,13 @@ class Decoder:
         return copy_events(self._events[:n]), frames
 
     def forget(self) -> None:
-        """Start afresh in mid-stream: bytes are missing; row, frame and odd byte are unknown."""
+        """Starts again in mid-stream: bytes are missing; row, frame and odd byte are unknown."""
         self._odd = b""
-        self._counters[kernels.BAD_FRAMES] += self._state[kernels.IN_FRAME]
-        self._state[kernels.IN_FRAME] = 0
-        self._state[kernels.Y] = -1
+        self._counters["bad_frames"] += self._state["in_frame"]
+        self._state["in_frame"] = False
+        self._state["y"] = -1
 
     def _copy_frame(self) -> Frame:
-        begin_us = int(self._state[kernels.EXPOSURE_BEGIN_US])
-        return Frame(self._pixels.copy(), begin_us, int(self._state[kernels.EXPOSURE_END_US]))
+        state = self._state[0]
+        begin_us, end_us = int(state["exposure_begin_us"]), int(state["exposure_end_us"])
+        return Frame(self._pixels.copy(), begin_us, end_us)

@@ -63,7 +63,7 @@ class LibusbTransport:
     """A camera in a libusb context of its own: what that knows is never older than this.
 
     A driver that lives for months must not depend on libusb's list of devices, which follows
-    udev's messages and goes blind where these cannot be heard.
+    udev's messages and misses changes where these cannot be received.
 
     Args:
         bus: where the camera is, as Linux counts.
@@ -95,7 +95,7 @@ class LibusbTransport:
             raise
 
     def request(self, code: int, value: int, index: int, data: bytes | int) -> bytes:
-        """One vendor request."""
+        """Makes one vendor request."""
         with _explained(f"asked (request 0x{code:02X}, {value}:{index})"):
             if isinstance(data, int):
                 answer = self._handle.controlRead(REQUEST_IN, code, value, index, data, TIMEOUT_MS)
@@ -161,7 +161,7 @@ class LibusbTransport:
             self._handle.releaseInterface(INTERFACE)
 
     def _complete(self, transfer: Any) -> None:
-        """Called by libusb within ``pump``, or within a request."""
+        """Handles an ended transfer; libusb calls it within ``pump`` or a request."""
         self._in_flight -= 1
         status, length = transfer.getStatus(), transfer.getActualLength()
         if length:  # also of one that was cancelled or has failed
@@ -206,7 +206,7 @@ def _abandon(transport: LibusbTransport) -> None:
 
 
 class LibusbWatch:
-    """Wakes up when a camera is plugged in or out, as soon as libusb hears of it."""
+    """Wakes up when a camera is plugged in or out, as soon as libusb reports it."""
 
     def __init__(self) -> None:
         self._closing = contextlib.ExitStack()
@@ -229,5 +229,5 @@ class LibusbWatch:
 
 
 def _note(*_: Any) -> bool:
-    """Libusb allows no request in here; that it called has ended the wait."""
+    """Does nothing: libusb allows no request here, and the call itself ends the wait."""
     return False

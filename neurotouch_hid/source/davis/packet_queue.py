@@ -1,4 +1,4 @@
-"""A short queue of slices from the camera's thread to the line; a slow one loses the oldest."""
+"""Queues slices between camera thread and pipeline; drops the oldest, and counts what it drops."""
 
 import threading
 from collections import deque
@@ -8,7 +8,7 @@ from neurotouch_hid.messages import EventPacket
 
 
 class PacketQueue:
-    """Holds the newest slices; what is dropped is counted in the ``gap`` of the next one.
+    """Keeps the newest slices; the ``gap`` of the next slice counts what was dropped.
 
     Args:
         limit: slices that may wait.
@@ -36,14 +36,14 @@ class PacketQueue:
             self._ready.notify()
 
     def offer(self, packet: EventPacket) -> None:
-        """Adds the head of a slice if whoever takes them has nothing else to do."""
+        """Adds a partial slice if the queue is empty."""
         with self._ready:
             if not self._ended and not self._packets:
                 self._packets.append(packet)
                 self._ready.notify()
 
     def take(self, timeout_s: float) -> EventPacket | None:
-        """The oldest slice as soon as there is one; None if none comes in time, or at the end."""
+        """Returns the oldest slice, or None after ``timeout_s`` or at the end."""
         with self._ready:
             if not self._packets and not self._ended:
                 self._ready.wait(timeout_s)
@@ -51,11 +51,11 @@ class PacketQueue:
 
     @property
     def has_ended(self) -> bool:
-        """True if nothing comes any more."""
+        """Returns True once the queue has ended."""
         return self._ended
 
     def end(self) -> None:
-        """Lets go whoever waits; what has not been taken is thrown away."""
+        """Ends the queue: wakes a waiting reader and discards the slices that are left."""
         with self._ready:
             self._ended = True
             self._packets.clear()

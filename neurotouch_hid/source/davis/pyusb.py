@@ -86,7 +86,7 @@ class PyusbTransport:
                 raise
 
     def request(self, code: int, value: int, index: int, data: bytes | int) -> bytes:
-        """One vendor request."""
+        """Makes one vendor request."""
         kind = REQUEST_IN if isinstance(data, int) else REQUEST_OUT
         with _explained(f"asked (request 0x{code:02X}, {value}:{index})"):
             answer = self._device.ctrl_transfer(kind, code, value, index, data, TIMEOUT_MS)
@@ -99,7 +99,7 @@ class PyusbTransport:
             self._device.clear_halt(ENDPOINT)
 
     def pump(self, timeout_s: float, rest_until_s: float) -> None:  # noqa: ARG002 - it has none
-        """Reads once, and at once: nobody else keeps what comes."""
+        """Reads once, and at once: nothing else keeps what comes."""
         try:
             with _explained("read"):
                 wait_ms = max(READ_MS, round(1e3 * timeout_s))

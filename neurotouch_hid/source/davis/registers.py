@@ -36,7 +36,7 @@ REQUEST_FLUSH: Final = 0xC6  # throws stale stream data away; a camera may refus
 
 
 class Register(NamedTuple):
-    """Where a value of 32 bits lies. One that does not exist reads as 0 and ignores writing."""
+    """The address of a value of 32 bits. One that does not exist reads as 0 and ignores writing."""
 
     module: int
     parameter: int
@@ -112,7 +112,7 @@ N_FILTERED_PIXELS: Final = 8
 
 
 def pixel_filter(k: int) -> tuple[Register, Register]:
-    """Row and column of the hot pixel number ``k`` that the camera silences, 0 to 7."""
+    """Returns row and column of the hot pixel number ``k`` that the camera silences, 0 to 7."""
     return Register(1, 11 + 2 * k), Register(1, 12 + 2 * k)
 
 
@@ -140,13 +140,13 @@ COARSE_PA: Final = (11, 94, 756, 6_054, 48_437, 387_500, 3_100_000, 24_800_000)
 
 @dataclass(frozen=True, slots=True)
 class Current:
-    """Where a current bias lies, and the low bits that say what it drives."""
+    """The address of a current bias, and the low bits that select what it drives."""
 
     address: int
     kind: int
 
     def word(self, value: CoarseFine) -> int:
-        """The value of its register."""
+        """Returns the value of its register."""
         return value.coarse << 12 | value.fine << 4 | self.kind
 
 
@@ -194,7 +194,7 @@ FIXED_CURRENTS: Final = {
     "IFThrBn": CoarseFine(5, 255),
     "BiasBuffer": CoarseFine(5, 254),
 }
-"""What nobody tunes for another light: buffers, readout and the unused calibration neuron."""
+"""Never tuned for another light: buffers, readout and the unused calibration neuron."""
 
 FIXED_CHIP: Final = {
     Register(5, 0): Vdac(27, 6).word,  # ApsOverflowLevel

@@ -15,7 +15,7 @@ from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.source.davis.camera import Camera
 from neurotouch_hid.source.davis.config import DavisConfig
 from neurotouch_hid.source.davis.decoder import Decoder, DecoderStats
-from neurotouch_hid.source.davis.finding import CameraAbsentError, CameraInfo
+from neurotouch_hid.source.davis.enumeration import CameraAbsentError, CameraInfo
 from neurotouch_hid.source.davis.packet_queue import PacketQueue
 from neurotouch_hid.source.davis.stream import Stream
 from neurotouch_hid.source.davis.transport import CameraGoneError, Transport
@@ -23,10 +23,10 @@ from neurotouch_hid.source.davis.usb import Usb, Watch
 from neurotouch_hid.source.idle import IdleMerger
 
 MAX_DELAY_US: Final = 100_000
-TURN_S: Final = 0.05
-"""A loop over ``turns`` never stands still for longer."""
+POLL_S: Final = 0.05
+"""A loop over ``poll`` never waits longer."""
 RETRY_S: Final = 0.5
-"""How often a camera that is away is looked for, if nothing else tells that it is back."""
+"""How often an unplugged camera is looked for if no event reports it."""
 
 _ANY_WORD: Final = b"\x01\x00"
 
@@ -37,15 +37,15 @@ class Cameras(Protocol):
     """Where cameras come from: ``Usb``, or a scripted one in tests."""
 
     def choose(self, serial: str) -> CameraInfo:
-        """The camera of a serial number, or the first one."""
+        """Returns the camera of a serial number, or the first one."""
         ...
 
     def open(self, info: CameraInfo) -> Transport:
-        """The camera, claimed for us."""
+        """Returns the open camera, claimed by this process."""
         ...
 
     def watch(self) -> Watch:
-        """Something to wait for cameras with."""
+        """Returns a watch that waits for cameras."""
         ...
 
 
@@ -75,7 +75,7 @@ class DavisStats:
 class DavisSource(Closing):
     """Slices of a camera's time, as they happen; it may be iterated once.
 
-    A thread of its own holds the camera. If that is unplugged, nothing comes until it is back;
+    A thread of its own keeps the camera open. If that is unplugged, nothing comes until it is back;
     then the slices go on, later by the time it was away, the first with a ``gap``.
 
     Args:
@@ -132,10 +132,10 @@ class DavisSource(Closing):
         self.name = f"davis:{self._serial}"
 
     def __iter__(self) -> Iterator[EventPacket]:
-        return (packet for packet in self.turns() if packet is not None)
+        return (packet for packet in self.poll() if packet is not None)
 
-    def turns(self) -> Iterator[EventPacket | None]:
-        """The packets as they come, and None whenever there was none for TURN_S.
+    def poll(self) -> Iterator[EventPacket | None]:
+        """Gives the packets as they come, and None whenever there was none for POLL_S.
 
         Raises:
             CameraError: the driver itself has failed; a camera that fails is waited for.
@@ -144,12 +144,12 @@ class DavisSource(Closing):
             self._thread = threading.Thread(target=self._work, name="camera", daemon=True)
             self._thread.start()
         while not self._queue.has_ended:
-            yield self._queue.take(TURN_S)
+            yield self._queue.take(POLL_S)
         if not self._closing.is_set():
             raise CameraError("The camera's thread has ended; this is a bug of the driver.")
 
     def set_activity(self, *, is_idle: bool, wants_frames: bool = True) -> None:
-        """From now on slices that hold nothing but noise may come as one, or heads in advance."""
+        """Sets whether idle slices may be merged, and partial slices delivered early."""
         self._merger.is_idle, self._wants_frames = is_idle, wants_frames
 
     @property
@@ -158,7 +158,7 @@ class DavisSource(Closing):
         return self._vanished
 
     def stats(self) -> DavisStats:
-        """What happened so far."""
+        """Returns counts of what happened so far."""
         stream = self._stream
         return DavisStats(
             self._serial,
@@ -181,7 +181,7 @@ class DavisSource(Closing):
             self._camera = None
 
     def _work(self) -> None:
-        """The thread: plays the camera, and waits for it when it is away."""
+        """Plays the camera in a thread of its own, and waits while it is unplugged."""
         try:
             with closing(self._cameras.watch()) as watch:
                 while not self._closing.is_set():
@@ -194,7 +194,7 @@ class DavisSource(Closing):
             self._queue.end()
 
     def _connect(self) -> Camera:
-        """The camera, ready to be started."""
+        """Returns the camera, ready to be started."""
         info = self._choose()
         camera = Camera(info, self._cameras.open(info), self._sleep_s)
         try:
@@ -208,7 +208,10 @@ class DavisSource(Closing):
         return camera
 
     def _choose(self) -> CameraInfo:
-        """The chosen camera; without a choice the one that played last, or else the first."""
+        """Returns the chosen camera.
+
+        Without a choice the one that played last, or else the first.
+        """
         try:
             return self._cameras.choose(self._serial)
         except CameraAbsentError:

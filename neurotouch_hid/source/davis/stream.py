@@ -1,4 +1,4 @@
-"""One run of a camera: from its start until it fails or nobody wants it any more."""
+"""Streams from one camera, from its start until it fails or the source is closed."""
 
 import threading
 import time
@@ -22,16 +22,16 @@ AWAKE_US: Final = 600
 """So long before a slice ends data is read as it comes; what comes before waits till then, since to
 wake up for each transfer takes half as much processor time again. In this time what has waited is
 read, in 0.4 ms at 5 million events/s, and a thread that is woken late is there."""
-MOST_HEAD: Final = 8_000
-"""Events of a slice that are handed over before its end, at 4 ms 2 million a second. To copy more
-makes the slice as much later as the line is quicker with it."""
+MAX_PARTIAL_EVENTS: Final = 8_000
+"""Largest number of events in a partial slice: at 4 ms, 2 million events/s. Copying more would
+delay the slice by as much as the pipeline gains."""
 MOST_REST_US: Final = 4_000
 """At 70 MB/s, 12 million events/s, this fills a fourth of the transfers."""
 CALM_REST_US: Final = 8_000
 """The same while nothing happens: this saves a third of its work, and the first motion is seen
 4 ms later on average. At 12 million events/s it fills half of the transfers."""
-SNAP_S: Final = 0.25
-"""How often a camera that rests is asked for a frame: so seldom that an idle pipeline uses each."""
+IDLE_FRAME_S: Final = 0.25
+"""How often an idle camera is asked for a frame: an idle pipeline uses each of them."""
 COUNT_S: Final = 1.0
 """How often the camera is asked how much it has dropped."""
 SILENCE_S: Final = 2.0
@@ -50,8 +50,8 @@ class Stream:
         camera: the camera.
         config: how it was set up.
         slice_us: length of a slice.
-        put: takes the slices, and the head of each shortly before its end.
-        may_rest: whether nothing happens just now, and a few frames a second will do.
+        put: takes the slices, and a partial slice shortly before the end of each.
+        may_idle: returns True if nothing happens and a few frames a second are enough.
         before: the stream that this one continues, later by the time between them.
 
     Attributes:
@@ -70,11 +70,11 @@ class Stream:
         config: DavisConfig,
         slice_us: int,
         put: Callable[[EventPacket], object],
-        may_rest: Callable[[], bool],
+        may_idle: Callable[[], bool],
         before: "Stream | None" = None,
     ) -> None:
         self._camera, self._config, self._slice_us = camera, config, slice_us
-        self._put, self._may_rest = put, may_rest
+        self._put, self._may_idle = put, may_idle
         self._chunks: list[bytes] = []
         camera.start(config, self._chunks.append)
         self._begun_s = self.heard_s = time.monotonic()
@@ -84,18 +84,18 @@ class Stream:
             self.end_us = before.end_us + (away_us // slice_us + 1) * slice_us
             self.n_faults, self.n_dropped = before.n_faults, before.n_dropped
             self._gap = 1  # at least
-        layout = replace(camera.layout, mirrored=config.mirrored)
+        layout = camera.layout._replace(mirrored=config.mirrored)
         self._decoder = Decoder(layout, origin_us=self.end_us)
         self._slicer = Slicer(slice_us, self.end_us)
-        self._rests = False
-        self._paced_s = self._deaf_until_s = 0.0
+        self._is_idle = False
+        self._paced_s = self._retry_s = 0.0
         self._n_resets = 0
-        self._head_us = -1
+        self._partial_us = -1
         self._faults_s: deque[float] = deque(maxlen=MAX_FAULTS)
         self._stalls_s: deque[float] = deque(maxlen=MAX_STALLS)
 
     def stats(self) -> DecoderStats:
-        """What was malformed so far."""
+        """Returns counts of what was malformed so far."""
         return self._decoder.stats()
 
     def run(self, closing: threading.Event) -> None:
@@ -112,7 +112,7 @@ class Stream:
             finally:  # what came before it failed is good
                 now_s = time.monotonic()
                 self._read(now_s)
-            self._deliver_head()
+            self._deliver_partial()
             self._check(looked_s)
             if self.end_us > end_us:  # a slice: its last word has just come
                 self._pace_camera(now_s)
@@ -122,7 +122,7 @@ class Stream:
                 self._count_dropped()
 
     def _count_dropped(self) -> None:
-        """Asks the camera; one that does not answer but goes on sending is asked later again."""
+        """Asks the camera; one that does not answer but still sends is asked again later."""
         try:
             dropped = self._camera.count_dropped()
         except CameraGoneError:
@@ -133,31 +133,31 @@ class Stream:
         self._gap += dropped
 
     def _pace_camera(self, now_s: float) -> None:
-        """Lets the camera rest while nothing happens, and wakes it as soon as something does.
+        """Sets the camera idle while nothing happens, and ends that as soon as something does.
 
-        One that does not answer but goes on sending is asked later again.
+        A camera that does not answer but still sends is asked again later.
         """
-        may_rest = self._may_rest()
-        is_due = may_rest and self._config.frames and now_s - self._paced_s >= SNAP_S
-        if now_s < self._deaf_until_s or (may_rest == self._rests and not is_due):
+        may_idle = self._may_idle()
+        is_due = may_idle and self._config.frames and now_s - self._paced_s >= IDLE_FRAME_S
+        if now_s < self._retry_s or (may_idle == self._is_idle and not is_due):
             return
         try:
-            if may_rest == self._rests:
-                self._camera.snap()
-            elif may_rest:
-                self._camera.rest(self._config)
+            if may_idle == self._is_idle:
+                self._camera.request_frame()
+            elif may_idle:
+                self._camera.enter_idle(self._config)
             else:
-                self._camera.wake(self._config)
+                self._camera.leave_idle(self._config)
         except CameraGoneError:
             raise
         except CameraError:
-            self._deaf_until_s = now_s + SNAP_S
+            self._retry_s = now_s + IDLE_FRAME_S
             return
-        self._rests, self._paced_s = may_rest, now_s
+        self._is_idle, self._paced_s = may_idle, now_s
 
     def _find_rest_s(self) -> float:
-        """How long after the last word nothing is needed."""
-        if self._rests:
+        """Returns how long after the last word no data is needed, in seconds."""
+        if self._is_idle:
             return 1e-6 * CALM_REST_US
         left_us = self.end_us + self._slice_us - self._decoder.now_us
         return 1e-6 * min(left_us - AWAKE_US, MOST_REST_US)
@@ -172,7 +172,7 @@ class Stream:
             self._camera.transport.queue(self._chunks.append)
 
     def _read(self, now_s: float) -> None:
-        """Decodes what has come; an empty chunk stands where something is missing."""
+        """Decodes what has come; an empty chunk marks missing data."""
         while self._chunks:
             n = self._chunks.index(b"") if b"" in self._chunks else len(self._chunks)
             if n:
@@ -200,19 +200,19 @@ class Stream:
         self._put(replace(packet, gap=self._gap) if self._gap else packet)
         self._gap = 0
 
-    def _deliver_head(self) -> None:
-        """Once for each slice, as soon as this is awake for its end."""
+    def _deliver_partial(self) -> None:
+        """Delivers one partial slice for each slice, once its end is near."""
         now_us = self._decoder.now_us
         if (
-            self._head_us == self.end_us
+            self._partial_us == self.end_us
             or now_us < self.end_us + self._slice_us - AWAKE_US
             or self._slice_us < SHORTEST_US
         ):
             return
-        head = self._slicer.head(now_us, MOST_HEAD)
-        if head is not None:
-            self._head_us = self.end_us
-            self._put(replace(head, gap=self._gap))
+        partial = self._slicer.partial(now_us, MAX_PARTIAL_EVENTS)
+        if partial is not None:
+            self._partial_us = self.end_us
+            self._put(replace(partial, gap=self._gap))
 
     def _check(self, looked_s: float) -> None:
         """Ends a run that has failed.
@@ -232,5 +232,5 @@ class Stream:
 
 
 def _are_many(times_s: deque[float]) -> bool:
-    """True if as many as are kept happened within FAULTS_S."""
+    """Returns True if the list is full and spans at most FAULTS_S."""
     return len(times_s) == times_s.maxlen and times_s[-1] - times_s[0] < FAULTS_S

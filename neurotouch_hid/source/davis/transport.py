@@ -24,7 +24,7 @@ class Transport(Protocol):
     """An open camera with its interface claimed. One thread at a time may use it."""
 
     def request(self, code: int, value: int, index: int, data: bytes | int) -> bytes:
-        """One vendor request to the device: ``data`` to write, or how many bytes to read.
+        """Makes one vendor request: ``data`` to write, or how many bytes to read.
 
         Raises:
             CameraGoneError: the camera is gone.
@@ -45,7 +45,7 @@ class Transport(Protocol):
 
         Args:
             timeout_s: how long to wait.
-            rest_until_s: nobody needs it earlier, ``time.monotonic``; where nothing is lost
+            rest_until_s: it is not needed earlier, ``time.monotonic``; where nothing is lost
                 meanwhile this may sleep.
 
         Raises:

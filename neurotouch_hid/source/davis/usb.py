@@ -5,7 +5,7 @@ from contextlib import suppress
 from typing import Protocol
 
 from neurotouch_hid.errors import CameraBusyError
-from neurotouch_hid.source.davis.finding import (
+from neurotouch_hid.source.davis.enumeration import (
     CameraInfo,
     choose_camera,
     describe_users,
@@ -35,14 +35,14 @@ class PatientWatch:
         time.sleep(timeout_s)
 
     def close(self) -> None:
-        """Nothing to stop."""
+        """Does nothing: there is nothing to stop."""
 
 
 class Usb:
     """Finds and opens cameras on this machine."""
 
     def choose(self, serial: str) -> CameraInfo:
-        """The camera of a serial number, or the first one.
+        """Returns the camera of a serial number, or the first one.
 
         Raises:
             CameraError: it is not plugged in.
@@ -50,7 +50,7 @@ class Usb:
         return choose_camera(find_cameras(), serial)
 
     def open(self, info: CameraInfo) -> Transport:
-        """The camera, claimed for us.
+        """Returns the open camera, claimed by this process.
 
         Raises:
             CameraBusyError: another program has it; names it.
@@ -71,7 +71,7 @@ class Usb:
             ) from error
 
     def watch(self) -> Watch:
-        """Something to wait for cameras with."""
+        """Returns a watch that waits for cameras."""
         if _has_libusb1():
             import usb1  # noqa: PLC0415
 

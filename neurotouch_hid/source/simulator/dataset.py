@@ -1,7 +1,7 @@
 """Writes a set of labelled recordings like the paper's, which has not been published."""
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -66,8 +66,10 @@ def write_dataset(
     seed: int = 0,
     progress: Callable[[Progress], None] = lambda _: None,
     gels: Sequence[Elasticity] = ("half-space",),
+    *,
+    replace: bool = False,
 ) -> list[Path]:
-    """Write one recording per gel, user and gesture, with labels; finished ones are kept.
+    """Writes one recording per gel, user and gesture, with labels; finished ones are kept.
 
     A recording appears under its name only when it is complete; ``dataset.json`` says what each was
     made from, so an interrupted run goes on where it stopped.
@@ -79,21 +81,25 @@ def write_dataset(
         seed: another seed gives other people and other gestures.
         progress: told at the start, about once a simulated second, and at the end of each file.
         gels: models of the gel. Every one has people and gestures of its own.
+        replace: also write over recordings that were made otherwise.
 
     Returns:
         The recordings, gels and users one after another.
 
     Raises:
-        RecordingError: the folder or a file cannot be written.
+        RecordingError: the folder or a file cannot be written, or recordings that were made
+            otherwise are there.
     """
     folder = Path(out_dir)
     recipes = plan_dataset(users, minutes, seed, gels)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise RecordingError(f"{folder} cannot be made: {error.strerror}") from error
-    finished = _read_manifest(folder)
+        raise RecordingError(f"'{folder}' cannot be made: {error.strerror}.") from error
+    finished = read_manifest(folder)
     paths = [folder / f"{recipe.name}.aedat4" for recipe in recipes]
+    if not replace:
+        _refuse_others(recipes, paths, finished)
     for i, (recipe, path) in enumerate(zip(recipes, paths, strict=True)):
         is_there = path.exists() and labels_path(path).exists()
         if not (is_there and finished.get(recipe.name) == asdict(recipe)):
@@ -110,7 +116,7 @@ def write_dataset(
 def plan_dataset(
     users: int, minutes: float, seed: int, gels: Sequence[Elasticity] = ("half-space",)
 ) -> list[Recipe]:
-    """The recipes of a set, gels and users one after another."""
+    """Returns the recipes of a set, gels and users one after another."""
     duration_us = round(minutes * 60e6 / (len(gels) * users * len(KINDS)))
     return [
         Recipe(MODEL, seed, user, kind.label, duration_us, gel)
@@ -121,7 +127,7 @@ def plan_dataset(
 
 
 def simulate_recipe(recipe: Recipe) -> Simulator:
-    """The simulation that gives the recording."""
+    """Returns the simulation that gives the recording."""
     kind = GestureKind[recipe.gesture.upper()]
     apart = 0 if recipe.gel == "half-space" else 500
     person, config = meet_person(1000 * recipe.seed + recipe.user + apart)
@@ -134,7 +140,7 @@ def simulate_recipe(recipe: Recipe) -> Simulator:
 def draw_script(
     name: str, kind: GestureKind, duration_us: int, person: Person, rng: np.random.Generator
 ) -> Script:
-    """A person doing one gesture again and again, with the paper's share of rest between.
+    """Returns a script of one repeated gesture, with the paper's share of rest between.
 
     The last gesture may run over the end, as when a camera is switched off.
     """
@@ -153,7 +159,7 @@ def draw_script(
 
 
 def _record(recipe: Recipe, path: Path) -> Iterator[float]:
-    """Write a recording and its labels, yielding the share done about once a simulated second."""
+    """Writes a recording and its labels, yielding the share done about once a simulated second."""
     yield 0.0
     truths = []
     with simulate_recipe(recipe) as simulator, RecordingWriter(path) as writer:
@@ -165,7 +171,23 @@ def _record(recipe: Recipe, path: Path) -> Iterator[float]:
         write_labels(labels_path(path), truths)
 
 
-def _read_manifest(folder: Path) -> dict[str, object]:
+def _refuse_others(
+    recipes: Sequence[Recipe], paths: Sequence[Path], finished: Mapping[str, object]
+) -> None:
+    for recipe, path in zip(recipes, paths, strict=True):
+        made_from = finished.get(recipe.name)
+        was_stopped = made_from is None and bool(finished)
+        if path.exists() and made_from != asdict(recipe) and not was_stopped:
+            seed = made_from.get("seed") if isinstance(made_from, dict) else None
+            what = "of unknown origin" if seed is None else f"of another set (seed {seed})"
+            raise RecordingError(
+                f"'{path}' is there already, {what}; nothing was changed.",
+                hint="Choose another folder, or --force to replace it.",
+            )
+
+
+def read_manifest(folder: Path) -> dict[str, object]:
+    """Returns what each simulated recording of a folder was made from; empty if none is known."""
     try:
         content = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -180,4 +202,4 @@ def _write_manifest(folder: Path, finished: dict[str, object]) -> None:
         partial.write_text(json.dumps(finished, indent=1) + "\n", encoding="utf-8")
         partial.replace(path)
     except OSError as error:
-        raise RecordingError(f"{path} cannot be written: {error.strerror}") from error
+        raise RecordingError(f"'{path}' cannot be written: {error.strerror}.") from error

@@ -26,9 +26,9 @@ TOUCH_S: Final = 0.04
 SPEED_MM_S: Final = 210.0  # the quickest motion in the paper's recordings
 SPEED_RAD_S: Final = 10.0
 NEW_PLACE_MM: Final = 2.0  # a hand laid down further away is another one
-RESTING_MM: Final = ((-15.0, 11.0), (15.0, 11.0))  # where the other fingers of a resting hand lie
+RESTING_MM: Final = ((-15.0, 11.0), (15.0, 11.0))  # where the other fingers of a resting hand are
 RESTING_DRAG_MM: Final = 1.2
-SILENCE_KNOTS: Final = 250  # a second; then whoever led the hand has gone and it lets go
+SILENCE_KNOTS: Final = 250  # a second without a command; then the hand releases the gel
 
 _STEP_S: Final = KNOT_US * 1e-6
 _STILL: Final = 1e-3
@@ -39,7 +39,7 @@ class HandCommand:
     """What the hand shall do.
 
     Attributes:
-        at_ms: when it was wished, in ms of the wishing program's clock.
+        at_ms: when it was sent, in ms of the clock of the sending program.
         down: it touches the gel.
         x_mm, y_mm: the middle of the hand.
         push_x_mm, push_y_mm: how far it drags the gel.
@@ -47,7 +47,7 @@ class HandCommand:
         twist_rad: how far they turn, clockwise is positive.
         tremor_mm, tremor_hz: how it trembles.
         weak_zoom: share of an opening that gets lost, 0 to 1.
-        resting: other fingers lie on the gel all the time.
+        resting: other fingers rest on the gel all the time.
     """
 
     at_ms: float = 0.0
@@ -84,7 +84,7 @@ _MOST: Final = {
 
 
 def read_hand_command(text: bytes) -> HandCommand | None:
-    """The wish in a message; what goes too far is cut, None if it is no wish at all."""
+    """Returns the command in a message, its values limited, or None if it is invalid."""
     try:
         said = json.loads(text)
     except (ValueError, RecursionError):
@@ -106,22 +106,22 @@ def read_hand_command(text: bytes) -> HandCommand | None:
     return HandCommand(**values)
 
 
-class Hold:
-    """Fingers on the gel from touch to release; a grasp of a play.
+class GuidedGrasp:
+    """Moves simulated fingers as the commands ask, from touch to release.
 
     Attributes:
         kind: what they do.
         fingers: where they were laid.
-        wish: what they were laid down for.
-        lie: how much the other fingers of a resting hand lie on the gel, 0 to 1.
+        command: what they were laid down for.
+        lie: how much the other fingers of a resting hand rest on the gel, 0 to 1.
     """
 
-    def __init__(self, wish: HandCommand, lie: float = 0.0) -> None:
-        self.wish = wish
-        self.kind = _find_kind(wish)
-        self._middle = np.array([wish.x_mm, wish.y_mm])
-        self._own = _lay_fingers(wish) if wish.down else np.empty((0, 2))
-        laid = [*map(tuple, self._own.tolist()), *(RESTING_MM if wish.resting or lie else ())]
+    def __init__(self, command: HandCommand, lie: float = 0.0) -> None:
+        self.command = command
+        self.kind = _find_kind(command)
+        self._middle = np.array([command.x_mm, command.y_mm])
+        self._own = _lay_fingers(command) if command.down else np.empty((0, 2))
+        laid = [*map(tuple, self._own.tolist()), *(RESTING_MM if command.resting or lie else ())]
         self.fingers = tuple(Finger((x, y), press_mm=PRESS_MM) for x, y in laid)
         self._n_resting = len(laid) - len(self._own)
         self._push = np.zeros(2)
@@ -131,51 +131,51 @@ class Hold:
 
     @property
     def is_lifted(self) -> bool:
-        """True once the fingers that do something are off the gel."""
+        """Returns True once the commanded fingers are off the gel."""
         still = self._touch < _STILL and abs(self._spread) < _STILL and abs(self._twist) < _STILL
         return bool(still and np.hypot(*self._push) < _STILL)
 
     @property
     def is_over(self) -> bool:
-        """True once the gel is as it was."""
+        """Returns True once no finger touches the gel."""
         return self.is_lifted and self.lie < _STILL
 
-    def fits(self, wish: HandCommand) -> bool:
-        """True if these fingers can do what is wished; else they must be lifted first."""
-        if wish.resting != self.wish.resting:
+    def fits(self, command: HandCommand) -> bool:
+        """Returns True if these fingers can carry out the command without being lifted first."""
+        if command.resting != self.command.resting:
             return False
-        if not wish.down:
-            return not self.wish.down
-        if not self.wish.down:
+        if not command.down:
+            return not self.command.down
+        if not self.command.down:
             return False
-        near = math.dist((wish.x_mm, wish.y_mm), self._middle) <= NEW_PLACE_MM
-        enough = len(self._own) > 1 or not wish.has_two_fingers
+        near = math.dist((command.x_mm, command.y_mm), self._middle) <= NEW_PLACE_MM
+        enough = len(self._own) > 1 or not command.has_two_fingers
         return near and enough
 
-    def follow(self, wish: HandCommand, t_us: int) -> None:
-        """Goes on for a knot, as far as a hand can in that time."""
-        down = wish.down and self.fits(wish)
+    def follow(self, command: HandCommand, t_us: int) -> None:
+        """Moves the fingers for one knot, no faster than a hand."""
+        down = command.down and self.fits(command)
         mm, rad = SPEED_MM_S * _STEP_S, SPEED_RAD_S * _STEP_S
-        push = np.array([wish.push_x_mm, wish.push_y_mm]) if down else np.zeros(2)
+        push = np.array([command.push_x_mm, command.push_y_mm]) if down else np.zeros(2)
         way = push - self._push
         length = float(np.hypot(*way))
         self._push = push if length <= mm else self._push + way * (mm / length)
-        spread = wish.spread_mm if down else 0.0
+        spread = command.spread_mm if down else 0.0
         if spread > 0.0:
-            spread *= 1.0 - wish.weak_zoom
+            spread *= 1.0 - command.weak_zoom
         self._spread = _approach(self._spread, spread, mm)
-        self._twist = _approach(self._twist, wish.twist_rad if down else 0.0, rad)
+        self._twist = _approach(self._twist, command.twist_rad if down else 0.0, rad)
         self._touch = _approach(self._touch, 1.0 if down else 0.0, _STEP_S / TOUCH_S)
-        self.lie = _approach(self.lie, 1.0 if wish.resting else 0.0, _STEP_S / TOUCH_S)
-        self._state = self._compute(wish, t_us)
+        self.lie = _approach(self.lie, 1.0 if command.resting else 0.0, _STEP_S / TOUCH_S)
+        self._state = self._compute(command, t_us)
 
     def move(self, _t_us: int) -> NDArray[np.float64]:
-        """Where the fingers are at the knot they have followed to."""
+        """Returns fingers at the last knot, (k, 4) float64: drag x, y mm, turn rad, press mm."""
         return self._state
 
-    def _compute(self, wish: HandCommand, t_us: int) -> NDArray[np.float64]:
-        turn = 2e-6 * math.pi * wish.tremor_hz * t_us
-        tremor = wish.tremor_mm * np.array([math.sin(turn), 0.6 * math.cos(turn)])
+    def _compute(self, command: HandCommand, t_us: int) -> NDArray[np.float64]:
+        turn = 2e-6 * math.pi * command.tremor_hz * t_us
+        tremor = command.tremor_mm * np.array([math.sin(turn), 0.6 * math.cos(turn)])
         state = np.zeros((len(self.fingers), 4))
         n = len(self._own)
         if n:
@@ -195,11 +195,11 @@ class Hold:
 
 
 class GuidedHand:
-    """A play without an end that does what it is asked for.
+    """Plays the newest command, without an end.
 
     Args:
-        ask: the newest wish, or None if there is no new one; called once a knot, must not wait.
-        notice: told of each wish taken, and at which sensor time the gel has it.
+        ask: the newest command, or None if there is no new one; called once a knot, must not wait.
+        notice: called with each command taken, and the sensor time at which it reaches the gel.
     """
 
     name = "mouse"
@@ -210,50 +210,50 @@ class GuidedHand:
         self, ask: Callable[[], HandCommand | None], notice: Callable[[HandCommand, int], None]
     ) -> None:
         self._ask, self._notice = ask, notice
-        self._wish = HandCommand()
+        self._command = HandCommand()
         self._silent = 0
-        self._hold: Hold | None = None
+        self._grasp: GuidedGrasp | None = None
 
-    def find(self, t_us: int) -> tuple[Hold, int] | None:
-        """The fingers on the gel at this knot, or None."""
-        wish = self._ask()
-        if wish is not None:
-            self._wish, self._silent = wish, 0
-            self._notice(wish, t_us)
+    def find(self, t_us: int) -> tuple[GuidedGrasp, int] | None:
+        """Returns the fingers on the gel at this knot, or None."""
+        command = self._ask()
+        if command is not None:
+            self._command, self._silent = command, 0
+            self._notice(command, t_us)
         else:
             self._silent += 1
             if self._silent > SILENCE_KNOTS:
-                self._wish = HandCommand()
-        hold = self._hold
-        if hold is None:
-            if self._wish.down or self._wish.resting:
-                hold = Hold(self._wish)
-        elif hold.is_lifted and not hold.fits(self._wish):
-            hold = Hold(self._wish, hold.lie)
-        if hold is not None:
-            hold.follow(self._wish, t_us)
-            if hold.is_over and not self._wish.down:
-                hold = None
-        self._hold = hold
-        return None if hold is None else (hold, t_us)
+                self._command = HandCommand()
+        grasp = self._grasp
+        if grasp is None:
+            if self._command.down or self._command.resting:
+                grasp = GuidedGrasp(self._command)
+        elif grasp.is_lifted and not grasp.fits(self._command):
+            grasp = GuidedGrasp(self._command, grasp.lie)
+        if grasp is not None:
+            grasp.follow(self._command, t_us)
+            if grasp.is_over and not self._command.down:
+                grasp = None
+        self._grasp = grasp
+        return None if grasp is None else (grasp, t_us)
 
 
-def _find_kind(wish: HandCommand) -> GestureKind:
-    if not wish.down:
+def _find_kind(command: HandCommand) -> GestureKind:
+    if not command.down:
         return GestureKind.NONE
-    if wish.spread_mm:
-        return GestureKind.ZOOM if wish.spread_mm > 0.0 else GestureKind.PINCH
-    if wish.twist_rad:
-        return GestureKind.TWIST_CW if wish.twist_rad > 0.0 else GestureKind.TWIST_CCW
+    if command.spread_mm:
+        return GestureKind.ZOOM if command.spread_mm > 0.0 else GestureKind.PINCH
+    if command.twist_rad:
+        return GestureKind.TWIST_CW if command.twist_rad > 0.0 else GestureKind.TWIST_CCW
     return GestureKind.PUSH
 
 
-def _lay_fingers(wish: HandCommand) -> NDArray[np.float64]:
-    """Where the fingers touch, (k, 2) mm."""
-    middle = np.array([[wish.x_mm, wish.y_mm]])
-    if not wish.has_two_fingers:
+def _lay_fingers(command: HandCommand) -> NDArray[np.float64]:
+    """Returns where the fingers touch, (k, 2) mm."""
+    middle = np.array([[command.x_mm, command.y_mm]])
+    if not command.has_two_fingers:
         return middle
-    away = CLOSED_MM if wish.spread_mm > 0.0 else OPEN_MM
+    away = CLOSED_MM if command.spread_mm > 0.0 else OPEN_MM
     way = np.array([math.cos(0.3), math.sin(0.3)])
     return middle + away * np.array([way, -way])
 

@@ -24,7 +24,7 @@ from neurotouch_hid.source.simulator.strokes import (
 
 PEAK_SPEED = 1.875  # of a minimum-jerk motion, times its mean speed
 TOP_SPEED_MM_S = 210.0  # [NT, "Dataset"]
-REACH_MM = 22.0  # nobody works on the rim [NT, figure of the contact points]
+REACH_MM = 22.0  # no gesture is made on the rim [NT, figure of the contact points]
 TWO_FINGER_PUSH = 0.07  # share of pushes with two fingers
 MOST_TURN_RAD = 0.9  # how far a wrist turns with its fingers on something
 THREE_FINGERS = 0.3  # share of the other gestures with three
@@ -65,7 +65,7 @@ class Person:
 
 
 def meet_person(seed: int) -> tuple[Person, SimulatorConfig]:
-    """A person and the set-up this person uses; both differ from seed to seed."""
+    """Returns a person and the set-up this person uses; both differ from seed to seed."""
     rng = np.random.default_rng((seed, 11))
     person = Person(
         weakest=rng.uniform(0.45, 0.85),
@@ -104,7 +104,7 @@ def meet_person(seed: int) -> tuple[Person, SimulatorConfig]:
 def draw_stroke(
     kind: GestureKind, rng: np.random.Generator, person: Person | None = None
 ) -> Stroke:
-    """One gesture as ``person`` happens to do it this time."""
+    """Returns one gesture as ``person`` does it this time."""
     person = person or Person()
     mean_mm, most_mm = SIZES_MM[kind]
     size_mm = min(max(rng.gamma(3.0, mean_mm / 3.0), 0.8), most_mm)
@@ -138,7 +138,7 @@ def draw_stroke(
 
 
 def _length_us(size_mm: float, person: Person, rng: np.random.Generator) -> int:
-    """Length of an attack or release whose top speed is Gaussian, as in the paper's figure."""
+    """Returns an attack's or release's length; its top speed is Gaussian, as in the paper."""
     top = min(20.0 + abs(rng.normal(0.0, 65.0)) * person.haste, 0.97 * TOP_SPEED_MM_S)
     return int(min(max(PEAK_SPEED * size_mm / top, 0.1), 1.2) * 1e6)
 

@@ -1,14 +1,13 @@
 """Named scripts for the demo, for tests and for trying things out: ``sim:NAME``."""
 
-import difflib
 import math
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from neurotouch_hid.errors import SourceError
 from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.source.check import SCENES, check_scene
 from neurotouch_hid.source.simulator.people import draw_stroke
 from neurotouch_hid.source.simulator.script import Script, Stroke, sequence
 from neurotouch_hid.source.simulator.simulator import SimulatorConfig
@@ -30,25 +29,22 @@ CLOSE = Fingertips(n_fingers=3, spread_mm=8.5)
 
 
 def scene_names() -> tuple[str, ...]:
-    """All names, in the order of the documentation."""
-    return tuple(_SCENES)
+    """Returns all names, in the order of the documentation."""
+    return SCENES
 
 
 def find_scene(name: str) -> Script:
-    """The script called ``name``.
+    """Returns the script called ``name``.
 
     Raises:
         SourceError: there is none of that name.
     """
-    if name not in _SCENES:
-        close = difflib.get_close_matches(name, _SCENES, 1)
-        hint = f"Did you mean sim:{close[0]}?" if close else f"There are: {', '.join(_SCENES)}."
-        raise SourceError(f"There is no simulated scene called '{name}'.", hint=hint)
+    check_scene(name)
     return replace(_SCENES[name](), name=name)
 
 
 def scene_config(name: str) -> SimulatorConfig:
-    """The set-up in which a scene plays: the default one, but ``noise`` has a noisy sensor."""
+    """Returns the set-up of a scene: the default one, but ``noise`` has a noisy sensor."""
     config = SimulatorConfig()
     if name == "noise":
         sensor = replace(config.sensor, shot_hz=5.0, n_hot=20, contrast_spread=0.05)
@@ -69,7 +65,7 @@ def _tour() -> Script:
 
 
 def _lively(stroke: Stroke, seed: int) -> Stroke:
-    """The stroke as a hand does it: trembling, wandering, one finger late and weak."""
+    """Returns the stroke as a hand does it: trembling, wandering, one finger late and weak."""
     fingers = tuple(
         replace(
             finger,

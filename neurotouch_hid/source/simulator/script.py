@@ -13,7 +13,7 @@ from neurotouch_hid.messages import GestureKind
 
 FINGERTIP_RADIUS_MM = 6.5  # contact patch of a fingertip on soft gel; finite elements used 7
 PRESS_US = 70_000  # touch-down time of a finger
-SLIP_US = 45_000  # how long the finger slips when it lets go
+SLIP_US = 45_000  # how long the finger slips when it releases
 N_RIPPLES = 3  # sinusoids per tremor and drift
 
 
@@ -29,11 +29,11 @@ class Grasp(Protocol):
         """Where they were laid."""
 
     def move(self, t_us: int) -> NDArray[np.float64]:
-        """Where they are, (k, 4) float64: drag x, drag y in mm, turn in rad, press depth in mm."""
+        """Returns their places, (k, 4) float64: drag x, y in mm, turn in rad, press in mm."""
 
 
 class Play(Protocol):
-    """What happens on the gel: a script, or a hand that nobody has scripted.
+    """What happens on the gel: a script, or a hand without one.
 
     It is asked for every knot of time once, in order; a script may also be asked for earlier ones.
     """
@@ -51,7 +51,7 @@ class Play(Protocol):
         """Whether it never ends."""
 
     def find(self, t_us: int) -> tuple[Grasp, int] | None:
-        """The grasp at work and the time within the play, or None at rest."""
+        """Returns the grasp at work and the time within the play, or None at rest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ class Finger:
         pivot_mm: centre (x, y) of the turn.
         press_mm: how deep it presses.
         radius_mm: radius of the patch.
-        delay_us: how late it moves and lets go.
+        delay_us: how late it moves and releases.
         tremor_mm: amplitude of 8-12 Hz tremor.
         drift_mm: amplitude of slow wandering (0.2-0.7 Hz).
         seed: phases of tremor and drift.
@@ -94,7 +94,7 @@ class Stroke:
         fingers: one to three.
         start_us: when the first finger touches.
         attack_us, hold_us, release_us: length of each phase.
-        slip: share of the motion lost at once when the finger lets go.
+        slip: share of the motion lost at once when the finger releases.
         creep: share of the motion that returns slowly, as the gel relaxes.
         creep_us: time constant of that return.
     """
@@ -117,7 +117,7 @@ class Stroke:
         return self.start_us + late + moving + 4 * self.creep_us
 
     def move(self, t_us: int) -> NDArray[np.float64]:
-        """Where the fingers are, (k, 4) float64: drag x, y in mm, turn in rad, press in mm."""
+        """Returns the fingers' places, (k, 4) float64: drag x, y mm, turn rad, press mm."""
         return np.array([motion_at(self, finger, t_us) for finger in self.fingers])
 
 
@@ -138,7 +138,7 @@ class Script:
     endless: bool = False
 
     def find(self, t_us: int) -> tuple[Stroke, int] | None:
-        """The stroke at work at ``t_us`` and the time within the script, or None at rest."""
+        """Returns the active stroke at ``t_us`` and the time within the script; None at rest."""
         t_us = t_us % self.duration_us if self.endless else t_us
         for stroke in self.strokes:
             if stroke.start_us <= t_us < stroke.end_us:
@@ -153,7 +153,7 @@ def sequence(
     gap_us: int = 400_000,
     endless: bool = False,
 ) -> Script:
-    """A script that rests for ``rest_us``, then does the strokes with ``gap_us`` after each."""
+    """Returns a script: a rest of ``rest_us``, then the strokes with ``gap_us`` after each."""
     t_us, placed = rest_us, []
     for stroke in strokes:
         placed.append(replace(stroke, start_us=t_us))
@@ -162,7 +162,7 @@ def sequence(
 
 
 def motion_at(stroke: Stroke, finger: Finger, t_us: int) -> tuple[float, float, float, float]:
-    """Where a finger is at ``t_us``: drag x, drag y in mm, turn in rad, press depth in mm."""
+    """Returns a finger's place at ``t_us``: drag x, y in mm, turn in rad, press depth in mm."""
     begin_us = stroke.start_us + PRESS_US + finger.delay_us
     let_go_us = begin_us + stroke.attack_us + stroke.hold_us
     size = _rise(t_us - begin_us, stroke.attack_us)
@@ -183,13 +183,13 @@ def motion_at(stroke: Stroke, finger: Finger, t_us: int) -> tuple[float, float, 
 
 
 def _rise(t_us: float, length_us: float) -> float:
-    """Minimum-jerk rise from 0 to 1: how a hand moves from one place to another."""
+    """Returns a minimum-jerk rise from 0 to 1: how a hand moves between two places."""
     s = min(max(t_us / length_us, 0.0), 1.0)
     return s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
 
 
 def _return(stroke: Stroke, t_us: float) -> float:
-    """Share of the motion that is left ``t_us`` after the finger let go."""
+    """Returns the share of the motion that is left ``t_us`` after the finger's release."""
     slipped = stroke.slip * _rise(t_us, min(SLIP_US, stroke.release_us))
     swift = (1.0 - stroke.slip - stroke.creep) * _rise(t_us, stroke.release_us)
     tail_us = stroke.release_us + 4.0 * stroke.creep_us
@@ -199,7 +199,7 @@ def _return(stroke: Stroke, t_us: float) -> float:
 
 
 def _wander(finger: Finger, t_us: int) -> tuple[float, float]:
-    """Tremor and drift of a finger (x, y) in mm."""
+    """Returns tremor and drift of a finger, (x, y) in mm."""
     if finger.tremor_mm == 0.0 and finger.drift_mm == 0.0:
         return 0.0, 0.0
     x = y = 0.0

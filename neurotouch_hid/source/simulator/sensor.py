@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
-from neurotouch_hid.source.simulator.kernels.optics import POINT_DTYPE, draw
+from neurotouch_hid.source.simulator.kernels.optics import COUNTS_DTYPE, POINT_DTYPE, Picture, draw
 from neurotouch_hid.source.simulator.kernels.sensor import (
     LEVEL_SCALE,
-    N_EVENTS,
-    N_LOST,
     PIXEL_DTYPE,
+    Chip,
+    Stretch,
     advance,
 )
 from neurotouch_hid.source.simulator.optics import PROFILE_SCALE, LightConfig, marker_profile, paint
@@ -70,50 +70,61 @@ class Sensor:
         rng = np.random.default_rng((seed, 1))
         n = SENSOR_WIDTH_PX * SENSOR_HEIGHT_PX
         base, white = (image.ravel() for image in paint(light, rig))
-        self._canvas = np.zeros(n, POINT_DTYPE)
-        self._canvas["base"] = self._canvas["image"] = base
-        self._canvas["light"] = white
-        self._touched = np.zeros(n, np.int32)
-        self._profile = marker_profile(config.blur_px)
-        self._levels, self._gains = response_tables(config.cutoff_hz)
-        self._pixels = np.zeros(n, PIXEL_DTYPE)
+        canvas = np.zeros(n, POINT_DTYPE)
+        canvas["base"] = canvas["image"] = base
+        canvas["light"] = white
+        pixels = np.zeros(n, PIXEL_DTYPE)
         thresholds = rng.normal(config.contrast, config.contrast_spread, (2, n))
-        self._pixels["on"], self._pixels["off"] = np.maximum(thresholds, 0.05)
+        pixels["on"], pixels["off"] = np.maximum(thresholds, 0.05)
         leak = config.leak_hz * config.contrast * 1e-6
-        self._pixels["leak"] = leak * rng.lognormal(0.0, LEAK_SPREAD, n)
-        self._pixels["free_us"] = -np.inf
+        pixels["leak"] = leak * rng.lognormal(0.0, LEAK_SPREAD, n)
+        pixels["free_us"] = -np.inf
         self._start = rng.random(n)
-        self._active = np.zeros(n, np.int32)
-        self._hot = rng.choice(n, config.n_hot, replace=False).astype(np.int32)
-        self._random = rng.integers(0, 1 << 63, 1).astype(np.uint64)
-        self._events = np.zeros(MAX_EVENTS, EVENT_DTYPE)
-        self._counts = np.zeros(4, np.int64)
+        levels, gains = response_tables(config.cutoff_hz)
+        counts = np.zeros(1, COUNTS_DTYPE)
+        profile = marker_profile(config.blur_px)
+        self._chip = Chip(
+            Picture(canvas, np.zeros(n, np.int32), profile, PROFILE_SCALE, counts),
+            pixels,
+            active=np.zeros(n, np.int32),
+            levels=levels,
+            gains=gains,
+            refractory_us=config.refractory_us,
+            hot=rng.choice(n, config.n_hot, replace=False).astype(np.int32),
+            hot_hz=config.hot_hz,
+            shot_hz=config.shot_hz,
+            random=rng.integers(0, 1 << 63, 1).astype(np.uint64),
+            row_us=config.row_us,
+            events=np.zeros(MAX_EVENTS, EVENT_DTYPE),
+            counts=counts,
+        )
         self._gain = rng.normal(1.0, config.gain_spread, n)
         self._offset = rng.normal(0.0, config.offset_spread_dn, n)
         self._n_exposed = 0
 
     def settle(self, knot: NDArray[np.float64]) -> None:
-        """Let every pixel see the markers of ``knot``, (177, 6) float64, for a long time."""
+        """Adapts every pixel to the markers of ``knot``, (177, 6) float64."""
         knots = np.stack([knot] * 4)
-        draw(knots, 0.0, self._profile, PROFILE_SCALE, self._canvas, self._touched, self._counts)
-        places = np.arange(len(self._levels)) / LEVEL_SCALE
-        signal = np.interp(self._canvas["image"], places, self._levels)
-        self._pixels["signal"] = signal
-        # Where each pixel stands between its thresholds after a long past.
-        self._pixels["reference"] = signal - self._start * self._pixels["on"]
+        chip = self._chip
+        draw(knots, 0.0, chip.picture)
+        places = np.arange(len(chip.levels)) / LEVEL_SCALE
+        signal = np.interp(chip.picture.canvas["image"], places, chip.levels)
+        chip.pixels["signal"] = signal
+        # Where each pixel is between its thresholds after a long past.
+        chip.pixels["reference"] = signal - self._start * chip.pixels["on"]
 
     @property
     def n_lost(self) -> int:
         """Events that found no room so far."""
-        return int(self._counts[N_LOST])
+        return int(self._chip.counts["lost"][0])
 
     def run(
         self, knots: NDArray[np.float64], knot_us: int, begin_us: int, end_us: int
     ) -> tuple[NDArray[np.void], list[Frame]]:
-        """Events and frames of a stretch of time within one knot interval.
+        """Returns events and frames of a stretch of time within one knot interval.
 
         Args:
-            knots: (4, 177, 6) float64, see ``kernels.draw``.
+            knots: (4, 177, 6) float64, see ``draw``.
             knot_us: length of the interval; it begins at a multiple of it.
             begin_us: begin of the stretch, a multiple of 500 µs.
             end_us: its end, a multiple of 500 µs.
@@ -121,7 +132,7 @@ class Sensor:
         Returns:
             (n,) EVENT_DTYPE ascending in time, and the frames whose exposure ended in the stretch.
         """
-        self._counts[N_EVENTS] = 0
+        self._chip.counts["events"] = 0
         frames = []
         t_us = begin_us
         moving = not all(np.array_equal(knots[0], knot) for knot in knots[1:])
@@ -130,56 +141,29 @@ class Sensor:
             exposing = phase < self._config.exposure_us
             edge = self._config.exposure_us if exposing else self._config.frame_us
             stop_us = min(end_us, t_us - phase + edge)
-            self._advance(knots, moving, knot_us, t_us, stop_us, exposing)
+            n_ticks = (stop_us - t_us) // TICK_US
+            stretch = Stretch(
+                t_us,
+                TICK_US,
+                first_tick=t_us % knot_us // TICK_US,
+                n_ticks=n_ticks,
+                ticks_per_knot=knot_us // TICK_US,
+                window_us=WINDOW_US,
+                moving=moving,
+                exposing=exposing,
+            )
+            advance(knots, stretch, self._chip)
+            self._n_exposed += n_ticks * exposing
             if exposing and stop_us - t_us + phase == self._config.exposure_us:
                 frames.append(self._take_frame(stop_us))
             t_us = stop_us
-        return self._events[: self._counts[N_EVENTS]].copy(), frames
-
-    def _advance(
-        self,
-        knots: NDArray[np.float64],
-        moving: bool,
-        knot_us: int,
-        begin_us: int,
-        end_us: int,
-        exposing: bool,
-    ) -> None:
-        config = self._config
-        n_ticks = (end_us - begin_us) // TICK_US
-        advance(
-            knots,
-            moving,
-            begin_us % knot_us // TICK_US,
-            n_ticks,
-            knot_us // TICK_US,
-            begin_us,
-            TICK_US,
-            exposing,
-            config.shot_hz,
-            config.hot_hz,
-            config.refractory_us,
-            config.row_us,
-            WINDOW_US,
-            self._profile,
-            PROFILE_SCALE,
-            self._levels,
-            self._gains,
-            self._hot,
-            self._random,
-            self._canvas,
-            self._touched,
-            self._pixels,
-            self._active,
-            self._events,
-            self._counts,
-        )
-        self._n_exposed += n_ticks * exposing
+        return self._chip.events[: self._chip.counts["events"][0]].copy(), frames
 
     def _take_frame(self, end_us: int) -> Frame:
         config = self._config
-        mean = self._canvas["base"] + self._canvas["exposed"] / self._n_exposed
-        self._canvas["exposed"] = 0.0
+        canvas = self._chip.picture.canvas
+        mean = canvas["base"] + canvas["exposed"] / self._n_exposed
+        canvas["exposed"] = 0.0
         self._n_exposed = 0
         noise = np.random.default_rng((self._seed, 2, end_us)).standard_normal(
             len(mean), np.float32
@@ -193,7 +177,7 @@ class Sensor:
 
 
 def response_tables(cutoff_hz: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """The photoreceptor over intensity: lin-log level, and how far its low pass goes in a tick.
+    """Returns tables over intensity: the photoreceptor's level, and its low-pass share per tick.
 
     The corner of the low pass grows with intensity, from a thirteenth in the dark to ``cutoff_hz``.
 

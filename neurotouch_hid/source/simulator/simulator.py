@@ -9,7 +9,7 @@ from neurotouch_hid.closing import Closing
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, Truth
 from neurotouch_hid.source.simulator.gel import KNOT_US, GelConfig, GelMotion
-from neurotouch_hid.source.simulator.optics import Camera, CameraConfig, LightConfig
+from neurotouch_hid.source.simulator.optics import CameraConfig, CameraModel, LightConfig
 from neurotouch_hid.source.simulator.script import Play
 from neurotouch_hid.source.simulator.sensor import Sensor, SensorConfig
 
@@ -48,7 +48,7 @@ class Simulator(Closing):
         self.name = f"sim:{script.name}"
         self._script, self._slice_us = script, slice_us
         rig = config.camera.rig
-        self._motion = GelMotion(script, Camera(config.camera), rig.px_per_mm, config.gel)
+        self._motion = GelMotion(script, CameraModel(config.camera), rig.px_per_mm, config.gel)
         self._sensor = Sensor(config.sensor, config.light, rig, seed)
         self._sensor.settle(self._motion.knot(-1).outline)
         self._packets = self._run()
@@ -57,10 +57,10 @@ class Simulator(Closing):
         return self._packets
 
     def close(self) -> None:
-        """Stop; there is nothing to release."""
+        """Does nothing: there is nothing to release."""
 
     def truth(self, t_us: int) -> Truth:
-        """The truth at ``t_us``; cheap up to a few seconds before the newest packet."""
+        """Returns the truth at ``t_us``; cheap up to a few seconds before the newest packet."""
         return self._motion.truth(t_us)
 
     def _run(self) -> Iterator[EventPacket]:

@@ -23,7 +23,7 @@ class StrokeTiming:
 
 @dataclass(frozen=True, slots=True)
 class Fingertips:
-    """Where the fingers stand before they move.
+    """Where the fingers are before they move.
 
     Attributes:
         middle_mm: (x, y) between them.
@@ -38,7 +38,7 @@ class Fingertips:
     turn_rad: float = 0.3
 
     def contacts_mm(self) -> NDArray[np.float64]:
-        """(n_fingers, 2) float64."""
+        """Returns the contacts, (n_fingers, 2) float64 mm."""
         angles = self.turn_rad + 2.0 * math.pi * np.arange(self.n_fingers) / self.n_fingers
         return self.middle_mm + self.spread_mm * np.column_stack([np.cos(angles), np.sin(angles)])
 
@@ -49,7 +49,7 @@ def push(
     at_mm: tuple[float, float] = (0.0, 0.0),
     timing: StrokeTiming = StrokeTiming(),
 ) -> Stroke:
-    """One finger drags the gel by ``size_mm``; 0 rad is right, π/2 is down."""
+    """Returns a finger that drags the gel by ``size_mm``; 0 rad is right, π/2 is down."""
     drag = (size_mm * math.cos(direction_rad), size_mm * math.sin(direction_rad))
     return _stroke(GestureKind.PUSH, (Finger(at_mm, drag),), timing)
 
@@ -57,7 +57,7 @@ def push(
 def press(
     depth_mm: float, at_mm: tuple[float, float] = (6.0, 4.0), timing: StrokeTiming = StrokeTiming()
 ) -> Stroke:
-    """One finger presses straight down, which hardly moves any marker sideways."""
+    """Returns a finger that presses straight down, which hardly moves markers sideways."""
     return _stroke(GestureKind.PUSH, (Finger(at_mm, press_mm=depth_mm),), timing)
 
 

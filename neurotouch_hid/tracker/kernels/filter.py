@@ -1,4 +1,4 @@
-"""The compiled loops of the tracker: the event filter and what is checked between events."""
+"""Compiled loops of the event filter and of the checks between events."""
 
 import math
 
@@ -6,74 +6,67 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from neurotouch_hid.tracker.kernels.lost_markers import update_lost_markers
 from neurotouch_hid.tracker.kernels.matching import select
-from neurotouch_hid.tracker.kernels.nearest import assign, find_event
-from neurotouch_hid.tracker.kernels.neighbours import collide, expect, strays, tear
-from neurotouch_hid.tracker.kernels.tracks import SECOND, Tracks, Tuning, aim, place, predict
+from neurotouch_hid.tracker.kernels.nearest import PAIR, assign, find_event
+from neurotouch_hid.tracker.kernels.tracks import SECOND, Tracks, Tuning, aim, predict
 
-BLOCK = 512  # events whose markers are looked for before they move these markers
-MIN_TRUST = 0.05  # a marker that seems to be at rest still follows, slowly
+BLOCK = 512  # events whose markers are found before the events move these markers
+MIN_TRUST = 0.05  # a marker that seems to be at rest still follows its events, slowly
 NOISE_FALL_S = 0.1
-NOISE_RISE_S = 5.0  # motion passes for noise only if the whole gel moves for long
-SLOW_PX_S = 60.0  # direction and sides of a slower marker are not known for sure
-SEEN_HZ = 100.0  # two events within ``rate_us`` beyond the noise: a lost marker makes some again
-SETTLED_PX = 1.5  # nearer to where its neighbours, who agree as well as that, expect it
-FRAMELESS_US = 500_000  # without a frame for so long, events have to find lost markers
-FEW = 6  # events of a marker: a whole pixel of motion makes more
-STILL_US = 8_000  # a gel without motion is checked as often as that
+NOISE_RISE_S = 5.0  # slow, so that only a long motion of the whole gel is taken for noise
+SLOW_PX_S = 60.0  # the direction of a slower marker, and the sides of its events, are uncertain
+FEW = 6  # events of a marker; a motion by a whole pixel makes more
+STILL_US = 8_000  # longest time between two checks
 
 
-# Multiplied and added in one step, where the processor can: a tenth faster.
+# Fused multiply-add, where the processor has it, is a tenth faster.
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def filter_events(
     events: NDArray[np.void], start: int, until_us: int, tracks: Tracks, tuning: Tuning
 ) -> int:
-    """Give each event before ``until_us`` to the nearest marker in the gate, one by one.
+    """Updates the marker nearest to each event before ``until_us``, one event at a time.
 
     A linear Kalman filter with constant velocity [NT, "Marker Tracking"]. With isotropic noise the
     two axes share one 2 x 2 covariance, so that an update needs a single division.
+
+    Args:
+        events: (m,) EVENT_DTYPE.
+        start: the first event.
+        until_us: the end of the stretch.
+        tracks: updated.
+        tuning: of the filter.
 
     Returns:
         The index of the first event at or after ``until_us``.
     """
     state, n_new, r_px2 = tracks.state, tracks.n_new, tracks.r_px2
-    taken, owner = np.empty(BLOCK, np.int64), np.empty(BLOCK, np.uint16)
+    pairs = np.empty(BLOCK, PAIR)
     forget, quiet_s2 = 1.0 / tuning.memory_s, tuning.quiet_s * tuning.quiet_s
     tail = 1.0 / (tuning.spread_px * tuning.spread_px)
     stop = find_event(events, start, until_us)
     while start < stop:
         end = min(start + BLOCK, stop)
-        n = assign(
-            events,
-            start,
-            end,
-            tuning.gate_px,
-            tuning.search_all,
-            tracks.aim_px,
-            tracks.near,
-            tracks.n_near,
-            taken,
-            owner,
-        )
+        n = assign(events, start, end, tuning.gate_px, tuning.search_all, tracks.targets, pairs)
         start = end
         for k in range(n):
             # Unsigned: an index that may be negative would cost a test for each use.
-            e, i = events[np.uint64(taken[k])], np.uint64(owner[k])
+            e, i = events[np.uint64(pairs[k].event)], np.uint64(pairs[k].marker)
             s = state[i]
             sign = 1.0 if e.p else -1.0
             elapsed = max((e.t - s.t_us) * SECOND, 0.0)
             dt = min(elapsed, tuning.memory_s)
             keep = 1.0 - dt * forget
             step = 0.5 * dt * (1.0 + keep)
-            # What makes no events does not move, and a lone event is likely noise: uncertainty
-            # grows less, not more, when a marker has been quiet.
+            # A marker without events does not move, and a single event is probably noise. So
+            # uncertainty grows less, not more, when a marker has been quiet.
             dt = elapsed * quiet_s2 / (quiet_s2 + elapsed * elapsed)
             b = s.cov_xv + dt * s.var_v
             a = s.var_x + dt * (s.cov_xv + b) + tuning.q_x * dt
             c = s.var_v + tuning.q_v * dt
             px, py = s.x + s.vx * step, s.y + s.vy * step
             dx, dy = e.x - px - sign * s.lead_x, e.y - py - sign * s.lead_y
-            # Heavy-tailed noise: an event far from the marker is likelier noise.
+            # Heavy-tailed noise: an event far from the marker is more probably noise.
             far = (dx * dx + dy * dy) * tail
             inverse = 1.0 / (a + r_px2[i] * (1.0 + far * far))
             k1, k2 = a * inverse, b * inverse
@@ -92,7 +85,7 @@ def _last_check_us(tracks: Tracks) -> int:
 
 @njit(cache=True, nogil=True)
 def _may_wait(t_us: int, tracks: Tracks) -> bool:
-    """Since the last check, which was not long ago, no marker can have moved by a pixel."""
+    """Returns True if the last check is recent and no marker can have moved by a pixel since."""
     last_us = _last_check_us(tracks)
     if last_us < 0 or t_us - last_us >= STILL_US:
         return False
@@ -104,11 +97,10 @@ def _may_wait(t_us: int, tracks: Tracks) -> bool:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
-    """How far the events of each marker are to be believed, and on which side they lie.
+    """Updates the rates of the markers, the variance of their events and the lead of the events.
 
-    A marker at rest receives noise at a certain rate. What comes to it and its neighbours beyond
-    that is motion: ``r_px2`` is the smaller, the larger the share of motion in the events. A bright
-    marker that moves brightens the pixels ahead of it and darkens those behind it.
+    A marker at rest receives noise at a certain rate. A higher rate of it and its neighbours is
+    motion. The larger the share of motion in the events, the smaller is ``r_px2``.
     """
     state, rate, n_new = tracks.state, tracks.rate_hz, tracks.n_new
     n, last_us = len(state), _last_check_us(tracks)
@@ -117,7 +109,7 @@ def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     for i in range(n):
         rate[i] += share * (n_new[i] / dt - rate[i])
         n_new[i] = 0
-    quiet = select(rate, n // 4)  # a quarter of the gel is at rest, now or soon
+    quiet = select(rate, n // 4)  # a quarter of the gel is usually at rest
     noise = tracks.common[0].noise_hz
     rise_s = min(NOISE_RISE_S, dt * (tracks.common[0].n_checks + 1))  # fast at first
     noise += (quiet - noise) * dt / (NOISE_FALL_S if quiet < noise else rise_s)
@@ -130,7 +122,7 @@ def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
             if j >= 0:
                 total += rate[j]
                 used += 1
-        # Of the mean of so many such rates ``spread_hz`` is the less certain part.
+        # The mean of several rates has a smaller spread.
         motion = total / used - noise - spread_hz / math.sqrt(used)
         trust = motion / (motion + noise) if motion > 0.0 else 0.0
         tracks.r_px2[i] = tuning.r_px2 / max(trust, MIN_TRUST)
@@ -139,14 +131,14 @@ def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _lead(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
-    """How far events lie ahead of each marker."""
+    """Updates the lead: a bright marker brightens pixels ahead of it and darkens those behind."""
     state = tracks.state
     n = len(state)
     v, per_speed = np.empty((2, n)), np.empty(n)
     for i in range(n):
         keep = 1.0 - min(max((t_us - state[i].t_us) * SECOND / tuning.memory_s, 0.0), 1.0)
         v[0, i], v[1, i] = state[i].vx * keep, state[i].vy * keep
-    for i in range(n):  # apart from what is around it, the processor does eight of these at once
+    for i in range(n):  # a loop of its own, so that the processor takes eight at once
         square = v[0, i] * v[0, i] + v[1, i] * v[1, i] + SLOW_PX_S * SLOW_PX_S
         per_speed[i] = tuning.lead_px / math.sqrt(square)
     for i in range(n):
@@ -154,51 +146,16 @@ def _lead(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
 
 
 @njit(cache=True, nogil=True)
-def check_neighbours(
-    t_us: int, position_px: NDArray[np.float64], tracks: Tracks, tuning: Tuning
-) -> None:
-    """Moves markers that contradict their neighbours, also in ``position_px`` (n, 2).
-
-    While there are no frames, a lost marker that moves with its neighbours again, by events of its
-    own, is lost no longer: nothing else finds it, and lost neighbours need its say.
-    """
-    n = len(position_px)
-    expected, spread, stray = np.empty((n, 2)), np.empty(n), np.empty(n, np.bool_)
-    rest_px, usable = tracks.rest_px, ~tracks.lost
-    expect(position_px, usable, rest_px, tracks.neighbours, expected, spread)
-    strays(position_px, expected, spread, tuning.max_stray_px, tuning.max_stray_ratio, stray)
-    collide(position_px, expected, tracks.neighbours, stray)
-    tear(position_px, usable, rest_px, tracks.neighbours, tuning.max_stray_px, stray)
-    astray = np.flatnonzero(stray & np.isfinite(expected[:, 0]))
-    if len(astray):
-        place(astray, expected[astray], 4.0, float(t_us), tracks, tuning)
-        for i in astray:
-            position_px[i] = expected[i]
-            tracks.lost[i] = True
-        tracks.common[0].n_repairs += len(astray)
-    if t_us - tracks.common[0].last_frame_us < FRAMELESS_US:
-        return
-    noise = tracks.common[0].noise_hz
-    least_hz = noise + tuning.n_sigma * math.sqrt(noise / (2.0 * tuning.rate_s)) + SEEN_HZ
-    for k in range(n):
-        if tracks.lost[k] and not stray[k] and tracks.rate_hz[k] > least_hz:
-            off_px = max(
-                abs(position_px[k, 0] - expected[k, 0]), abs(position_px[k, 1] - expected[k, 1])
-            )
-            tracks.lost[k] = not (off_px < SETTLED_PX and spread[k] < SETTLED_PX)  # NaN: lost
-
-
-@njit(cache=True, nogil=True)
 def check(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
-    """Note all positions at ``t_us``, weigh, aim; look at the neighbours at times.
+    """Records all positions at ``t_us`` and updates what is known between events.
 
-    The neighbours take half of the time and serve as well every second time.
+    Neighbours are checked every second time: they take half of the time, and that is often enough.
     """
     slot = tracks.common[0].n_checks % len(tracks.past_us)
     position = tracks.past_px[slot]
     predict(float(t_us), tuning.memory_s, tracks, position)
     if tracks.common[0].n_checks % 2 == 0:
-        check_neighbours(t_us, position, tracks, tuning)
+        update_lost_markers(t_us, position, tracks, tuning)
     weigh(t_us, tracks, tuning)
     aim(float(t_us + tuning.check_us), tracks, tuning)
     tracks.past_us[slot] = t_us
@@ -215,18 +172,18 @@ def advance(
     position_px: NDArray[np.float32],
     valid: NDArray[np.bool_],
 ) -> int:
-    """Filter the events before ``until_us``, and tell where the markers then are.
+    """Filters the events before ``until_us`` and writes where the markers are then.
 
-    All tracks are checked at multiples of ``check_us``, however the stream is cut into slices.
+    All tracks are checked at multiples of ``check_us``, whatever the length of the slices.
 
     Args:
         events: (m,) EVENT_DTYPE.
-        start: the first of them.
+        start: the first event.
         until_us: the end of the slice, or of an exposure in it.
-        tracks: changed.
+        tracks: updated.
         tuning: of the filter.
-        position_px: (n, 2) float32, filled in.
-        valid: (n,) bool, filled in: what is no guess.
+        position_px: (n, 2) float32 px, written.
+        valid: (n,) bool, written: False for lost markers, whose position is a guess.
 
     Returns:
         The index of the first event at or after ``until_us``.

@@ -1,13 +1,36 @@
-"""The compiled loops on frames: bright blobs, their centroids, distances between sets of pixels."""
+"""Compiled loops on frames: bright blobs, their centroids, distances between sets of pixels."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-BLOCK_PX = 8  # light is measured in windows of 3 x 3 blocks: two to three markers wide
+BLOCK_PX = 8  # brightness is measured in windows of 3 x 3 blocks, two to three markers wide
 SHIFT = 3  # log2(BLOCK_PX)
+
+
+class Buffers(NamedTuple):
+    """What the search for blobs writes; m is the largest number of blobs.
+
+    Attributes:
+        threshold: (rows, columns) float64, the threshold of every block, grey levels.
+        background: (rows, columns) float64, the level between the markers.
+        bright: (h + 2, v) uint8 scratch, all 0 before and after the search. v is a multiple of 8
+            and larger than w, so that no region has to look for the picture's border: there is
+            nothing left of the first column, which follows the last column of the row before.
+        centroid_px: (m, 2) float64, weighted by intensity, columns x, y.
+        begin: (m + 1,) int32: the pixels of blob i are members[begin[i]:begin[i + 1]].
+        members: (h * w,) int32, y * w + x.
+    """
+
+    threshold: NDArray[np.float64]
+    background: NDArray[np.float64]
+    bright: NDArray[np.uint8]
+    centroid_px: NDArray[np.float64]
+    begin: NDArray[np.int32]
+    members: NDArray[np.int32]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -18,20 +41,20 @@ def threshold_blocks(
     threshold: NDArray[np.float64],
     background: NDArray[np.float64],
 ) -> None:
-    """Threshold and background of every block, from mean and deviation of the blocks around it.
+    """Writes threshold and background of every block, from the blocks around it.
 
-    Mean and deviation are those of every second row, which halves the time.
+    Mean and standard deviation come from every second row, which halves the time.
 
     Args:
         pixels: (h, w) uint8.
         n_sigma: threshold above the mean, in standard deviations of the window.
         min_contrast: least threshold above the mean, grey levels.
-        threshold: (rows, columns) float64, filled in.
-        background: (rows, columns) float64, filled in: the level between the markers.
+        threshold: (rows, columns) float64, written, grey levels.
+        background: (rows, columns) float64, written: the level between the markers.
     """
     h, w = pixels.shape
     rows, columns = threshold.shape
-    # Sums of each block, with a border of empty blocks: pixels, intensity, its square.
+    # Sums of each block, with a border of empty blocks: pixels, grey level, its square.
     sums = np.zeros((rows + 2, 3, columns + 2), np.int32)
     padded = columns * BLOCK_PX
     total, square = np.empty(padded, np.int32), np.empty(padded, np.int32)  # of 8 rows, by column
@@ -68,14 +91,14 @@ def threshold_blocks(
 def _mark(
     pixels: NDArray[np.uint8], threshold: NDArray[np.float64], out: NDArray[np.uint8]
 ) -> None:
-    """Set what is above the threshold of its block in ``out``, one row further down."""
+    """Sets pixels above the threshold of their block in ``out``, one row further down."""
     h, w = pixels.shape
     rows, columns = threshold.shape
     level = np.empty((columns, BLOCK_PX), np.uint8)
     levels = level.ravel()
     for i in range(rows):
         for j in range(columns):
-            # Grey levels are whole numbers: above 37.4 is above 37.
+            # Grey levels are integers: above 37.4 is above 37.
             level[j, :] = np.uint8(min(threshold[i, j], 255.0))
         for y in range(i * BLOCK_PX, min(h, (i + 1) * BLOCK_PX)):
             row, marked = pixels[y], out[y + 1]
@@ -85,22 +108,21 @@ def _mark(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _flood(
-    y0: int,
-    x0: int,
-    begin: int,
-    pixels: NDArray[np.uint8],
-    background: NDArray[np.float64],
-    bright: NDArray[np.uint8],
-    members: NDArray[np.int32],
+    y0: int, x0: int, start: int, pixels: NDArray[np.uint8], buffers: Buffers
 ) -> tuple[int, float, float, float]:
-    """Append the region around (x0, y0) and clear it; its new end, mass, first moments in x, y."""
+    """Appends the region around (x0, y0) to the members and clears it in ``bright``.
+
+    Returns:
+        The new end of the members; the mass of the region and its first moments in x and y.
+    """
+    background, bright, members = buffers.background, buffers.bright, buffers.members
     w = pixels.shape[1]
     bright[y0 + 1, x0] = 0
-    members[begin] = y0 * w + x0
-    head, tail = begin, begin + 1
+    members[start] = y0 * w + x0
+    head, tail = start, start + 1
     mass, mx, my = 0.0, 0.0, 0.0
     while head < tail:
-        index = np.uint32(members[head])  # unsigned numbers divide faster
+        index = np.uint32(members[head])  # unsigned integers divide faster
         y = np.int64(index // np.uint32(w))
         x = np.int64(index) - y * w
         head += 1
@@ -119,36 +141,22 @@ def _flood(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def find_blobs(
-    pixels: NDArray[np.uint8],
-    threshold: NDArray[np.float64],
-    background: NDArray[np.float64],
-    min_area_px: int,
-    max_area_px: int,
-    bright: NDArray[np.uint8],
-    centroid_px: NDArray[np.float64],
-    begin: NDArray[np.int32],
-    members: NDArray[np.int32],
+    pixels: NDArray[np.uint8], min_area_px: int, max_area_px: int, buffers: Buffers
 ) -> int:
-    """Connected regions above the threshold, with centroids weighted by intensity.
+    """Finds the connected regions above the threshold, with centroids weighted by intensity.
 
     Args:
         pixels: (h, w) uint8.
-        threshold: (rows, columns) float64, of every block.
-        background: (rows, columns) float64, of every block.
         min_area_px: smaller regions are noise.
         max_area_px: larger regions are no markers.
-        bright: (h + 2, v) uint8 scratch, all 0, and so again afterwards; v is a multiple of 8 and
-            larger than w, so that no region has to look for the picture's border: also left of
-            the first column, which is the last one of the row before, there is nothing.
-        centroid_px: (m, 2) float64, filled in, columns x, y.
-        begin: (m + 1,) int32, filled in: pixels of blob i are members[begin[i]:begin[i + 1]].
-        members: (h * w,) int32, filled in: y * w + x.
+        buffers: ``threshold`` and ``background`` are read, all else is written.
 
     Returns:
         The number of blobs, at most m.
     """
+    bright, centroid_px, begin = buffers.bright, buffers.centroid_px, buffers.begin
     words = bright.view(np.uint64)  # most are 0
-    _mark(pixels, threshold, bright)
+    _mark(pixels, buffers.threshold, bright)
     n, used = 0, 0
     begin[0] = 0
     for y0 in range(len(pixels)):
@@ -161,7 +169,7 @@ def find_blobs(
                 if n == len(centroid_px):
                     bright[:] = 0
                     return n
-                end, mass, mx, my = _flood(y0, x0, used, pixels, background, bright, members)
+                end, mass, mx, my = _flood(y0, x0, used, pixels, buffers)
                 if min_area_px <= end - used <= max_area_px:
                     centroid_px[n, 0], centroid_px[n, 1] = mx / mass, my / mass
                     used = end
@@ -172,7 +180,7 @@ def find_blobs(
 
 @njit(cache=True, nogil=True)
 def distance_map(mask: NDArray[np.uint8], out: NDArray[np.int32]) -> None:
-    """The exact squared distance (px²) of every pixel to the nearest one set in ``mask``."""
+    """Writes the exact squared distance, px², of every pixel to the nearest one set in ``mask``."""
     h, w = mask.shape
     far = h + w
     column = np.empty((h, w), np.int64)
@@ -199,9 +207,9 @@ def distance_map(mask: NDArray[np.uint8], out: NDArray[np.int32]) -> None:
 
 @njit(cache=True, nogil=True)
 def ring_distance(index: int, mask: NDArray[np.uint8]) -> int:
-    """The exact squared distance (px²) of one pixel to the nearest one set in ``mask``.
+    """Returns the exact squared distance, px², of one pixel to the nearest one set in ``mask``.
 
-    Looks at square rings of growing size around the pixel; -1 if the mask is empty.
+    Searches square rings of growing size around the pixel. The result is -1 for an empty mask.
     """
     h, w = mask.shape
     y, x = index // w, index % w
@@ -232,11 +240,11 @@ def chamfer(
     reference: NDArray[np.int32],
     reference_px2: NDArray[np.int32],
 ) -> float:
-    """Sum of the two mean squared distances between sets of pixels (px²) [NT, Eq. Chamfer].
+    """Returns the sum of both mean squared distances of two sets of pixels, px² [NT, Eq. Chamfer].
 
     Args:
         now: (n,) int32 pixel indices, n > 0.
-        mask: (h, w) uint8 scratch, all 0, and so again afterwards.
+        mask: (h, w) uint8 scratch, all 0 before and after.
         reference: (m,) int32 pixel indices, m > 0.
         reference_px2: (h, w) int32, the distance map of the reference.
     """
@@ -263,7 +271,7 @@ def gather_inside(
     radius_px: float,
     out: NDArray[np.int32],
 ) -> int:
-    """The pixels of all blobs with their centroid in a circle: out, filled in; their number."""
+    """Writes the pixels of all blobs with their centroid in a circle; returns their number."""
     n = 0
     for i in range(len(centroid_px)):
         dx, dy = centroid_px[i, 0] - centre_px[0], centroid_px[i, 1] - centre_px[1]

@@ -1,4 +1,4 @@
-"""The compiled loops that pair points, and measure how far pairs have moved."""
+"""Compiled loops that pair points and measure how far pairs have moved."""
 
 import math
 
@@ -11,10 +11,13 @@ from numpy.typing import NDArray
 def _sort_by_row(
     points_px: NDArray[np.float64],
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], float]:
-    """Points in order of rows of 1 px: those of row i are order[begin[i]:begin[i + 1]].
+    """Returns the points in order of rows of 1 px.
 
-    The third answer is the top of row 0. Nothing is compared here, for which of two points comes
-    first cannot be foretold.
+    A counting sort: comparisons would cost mispredicted branches.
+
+    Returns:
+        (m,) int32 order and (rows + 1,) int32 begin: row i contains order[begin[i]:begin[i + 1]];
+        the top of row 0, px.
     """
     m = len(points_px)
     top = points_px[:, 1].min() if m else 0.0
@@ -40,15 +43,15 @@ def match_points(
     gate_px: float,
     out: NDArray[np.int32],
 ) -> int:
-    """For each target the index of its point, -1 where there is none, -2 where there is any doubt.
+    """Writes the index of each target's point, -1 if there is none, -2 if there is any doubt.
 
-    The two choose each other as the nearest, and the target's second choice is twice as far.
+    In a pair each is the nearest to the other, and the target's second choice is twice as far.
 
     Args:
-        targets_px: (n, 2) float64, columns x, y.
-        points_px: (m, 2) float64.
+        targets_px: (n, 2) float64 px, columns x, y.
+        points_px: (m, 2) float64 px.
         gate_px: distance limit.
-        out: (n,) int32, filled in.
+        out: (n,) int32, written.
 
     Returns:
         The number of pairs.
@@ -70,7 +73,7 @@ def match_points(
             j = by_row[k]
             dx, dy = points_px[j, 0] - x, points_px[j, 1] - y
             px2 = dx * dx + dy * dy
-            # Without branches: which point is nearer cannot be foretold.
+            # Without branches: a processor cannot predict which point is nearer.
             closer = px2 < best_px2
             second_px2 = min(second_px2, best_px2 if closer else px2)
             best = j if closer else best
@@ -89,10 +92,10 @@ def match_points(
 
 @njit(cache=True, nogil=True)
 def select(values: NDArray[np.float64], k: int) -> float:
-    """The value that ``k`` of the (n,) values do not exceed when they are put in order; all >= 0.
+    """Returns the value with index ``k`` of the sorted values, (n,) float64, all >= 0.
 
-    Found by its bits, which have the same order, halving what is left: to sort, one has to compare,
-    and what comes of that cannot be foretold.
+    A binary search over the bits, which have the same order: it has no branches that a processor
+    would mispredict, as sorting has.
     """
     bits = values.view(np.int64)
     low, high = np.int64(0), bits.max()
@@ -115,7 +118,7 @@ def _measure_pairs(
     gate_px: float,
     match: NDArray[np.int32],
 ) -> NDArray[np.float64]:
-    """How far each point that has a pair has moved: (pairs,) px; see ``match_points``."""
+    """Returns how far each paired point has moved, (pairs,) float64 px; see ``match_points``."""
     moved_px = np.empty(match_points(before_px, now_px, gate_px, match))
     k = 0
     for i in range(len(before_px)):
@@ -135,14 +138,14 @@ def measure_largest(
     n_left_out: int,
     match: NDArray[np.int32],
 ) -> tuple[int, float]:
-    """How many points have a pair, and how far all of these but some have moved at most.
+    """Returns the number of pairs, and the largest motion of all but a few of them, px.
 
     Args:
-        before_px: (n, 2) float64, columns x, y.
-        now_px: (m, 2) float64.
-        gate_px: no point has moved farther; the answer if none has a pair.
-        n_left_out: how many may have moved farther than is told.
-        match: (n,) int32, filled in, see ``match_points``.
+        before_px: (n, 2) float64 px, columns x, y.
+        now_px: (m, 2) float64 px.
+        gate_px: distance limit of a pair; returned as the motion if there is no pair.
+        n_left_out: the number of pairs that may have moved farther.
+        match: (n,) int32, written, see ``match_points``.
     """
     moved_px = _measure_pairs(before_px, now_px, gate_px, match)
     n = len(moved_px)
@@ -158,13 +161,13 @@ def measure_median(
     gate_px: float,
     match: NDArray[np.int32],
 ) -> tuple[int, float]:
-    """How many points have a pair, and how far these have moved in the median.
+    """Returns the number of pairs, and the median of their motions, px.
 
     Args:
-        before_px: (n, 2) float64, columns x, y.
-        now_px: (m, 2) float64.
-        gate_px: no point has moved farther; the answer if none has a pair.
-        match: (n,) int32, filled in, see ``match_points``.
+        before_px: (n, 2) float64 px, columns x, y.
+        now_px: (m, 2) float64 px.
+        gate_px: distance limit of a pair; returned as the motion if there is no pair.
+        match: (n,) int32, written, see ``match_points``.
     """
     moved_px = _measure_pairs(before_px, now_px, gate_px, match)
     n = len(moved_px)

@@ -1,8 +1,10 @@
-"""The compiled loops that look for the marker of each event.
+"""Compiled loops that find the marker of each event.
 
-Where the markers are aimed at does not change between two checks of all tracks. So no event has to
-wait for the ones before it, and the processor takes many at once.
+The expected places of events do not change between two checks. So no event has to wait for the ones
+before it, and the processor takes several at once.
 """
+
+from typing import Final, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -12,59 +14,74 @@ from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 
 TILE_PX = 4  # every tile lists the markers that its events may belong to
 SHIFT = np.uint64(2)  # log2(TILE_PX)
-BORDER = 4  # tiles around the sensor, so that a marker anywhere enters as many tiles
+BORDER = 4  # tiles around the sensor, so that a marker at its edge enters as many tiles as others
 COLUMNS = -(-SENSOR_WIDTH_PX // TILE_PX) + 2 * BORDER
 ROWS = -(-SENSOR_HEIGHT_PX // TILE_PX) + 2 * BORDER
 ORIGIN = np.uint64(BORDER * COLUMNS + BORDER)  # the tile of pixel (0, 0)
 SPAN = 4  # tiles that twice the reach may touch, along each axis
-CAPACITY = 16  # markers within reach of a tile: as many as 3 px apart
-GLANCE = 2  # so many are looked at in any case; one event in twenty has more of them near
-REACH_PX = 4.5  # the largest gate, 3.5 px, and how far ON events lie ahead at most, 1 px
-ON_X, ON_Y, OFF_X, OFF_Y = range(4)
+CAPACITY = 16  # markers within reach of a tile, for markers 3 px apart
+FIRST = 2  # markers compared without a test; one event in twenty has more of them near
+REACH_PX = 4.5  # the largest gate, 3.5 px, plus the longest lead of events, 1 px
+
+PLACE: Final = np.dtype([("top", "i8"), ("left", "i8"), ("n_rows", "i8"), ("n_columns", "i8")])
+"""The tiles in which a marker is listed: the first row and column, and how many there are."""
+
+PAIR: Final = np.dtype([("event", "u4"), ("marker", "u4")])
+"""An event and the marker that it belongs to, by their indices."""
+
+
+class Targets(NamedTuple):
+    """Where the events of n markers are expected, and which markers are near each tile.
+
+    Attributes:
+        aim_px: (n, 2, 2) float64, where the OFF and the ON events of each marker are expected, by
+            polarity 0 and 1; columns x, y.
+        near: (CAPACITY, tiles) uint16, the markers that the events of a tile may belong to. Entries
+            after the last one are old; comparing them does no harm. The first rows, all that most
+            events need, fit into the nearest cache.
+        n_near: (tiles,) uint8, their number.
+        listed: (n,) ``PLACE``, all 0 at first. The lists change only if these change.
+    """
+
+    aim_px: NDArray[np.float64]
+    near: NDArray[np.uint16]
+    n_near: NDArray[np.uint8]
+    listed: NDArray[np.void]
 
 
 @njit(cache=True, nogil=True)
-def list_markers(
-    aim_px: NDArray[np.float64],
-    near: NDArray[np.uint16],
-    n_near: NDArray[np.uint8],
-    listed: NDArray[np.int64],
-) -> None:
-    """Enter every marker into the tiles whose events may belong to it.
+def list_markers(targets: Targets) -> None:
+    """Enters every marker into the tiles whose events may belong to it.
 
     Args:
-        aim_px: (n, 4) float64, where the ON and the OFF events of each marker are expected.
-        near: (k, tiles) uint16, filled in: the markers of each tile. What stands behind the last
-            one is older, and does no harm where it is taken for near. The first rows, all that
-            most events need, fit into the nearest cache.
-        n_near: (tiles,) uint8, filled in: their number.
-        listed: (n, 4) int64, filled in: the first row and column of each marker's tiles, and how
-            many there are; all 0 before the first time. While these stay the same, the lists do.
+        targets: ``aim_px`` is read, all else is updated.
     """
+    aim_px, near, n_near, listed = targets
     margin = BORDER * TILE_PX
     is_same = True
     for i in range(len(aim_px)):
-        x = 0.5 * (aim_px[i, ON_X] + aim_px[i, OFF_X]) + margin
-        y = 0.5 * (aim_px[i, ON_Y] + aim_px[i, OFF_Y]) + margin
+        x = 0.5 * (aim_px[i, 1, 0] + aim_px[i, 0, 0]) + margin
+        y = 0.5 * (aim_px[i, 1, 1] + aim_px[i, 0, 1]) + margin
         left = min(max(int((x - REACH_PX) / TILE_PX), 0), COLUMNS - SPAN)
         top = min(max(int((y - REACH_PX) / TILE_PX), 0), ROWS - SPAN)
         n_columns = min(int((x + REACH_PX) / TILE_PX) - left + 1, SPAN)
         n_rows = min(int((y + REACH_PX) / TILE_PX) - top + 1, SPAN)
+        place = listed[i]
         is_same &= (
-            (listed[i, 0] == top)
-            & (listed[i, 1] == left)
-            & (listed[i, 2] == n_rows)
-            & (listed[i, 3] == n_columns)
+            (place.top == top)
+            & (place.left == left)
+            & (place.n_rows == n_rows)
+            & (place.n_columns == n_columns)
         )
-        listed[i, 0], listed[i, 1], listed[i, 2], listed[i, 3] = top, left, n_rows, n_columns
+        place.top, place.left, place.n_rows, place.n_columns = top, left, n_rows, n_columns
     if is_same:
         return
     n_near[:] = 0
     for i in range(len(aim_px)):
-        top, left, n_rows, n_columns = listed[i]
-        for row in range(n_rows):
-            for column in range(n_columns):
-                tile = np.uint64((top + row) * COLUMNS + left + column)
+        place = listed[i]
+        for row in range(place.top, place.top + place.n_rows):
+            for column in range(place.left, place.left + place.n_columns):
+                tile = np.uint64(row * COLUMNS + column)
                 k = np.uint64(n_near[tile])
                 if k < np.uint64(CAPACITY):
                     near[k, tile] = i
@@ -72,33 +89,26 @@ def list_markers(
 
 
 @njit(cache=True, nogil=True, inline="always")
-def nearest(
-    x: int,
-    y: int,
-    on: bool,
-    gate_px2: float,
-    aim_px: NDArray[np.float64],
-    near: NDArray[np.uint16],
-    n_near: NDArray[np.uint8],
-) -> tuple[np.uint64, float]:
-    """The marker nearest to an event at pixel (x, y), and their squared distance (px²).
+def nearest(x: int, y: int, on: bool, gate_px2: float, targets: Targets) -> tuple[np.uint64, float]:
+    """Returns the marker nearest to an event at pixel (x, y), and their squared distance, px².
 
-    If that is not less than the gate there is none, and the number means nothing.
+    If the distance is not below the gate, there is none, and the number has no meaning.
     """
+    aim_px, near, n_near = targets.aim_px, targets.near, targets.n_near
     # Unsigned: an index that may be negative would cost a test for each use.
     tile = (np.uint64(y) >> SHIFT) * np.uint64(COLUMNS) + (np.uint64(x) >> SHIFT) + ORIGIN
-    side = np.uint64(ON_X if on else OFF_X)
+    polarity = np.uint64(on)
     best, best_px2 = np.uint64(0), gate_px2
-    for k in range(GLANCE):
+    for k in range(FIRST):
         i = np.uint64(near[k, tile])
-        dx, dy = x - aim_px[i, side], y - aim_px[i, side + np.uint64(1)]
+        dx, dy = x - aim_px[i, polarity, 0], y - aim_px[i, polarity, 1]
         px2 = dx * dx + dy * dy
         closer = px2 < best_px2
         best = i if closer else best
         best_px2 = px2 if closer else best_px2
-    for k in range(GLANCE, n_near[tile]):
+    for k in range(FIRST, n_near[tile]):
         i = np.uint64(near[k, tile])
-        dx, dy = x - aim_px[i, side], y - aim_px[i, side + np.uint64(1)]
+        dx, dy = x - aim_px[i, polarity, 0], y - aim_px[i, polarity, 1]
         px2 = dx * dx + dy * dy
         closer = px2 < best_px2
         best = i if closer else best
@@ -110,12 +120,12 @@ def nearest(
 def nearest_of_all(
     x: int, y: int, on: bool, gate_px2: float, aim_px: NDArray[np.float64]
 ) -> tuple[np.uint64, float]:
-    """The same without lists: the plain way that they are measured against."""
-    side = np.uint64(ON_X if on else OFF_X)
+    """Returns the same without lists, the plain way that they are measured against."""
+    polarity = np.uint64(on)
     best, best_px2 = np.uint64(0), gate_px2
     for k in range(len(aim_px)):
         i = np.uint64(k)
-        dx, dy = x - aim_px[i, side], y - aim_px[i, side + np.uint64(1)]
+        dx, dy = x - aim_px[i, polarity, 0], y - aim_px[i, polarity, 1]
         px2 = dx * dx + dy * dy
         closer = px2 < best_px2
         best = i if closer else best
@@ -130,45 +140,39 @@ def assign(
     stop: int,
     gate_px: float,
     of_all: bool,
-    aim_px: NDArray[np.float64],
-    near: NDArray[np.uint16],
-    n_near: NDArray[np.uint8],
-    taken: NDArray[np.int64],
-    owner: NDArray[np.uint16],
+    targets: Targets,
+    pairs: NDArray[np.void],
 ) -> int:
-    """Find the marker of each event from ``start`` to ``stop``.
+    """Finds the marker of each event from ``start`` to ``stop``.
 
     Args:
         events: (m,) EVENT_DTYPE.
         start: the first event.
-        stop: the event after the last one, at most ``len(taken)`` further.
+        stop: the event after the last one, at most ``len(pairs)`` further.
         gate_px: an event farther from every marker belongs to none.
-        of_all: look among all markers, not in the lists.
-        aim_px: see ``list_markers``, as ``near`` and ``n_near``.
-        near: the lists.
-        n_near: their lengths.
-        taken: (k,) int64, filled in: the events that belong to a marker.
-        owner: (k,) uint16, filled in: the marker of each of them.
+        of_all: search all markers instead of the lists.
+        targets: where events are expected.
+        pairs: (k,) ``PAIR``, written: the events that belong to a marker.
 
     Returns:
-        Their number.
+        The number of pairs.
     """
     gate_px2 = gate_px * gate_px
     n = np.uint64(0)
     for k in range(start, stop):
         e = events[np.uint64(k)]
         if of_all:
-            i, px2 = nearest_of_all(e.x, e.y, e.p, gate_px2, aim_px)
+            i, px2 = nearest_of_all(e.x, e.y, e.p, gate_px2, targets.aim_px)
         else:
-            i, px2 = nearest(e.x, e.y, e.p, gate_px2, aim_px, near, n_near)
-        taken[n], owner[n] = k, i
+            i, px2 = nearest(e.x, e.y, e.p, gate_px2, targets)
+        pairs[n].event, pairs[n].marker = k, i
         n += np.uint64(px2 < gate_px2)
     return int(n)
 
 
 @njit(cache=True, nogil=True)
 def find_event(events: NDArray[np.void], start: int, until_us: int) -> int:
-    """The index of the first event from ``start`` on that is not before ``until_us``."""
+    """Returns the index of the first event from ``start`` on that is not before ``until_us``."""
     low, high = start, len(events)
     while low < high:
         middle = (low + high) >> 1

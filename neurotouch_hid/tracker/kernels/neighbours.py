@@ -1,17 +1,17 @@
-"""The compiled loops of the neighbour check."""
+"""Compiled loops that compare markers with their neighbours."""
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-CLOSEST_PX = 1.5  # of two markers, each 2.5 px wide: one of them follows the other one's events
-LEFT_SHARE = 0.2  # beside a finger the gel moves by half as much as under it, and more [Mindlin]
-LEFT_BEHIND = 4  # neighbours; three may lie on the line between two fingers that part
+CLOSEST_PX = 1.5  # two markers, each 2.5 px wide, are never so close: one follows the wrong events
+LEFT_SHARE = 0.2  # beside a finger the gel moves at least half as much as under it [Mindlin]
+LEFT_BEHIND = 4  # neighbours; three may be on the line between two fingers that move apart
 
 
 @njit(cache=True, nogil=True)
 def _sort_rows(v: NDArray[np.float64]) -> None:
-    """Sort the 8 rows of ``v`` (8, n) column by column: a network of 19 vector comparisons."""
+    """Sorts each column of ``v`` (8, n) float64 in place, by a network of 19 comparisons."""
     for p, q in (
         (0, 1), (2, 3), (4, 5), (6, 7), (0, 2), (1, 3), (4, 6), (5, 7), (1, 2), (5, 6),
         (0, 4), (3, 7), (1, 5), (2, 6), (1, 4), (3, 6), (2, 4), (3, 5), (3, 4),
@@ -32,16 +32,16 @@ def expect(
     expected_px: NDArray[np.float64],
     spread_px: NDArray[np.float64],
 ) -> None:
-    """Where each marker should be by its neighbours: rest plus their median displacement.
+    """Writes where each marker should be: at rest plus its neighbours' median displacement.
 
     Args:
-        position_px: (n, 2) float64, columns x, y.
-        usable: (n,) bool: neighbours that have a say.
-        rest_px: (n, 2) float64, where the markers lie at rest.
+        position_px: (n, 2) float64 px, columns x, y.
+        usable: (n,) bool, True for neighbours that count.
+        rest_px: (n, 2) float64 px, the markers at rest.
         neighbours: (n, 8) intp, -1 where there is none.
-        expected_px: (n, 2), filled in; NaN where fewer than three neighbours have a say.
-        spread_px: (n,), filled in: half the distance between the quartiles of the neighbours'
-            displacements, the larger one of x and y.
+        expected_px: (n, 2) float64 px, written; NaN where fewer than three neighbours count.
+        spread_px: (n,) float64 px, written: half the distance between the quartiles of the
+            neighbours' displacements, the larger of x and y.
     """
     n = len(position_px)
     sorted_px = np.empty((8, n))
@@ -75,7 +75,7 @@ def expect(
 
 
 @njit(cache=True, nogil=True)
-def strays(
+def find_strays(
     position_px: NDArray[np.float64],
     expected_px: NDArray[np.float64],
     spread_px: NDArray[np.float64],
@@ -83,7 +83,7 @@ def strays(
     max_stray_ratio: float,
     out: NDArray[np.bool_],
 ) -> None:
-    """Which markers are not where their neighbours say: out (n,) bool, filled in."""
+    """Writes to ``out`` (n,) bool which markers are far from their expected places."""
     for i in range(len(position_px)):
         off = max(
             abs(position_px[i, 0] - expected_px[i, 0]), abs(position_px[i, 1] - expected_px[i, 1])
@@ -92,13 +92,13 @@ def strays(
 
 
 @njit(cache=True, nogil=True)
-def collide(
+def find_collisions(
     position_px: NDArray[np.float64],
     expected_px: NDArray[np.float64],
     neighbours: NDArray[np.intp],
     out: NDArray[np.bool_],
 ) -> None:
-    """Of two neighbours at one place, the one its own neighbours expect less is set in out (n,)."""
+    """Sets in ``out``, of two neighbours at one place, the one farther from its expected place."""
     for i in range(len(position_px)):
         for k in range(4, 8):  # each pair once
             j = neighbours[i, k]
@@ -115,7 +115,7 @@ def collide(
 
 
 @njit(cache=True, nogil=True)
-def tear(
+def find_tears(
     position_px: NDArray[np.float64],
     usable: NDArray[np.bool_],
     rest_px: NDArray[np.float64],
@@ -123,18 +123,18 @@ def tear(
     least_px: float,
     out: NDArray[np.bool_],
 ) -> None:
-    """Markers whose motion would tear the gel are set in out (n,).
+    """Sets in ``out`` the markers whose motion would tear the gel.
 
-    The gel follows a finger far around it. A marker that has moved far while its neighbours have
-    not follows another one: so a whole patch that sits one place off heals from its corners.
+    The gel around a finger moves with it. A track that has moved far while its neighbours have not
+    follows a wrong marker. So a patch of tracks that is one place off recovers from its corners.
 
     Args:
-        position_px: (n, 2) float64, columns x, y.
-        usable: (n,) bool: neighbours that have a say.
-        rest_px: (n, 2) float64, where the markers lie at rest.
+        position_px: (n, 2) float64 px, columns x, y.
+        usable: (n,) bool, True for neighbours that count.
+        rest_px: (n, 2) float64 px, the markers at rest.
         neighbours: (n, 8) intp, -1 where there is none.
-        least_px: a marker that has moved less may have.
-        out: (n,) bool, set for such markers, else left as it is.
+        least_px: a smaller motion is never wrong.
+        out: (n,) bool, set to True for such markers, else unchanged.
     """
     least_px2 = least_px * least_px
     for i in range(len(position_px)):

@@ -1,4 +1,4 @@
-"""What is known about the markers, and the compiled loops that move them."""
+"""The state of the markers, and the compiled loops that move them."""
 
 from typing import Final, NamedTuple
 
@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from neurotouch_hid.tracker.kernels.nearest import OFF_X, OFF_Y, ON_X, ON_Y, list_markers
+from neurotouch_hid.tracker.kernels.nearest import Targets, list_markers
 
 SECOND = 1e-6  # in µs
 
@@ -22,17 +22,19 @@ MARKER: Final = np.dtype(
         ("t_us", "f8"),
         ("lead_x", "f8"),
         ("lead_y", "f8"),
-        ("padding", "f8", 6),
+        ("n_missed", "i8"),
+        ("padding", "f8", 5),
     ]
 )
-"""What the filter knows of one marker, in two cache lines.
+"""The filter's state of one marker, in two cache lines.
 
 - ``x``, ``y``: position, px; ``vx``, ``vy``: velocity, px/s.
 - ``var_x`` (px²), ``cov_xv`` (px²/s) and ``var_v`` (px²/s²): variance of the position, covariance
   of position and velocity, variance of the velocity. Both axes share them.
-- ``t_us``: the moment of all these, µs.
+- ``t_us``: the time of all these, µs.
 - ``lead_x``, ``lead_y``: a moving marker makes ON events this far ahead of its centre, px, and OFF
-  events as far behind it.
+  events this far behind it.
+- ``n_missed``: sharp frames in a row that did not show it.
 """
 
 COMMON: Final = np.dtype(
@@ -44,9 +46,9 @@ COMMON: Final = np.dtype(
         ("noise_hz", "f8"),
     ]
 )
-"""What the filter knows of all markers together.
+"""The filter's state of all markers together.
 
-- ``next_check_us``: the moment of the next check, µs.
+- ``next_check_us``: the time of the next check, µs.
 - ``n_checks``: checks so far.
 - ``n_repairs``: how often a marker was moved to the place that its neighbours gave.
 - ``last_frame_us``: the end of the last frame that showed the markers, µs.
@@ -55,31 +57,25 @@ COMMON: Final = np.dtype(
 
 
 class Tracks(NamedTuple):
-    """All that is known about n markers.
+    """The state of n markers.
 
     Attributes:
         state: (n,) ``MARKER``.
-        aim_px: (n, 4) float64, where ON (x, y) and OFF events (x, y) of each marker are expected
-            up to the next check: about where it will be then, for tracks lag a little.
-        near: (k, tiles) uint16, the markers that the events of a tile may belong to.
-        n_near: (tiles,) uint8, their number.
-        listed: (n, 4) int64, the tiles in which each marker is listed, see ``list_markers``.
-        n_new: (n,) int64, events of each marker since the last check.
-        rate_hz: (n,) float64, events of each marker per second, lately.
-        r_px2: (n,) float64, variance of an event about its marker's centre now.
-        lost: (n,) bool, the position is a guess.
-        rest_px: (n, 2) float64, positions while the gel is undeformed.
+        targets: where events are expected up to the next check: where each marker will be then,
+            because tracks lag a little.
+        n_new: (n,) int64, number of events of each marker since the last check.
+        rate_hz: (n,) float64, recent events of each marker per second.
+        r_px2: (n,) float64, present variance of an event about its marker's centre.
+        lost: (n,) bool, True where the position is a guess.
+        rest_px: (n, 2) float64, positions of the undeformed gel.
         neighbours: (n, 8) intp, -1 where there is none.
         past_px: (k, n, 2) float64, ring of the positions at the last k checks.
-        past_us: (k,) int64, the moments of these checks, -1 where there is none.
+        past_us: (k,) int64, the times of these checks, -1 where there is none.
         common: (1,) ``COMMON``.
     """
 
     state: NDArray[np.void]
-    aim_px: NDArray[np.float64]
-    near: NDArray[np.uint16]
-    n_near: NDArray[np.uint8]
-    listed: NDArray[np.int64]
+    targets: Targets
     n_new: NDArray[np.int64]
     rate_hz: NDArray[np.float64]
     r_px2: NDArray[np.float64]
@@ -92,7 +88,7 @@ class Tracks(NamedTuple):
 
 
 class Tuning(NamedTuple):
-    """Constants of the filter and the check; ``TrackerConfig`` says what they are and why."""
+    """Constants of the filter and the check; ``TrackerConfig`` explains them."""
 
     gate_px: float
     r_px2: float
@@ -112,14 +108,14 @@ class Tuning(NamedTuple):
 
 @njit(cache=True, nogil=True, inline="always")
 def _fade(elapsed_us: float, memory_s: float) -> float:
-    """For how long (s) a marker has moved on since its last event: its velocity has been fading."""
+    """Returns the time for which a marker has moved on since its last event, s; velocity fades."""
     dt = min(max(elapsed_us * SECOND, 0.0), memory_s)
     return dt * (1.0 - 0.5 * dt / memory_s)
 
 
 @njit(cache=True, nogil=True)
 def predict(t_us: float, memory_s: float, tracks: Tracks, out_px: NDArray[np.float64]) -> None:
-    """Where every marker is at ``t_us``."""
+    """Writes where every marker is at ``t_us``, (n, 2) float64 px."""
     for i in range(len(tracks.state)):
         s = tracks.state[i]
         step = _fade(t_us - s.t_us, memory_s)
@@ -129,19 +125,19 @@ def predict(t_us: float, memory_s: float, tracks: Tracks, out_px: NDArray[np.flo
 
 @njit(cache=True, nogil=True, inline="always")
 def _aim_at(x: float, y: float, i: int, tracks: Tracks) -> None:
-    s, aim_px = tracks.state[i], tracks.aim_px
-    aim_px[i, ON_X], aim_px[i, ON_Y] = x + s.lead_x, y + s.lead_y
-    aim_px[i, OFF_X], aim_px[i, OFF_Y] = x - s.lead_x, y - s.lead_y
+    s, aim_px = tracks.state[i], tracks.targets.aim_px[i]
+    aim_px[0, 0], aim_px[0, 1] = x - s.lead_x, y - s.lead_y
+    aim_px[1, 0], aim_px[1, 1] = x + s.lead_x, y + s.lead_y
 
 
 @njit(cache=True, nogil=True)
 def aim(t_us: float, tracks: Tracks, tuning: Tuning) -> None:
-    """Expect the events of all markers where these will be at ``t_us``."""
+    """Updates where events are expected: where the markers will be at ``t_us``."""
     for i in range(len(tracks.state)):
         s = tracks.state[i]
         step = _fade(t_us - s.t_us, tuning.memory_s)
         _aim_at(s.x + s.vx * step, s.y + s.vy * step, i, tracks)
-    list_markers(tracks.aim_px, tracks.near, tracks.n_near, tracks.listed)
+    list_markers(tracks.targets)
 
 
 @njit(cache=True, nogil=True)
@@ -153,9 +149,17 @@ def place(
     tracks: Tracks,
     tuning: Tuning,
 ) -> None:
-    """Put ``markers`` (k,), at rest, where they are known to be: (k, 2) px.
+    """Places markers, without velocity, where they are known to be.
 
-    Their past moves along: a frame that tells where they lay then is not to move them once more.
+    Their past moves as well, so that a late frame does not correct them twice.
+
+    Args:
+        markers: (k,) intp.
+        at_px: (k, 2) float64 px.
+        variance_px2: of these positions.
+        t_us: their time.
+        tracks: updated.
+        tuning: of the filter.
     """
     for k in range(len(markers)):
         i = markers[k]
@@ -168,24 +172,25 @@ def place(
         s.x, s.y, s.vx, s.vy, s.t_us = at_px[k, 0], at_px[k, 1], 0.0, 0.0, t_us
         s.var_x, s.cov_xv, s.var_v = variance_px2, 0.0, 100.0
         _aim_at(s.x, s.y, i, tracks)
-    list_markers(tracks.aim_px, tracks.near, tracks.n_near, tracks.listed)
+    list_markers(tracks.targets)
 
 
 @njit(cache=True, nogil=True)
 def shift(markers: NDArray[np.intp], by_px: NDArray[np.float64], tracks: Tracks) -> None:
-    """Move ``markers`` (k,) by ``by_px`` (k, 2), now and in the past that is remembered."""
+    """Moves ``markers`` (k,) by ``by_px`` (k, 2) float64, now and in the recorded past."""
     all_px = np.zeros((len(tracks.state), 2))
     for k in range(len(markers)):
         i = markers[k]
         dx, dy = by_px[k, 0], by_px[k, 1]
-        s, aim_px = tracks.state[i], tracks.aim_px[i]
+        s, aim_px = tracks.state[i], tracks.targets.aim_px[i]
         s.x, s.y = s.x + dx, s.y + dy
-        aim_px[ON_X], aim_px[ON_Y] = aim_px[ON_X] + dx, aim_px[ON_Y] + dy
-        aim_px[OFF_X], aim_px[OFF_Y] = aim_px[OFF_X] + dx, aim_px[OFF_Y] + dy
+        for polarity in range(2):
+            aim_px[polarity, 0] += dx
+            aim_px[polarity, 1] += dy
         all_px[i, 0], all_px[i, 1] = dx, dy
     by = all_px.ravel()
     for slot in range(len(tracks.past_px)):
         past_px = tracks.past_px[slot].ravel()
         for k in range(len(by)):  # eight at once
             past_px[k] += by[k]
-    list_markers(tracks.aim_px, tracks.near, tracks.n_near, tracks.listed)
+    list_markers(tracks.targets)

@@ -24,7 +24,7 @@ READ = """() => {
     return pad && {id: pad.id, mapping: pad.mapping, axes: [...pad.axes],
         buttons: pad.buttons.map(button => button.value)};
 }"""
-FLY = "async () => { const p = await import('/pilot.js'); return p.steer(p.readGamepad()); }"
+FLY = "async () => { const p = await import('/game/pilot.js'); return p.steer(p.readGamepad()); }"
 
 
 class _Quiet(SimpleHTTPRequestHandler):
@@ -52,7 +52,7 @@ def read_gamepad(results: Path) -> dict[str, Any] | None:
         )
         page = chromium.new_page()
         page.set_default_timeout(PATIENCE_MS)
-        page.goto(f"http://127.0.0.1:{server.server_port}/style.css")  # any document will do
+        page.goto(f"http://127.0.0.1:{server.server_port}/shared/style.css")  # any document will do
         shown = _press_until_seen(pad, page)
         moved = _play(pad, page)
         chromium.close()

@@ -71,7 +71,7 @@ def play(source: DavisSource, is_over: Any) -> list[Any]:
     packets: list[Any] = []
     n_empty = 0
     deadline = time.monotonic() + PATIENCE_S
-    for packet in source.turns():
+    for packet in source.poll():
         if packet is not None:
             packets.append(packet)
             n_empty = 0 if len(packet.events) else n_empty + 1
@@ -87,7 +87,7 @@ def take(source: DavisSource, n: int) -> list[Any]:
     """The first packets."""
     packets: list[Any] = []
     deadline = time.monotonic() + PATIENCE_S
-    for packet in source.turns():
+    for packet in source.poll():
         packets += [packet] if packet is not None else []
         if len(packets) == n:
             break
@@ -235,7 +235,7 @@ def replug(results: Path) -> dict[str, Any]:
     """One source, many plugs, and one camera that Linux switches off and on; what is left over."""
     counts = []
     with open_source(wait=True) as source:
-        turns = source.turns()
+        turns = source.poll()
 
         def wait_for_start(n_connects: int) -> None:
             wait_for(lambda: (next(turns), source.stats().n_connects >= n_connects)[1])

@@ -9,7 +9,7 @@ from typing import Any
 
 from neurotouch_hid.device import open_device
 from neurotouch_hid.doctor import pad, rights
-from neurotouch_hid.doctor.finding import Verdict
+from neurotouch_hid.doctor.finding import Finding
 from neurotouch_hid.doctor.inventory import find_pads
 from tests.kernel.guest.opening import as_nobody
 
@@ -39,11 +39,11 @@ def look_at_pads(results: Path) -> dict[str, Any]:
     return seen
 
 
-def say(verdict: Verdict) -> dict[str, Any]:
-    """A verdict as a test reads it."""
+def say(finding: Finding) -> dict[str, Any]:
+    """A finding as a test reads it."""
     return {
-        "status": str(verdict.status),
-        "sentence": verdict.sentence,
-        "fix": verdict.fix,
-        "commands": list(verdict.commands),
+        "status": str(finding.status),
+        "sentence": finding.sentence,
+        "fix": finding.fix,
+        "commands": list(finding.commands),
     }

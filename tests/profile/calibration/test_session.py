@@ -10,6 +10,7 @@ from neurotouch_hid.profile import check_user, rehearse
 from neurotouch_hid.profile.calibration import (
     CalibrationSession,
     find_weak_sides,
+    undo_ranges,
     write_ranges,
 )
 from neurotouch_hid.profile.calibration.result import measure_range, measure_rest
@@ -91,7 +92,7 @@ def test_the_guided_way_asks_step_by_step_goes_back_and_skips():
     assert session.ranges["pinch"].full == pytest.approx(7.2)
     session.back()
     assert session.step == "zoom"
-    assert session.ranges["zoom"] is None
+    assert "zoom" not in session.ranges  # neither measured nor skipped: it stays as it was
     session.skip()
     session.next()
     assert session.step is None
@@ -99,6 +100,39 @@ def test_the_guided_way_asks_step_by_step_goes_back_and_skips():
     assert session.ranges["zoom"] is None
     assert session.tremor.frequency_hz == pytest.approx(6.0, abs=0.3)
     assert session.tremor.amplitude_mm == pytest.approx(0.9, rel=0.1)
+
+
+def test_one_repetition_switches_nothing_off():
+    session = CalibrationSession(UserSettings(), ("zoom", "pinch"))
+    session.next()
+    session.next()
+    assert session.missing == 2
+    play(session, "rest 500ms; zoom 6mm; rest 500ms")
+    assert session.missing == 1
+    session.next()
+    play(session, "rest 500ms; pinch 9mm; rest 500ms; pinch 9mm; rest 500ms")
+    assert session.missing == 0
+    assert set(session.ranges) == {"pinch"}
+    assert session.unfinished == {"zoom": 1}
+
+
+def test_undo_takes_back_a_calibration_and_nothing_else():
+    first = "version: 1\n\n# Calibrated 2026-11-20.\nrange:\n  zoom: {rest: 0.6, full: 3.0}\n"
+    second = write_ranges(first, RANGES, "2026-11-21", "medium", 5.0)
+    later = second + "feedback: {sound: tones}\n"
+    undone = undo_ranges(later, first, second)
+    assert undone == first + "feedback: {sound: tones}\n"
+    chosen = later.replace("filter: medium", "filter: strong")
+    assert "filter: strong" in undo_ranges(chosen, first, second)
+    assert undo_ranges(undone, first, second) == undone
+
+
+def test_undo_of_the_first_calibration_leaves_none():
+    before = "version: 1\n"
+    after = write_ranges(before, RANGES, "2026-11-21")
+    undone = undo_ranges(after, before, after)
+    assert "Calibrated" not in undone
+    assert "full" not in undone
 
 
 def test_orientation_is_the_persons():

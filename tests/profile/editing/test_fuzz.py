@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.profile import check_content
-from neurotouch_hid.profile.document import parse_document
 from neurotouch_hid.profile.editing import (
     bind,
     list_ways,
@@ -22,6 +21,7 @@ from neurotouch_hid.profile.editing import (
 )
 from neurotouch_hid.profile.editing.paths import find_way
 from neurotouch_hid.profile.faults import format_path
+from neurotouch_hid.profile.yaml_document import parse_document
 
 TEXT = """\
 version: 1

@@ -3,10 +3,10 @@
 import pytest
 
 from neurotouch_hid.profile import Mapping, UserSettings, check_content, perform, rehearse
-from neurotouch_hid.profile.document import parse_document
-from neurotouch_hid.profile.editing import avoid, hand_over, list_wishes, make_when
+from neurotouch_hid.profile.editing import list_substitutes, make_when, remap, remap_unused
 from neurotouch_hid.profile.reading.library import find_shipped_folder
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
+from neurotouch_hid.profile.yaml_document import parse_document
 
 SHIPPED = sorted(path.stem for path in find_shipped_folder().glob("*.yaml"))
 MINE = """\
@@ -37,25 +37,29 @@ def play(text, script):
 
 
 def test_what_is_pressed_gets_conditions_of_its_own():
-    wishes = [make_when("pinch", "long"), make_when("pinch", "double"), make_when("pinch", "tap")]
-    done = hand_over(MINE, "zoom", wishes)
+    substitutes = [
+        make_when("pinch", "long"),
+        make_when("pinch", "double"),
+        make_when("pinch", "tap"),
+    ]
+    done = remap(MINE, "zoom", substitutes)
     assert done.moved == ("pinch long -> button b", "pinch double -> toggle trigger right")
     assert not done.left
     assert "# faster" in done.text
     assert "# opens" in done.text
-    assert hand_over(MINE, "twist_cw", wishes).text == MINE
-    few = hand_over(MINE, "zoom", wishes[:1])
+    assert remap(MINE, "twist_cw", substitutes).text == MINE
+    few = remap(MINE, "zoom", substitutes[:1])
     assert few.left == ("zoom -> trigger right",)
 
 
 def test_a_wish_that_something_answers_to_is_no_wish():
     text = MINE + "  - when: {gesture: pinch, press: long}\n    do: {button: x}\n"
-    done = hand_over(text, "zoom", [make_when("pinch", "long"), make_when("pinch", "tap")])
+    done = remap(text, "zoom", [make_when("pinch", "long"), make_when("pinch", "tap")])
     assert done.moved == ("pinch tap -> button b",)
 
 
 def test_a_stick_is_turned_round_by_a_quick_press_and_back():
-    done = hand_over(MINE, "push_left", list_wishes("push_left"))
+    done = remap(MINE, "push_left", list_substitutes("push_left"))
     assert done.moved == ("push right double turns round push -> stick left",)
     twice = "push right 5mm tap; rest 150ms; push right 5mm tap; rest 500ms"
     held = "push right 8mm 300ms hold 300ms; rest 500ms"
@@ -76,13 +80,13 @@ def test_a_stick_is_turned_round_by_a_quick_press_and_back():
     ],
 )
 def test_pointer_wheel_and_signed_axes_are_turned_round(name, weak, shown):
-    done = hand_over(shipped(name), weak, list_wishes(weak))
+    done = remap(shipped(name), weak, list_substitutes(weak))
     assert shown in done.moved
     check_content(done.text.encode(), "x").require()
 
 
 def test_the_wheel_turns_the_other_way_with_the_strong_side():
-    done = hand_over(shipped("mouse"), "twist_cw", list_wishes("twist_cw"))
+    done = remap(shipped("mouse"), "twist_cw", list_substitutes("twist_cw"))
     once = "twist_ccw 6mm 100ms hold 100ms"
     twice = f"{once}; rest 250ms; {once}; rest 900ms"
     held = "twist_ccw 8mm 300ms hold 500ms; rest 500ms"
@@ -94,7 +98,7 @@ def test_the_wheel_turns_the_other_way_with_the_strong_side():
 @pytest.mark.parametrize("weak", MOVEMENTS)
 @pytest.mark.parametrize("name", SHIPPED)
 def test_every_shipped_profile_stays_right_without_a_movement(name, weak):
-    done = avoid(shipped(name), [weak])
+    done = remap_unused(shipped(name), [weak])
     checked = check_content(done.text.encode(), "x", unused=[weak])
     profile = checked.require()
     lost = [f for f in checked.faults if f.code == "NT212" and "never acts" in f.sentence]
@@ -106,5 +110,5 @@ def test_every_shipped_profile_stays_right_without_a_movement(name, weak):
 
 
 def test_new_lines_end_as_the_others_do():
-    done = hand_over(MINE.replace("\n", "\r\n"), "push_left", list_wishes("push_left"))
+    done = remap(MINE.replace("\n", "\r\n"), "push_left", list_substitutes("push_left"))
     assert "\n" not in done.text.replace("\r\n", "")

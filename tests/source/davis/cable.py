@@ -8,7 +8,7 @@ from neurotouch_devtools.emulator.requests import ControlEndpoint, Setup
 from neurotouch_devtools.emulator.transfers import DataEndpoint
 
 from neurotouch_hid.errors import CameraError
-from neurotouch_hid.source.davis.finding import CameraAbsentError, CameraInfo
+from neurotouch_hid.source.davis.enumeration import CameraAbsentError, CameraInfo
 from neurotouch_hid.source.davis.transport import CameraGoneError, StreamHaltedError
 
 TRANSFER_BYTES = 8_192

@@ -4,7 +4,7 @@ import struct
 import time
 from collections import deque
 
-from neurotouch_hid.source.davis.finding import CameraAbsentError, CameraInfo
+from neurotouch_hid.source.davis.enumeration import CameraAbsentError, CameraInfo
 from neurotouch_hid.source.davis.transport import CameraGoneError
 from tests.source.davis.words import pack
 

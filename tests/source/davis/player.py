@@ -35,7 +35,7 @@ def main():
     packets, n, trouble = [], 0, ""
     deadline = time.monotonic() + PATIENCE_S
     with DavisSource(cameras=cameras, max_delay_us=60_000_000) as source:
-        for packet in source.turns():
+        for packet in source.poll():
             if packet is not None:
                 packets.append(packet)
                 n += len(packet.events)

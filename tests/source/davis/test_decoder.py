@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from neurotouch_hid.source.davis.decoder import Decoder, DecoderStats, Layout
+from neurotouch_hid.source.davis.decoder import Decoder, DecoderStats
+from neurotouch_hid.source.davis.kernels.decode import AddressLayout
 from tests.reference.davis import PlainDecoder
 from tests.source.davis.words import V1, V1_EVENTS, V2, V2_EVENTS, V3, V4, make_frame, pack
 
@@ -34,7 +35,7 @@ def assert_same(one, other):
 
 
 def decode_plainly(data, layout=None, *, synced=True):
-    plain = PlainDecoder(layout or Layout(), synced)
+    plain = PlainDecoder(layout or AddressLayout(), synced)
     plain.feed(data)
     return plain.events, plain.frames, DecoderStats(**plain.count)
 
@@ -91,7 +92,7 @@ def test_byte_by_byte_gives_the_same():
 @pytest.mark.parametrize("mirrored", [False, True])
 def test_every_orientation_is_as_the_twin_says(swap, flips, mirrored):
     columns, rows = (260, 346) if swap else (346, 260)
-    layout = Layout(columns, rows, swap, swap, *flips, mirrored=mirrored)
+    layout = AddressLayout(columns, rows, swap, swap, *flips, mirrored=mirrored)
     data = pack(V3) if swap else _frame_without_swap()
     data += pack("1003 3004 2005")
     found = decode(data, layout=layout)

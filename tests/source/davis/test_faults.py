@@ -72,7 +72,7 @@ def play(camera, cable=None, until=lambda stats, packets: True):
 def play_scene(source, packets):
     """Collects packets, for as long as the caller wants and not for ever."""
     deadline = time.monotonic() + PATIENCE_S
-    for packet in source.turns():
+    for packet in source.poll():
         packets += [packet] if packet is not None else []
         yield
         assert time.monotonic() < deadline, source.stats()
@@ -250,7 +250,7 @@ def exchange(cable, serial):
     scene = make_scene()
     cable.plug(see(scene, [Fault.parse("unplug+9")], identity=Identity(serial="00000001")))
     source = open_cable(cable, serial)
-    turns = source.turns()
+    turns = source.poll()
     wait_for(lambda: (next(turns), cable.camera)[1] is None)
     wait_for(lambda: next(turns) is None)
     cable.plug(see(scene, identity=Identity(serial="00000002")))
@@ -282,7 +282,7 @@ def weather(plugs):
     logging.disable()
     left = []
     with open_cable(Storm(step=CLOCK.step), wait=True) as source:
-        turns = source.turns()
+        turns = source.poll()
         for n in plugs:
             wait_for(lambda: (next(turns), source.stats().n_connects >= n)[1], PATIENCE_S)  # noqa: B023
             gc.collect()

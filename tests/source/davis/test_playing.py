@@ -74,8 +74,8 @@ def test_few_frames_come_while_nothing_happens_and_all_of_them_when_it_is_touche
     rest = load_scene("rest", 10_000, 2_500_000).packets
     touched = (shift_packet(packet, 2_500_000) for packet in push.packets)
     cable = Cable(emulate([*rest, *touched]))
-    line = Pipeline.build(load_profile("spacecraft"), GestureConfig(), live=True)
-    warm_up(Pipeline.build(load_profile("spacecraft"), GestureConfig(), live=True))
+    line = Pipeline.build(load_profile("spacecraft"), GestureConfig(), frame_thread=True)
+    warm_up(Pipeline.build(load_profile("spacecraft"), GestureConfig(), frame_thread=True))
     stop, seen, idle = threading.Event(), [], []
 
     def look(step):

@@ -20,7 +20,7 @@ from neurotouch_hid.runtime import Pipeline, run_pipeline
 from neurotouch_hid.source import LiveSource
 from neurotouch_hid.source.davis import Biases, DavisConfig, DavisSource, Roi
 from neurotouch_hid.source.davis.registers import CoarseFine
-from neurotouch_hid.source.davis.stream import AWAKE_US, MAX_FAULTS, SNAP_S
+from neurotouch_hid.source.davis.stream import AWAKE_US, IDLE_FRAME_S, MAX_FAULTS
 from neurotouch_hid.source.davis.transport import StreamHaltedError
 from neurotouch_hid.source.davis.usb import PatientWatch, Usb
 from tests.source.davis.camera import INFO, ScriptedCamera, gone, make_events
@@ -35,7 +35,7 @@ def open_camera(camera, *args, **options):
 def take(source, n):
     """The first n packets; the source stays open."""
     packets, deadline = [], time.monotonic() + 60.0
-    for packet in source.turns():
+    for packet in source.poll():
         assert time.monotonic() < deadline, source.stats()
         packets += [packet] if packet is not None else []
         if len(packets) == n:
@@ -103,10 +103,10 @@ def test_a_line_that_plays_gets_the_head_of_a_slice_before_its_end():
     camera.at_reset.append([make_events(0, 2), make_events(2, 4)])
     with open_camera(camera, slice_us=3_500) as source:
         source.set_activity(is_idle=False)
-        turns = (packet for packet in source.turns() if packet is not None)
-        head = next(turns)
+        polled = (packet for packet in source.poll() if packet is not None)
+        head = next(polled)
         camera.script.append(make_events(4, 6))
-        whole = next(turns)
+        whole = next(polled)
     assert (head.t_begin_us, head.t_end_us, head.is_partial) == (0, 3_001, True)
     assert times([head]) == [1, 1_001, 2_001]
     assert (whole.t_begin_us, whole.t_end_us, whole.is_partial) == (0, 3_500, False)
@@ -146,7 +146,7 @@ def noise():
 def play_calm(camera, source, stream, until):
     """Takes slices as an idle line does that has seen the gel at rest."""
     deadline_s = time.monotonic() + 60.0
-    for packet in source.turns():
+    for packet in source.poll():
         if packet is not None:
             source.set_activity(is_idle=True, wants_frames=False)
         if until():
@@ -195,7 +195,7 @@ def test_a_camera_does_not_rest_while_its_frames_are_wanted():
     camera = ScriptedCamera()
     camera.at_reset.append(islice(noise(), 200))
     with open_camera(camera, slice_us=4_000) as source:
-        for packet in source.turns():
+        for packet in source.poll():
             source.set_activity(is_idle=True)
             if packet is not None and packet.t_end_us > 500_000:
                 break
@@ -207,7 +207,7 @@ def test_a_camera_without_frames_rests_without_frames():
     with open_camera(camera, config=DavisConfig(frames=False), slice_us=4_000) as source:
         play_calm(camera, source, stream, lambda: len(asked(camera)) >= 2)
         begun_s = time.monotonic()
-        play_calm(camera, source, stream, lambda: time.monotonic() > begun_s + 2 * SNAP_S)
+        play_calm(camera, source, stream, lambda: time.monotonic() > begun_s + 2 * IDLE_FRAME_S)
         camera.script.append(BURST)
         play_calm(camera, source, stream, lambda: len(asked(camera)) >= 4)
         assert asked(camera)[:4] == [*REST, (2, 4, 0), WAKE[1]]
@@ -294,8 +294,8 @@ def test_a_filter_that_is_not_there_is_not_written(flag):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"exposure_us": 0}, "exposure_us must lie in 1 to 4194303, not be 0"),
-        ({"hot_pixels": ((346, 0),)}, "x of a hot pixel must lie in 0 to 345"),
+        ({"exposure_us": 0}, "exposure_us must be 1 to 4194303, not 0"),
+        ({"hot_pixels": ((346, 0),)}, "x of a hot pixel must be 0 to 345"),
         ({"hot_pixels": ((0, 0),) * 9}, "number of hot_pixels"),
         ({"frames_roi": Roi(10, 0, 9, 5)}, "frames_roi is no part"),
         ({"biases": Biases(OnBn=CoarseFine(8, 0))}, "coarse value of OnBn"),
@@ -352,8 +352,8 @@ def test_without_a_choice_the_camera_that_played_is_preferred():
     camera.at_reset.extend([[make_events(0, 31), gone()], [make_events(0, 31)]])
     with open_camera(camera) as source:
         camera.infos.insert(0, make_info(serial="00000001", address=4))
-        turns = source.turns()
-        wait_for(lambda: (next(turns), source.stats().n_connects)[1] == 2)
+        polled = source.poll()
+        wait_for(lambda: (next(polled), source.stats().n_connects)[1] == 2)
         assert source.stats().serial == INFO.serial
 
 
@@ -433,16 +433,16 @@ def test_while_it_is_away_the_loop_turns_and_can_be_ended(caplog):
     camera = ScriptedCamera()
     camera.at_reset.append([make_events(0, 21), camera.infos.clear, gone()])
     with open_camera(camera) as source:
-        turns = source.turns()
-        wait_for(lambda: next(turns) is not None)
+        polled = source.poll()
+        wait_for(lambda: next(polled) is not None)
         wait_for(lambda: "No camera" in source.stats().trouble)
-        while next(turns) is not None:
+        while next(polled) is not None:
             pass
-        assert next(turns) is None
+        assert next(polled) is None
         assert not source.stats().connected
         camera.infos.append(INFO)
         wait_for(lambda: source.stats().connected)
-    assert list(turns) == []
+    assert list(polled) == []
     assert caplog.messages == [
         "The camera is gone. Play goes on when it works again.",
         "The camera 00001055 plays.",
@@ -463,10 +463,10 @@ def test_a_source_that_waits_needs_no_camera_at_the_start():
         open_camera(camera)
     camera.at_reset.append([make_events(0, 21)])
     with open_camera(camera, wait=True) as source:
-        turns = source.turns()
-        assert next(turns) is None
+        polled = source.poll()
+        assert next(polled) is None
         camera.infos.append(INFO)
-        assert next(packet for packet in turns if packet is not None).t_begin_us == 0
+        assert next(packet for packet in polled if packet is not None).t_begin_us == 0
         assert source.stats().serial == "00001055"
 
 
@@ -497,7 +497,7 @@ def test_a_source_that_is_closed_before_its_thread_plays_gives_the_camera_back()
         return PatientWatch()
 
     camera.watch = watch_late
-    next(source.turns())
+    next(source.poll())
     source.close()
     assert camera.n_open == 0
 
@@ -631,12 +631,12 @@ def test_a_slow_consumer_loses_the_oldest_and_is_told_how_much():
     camera = ScriptedCamera()
     camera.at_reset.append([make_rest(ms) for ms in range(0, 1000, 10)])
     with open_camera(camera) as source:
-        turns = source.turns()
-        packets = [next(turns)]
+        polled = source.poll()
+        packets = [next(polled)]
         wait_for(lambda: not (camera.script or camera.at_reset))
         n_pumped = len(camera.rests)
         wait_for(lambda: len(camera.rests) > n_pumped + 1)  # the last of it is through
-        packets += [next(turns) for _ in range(11)]
+        packets += [next(polled) for _ in range(11)]
     packets = [packet for packet in packets if packet is not None]
     assert len(packets) in (10, 11)  # the first one too, if it was there
     assert_sound(packets)
@@ -675,7 +675,7 @@ def test_the_line_goes_neutral_when_the_camera_falls_silent_and_ends_on_demand(p
     held = [packet for packet in push.packets if packet.t_end_us <= 1_500_000]
 
     class Silent(DavisSource):
-        def turns(self):
+        def poll(self):
             yield from held
             while not stop.is_set():
                 time.sleep(0.01)

@@ -4,12 +4,13 @@ from collections import Counter
 import numpy as np
 import pytest
 
+from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.recording import Recording, labels_path, read_labels
 from neurotouch_hid.source.simulator import dataset
 from neurotouch_hid.source.simulator.gel import GelMotion
-from neurotouch_hid.source.simulator.optics import Camera
+from neurotouch_hid.source.simulator.optics import CameraModel
 from neurotouch_hid.source.simulator.people import meet_person
 
 
@@ -62,6 +63,19 @@ def test_finished_recordings_are_kept_and_others_written_again(small_set):
     assert changed == [False, True, True, False, False]
 
 
+def test_another_set_is_never_replaced_unasked(small_set):
+    folder, paths, _ = small_set
+    before = paths[0].read_bytes()
+    with pytest.raises(RecordingError, match=r"of another set \(seed 2\)") as caught:
+        dataset.write_dataset(folder, users=1, minutes=0.1, seed=9)
+    assert "--force" in caught.value.hint
+    assert paths[0].read_bytes() == before
+    (folder / dataset.MANIFEST).rename(folder / "gone.json")
+    with pytest.raises(RecordingError, match="of unknown origin"):
+        dataset.write_dataset(folder, users=1, minutes=0.1, seed=2)
+    (folder / "gone.json").rename(folder / dataset.MANIFEST)
+
+
 def test_a_set_is_distributed_like_the_papers():
     labels, speeds, contacts = Counter(), [], []
     sizes = {kind: [] for kind in dataset.KINDS}
@@ -71,7 +85,7 @@ def test_a_set_is_distributed_like_the_papers():
         rng = np.random.default_rng((recipe.seed, recipe.user, kind))
         script = dataset.draw_script(recipe.name, kind, recipe.duration_us, person, rng)
         rig: Rig = config.camera.rig
-        motion = GelMotion(script, Camera(config.camera), rig.px_per_mm, config.gel)
+        motion = GelMotion(script, CameraModel(config.camera), rig.px_per_mm, config.gel)
         truths = [motion.truth(t) for t in range(5_000, recipe.duration_us, 40_000)]
         labels.update(truth.kind for truth in truths)
         sizes[kind] += [truth.intensity_mm for truth in truths if truth.kind]

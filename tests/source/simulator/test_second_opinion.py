@@ -8,8 +8,8 @@ from neurotouch_hid.source.simulator.gel import KNOT_US, GelConfig, GelMotion
 from neurotouch_hid.source.simulator.kernels import optics as kernels
 from neurotouch_hid.source.simulator.optics import (
     PROFILE_SCALE,
-    Camera,
     CameraConfig,
+    CameraModel,
     LightConfig,
     marker_profile,
     paint,
@@ -27,21 +27,18 @@ SCRIPT = sequence(
 def render():
     """The picture every ms, (n, 260, 346) float64 DN."""
     camera = CameraConfig()
-    motion = GelMotion(SCRIPT, Camera(camera), camera.rig.px_per_mm, GelConfig())
+    motion = GelMotion(SCRIPT, CameraModel(camera), camera.rig.px_per_mm, GelConfig())
     base, light = paint(LightConfig(), camera.rig)
     canvas = np.zeros(base.size, kernels.POINT_DTYPE)
     canvas["base"] = canvas["image"] = base.ravel()
     canvas["light"] = light.ravel()
-    touched, counts, profile = (
-        np.zeros(base.size, np.int32),
-        np.zeros(4, np.int64),
-        marker_profile(0.6),
-    )
+    touched, counts = np.zeros(base.size, np.int32), np.zeros(1, kernels.COUNTS_DTYPE)
+    picture = kernels.Picture(canvas, touched, marker_profile(0.6), PROFILE_SCALE, counts)
     pictures = []
     for t in range(BEGIN_US, END_US, 1000):
         index, rest = divmod(t, KNOT_US)
         knots = np.stack([motion.knot(index + k).outline for k in (-1, 0, 1, 2)])
-        kernels.draw(knots, rest / KNOT_US, profile, PROFILE_SCALE, canvas, touched, counts)
+        kernels.draw(knots, rest / KNOT_US, picture)
         pictures.append(canvas["image"].reshape(base.shape).astype(float))
     return np.array(pictures)
 

@@ -9,8 +9,8 @@ from neurotouch_hid.source.simulator.kernels import optics
 from neurotouch_hid.source.simulator.kernels import sensor as kernels
 from neurotouch_hid.source.simulator.optics import (
     PROFILE_SCALE,
-    Camera,
     CameraConfig,
+    CameraModel,
     LightConfig,
     marker_profile,
     paint,
@@ -36,10 +36,31 @@ def test_random_poisson_has_mean_and_variance_of_its_name():
     assert numbers.var() == pytest.approx(7.0, abs=0.3)
 
 
+def make_chip(canvas, pixels, events, **more):
+    """A chip for these arrays; all that matters to no test is empty."""
+    counts, nobody = np.zeros(1, optics.COUNTS_DTYPE), np.zeros(len(canvas), np.int32)
+    levels, gains = response_tables(300.0)
+    picture = optics.Picture(canvas, nobody.copy(), marker_profile(0.6), PROFILE_SCALE, counts)
+    usual = {
+        "active": nobody,
+        "levels": levels,
+        "gains": gains,
+        "refractory_us": 500.0,
+        "hot": np.empty(0, np.int32),
+        "hot_hz": 0.0,
+        "shot_hz": 0.0,
+        "random": np.array([3], np.uint64),
+        "row_us": 0,
+        "events": events,
+        "counts": counts,
+    }
+    return kernels.Chip(picture, pixels, **usual | more)
+
+
 def knots_of(rng, n=12):
     points = np.column_stack([rng.uniform(-25, 25, (n, 2)), rng.uniform(0, 3, n)])
     way = np.column_stack([rng.normal(0, 0.5, (n, 2)), np.zeros(n)])
-    return np.stack([Camera(CameraConfig(RIG)).outline(points + k * way) for k in range(4)])
+    return np.stack([CameraModel(CameraConfig(RIG)).outline(points + k * way) for k in range(4)])
 
 
 @settings(max_examples=10, deadline=None)
@@ -50,14 +71,15 @@ def test_draw_equals_its_twin(seed, u):
     canvas = np.zeros(N_PIXELS, optics.POINT_DTYPE)
     canvas["base"] = canvas["image"] = base.ravel()
     canvas["light"] = light.ravel()
-    touched, counts = np.zeros(N_PIXELS, np.int32), np.zeros(4, np.int64)
+    touched, counts = np.zeros(N_PIXELS, np.int32), np.zeros(1, optics.COUNTS_DTYPE)
     profile = marker_profile(0.6)
+    picture = optics.Picture(canvas, touched, profile, PROFILE_SCALE, counts)
     for at in (0.0, u):  # the second picture must not show the first
-        optics.draw(knots, at, profile, PROFILE_SCALE, canvas, touched, counts)
+        optics.draw(knots, at, picture)
     expected = reference.draw(knots, u, profile, PROFILE_SCALE, base, light)
     assert np.allclose(canvas["image"].reshape(260, 346), expected, atol=0.01)
     shown = np.flatnonzero(np.abs(expected - base) > 0.01)
-    assert set(shown) <= set(touched[: counts[optics.N_TOUCHED]].tolist())
+    assert set(shown) <= set(touched[: counts["touched"][0]].tolist())
 
 
 # Drawn, not searched for: the twin knows a crossing to 1 µs, so steps can be contrived that reach a
@@ -74,15 +96,12 @@ def test_sense_fires_as_a_pixel_followed_microsecond_by_microsecond(seed):
     canvas, pixels = np.zeros(1, optics.POINT_DTYPE), np.zeros(1, kernels.PIXEL_DTYPE)
     pixels[0] = (start, start, on, off, leak, True, -np.inf, 0.0)
     twin = {name: float(pixels[name][0]) for name in ("signal", "reference", "on", "off", "leak")}
-    active, counts = np.zeros(1, np.int32), np.zeros(4, np.int64)
-    events = np.zeros(2000, EVENT_DTYPE)
+    chip = make_chip(canvas, pixels, np.zeros(2000, EVENT_DTYPE), refractory_us=float(dead_us))
     for tick, image in enumerate(images):
         canvas["image"] = image
-        counts[kernels.N_ACTIVE] = pixels["is_active"][0] = 1
-        kernels.sense(
-            tick * 500, 500, 20_000, dead_us, levels, gains, canvas, pixels, active, events, counts
-        )
-    found = events[: counts[kernels.N_EVENTS]]
+        chip.counts["active"] = pixels["is_active"][0] = 1
+        kernels.sense(tick * 500, 500, 20_000, chip)
+    found = chip.events[: chip.counts["events"][0]]
     expected, trace = reference.fire_pixel(
         images, 500, twin, levels, gains, kernels.LEVEL_SCALE, dead_us
     )
@@ -122,13 +141,11 @@ def test_noise_comes_at_the_rates_asked_for():
     )
     canvas["image"][: N_PIXELS // 2] = 255.0
     pixels["free_us"] = -np.inf
-    hot, random = np.array([50, 60_000], np.int32), np.array([3], np.uint64)
-    events, counts = np.zeros(1 << 18, EVENT_DTYPE), np.zeros(4, np.int64)
+    hot, events = np.array([50, 60_000], np.int32), np.zeros(1 << 18, EVENT_DTYPE)
+    chip = make_chip(canvas, pixels, events, shot_hz=1.0, hot_hz=400.0, hot=hot)
     for tick in range(2000):
-        kernels.add_noise(
-            tick * 500, 500, 1.0, 400.0, 500.0, hot, random, canvas, pixels, events, counts
-        )
-    found = events[: counts[kernels.N_EVENTS]]
+        kernels.add_noise(tick * 500, 500, chip)
+    found = events[: chip.counts["events"][0]]
     i = found["y"].astype(int) * 346 + found["x"]
     is_hot = np.isin(i, hot)
     assert is_hot.sum() == pytest.approx(2 * 400 * (1 - 0.2), rel=0.1)  # 0.2: refractory
@@ -141,8 +158,7 @@ def test_noise_comes_at_the_rates_asked_for():
 def test_a_full_buffer_counts_what_it_loses():
     canvas, pixels = np.zeros(100, optics.POINT_DTYPE), np.zeros(100, kernels.PIXEL_DTYPE)
     pixels["free_us"] = -np.inf
-    events, counts = np.zeros(3, EVENT_DTYPE), np.zeros(4, np.int64)
-    hot, random = np.empty(0, np.int32), np.array([3], np.uint64)
-    kernels.add_noise(0, 500, 200.0, 0.0, 0.0, hot, random, canvas, pixels, events, counts)
-    assert counts[kernels.N_EVENTS] == 3
-    assert counts[kernels.N_LOST] > 0
+    chip = make_chip(canvas, pixels, np.zeros(3, EVENT_DTYPE), shot_hz=200.0, refractory_us=0.0)
+    kernels.add_noise(0, 500, chip)
+    assert chip.counts["events"][0] == 3
+    assert chip.counts["lost"][0] > 0

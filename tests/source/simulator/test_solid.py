@@ -7,7 +7,7 @@ from neurotouch_hid.geometry import LATTICE_MM
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.source.simulator import GelConfig, SimulatorConfig, push, sequence
 from neurotouch_hid.source.simulator.gel import GelMotion, solid
-from neurotouch_hid.source.simulator.optics import Camera
+from neurotouch_hid.source.simulator.optics import CameraModel
 
 CENTRE = np.array([[8.0, 0.0]])
 
@@ -89,7 +89,7 @@ def test_both_gels_play_the_same_script_alike():
     script = sequence("x", push(0.5, 6.0, (-4.0, 3.0)), rest_us=60_000)
     camera = SimulatorConfig().camera
     truths = [
-        GelMotion(script, Camera(camera), 2.5, GelConfig(elasticity=gel)).truth(700_000)
+        GelMotion(script, CameraModel(camera), 2.5, GelConfig(elasticity=gel)).truth(700_000)
         for gel in ("half-space", "solid")
     ]
     assert [truth.kind for truth in truths] == [GestureKind.PUSH] * 2

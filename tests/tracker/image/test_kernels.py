@@ -13,7 +13,7 @@ BLOCK = kernels.BLOCK_PX
 
 
 def draw_dots(rng, n=120):
-    """A frame (260, 346) of noise, a slope of light and round dots of many sizes."""
+    """Returns a frame (260, 346) of noise, a brightness slope and round dots of many sizes."""
     y, x = np.mgrid[:260, :346]
     image = 20.0 + 0.1 * x + rng.normal(0, 2, x.shape)
     for _ in range(n):
@@ -73,7 +73,7 @@ def test_a_white_frame_and_a_black_frame_have_no_blobs():
         assert len(finder.find(pixels).centroid_px) == 0
 
 
-def test_more_blobs_than_anyone_asked_for_are_cut_off():
+def test_blobs_beyond_the_largest_number_are_left_out():
     finder = BlobFinder()
     pixels = np.zeros((260, 346), np.uint8)
     pixels[::4, ::4] = pixels[1::4, ::4] = 200
@@ -86,7 +86,9 @@ def test_blobs_at_the_border_of_the_picture_are_whole():
     for y, x in ((0, 0), (0, 344), (257, 0), (257, 344), (100, 344), (101, 0)):
         pixels[y : y + 3, x : x + 2] = 200
     blobs = BlobFinder().find(pixels)
-    assert sorted(blobs.area_px.tolist()) == [6] * 6  # right and left are no neighbours
+    assert (
+        sorted(np.diff(blobs.begin).tolist()) == [6] * 6
+    )  # the right and the left border do not touch
 
 
 def test_a_picture_is_searched_once():

@@ -1,4 +1,4 @@
-"""The lattice is found whatever the rig, and nothing else is taken for it."""
+"""The lattice is found with any rig, and nothing else is taken for it."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ CONFIG = LatticeConfig()
 
 
 def look(rig, dome=0.06, tilt=0.0004):
-    """Markers (177, 2) px as a tilted camera sees them on a dome."""
+    """Returns markers (177, 2) px as a tilted camera sees them on a dome."""
     r2 = (LATTICE_MM**2).sum(axis=1, keepdims=True)
     return rig.to_px(LATTICE_MM * (1 - dome * r2 / 900) * (1 + tilt * LATTICE_MM[:, :1]))
 

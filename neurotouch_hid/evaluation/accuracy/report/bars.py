@@ -8,11 +8,11 @@ from matplotlib.figure import Figure
 
 from neurotouch_hid.evaluation.accuracy.paper import FIGURES, LABEL_UNCERTAINTY_MM
 from neurotouch_hid.evaluation.accuracy.report.style import (
+    BACKGROUND,
     INK,
     METHOD_COLOURS,
     METHOD_HATCHES,
     MUTED,
-    PAPER,
     add_grid,
     add_legend,
     method_bars,
@@ -30,7 +30,7 @@ _ROOM = 0.8  # of the distance between two groups of bars that the bars take
 
 
 def draw_summary(reports: Reports) -> Figure:
-    """The paper's five figures, each method beside what the paper published."""
+    """Returns the paper's five figures, each method beside what the paper published."""
     figure = Figure(figsize=(9.6, 3.6))
     panels = figure.subplots(1, 5)
     for axes, item in zip(panels, FIGURES[:5], strict=True):
@@ -47,7 +47,7 @@ def draw_summary(reports: Reports) -> Figure:
 
 
 def draw_type_metrics(reports: Reports) -> Figure:
-    """[NT, figure of the classification metrics]: precision, recall, F1 and count accuracy."""
+    """Draws precision, recall, F1 and count accuracy [NT, figure of the metrics]."""
     figure = Figure(figsize=(9.6, 8.4))
     panels = figure.subplots(4, 1)
     labels = ("none", *_GESTURES)
@@ -66,7 +66,7 @@ def draw_type_metrics(reports: Reports) -> Figure:
 
 
 def draw_errors(reports: Reports) -> Figure:
-    """[NT, figure of the errors]: contact distance and intensity MAE by gesture."""
+    """Draws contact distance and intensity MAE by gesture [NT, figure of the errors]."""
     figure = Figure(figsize=(9.6, 5.4))
     panels = figure.subplots(2, 1)
     titles = ("Contact point distance", "Intensity error (MAE)")
@@ -96,7 +96,7 @@ def draw_bars(
         places = [i - _ROOM / 2 + (k + 0.5) * width for i in range(len(labels))]
         axes.bar(
             places, [value or 0.0 for value in row], 0.9 * width,
-            color=METHOD_COLOURS[k], hatch=METHOD_HATCHES[k], edgecolor=PAPER, linewidth=0,
+            color=METHOD_COLOURS[k], hatch=METHOD_HATCHES[k], edgecolor=BACKGROUND, linewidth=0,
         )  # fmt: skip
         for place, value in zip(places, row, strict=True):
             text = format_figure(value, unit).removesuffix(" %").removesuffix(" mm")
@@ -116,7 +116,7 @@ def draw_bars(
 
 
 def _mark(axes: Axes, paper: float | None) -> None:
-    """A dashed line at the paper's figure, always within the panel."""
+    """Draws a dashed line at the paper's figure, always within the panel."""
     if paper is not None:
         axes.axhline(paper, color=INK, lw=1.5, ls=(0, (4, 2)))
         axes.set_ylim(0, max(axes.get_ylim()[1], 1.2 * paper) if paper > 1 else None)

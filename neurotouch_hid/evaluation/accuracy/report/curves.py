@@ -14,6 +14,7 @@ from neurotouch_hid.evaluation.accuracy.paper import (
 )
 from neurotouch_hid.evaluation.accuracy.report.bars import Reports, draw_bars
 from neurotouch_hid.evaluation.accuracy.report.style import (
+    BACKGROUND,
     BLUE,
     GRID,
     INK,
@@ -21,12 +22,11 @@ from neurotouch_hid.evaluation.accuracy.report.style import (
     METHOD_DASHES,
     METHOD_MARKERS,
     MUTED,
-    PAPER,
     add_grid,
     add_legend,
     method_lines,
 )
-from neurotouch_hid.evaluation.accuracy.timing import TypeTiming
+from neurotouch_hid.evaluation.accuracy.type_timing import TypeTiming
 
 _PERCENT = ([0, 0.25, 0.5, 0.75, 1], ["0", "25", "50", "75", "100 %"])
 _FEW = 20  # slices in a bin below which its accuracy says little
@@ -34,7 +34,7 @@ _SLOWEST_MS = 500.0  # end of the axis of times
 
 
 def draw_intensity(reports: Reports) -> Figure:
-    """[NT, figure of accuracy over intensity]: type and count accuracy in bins of 0.6 mm."""
+    """Draws type and count accuracy in bins of 0.6 mm [NT, accuracy over intensity]."""
     figure = Figure(figsize=(9.6, 7.2))
     panels = figure.subplots(3, 1, sharex=True, height_ratios=(3, 3, 1))
     parts = (
@@ -65,7 +65,7 @@ def draw_intensity(reports: Reports) -> Figure:
 
 
 def _draw_bins(axes: Axes, bins: Mapping[str, list[float]], key: str, k: int) -> None:
-    """A line through the bins of one method; bins with few slices are hollow."""
+    """Draws a line through the bins of one method; bins with few slices are hollow."""
     edges = bins["edges_mm"]
     rows = [
         ((low + high) / 2, value, n)
@@ -78,7 +78,7 @@ def _draw_bins(axes: Axes, bins: Mapping[str, list[float]], key: str, k: int) ->
     axes.plot(*_columns(rows), color=colour, ls=METHOD_DASHES[k])
     for face, chosen in (
         (colour, [row for row in rows if row[2] >= _FEW]),
-        (PAPER, [row for row in rows if row[2] < _FEW]),
+        (BACKGROUND, [row for row in rows if row[2] < _FEW]),
     ):
         axes.plot(*_columns(chosen), METHOD_MARKERS[k], color=colour, mfc=face, ms=6)
 
@@ -88,7 +88,7 @@ def _columns(rows: Sequence[tuple[float, float, float]]) -> tuple[list[float], l
 
 
 def draw_confusion(reports: Reports) -> Figure:
-    """[NT, figure of the confusion matrix]: the mean of both normalisations, for each method."""
+    """Draws the mean of both normalisations for each method [NT, confusion matrix]."""
     figure = Figure(figsize=(4.9 * max(len(reports), 1.25), 5.1))
     panels = figure.subplots(1, len(reports), squeeze=False)[0]
     for axes, (name, report) in zip(panels, reports.items(), strict=True):
@@ -125,14 +125,14 @@ def _draw_matrix(axes: Axes, labels: list[str], cells: list[list[float | None]])
 
 
 def _cell(column: int, row: int, value: float) -> Rectangle:
-    """A square as opaque as its value, so that the background, light or dark, stands for 0."""
+    """Draws a square as opaque as its value, so that the background means 0."""
     return Rectangle(
         (column - 0.48, row - 0.48), 0.96, 0.96, facecolor=(BLUE, value), edgecolor=GRID, lw=0.8
     )
 
 
 def draw_times(timings: Mapping[str, TypeTiming], reports: Reports) -> Figure:
-    """How soon gestures have their type, how many lose it again, how many are invented at rest."""
+    """Draws how soon gestures get their type, how many lose it, how many are false."""
     figure = Figure(figsize=(9.6, 4.2))
     axes, changes, invented = figure.subplots(1, 3, width_ratios=(3.6, 1, 1))
     for k, timing in enumerate(timings.values()):
@@ -160,7 +160,7 @@ def draw_times(timings: Mapping[str, TypeTiming], reports: Reports) -> Figure:
 
 
 def _draw_shares(axes: Axes, timing: TypeTiming, k: int) -> None:
-    """A step up for each gesture of one method; those that come too late lie past the axis."""
+    """Draws a step up for each gesture of one method; late ones lie beyond the axis."""
     times = sorted(min(time, 2 * _SLOWEST_MS) for time in timing.times_ms)
     shares = [(i + 1) / timing.gestures for i in range(len(times))]
     axes.step(
@@ -170,7 +170,7 @@ def _draw_shares(axes: Axes, timing: TypeTiming, k: int) -> None:
 
 
 def draw_reliability(reports: Reports) -> Figure:
-    """How often the type is right, over the confidence that it was called with."""
+    """Returns how often the type is right, over the confidence that it was called with."""
     figure = Figure(figsize=(6.4, 5.6))
     axes, amounts = figure.subplots(2, 1, sharex=True, height_ratios=(4, 1))
     (honest,) = axes.plot([0, 1], [0, 1], color=MUTED, ls=":", label="as good as said")

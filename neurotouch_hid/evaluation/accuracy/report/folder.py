@@ -25,16 +25,18 @@ def check_folder(folder: Path) -> None:
         raise _explain(folder, error) from error
     if is_taken:
         raise NeuroTouchError(
-            f"{folder} holds something else than a report.",
+            f"'{folder}' holds something else than a report.",
             hint="Name a new folder; only an empty one or an older report is replaced.",
         )
     if not os.access(folder.parent, os.W_OK | os.X_OK):
-        raise NeuroTouchError(f"The report cannot be written: no right to write to {folder.parent}")
+        raise NeuroTouchError(
+            f"The report cannot be written: no right to write to {folder.parent}."
+        )
 
 
 @contextmanager
 def fill_folder(folder: Path) -> Iterator[Path]:
-    """A new empty folder to fill; it takes its place at the end, or leaves no trace on an error.
+    """Gives a new empty folder to fill; it is moved into place at the end, removed on error.
 
     Raises:
         NeuroTouchError: see ``check_folder``; or the disk is full.
@@ -54,7 +56,7 @@ def fill_folder(folder: Path) -> Iterator[Path]:
 
 
 def _is_replaceable(folder: Path) -> bool:
-    """True for an empty folder and for a report to which nobody added anything."""
+    """Returns True for an empty folder and for a report to which nobody added anything."""
     names = {entry.name for entry in folder.iterdir()}
     if not names:
         return True
@@ -67,4 +69,4 @@ def _is_replaceable(folder: Path) -> bool:
 
 
 def _explain(folder: Path, error: OSError) -> NeuroTouchError:
-    return NeuroTouchError(f"The report cannot be written to {folder}: {error.strerror}")
+    return NeuroTouchError(f"The report cannot be written to {folder}: {error.strerror}.")

@@ -25,16 +25,16 @@ class Failure:
     moment: WorstMoment
 
     def expected(self) -> str:
-        """What the labels say, in words."""
+        """Returns what the labels say, in words."""
         return _describe(self.moment.truth)
 
     def recognised(self) -> str:
-        """What was recognised, in words."""
+        """Returns what was recognised, in words."""
         return _describe(self.moment.gesture)
 
 
 def find_failures(evaluation: Evaluation) -> list[Failure]:
-    """The worst moments of all recordings, the worst first; at most ``N_WORST``."""
+    """Returns the worst moments of all recordings, the worst first; at most ``N_WORST``."""
     failures = [
         Failure(file, moment)
         for file, played in evaluation.files.items()
@@ -44,7 +44,10 @@ def find_failures(evaluation: Evaluation) -> list[Failure]:
 
 
 def draw_failure(failure: Failure) -> Figure:
-    """One moment as the camera sees it; measured markers are filled, guessed ones hollow."""
+    """Returns one moment as the camera sees it.
+
+    Measured markers are filled, guessed ones hollow.
+    """
     moment = failure.moment
     figure = Figure(figsize=(4.6, 4.9))
     axes = figure.subplots()
@@ -84,7 +87,7 @@ def _draw_contacts(
 
 
 def _describe(answer: Gesture | Truth) -> str:
-    """``pinch, 2 contacts, 4.1 mm``."""
+    """Returns for example ``pinch, 2 contacts, 4.1 mm``."""
     name, n = answer.kind.label.replace("_", " "), len(answer.contacts_px)
     if not n:
         return name

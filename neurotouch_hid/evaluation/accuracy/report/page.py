@@ -7,6 +7,7 @@ from importlib.resources import files
 from string import Template
 from typing import Any
 
+from neurotouch_hid.evaluation.accuracy.origin import Origin
 from neurotouch_hid.evaluation.accuracy.report import tables
 from neurotouch_hid.evaluation.accuracy.report.bars import Reports
 from neurotouch_hid.evaluation.accuracy.report.pictures import Picture
@@ -25,13 +26,13 @@ _SECTIONS = (
 )
 
 
-def build_page(reports: Reports, pictures: Sequence[Picture], version: str) -> str:
-    """The whole page.
+def build_page(reports: Reports, pictures: Sequence[Picture], origin: Origin) -> str:
+    """Returns the whole page.
 
     Args:
         reports: figures by method.
         pictures: all figures in order; the first word of a name says its section.
-        version: of this program.
+        origin: where the figures come from.
     """
     contents = "".join(f'<li><a href="#{key}">{title}</a></li>' for key, title in _SECTIONS)
     sections = "".join(
@@ -41,8 +42,10 @@ def build_page(reports: Reports, pictures: Sequence[Picture], version: str) -> s
     )
     template = Template(files(__package__).joinpath("page.html").read_text(encoding="utf-8"))
     return template.substitute(
-        version=escape(version),
-        introduction=_introduce(reports),
+        program=escape(origin.program),
+        command=f" by <code>{escape(origin.command)}</code>" if origin.command else "",
+        date=escape(origin.date),
+        introduction=f"<strong>{escape(str(origin))}</strong> {_introduce(reports)}",
         contents=contents,
         sections=sections,
     )

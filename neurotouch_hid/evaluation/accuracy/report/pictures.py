@@ -19,7 +19,7 @@ from neurotouch_hid.evaluation.accuracy.report.curves import (
     draw_times,
 )
 from neurotouch_hid.evaluation.accuracy.report.gallery import Failure, draw_failure, find_failures
-from neurotouch_hid.evaluation.accuracy.report.labels import (
+from neurotouch_hid.evaluation.accuracy.report.label_figures import (
     draw_boxes,
     draw_classes,
     draw_contacts,
@@ -75,7 +75,7 @@ def _draw_results(evaluations: Mapping[str, Evaluation], reports: Reports) -> It
         "table-summary",
         draw_summary(reports),
         "Bars of the paper's five figures for each method, with a dashed line at what the paper "
-        "published. The table above holds all numbers.",
+        "published. The table above has all numbers.",
         "The paper's figures are from its own data, which has not been published.",
     )
     yield _picture(
@@ -90,7 +90,7 @@ def _draw_results(evaluations: Mapping[str, Evaluation], reports: Reports) -> It
         "intensity-accuracy",
         draw_intensity(reports),
         "Type accuracy and contact count accuracy over the labelled intensity, and the number of "
-        "slices in each bin. The table below holds all numbers.",
+        "slices in each bin. The table below has all numbers.",
         "Bins of 0.6 mm; hollow marks have fewer than 20 slices. Slices labelled none are left "
         "out. The paper names 90 % of types from 2.5 mm, 95 % at 4.2 mm and 100 % from 12.1 mm; "
         "80 % of counts at 6.1 mm, 90 % at 7.0 mm and nearly all at 14.5 mm.",
@@ -99,7 +99,7 @@ def _draw_results(evaluations: Mapping[str, Evaluation], reports: Reports) -> It
         "errors-gestures",
         draw_errors(reports),
         "Bars of the mean contact point distance and the mean absolute error of the intensity for "
-        "each gesture. The table below holds all numbers.",
+        "each gesture. The table below has all numbers.",
         "Distance: from each recognised contact to the nearest labelled one, without the surplus.",
     )
     yield _picture(
@@ -115,14 +115,14 @@ def _draw_results(evaluations: Mapping[str, Evaluation], reports: Reports) -> It
         draw_times(timings, reports),
         "Share of the gestures whose type is recognised, over the time since the labelled "
         "intensity reached 2.5 mm; bars of the gestures that change type, and of the false "
-        "gestures in 10 minutes at rest. The table above holds the numbers.",
+        "gestures in 10 minutes at rest. The table above has the numbers.",
         "A gesture whose type is never recognised keeps its line below 100 %.",
     )
     yield _picture(
         "confidence-reliability",
         draw_reliability(reports),
         "Share of right types over the confidence they were called with, and how often each "
-        "confidence is given. The table below holds all numbers.",
+        "confidence is given. The table below has all numbers.",
         "Slices in which a gesture is recognised. On the dotted line a confidence means what it "
         "says: of those called with 0.9, nine in ten are right.",
     )

@@ -14,9 +14,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import AbstractPathEffect, withStroke
 
-INK, MUTED, GRID, PAPER = "#1f2328", "#59636e", "#d5dae0", "#fffffe"
+INK, MUTED, GRID, BACKGROUND = "#1f2328", "#59636e", "#d5dae0", "#fffffe"
 """Text, secondary text, grid, background; each has a twin in ``_DARK`` and no other use."""
-_DARK = {INK: "#e6edf3", MUTED: "#9aa4ae", GRID: "#30363d", PAPER: "#0d1117"}
+_DARK = {INK: "#e6edf3", MUTED: "#9aa4ae", GRID: "#30363d", BACKGROUND: "#0d1117"}
 
 BLUE, VERMILION, GREEN, PURPLE = "#0072b2", "#d55e00", "#009e73", "#cc79a7"
 """From Okabe and Ito's palette."""
@@ -37,10 +37,10 @@ _RC: dict[Any, Any] = {
     "axes.titlecolor": INK,
     "axes.spines.top": False,
     "axes.spines.right": False,
-    "axes.facecolor": PAPER,
+    "axes.facecolor": BACKGROUND,
     "axes.axisbelow": True,
     "boxplot.whiskers": (0.0, 100.0),  # percentiles: from end to end
-    "figure.facecolor": PAPER,
+    "figure.facecolor": BACKGROUND,
     "figure.constrained_layout.use": True,
     "figure.constrained_layout.h_pad": 0.08,
     "figure.constrained_layout.w_pad": 0.08,
@@ -63,13 +63,13 @@ _RC: dict[Any, Any] = {
 
 @contextmanager
 def apply_style() -> Iterator[None]:
-    """Within it, figures are made and drawn in our style; nothing outside changes."""
+    """Applies our style to figures made inside the block; nothing outside changes."""
     with mpl.rc_context(_RC):
         yield
 
 
 def render_svg(figure: Figure) -> str:
-    """The figure as SVG that turns dark with the viewer's ``prefers-color-scheme``.
+    """Returns the figure as SVG that turns dark with the viewer's ``prefers-color-scheme``.
 
     Colours stay written where they are used, so that programs without style sheets show the light
     figure; the style sheet only overrides those that have a dark twin.
@@ -89,26 +89,26 @@ def render_svg(figure: Figure) -> str:
 
 
 def add_grid(axes: Axes, axis: str = "y") -> None:
-    """Thin lines behind the data, along one axis."""
+    """Adds thin lines behind the data, along one axis."""
     axes.grid(visible=True, axis=axis)  # type: ignore[arg-type]
     axes.tick_params(length=0)
 
 
 def add_legend(figure: Figure, handles: Sequence[Artist]) -> None:
-    """One legend above all panels."""
+    """Adds one legend above all panels."""
     figure.legend(handles=handles, loc="outside upper left", ncols=len(handles))
 
 
 def method_bars(methods: Iterable[str]) -> list[Artist]:
-    """The legend's entries for the bars of each method."""
+    """Returns the legend's entries for the bars of each method."""
     return [
-        Patch(facecolor=colour, hatch=hatch, edgecolor=PAPER, lw=0, label=f"method {name}")
+        Patch(facecolor=colour, hatch=hatch, edgecolor=BACKGROUND, lw=0, label=f"method {name}")
         for name, colour, hatch in zip(methods, METHOD_COLOURS, METHOD_HATCHES, strict=False)
     ]
 
 
 def method_lines(methods: Iterable[str]) -> list[Artist]:
-    """The legend's entries for the lines of each method."""
+    """Returns the legend's entries for the lines of each method."""
     looks = zip(methods, METHOD_COLOURS, METHOD_MARKERS, METHOD_DASHES, strict=False)
     return [
         Line2D([], [], color=colour, marker=marker, ms=7, ls=dash, label=f"method {name}")
@@ -117,10 +117,10 @@ def method_lines(methods: Iterable[str]) -> list[Artist]:
 
 
 def paper_line() -> Line2D:
-    """The legend's entry for a dashed line at the paper's own figure."""
+    """Returns the legend's entry for a dashed line at the paper's own figure."""
     return Line2D([], [], color=INK, ls=(0, (4, 2)), lw=1.5, label="published in the paper")
 
 
 def outline() -> list[AbstractPathEffect]:
-    """Path effects that keep a text readable on a line."""
-    return [withStroke(linewidth=3, foreground=PAPER)]
+    """Returns path effects that keep a text readable on a line."""
+    return [withStroke(linewidth=3, foreground=BACKGROUND)]

@@ -1,4 +1,4 @@
-"""The tables of the page. Each number also stands there exactly, as in the JSON file."""
+"""The tables of the page. Each number is also there exactly, as in the JSON file."""
 
 from collections.abc import Iterable, Mapping
 from html import escape
@@ -10,7 +10,7 @@ from neurotouch_hid.evaluation.accuracy.table import BEYOND, find_figure, format
 
 
 def build_summary(reports: Reports) -> str:
-    """The paper's table: each figure as published and by each method."""
+    """Returns the paper's table: each figure as published and by each method."""
     rows = [
         [
             item.name,
@@ -24,7 +24,7 @@ def build_summary(reports: Reports) -> str:
 
 
 def build_beyond(reports: Reports) -> str:
-    """What the paper does not report: time, changes of mind, rest, confidence."""
+    """Returns what the paper does not report: time, changes of mind, rest, confidence."""
     rows = [
         [
             item.name,
@@ -43,7 +43,7 @@ def build_beyond(reports: Reports) -> str:
 
 
 def build_types(report: Mapping[str, Any]) -> str:
-    """Precision, recall, F1 and count accuracy of each type, for one method."""
+    """Returns precision, recall, F1 and count accuracy of each type, for one method."""
     rows = [
         [
             label.replace("_", " "),
@@ -58,7 +58,7 @@ def build_types(report: Mapping[str, Any]) -> str:
 
 
 def build_errors(report: Mapping[str, Any]) -> str:
-    """Distance and intensity error of each gesture, for one method."""
+    """Returns distance and intensity error of each gesture, for one method."""
     rows = [
         [
             label.replace("_", " "),
@@ -72,7 +72,7 @@ def build_errors(report: Mapping[str, Any]) -> str:
 
 
 def build_intensity(report: Mapping[str, Any]) -> str:
-    """Accuracy in each bin of intensity, for one method."""
+    """Returns accuracy in each bin of intensity, for one method."""
     bins = report["by_intensity"]
     edges = bins["edges_mm"]
     rows = [
@@ -87,7 +87,7 @@ def build_intensity(report: Mapping[str, Any]) -> str:
 
 
 def build_confusion(report: Mapping[str, Any]) -> str:
-    """The balanced confusion matrix of one method."""
+    """Returns the balanced confusion matrix of one method."""
     labels = [label.replace("_", " ") for label in report["confusion"]["labels"]]
     rows = [
         [label, *(_number(cell, "") for cell in cells)]
@@ -97,7 +97,7 @@ def build_confusion(report: Mapping[str, Any]) -> str:
 
 
 def build_reliability(report: Mapping[str, Any]) -> str:
-    """Confidence and accuracy in each bin, for one method."""
+    """Returns confidence and accuracy in each bin, for one method."""
     bins = report["reliability"]
     rows = [
         [f"{low:.1f} to {high:.1f}", _number(said, ""), _number(right, "%"), _count(n)]
@@ -110,7 +110,7 @@ def build_reliability(report: Mapping[str, Any]) -> str:
 
 
 def build_files(reports: Reports) -> str:
-    """Type accuracy, distance and MAE of each recording by each method."""
+    """Returns type accuracy, distance and MAE of each recording by each method."""
     keys = FIGURES[:4]
     rows = []
     for name in next(iter(reports.values()))["files"]:
@@ -123,7 +123,7 @@ def build_files(reports: Reports) -> str:
 
 
 def build_table(caption: str, head: Iterable[str], rows: Iterable[list[str]]) -> str:
-    """A table whose first column heads the rows; the cells of ``rows`` are HTML."""
+    """Returns a table whose first column heads the rows; the cells of ``rows`` are HTML."""
     heads = "".join(f'<th scope="col">{escape(name)}</th>' for name in head)
     body = "".join(
         f'<tr><th scope="row">{row[0]}</th>' + "".join(f"<td>{cell}</td>" for cell in row[1:])
@@ -138,7 +138,7 @@ def build_table(caption: str, head: Iterable[str], rows: Iterable[list[str]]) ->
 
 
 def _number(value: float | None, unit: str) -> str:
-    """A rounded number in words, the exact one in its tag."""
+    """Returns a rounded number in words, the exact one in its tag."""
     if value is None:
         return "–"
     return f'<data value="{value!r}">{format_figure(value, unit)}</data>'

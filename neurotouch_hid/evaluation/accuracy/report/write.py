@@ -4,8 +4,8 @@ import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from neurotouch_hid import __version__
 from neurotouch_hid.evaluation.accuracy.files import Evaluation, combine_reports
+from neurotouch_hid.evaluation.accuracy.origin import Origin
 from neurotouch_hid.evaluation.accuracy.report.folder import FIGURES, NUMBERS, PAGE, fill_folder
 from neurotouch_hid.evaluation.accuracy.report.page import build_page
 from neurotouch_hid.evaluation.accuracy.report.pictures import draw_pictures
@@ -14,6 +14,7 @@ from neurotouch_hid.evaluation.accuracy.report.pictures import draw_pictures
 def write_report(
     folder: Path,
     evaluations: Mapping[str, Evaluation],
+    origin: Origin,
     progress: Callable[[str], None] = lambda _: None,
 ) -> None:
     """Writes ``report.html``, ``report.json`` and ``figures/*.svg``.
@@ -21,6 +22,7 @@ def write_report(
     Args:
         folder: made; an empty one or an older report is replaced.
         evaluations: by method, of the same recordings; at least one.
+        origin: where the figures come from.
         progress: called with what is being done.
 
     Raises:
@@ -31,6 +33,6 @@ def write_report(
         pictures = list(draw_pictures(evaluations, reports, progress))
         for picture in pictures:
             (new / FIGURES / f"{picture.name}.svg").write_text(picture.svg, encoding="utf-8")
-        numbers = json.dumps(combine_reports(reports), indent=2) + "\n"
+        numbers = json.dumps(combine_reports(reports, origin), indent=2) + "\n"
         (new / NUMBERS).write_text(numbers, encoding="utf-8")
-        (new / PAGE).write_text(build_page(reports, pictures, __version__), encoding="utf-8")
+        (new / PAGE).write_text(build_page(reports, pictures, origin), encoding="utf-8")

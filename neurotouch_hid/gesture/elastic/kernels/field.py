@@ -1,6 +1,7 @@
-"""Compiled loops of the field: closed forms of elasticity under a clamped rim."""
+"""Computes the displacement field in closed form: elasticity under a clamped rim."""
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -10,12 +11,12 @@ Floats = NDArray[np.float64]
 
 POISSON_RATIO = 0.49  # silicone is nearly incompressible
 VIEW_MM = 100.0  # from the lens to the gel: what sinks grows
-CLAMP_MM = 31.0  # where the rim holds the gel: just outside the last markers
+CLAMP_MM = 31.0  # radius at which the rim clamps the gel, just outside the last markers
 
 
 @njit(cache=True, nogil=True)
 def rim_window(r2: float) -> float:
-    """How freely the gel gives way at squared distance ``r2`` from its centre: w**(3/8), 0..1."""
+    """Returns how freely the gel moves at squared distance ``r2`` from its centre, 0..1."""
     root = math.sqrt(math.sqrt(max(1.0 - r2 / (CLAMP_MM * CLAMP_MM), 1e-3)))
     return root * math.sqrt(root)
 
@@ -24,15 +25,15 @@ def rim_window(r2: float) -> float:
 def respond(
     x: float, y: float, window: float, cx: float, cy: float, a: float
 ) -> tuple[float, float, float, float, float]:
-    """Response of the gel at (x, y) mm to one sticking patch of radius ``a`` mm at (cx, cy).
+    """Returns the response of the gel at (x, y) to one sticking patch of radius ``a`` at (cx, cy).
 
-    A rigid patch on an elastic half space, dragged (Mindlin) and turned (Reissner-Sagoci), times
-    how much of the motion at the patch's edge the clamped rim lets through.
+    The patch is rigid, on an elastic half space, dragged (Mindlin) and turned (Reissner-Sagoci).
+    The result is multiplied by the share of the edge's motion that the clamped rim permits.
 
     Args:
         x: of the point, mm.
         y: of the point, mm.
-        window: ``rim_window`` there.
+        window: ``rim_window`` at the point.
         cx: of the patch's centre, mm.
         cy: of the patch's centre, mm.
         a: its radius, mm.
@@ -60,17 +61,19 @@ def respond(
 def respond_along(
     x: Floats, y: Floats, window: Floats, cx: float, cy: float, a: float, answer: Floats
 ) -> None:
-    """``respond`` for many points, without branches: a processor takes several at once.
+    """Writes ``respond`` for many points.
+
+    There are no branches, so a processor takes several points at once.
 
     Args:
-        x: (n,) mm, of the points.
-        y: (n,) mm.
-        window: (n,), ``rim_window`` there.
+        x: (n,) float64 mm, of the points.
+        y: (n,) float64 mm.
+        window: (n,) float64, ``rim_window`` at the points.
         cx: of the patch's centre, mm.
         cy: of the patch's centre, mm.
         a: its radius, mm.
-        answer: (7, n), written: what ``respond`` returns, then radius over distance, at most 1, and
-            its arc sine.
+        answer: (7, n) float64, written: the five numbers of ``respond``, then radius over
+            distance, at most 1, and its arc sine.
     """
     n = len(x)
     ratios, arcs = answer[5], answer[6]
@@ -100,7 +103,15 @@ def respond_along(
 
 @njit(cache=True, nogil=True)
 def couple(centres: Floats, radii: Floats) -> Floats:
-    """Motions of all patches per unit of load on each, (3k, 3k): drag x, drag y, turn of each."""
+    """Returns the motions of all patches per unit of load on each patch.
+
+    Args:
+        centres: (k, 2) float64 mm.
+        radii: (k,) float64 mm.
+
+    Returns:
+        (3 k, 3 k) float64; rows and columns are drag x, drag y and turn of each patch.
+    """
     k = len(centres)
     matrix = np.zeros((3 * k, 3 * k))
     for i in range(k):
@@ -128,14 +139,14 @@ def couple(centres: Floats, radii: Floats) -> Floats:
 
 @njit(cache=True, nogil=True)
 def fill_responses(points: Floats, sites: Floats, radius: float, atoms: Floats) -> None:
-    """Responses of all markers to a patch at each site.
+    """Writes the responses of all markers to a patch at each site.
 
     Args:
-        points: (n, 2) mm, markers at rest.
-        sites: (s, 2) mm.
+        points: (n, 2) float64 mm, markers at rest.
+        sites: (s, 2) float64 mm.
         radius: of the patches, mm.
-        atoms: (2 n, 3 s), written: drag x, drag y, turn of each site. Rows are markers, so that
-            sums over markers go along rows and need no order within a sum: four times as fast.
+        atoms: (2 n, 3 s) float64, written: drag x, drag y, turn of each site. Rows are markers, so
+            that sums over markers add whole rows, which is four times as fast.
     """
     for s in range(len(sites)):
         for i in range(len(points)):
@@ -156,14 +167,14 @@ def measure_gains(
     weight: Floats,
     gains: Floats,
 ) -> None:
-    """How much of a field a finger at each site explains.
+    """Writes how much of a field a finger at each site explains.
 
     Args:
         atoms: (2 n, 3 s) float32, see ``fill_responses``.
-        inverse: (s, 3, 3), inverse of their Gram matrices.
-        residual: (n, 2) mm.
-        weight: (n,).
-        gains: (s or less,) mm², written: sum of squares at the first sites.
+        inverse: (s, 3, 3) float64, inverse of their Gram matrices.
+        residual: (n, 2) float64 mm, the field.
+        weight: (n,) float64, trust in each marker.
+        gains: (s or fewer,) float64 mm², written: sums of squares for the first sites.
     """
     p = np.zeros(3 * len(gains))
     for i in range(len(residual)):
@@ -181,13 +192,14 @@ def measure_gains(
 
 @njit(cache=True, nogil=True)
 def bound_gain(residual: Floats, weight: Floats) -> float:
-    """What no finger anywhere can exceed, mm²: a projection is no longer than what is projected.
+    """Returns an upper bound for the gain of one more finger anywhere, mm².
 
-    Takes a fiftieth of asking all sites, which read more than a processor's near caches hold.
+    A projection is no longer than the vector that is projected. The bound takes a fiftieth of the
+    time of all sites, whose data exceed a processor's near caches.
 
     Args:
-        residual: (n, 2) mm, what is not explained yet.
-        weight: (n,), at most 1; so the weighted sum of squares is such a bound as well.
+        residual: (n, 2) float64 mm, the part of the field that is not explained yet.
+        weight: (n,) float64, at most 1, so the weighted sum of squares is such a bound as well.
     """
     most = 0.0
     for i in range(len(residual)):
@@ -198,33 +210,29 @@ def bound_gain(residual: Floats, weight: Floats) -> float:
 
 @njit(cache=True, nogil=True)
 def find_site(
-    atoms: NDArray[np.float32],
-    inverse: Floats,
+    gel: Any,
     residual: Floats,
     weight: Floats,
-    sites: Floats,
     centres: Floats,
     fresh_mm: float,
-    n_coarse: int,
     least_mm2: float,
 ) -> tuple[int, float]:
-    """The site where one more finger explains most, and how much, mm².
+    """Returns the site where one more finger explains most, and how much, mm².
 
-    The first sites are asked alone, and the others only if one of these explains half of what it
-    must: the nearest of them explains two thirds of what the best site does for 99 fingers of 100.
-    To ask all reads more than a processor's near caches hold.
+    The first sites, every fourth, are computed alone, and the others only if one of the first
+    explains half of the least. This is safe: for 99 fingers of 100 one of the first sites explains
+    two thirds of what the best site does. The data of all sites exceed a processor's near caches.
 
     Args:
-        atoms: (2 n, 3 s) float32, see ``fill_responses``.
-        inverse: (s, 3, 3), inverse of their Gram matrices.
-        residual: (n, 2) mm, what is not explained yet.
-        weight: (n,).
-        sites: (s, 2) mm.
-        centres: (k, 2) mm, of the fingers that are known.
-        fresh_mm: a site nearer than this to a known finger is none.
-        n_coarse: so many sites, which lie all over the gel, come first.
-        least_mm2: what a finger must explain.
+        gel: record of ``FingerTracker.gel``; ``sites``, ``n_coarse``, ``atoms`` and ``inverse``
+            are read.
+        residual: (n, 2) float64 mm, the part of the field that is not explained yet.
+        weight: (n,) float64.
+        centres: (k, 2) float64 mm, of the fingers that are known.
+        fresh_mm: no site nearer than this to a known finger counts.
+        least_mm2: the least that a finger must explain.
     """
+    atoms, inverse, sites, n_coarse = gel.atoms, gel.inverse, gel.sites, gel.n_coarse
     gains = np.empty(len(sites))
     measure_gains(atoms, inverse, residual, weight, gains[:n_coarse])
     if gains[:n_coarse].max() < 0.5 * least_mm2:

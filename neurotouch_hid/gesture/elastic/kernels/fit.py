@@ -1,4 +1,4 @@
-"""Compiled loops of the fit: linearised model, normal equations, Gauss-Newton."""
+"""Fits fingers to displacements: linearised model, normal equations, Gauss-Newton."""
 
 import math
 from typing import Any
@@ -12,18 +12,18 @@ from neurotouch_hid.gesture.elastic.kernels.motion import measure_size
 
 Floats = NDArray[np.float64]
 
-GRADIENT_MM = 0.8  # step of the differences; the pitch is 4 mm, so the patch's edge is blurred
-DRAG_MM = 20.0  # prior width of a drag: hardly any
-TURN_RAD = 0.4  # prior width of a finger's turn about itself
+GRADIENT_MM = 0.8  # step of finite differences; it blurs the patch's edge, as the pitch is 4 mm
+DRAG_MM = 20.0  # prior width of a drag, hardly a limit
+TURN_RAD = 0.4  # prior width of a finger's turn about its centre
 PRESS_MM = 1.5  # prior width of a press
-HEIGHT_MM = 20.0  # of the gel under a finger: what is pressed down flows aside
-OFFSET_MM = 0.2  # prior width of a motion of the whole gel: a knock at the table
+HEIGHT_MM = 20.0  # height of the gel under a finger; gel that is pressed down flows aside
+OFFSET_MM = 0.2  # prior width of a shift of the whole gel, by a knock at the table
 SWAY_RAD = 0.01  # prior width of a turn of the whole gel under the camera
 RADIUS_MM = 0.8  # prior width of the radius of a contact patch
 LEAST_RADIUS_MM, MOST_RADIUS_MM = 4.5, 9.0
-STEP_MM = 2.0  # longest step of a centre
-REACH_MM = 27.0  # no finger's middle is further out
-NEAR_MM = 9.0  # beyond a patch's edge where shifting it changes little
+STEP_MM = 2.0  # longest step of a centre in one iteration
+REACH_MM = 27.0  # no finger's centre is farther out
+NEAR_MM = 9.0  # farther from a patch's edge, a shift of the patch changes little
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -31,8 +31,8 @@ def solve(matrix: Floats, vector: Floats) -> bool:
     """Solves the symmetric positive system in place (Cholesky); False if it is singular.
 
     Args:
-        matrix: (n, n) float64; its lower half becomes the factor.
-        vector: (n, k) float64; becomes the answer.
+        matrix: (n, n) float64; its lower half becomes the Cholesky factor.
+        vector: (n, k) float64; becomes the solution.
     """
     n = len(matrix)
     for i in range(n):
@@ -104,29 +104,29 @@ def build_columns(
     columns: Floats,
     bent: Floats,
 ) -> None:
-    """Columns of the linearised model: how each marker moves with each unknown.
+    """Writes the columns of the linearised model: how each marker moves with each unknown.
 
-    Under a finger markers move as the finger; elsewhere every finger pulls with the load that makes
-    it move so although the others pull at it.
+    Markers under a finger move with it. Elsewhere every finger pulls with the load that gives it
+    its motion against the pull of the others.
 
     Args:
-        points: (2, n) mm, markers at rest.
-        window: (n,), ``rim_window`` there.
-        centres: (k, 2) mm.
-        radii: (k,) mm.
-        motions: (k, 3): drag x, drag y in mm, sine of the turn.
-        inverse: (3 k, 3 k), of ``couple``.
-        columns: (4 k + 3 or more, 2, n), written: motions, presses, offset (x, y, turn) of
-            everything. The rest is left as it is. Markers come last, so that a processor takes
+        points: (2, n) float64 mm, markers at rest.
+        window: (n,) float64, ``rim_window`` at the markers.
+        centres: (k, 2) float64 mm.
+        radii: (k,) float64 mm.
+        motions: (k, 3) float64: drag x, drag y in mm, sine of the turn.
+        inverse: (3 k, 3 k) float64, of ``couple``.
+        columns: (4 k + 3 or more, 2, n) float64, the first 4 k + 3 are written: motions, presses,
+            offset (x, y, turn) of the whole gel. Markers come last, so that a processor takes
             several at once.
-        bent: (2, n) mm, written: what a finite turn adds to the linear one.
+        bent: (2, n) float64 mm, written: what a finite turn adds to the linear one.
     """
     k, n = len(centres), len(window)
     x, y = points[0], points[1]
-    holder = np.empty(n, np.int64)
+    owner = np.empty(n, np.int64)
     alone, answer = np.empty((3 * k, 2, n)), np.empty((7, n))
     for i in range(n):
-        holder[i] = -1
+        owner[i] = -1
         bent[0, i] = bent[1, i] = 0.0
         columns[4 * k, 0, i], columns[4 * k, 1, i] = 1.0, 0.0
         columns[4 * k + 1, 0, i], columns[4 * k + 1, 1, i] = 0.0, 1.0
@@ -145,9 +145,9 @@ def build_columns(
             dx, dy = x[i] - cx, y[i] - cy
             r2 = dx * dx + dy * dy
             if r2 <= a * a:
-                holder[i] = j
+                owner[i] = j
                 bent[0, i], bent[1, i] = bend * ty[i], -bend * tx[i]
-            elif holder[i] < 0:
+            elif owner[i] < 0:
                 bent[0, i] += bend * ty[i]
                 bent[1, i] -= bend * tx[i]
         for i in range(n):
@@ -169,8 +169,8 @@ def build_columns(
                     column[i] += part[i] * share
             own = alone[b, axis]
             for i in range(n):
-                if holder[i] >= 0:
-                    column[i] = own[i] if holder[i] == b // 3 else 0.0
+                if owner[i] >= 0:
+                    column[i] = own[i] if owner[i] == b // 3 else 0.0
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -183,16 +183,16 @@ def build_slopes(
     inverse: Floats,
     columns: Floats,
 ) -> None:
-    """How each marker moves as the fingers' places and sizes change, by differences.
+    """Writes how each marker moves as the fingers' places and sizes change, by finite differences.
 
     Args:
-        points: (2, n) mm, markers at rest.
-        window: (n,), ``rim_window`` there.
-        centres: (k, 2) mm.
-        radii: (k,) mm.
-        motions: (k, 3): drag x, drag y in mm, sine of the turn.
-        inverse: (3 k, 3 k), of ``couple``.
-        columns: (3 k, 2, n), written: x, y and radius of each finger.
+        points: (2, n) float64 mm, markers at rest.
+        window: (n,) float64, ``rim_window`` at the markers.
+        centres: (k, 2) float64 mm.
+        radii: (k,) float64 mm.
+        motions: (k, 3) float64: drag x, drag y in mm, sine of the turn.
+        inverse: (3 k, 3 k) float64, of ``couple``.
+        columns: (3 k, 2, n) float64, written: x, y and radius of each finger.
     """
     k, n = len(centres), len(window)
     near, place = np.empty(n, np.int64), np.empty((3, n))
@@ -236,16 +236,16 @@ def build_slopes(
 def accumulate(
     columns: Floats, target: Floats, weight: Floats, normal: Floats, right: Floats
 ) -> None:
-    """Normal equations of the weighted least squares, lower half.
+    """Writes the normal equations of the weighted least squares, lower half.
 
-    Sums are taken in any order, so that a processor adds several products at once.
+    The order of the sums is free, so that a processor adds several products at once.
 
     Args:
-        columns: (m or more, 2, n).
-        target: (2, n) mm, displacements.
-        weight: (n,).
-        normal: (m, m), its lower half is written.
-        right: (m, 1), written.
+        columns: (m or more, 2, n) float64.
+        target: (2, n) float64 mm, displacements.
+        weight: (n,) float64, trust in each marker.
+        normal: (m, m) float64, its lower half is written.
+        right: (m, 1) float64, written.
     """
     m, n = len(normal), len(weight)
     x, y = np.empty(n), np.empty(n)
@@ -263,31 +263,20 @@ def accumulate(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def refine(
-    gel: Any,
-    fit: Any,
-    moved: Floats,
-    weight: Floats,
-    usual_radius: float,
-    trust: Floats,
-    noise_mm: float,
-    model_error: float,
-    n_steps: int,
-) -> None:
+def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps: int) -> None:
     """Fits fingers to displacements: Gauss-Newton, then one linear solve for the motions alone.
 
     Args:
-        gel: of a ``GEL`` (1,).
-        fit: of ``FIT``; updated. Its cost is infinite where the fingers cannot be told apart, and
-            then nothing else there means anything.
-        moved: (n, 2) mm, the displacement of the markers.
-        weight: (n,) 0..1, trust in each marker.
-        usual_radius: mm, what radii are pulled to.
-        trust: (k or more,) 1/mm², how surely earlier slices know the centres.
-        noise_mm: of a marker, one axis.
-        model_error: of the field, rms share of the largest motion.
+        gel: record of ``FingerTracker.gel``.
+        fit: record of ``FIT``, updated. Its cost is infinite if the fingers cannot be
+            separated; nothing else in it then has a meaning.
+        fingers: record of ``FINGERS``; ``moved``, ``weight`` and ``noise_mm`` are read.
+        rules: record of ``CONFIG``; ``radius_mm`` and ``model_error`` are read.
+        trust: (k or more,) float64 1/mm², how surely earlier slices know the centres.
         n_steps: of Gauss-Newton; 0 keeps centres and radii.
     """
+    moved, weight = fingers.moved[:], fingers.weight[:]
+    noise_mm, model_error = fingers.noise_mm, rules.model_error
     n, k, window = len(weight), fit.count, gel.window[:]
     centres, radii, motions = fit.centres[:k], fit.radii[:k], fit.motions[:k]
     known = np.empty((k, 2))
@@ -323,7 +312,7 @@ def refine(
                     normal[at + p, at + p] += variance * (trust[j] + 1.0 / STEP_MM**2)
                     right[at + p, 0] += variance * trust[j] * (known[j, p] - centres[j, p])
                 normal[at + 2, at + 2] += variance / RADIUS_MM**2
-                right[at + 2, 0] += variance / RADIUS_MM**2 * (usual_radius - radii[j])
+                right[at + 2, 0] += variance / RADIUS_MM**2 * (rules.radius_mm - radii[j])
         for p in range(2):
             normal[4 * k + p, 4 * k + p] += variance / OFFSET_MM**2
         normal[4 * k + 2, 4 * k + 2] += variance / SWAY_RAD**2
@@ -337,8 +326,8 @@ def refine(
                 motions[j, p] = right[3 * j + p, 0]
             motions[j, 2] = min(max(motions[j, 2], -0.95), 0.95)
             fit.press[j] = right[3 * k + j, 0]
-        for p in range(3):
-            fit.offset[p] = right[4 * k + p, 0]
+        fit.offset_x_mm, fit.offset_y_mm = right[4 * k, 0], right[4 * k + 1, 0]
+        fit.offset_rad = right[4 * k + 2, 0]
         if is_last:
             break
         for j in range(k):

@@ -1,4 +1,4 @@
-"""Compiled loops over all markers: trust in each, what they share, how far they lie about it."""
+"""Computes the trust in each marker, their common motion and their spread about it."""
 
 import math
 
@@ -13,14 +13,14 @@ Floats = NDArray[np.float64]
 def weigh_markers(
     use: NDArray[np.bool_], moved: Floats, residual: Floats, limit_mm2: float, weight: Floats
 ) -> tuple[float, float]:
-    """Trust in each marker: one that was far off the last fit lost its dot.
+    """Writes the trust in each marker: one far from the last fit probably follows the wrong dot.
 
     Args:
-        use: (n,), measured markers.
-        moved: (n, 2) mm, their displacement.
-        residual: (n, 2) mm, of the last fit.
-        limit_mm2: a marker so far off, squared, is trusted by half.
-        weight: (n,) 0..1, written.
+        use: (n,) bool, measured markers.
+        moved: (n, 2) float64 mm, displacement of each marker.
+        residual: (n, 2) float64 mm, of the last fit.
+        limit_mm2: squared residual that halves the weight.
+        weight: (n,) float64 0..1, written.
 
     Returns:
         The sum of the weights, and the weighted sum of the squared displacements, mm².
@@ -36,11 +36,11 @@ def weigh_markers(
 
 @njit(cache=True, nogil=True)
 def find_common(moved: Floats, weight: Floats) -> tuple[float, float]:
-    """The median displacement of the trusted markers, x and y in mm; at least one is trusted.
+    """Returns the median displacement of the trusted markers, x and y in mm.
 
     Args:
-        moved: (n, 2) mm.
-        weight: (n,), 0 for markers without any trust.
+        moved: (n, 2) float64 mm.
+        weight: (n,) float64, 0 for markers without any trust; at least one has some.
     """
     x, y = np.empty(len(weight)), np.empty(len(weight))
     n = 0
@@ -53,15 +53,15 @@ def find_common(moved: Floats, weight: Floats) -> tuple[float, float]:
 
 @njit(cache=True, nogil=True)
 def measure_sway(moved: Floats, weight: Floats, x: float, y: float) -> float:
-    """How far three quarters of the trusted markers went along (x, y) at least, mm; not below 0.
+    """Returns the distance along (x, y) that three quarters of the trusted markers reach, mm, >= 0.
 
-    A knock moves all of them; of a touch a quarter, near the clamped rim, feel little.
+    A knock moves all markers. A touch hardly moves a quarter of them, near the clamped rim.
 
     Args:
-        moved: (n, 2) mm.
-        weight: (n,), 0 for markers without any trust; at least one has some.
+        moved: (n, 2) float64 mm.
+        weight: (n,) float64, 0 for markers without any trust; at least one has some.
         x: of their median displacement, mm.
-        y: of the same.
+        y: of their median displacement, mm.
     """
     length = math.hypot(x, y)
     if length == 0.0:
@@ -76,13 +76,13 @@ def measure_sway(moved: Floats, weight: Floats, x: float, y: float) -> float:
 
 @njit(cache=True, nogil=True)
 def measure_spread(moved: Floats, weight: Floats) -> float:
-    """How far markers lie about their common motion: standard deviation of an axis, mm.
+    """Returns the spread of the markers about their common motion: standard deviation, mm an axis.
 
-    From the median of the distances, so a few that moved do not count.
+    It comes from the median of the distances, so a few markers that moved do not count.
 
     Args:
-        moved: (n, 2) mm.
-        weight: (n,), 0 for markers without any trust; at least one has some.
+        moved: (n, 2) float64 mm.
+        weight: (n,) float64, 0 for markers without any trust; at least one has some.
     """
     x, y = find_common(moved, weight)
     away = np.empty(2 * len(weight))

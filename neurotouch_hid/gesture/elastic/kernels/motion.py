@@ -1,4 +1,4 @@
-"""Compiled loops of the motion: a similarity of all fingers, its parts, and the contacts shown."""
+"""Computes the common motion of the fingers, its parts, and the contacts that are shown."""
 
 import math
 
@@ -13,19 +13,19 @@ Floats = NDArray[np.float64]
 
 COMMON_GAIN = 1.6
 """How much the common motion must exceed the relative one to be a push. One finger that drags
-beside one that only holds gives 1, two that push together with strengths 1 and 0.45 give 2.6: this
-lies between. So a pinch is a pinch while its second finger still holds on."""
+beside a still one gives 1; two that push together with strengths 1 and 0.45 give 2.6. This value
+is between, so a pinch is a pinch while its second finger keeps still."""
 LEVER = 0.7
-"""rms distance of a disc's points from its centre, share of its radius."""
+"""rms distance of a disc's points from its centre, as a share of its radius."""
 TURN_GAIN = 2.0
-"""How much more a lone finger must turn than drag to be a twist: as it drags, its tip turns too."""
+"""How much more a single finger must turn than drag to be a twist: a tip that drags turns too."""
 
-LANDING_US = 60_000  # of a finger's first motions, which its landing is the mean of
+LANDING_US = 60_000  # length of a finger's first motions, whose mean is its landing
 LANDING_MM = 0.5  # no finger lands with a longer drag; more is the beginning of a quick gesture
 LANDING_SHARE = 0.8
-"""Of the landing that is no part of the gesture: the rest speaks while there is nothing else."""
+"""The share of the landing that is subtracted; the rest counts while there is nothing else."""
 SHOWN_MM = 0.3  # people label a contact from about this motion on
-HIDDEN_SHARE = 5 / 6  # of it, below which no longer; the difference is what noise does to it
+HIDDEN_SHARE = 5 / 6  # a contact is hidden below this share of it, so that noise does not toggle it
 
 _PUSH, _PINCH, _ZOOM = int(GestureKind.PUSH), int(GestureKind.PINCH), int(GestureKind.ZOOM)
 _CW, _CCW = int(GestureKind.TWIST_CW), int(GestureKind.TWIST_CCW)
@@ -33,10 +33,10 @@ _CW, _CCW = int(GestureKind.TWIST_CW), int(GestureKind.TWIST_CCW)
 
 @njit(cache=True, nogil=True)
 def measure_size(motion: Floats, radius: float) -> float:
-    """How far a finger moves the gel under it, mm: rms over its patch; no press counts.
+    """Returns how far a finger moves the gel under it, mm: rms over its patch, without the press.
 
     Args:
-        motion: (3,) drag x, drag y in mm, sine of the turn.
+        motion: (3,) float64, drag x, drag y in mm, sine of the turn.
         radius: mm.
     """
     x, y, turn = motion[0], motion[1], motion[2]
@@ -47,13 +47,13 @@ def measure_size(motion: Floats, radius: float) -> float:
 def measure_motion(
     centres: Floats, radii: Floats, motions: Floats, parts: Floats
 ) -> tuple[float, float, float, float]:
-    """The similarity of k >= 1 fingers about their mean position.
+    """Returns the similarity of k >= 1 fingers about their mean position.
 
     Args:
-        centres: (k, 2) mm, where they stick to the gel at rest.
-        radii: (k,) mm.
-        motions: (k, 3): drag x, drag y in mm, sine of the turn.
-        parts: (6,) written: what speaks for each GestureKind, as a motion of the fingers in mm;
+        centres: (k, 2) float64 mm, where they stick to the gel at rest.
+        radii: (k,) float64 mm.
+        motions: (k, 3) float64: drag x, drag y in mm, sine of the turn.
+        parts: (6,) float64 mm, written: the part of the motion that speaks for each GestureKind;
             NONE has 0.
 
     Returns:
@@ -92,18 +92,16 @@ def measure_motion(
 def subtract_landing(
     motions: Floats, step_us: int, landed: Floats, landed_us: NDArray[np.int64], since: Floats
 ) -> None:
-    """Motions of the fingers without how they landed: a hand comes down with a tremble.
+    """Writes the motions of the fingers since they landed.
 
-    What a finger does as it touches down is not yet what the hand is going to do: where the motions
-    of all fingers are known, types taken from all of the motion are right in 95.3 % of slices, from
-    the motion since a tenth of a second after the touch in 96.1 %.
+    A hand lands with a tremble, so the first motion of a finger is not yet part of the gesture.
 
     Args:
-        motions: (k, 3): drag x, drag y in mm, sine of the turn.
-        step_us: time since the slice before.
-        landed: (k, 3), the sum of each finger's first motions times their µs; updated.
-        landed_us: (k,), for how long, 0 for a new finger; updated.
-        since: (k, 3), written.
+        motions: (k, 3) float64: drag x, drag y in mm, sine of the turn.
+        step_us: time since the previous slice.
+        landed: (k, 3) float64, the sum of each finger's first motions times their µs; updated.
+        landed_us: (k,) int64, the length of these motions, 0 for a new finger; updated.
+        since: (k, 3) float64, written.
     """
     for j in range(len(motions)):
         if landed_us[j] < LANDING_US:
@@ -122,24 +120,24 @@ def subtract_landing(
 def locate(
     centre: Floats, radius: float, motion: Floats, press: float
 ) -> tuple[float, float, float, float]:
-    """Where a finger deforms the gel, and how far it drags it.
+    """Returns where a finger deforms the gel, and how far it drags the gel there.
 
     The place is the mean of its patch, weighted by the square of the motion. A finger that drags
-    moves all of its patch alike; one that turns with the hand moves the outer side more, and there
+    moves all of its patch alike. One that turns with the hand moves the outer side more, and there
     people see the deformation [NT, "Contact Point Detection"].
 
-    The drag is that of the finger's middle. Of the place it would be up to a quarter more in a
-    twist, and the paper's own method, which averages over 12 mm about a contact, would then be off
-    by far more than it is on real hands [NT, "Results"]; what bends a turn wrongly counts twice.
+    The drag is that of the finger's middle. The drag of the place would be up to a quarter more in
+    a twist. The paper's own method averages over 12 mm around a contact; it would then be off by
+    far more than on real hands [NT, "Results"].
 
     Args:
-        centre: (2,) mm, on the gel at rest.
+        centre: (2,) float64 mm, on the gel at rest.
         radius: mm.
-        motion: (3,) drag x, drag y in mm, sine of the turn.
-        press: mm; what is pressed down grows, so the patch is seen to move outwards as well.
+        motion: (3,) float64, drag x, drag y in mm, sine of the turn.
+        press: mm; a pressed patch looks larger, so its markers seem to move outwards as well.
 
     Returns:
-        The place (x, y) mm as it lies now, and the drag (x, y) mm.
+        The present place (x, y) in mm, and the drag (x, y) in mm.
     """
     cx, cy, turn = centre[0], centre[1], motion[2]
     dx, dy = motion[0] + press / VIEW_MM * cx, motion[1] + press / VIEW_MM * cy
@@ -159,15 +157,15 @@ def choose_shown(
     least: int,
     chosen: NDArray[np.bool_],
 ) -> int:
-    """Which fingers are contacts: those that move enough, and in any case those that move most.
+    """Chooses the fingers that are contacts: those that move enough, or else those that move most.
 
     Args:
-        radii: (k,) mm, k >= 1.
-        motions: (k, 3).
-        still_mm: a smaller motion takes no part in the gesture.
-        shown: (k,), 1 for those that moved enough before, else 0; updated.
-        least: so many are contacts in any case, if there are as many.
-        chosen: (k,), written.
+        radii: (k,) float64 mm, k >= 1.
+        motions: (k, 3) float64, see ``measure_motion``.
+        still_mm: a finger with a smaller motion takes no part in the gesture.
+        shown: (k,) int64, 1 for those that moved enough before, else 0; updated.
+        least: the least number of contacts, if there are as many fingers.
+        chosen: (k,) bool, written.
 
     Returns:
         The number of contacts.

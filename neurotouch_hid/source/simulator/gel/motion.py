@@ -12,7 +12,7 @@ from neurotouch_hid.geometry import GEL_RADIUS_MM, LATTICE_MM, N_MARKERS, NEIGHB
 from neurotouch_hid.messages import GestureKind, Truth
 from neurotouch_hid.source.simulator.gel import solid
 from neurotouch_hid.source.simulator.kernels import gel as kernels
-from neurotouch_hid.source.simulator.optics import Camera
+from neurotouch_hid.source.simulator.optics import CameraModel
 from neurotouch_hid.source.simulator.script import Grasp, Play
 
 KNOT_US = 4_000  # fast enough for the quickest hand: 210 mm/s is 0.84 mm a knot
@@ -45,7 +45,7 @@ class Knot:
     """The gel at one of the equally spaced moments.
 
     Attributes:
-        outline: (177, 6) float64, see ``Camera.outline``.
+        outline: (177, 6) float64, see ``CameraModel.outline``.
         kind: of the stroke at work, NONE at rest.
         contacts_px: (k, 2) float64, place of the largest deformation of each finger.
         seen_mm: (k,) float64, how far that place has moved in the image since rest.
@@ -68,7 +68,7 @@ class GelMotion:
     gone starts the script again.
     """
 
-    def __init__(self, script: Play, camera: Camera, px_per_mm: float, gel: GelConfig) -> None:
+    def __init__(self, script: Play, camera: CameraModel, px_per_mm: float, gel: GelConfig) -> None:
         self._script, self._camera, self._gel = script, camera, gel
         self._px_per_mm = px_per_mm
         at_rest = camera.outline(np.column_stack([LATTICE_MM, np.zeros(N_MARKERS)]))
@@ -76,7 +76,7 @@ class GelMotion:
         self._restart()
 
     def knot(self, index: int) -> Knot:
-        """The gel at ``index * KNOT_US``; negative indices are at rest."""
+        """Returns the gel at ``index * KNOT_US``; negative indices are at rest."""
         if index < 0:
             return self._rest
         if index < self._next - len(self._history):
@@ -87,7 +87,7 @@ class GelMotion:
         return self._history[index - self._next]
 
     def truth(self, t_us: int) -> Truth:
-        """The truth at ``t_us``."""
+        """Returns the truth at ``t_us``."""
         index, rest_us = divmod(t_us, KNOT_US)
         u = rest_us / KNOT_US
         weights = np.array(
@@ -134,7 +134,7 @@ class GelMotion:
 class _Grip:
     """The fingers of one grasp on the gel, from the moment they touch."""
 
-    def __init__(self, grasp: Grasp, camera: Camera) -> None:
+    def __init__(self, grasp: Grasp, camera: CameraModel) -> None:
         self.grasp = grasp
         fingers = grasp.fingers
         probes = [_probes(finger.contact_mm, finger.radius_mm) for finger in fingers]
@@ -146,7 +146,7 @@ class _Grip:
         self._rest_px = camera.project(self._late[N_MARKERS:])
 
     def move(self, t_us: int, gel: GelConfig) -> NDArray[np.float64]:
-        """Markers, then probes, (n, 3) mm, one knot after the last call."""
+        """Returns markers, then probes, (n, 3) mm, one knot after the last call."""
         state = self.grasp.move(t_us)
         motions, depths = state[:, :3].copy(), state[:, 3].copy()
         given = (self._points, self._centres, self._radii, motions, depths)
@@ -162,7 +162,7 @@ class _Grip:
     def summarise(
         self, probes_px: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Per finger the place of its largest deformation (k, 2), px.
+        """Returns the place of each finger's largest deformation, (k, 2) px.
 
         And how far (k,) that place and the finger's middle have moved.
         """
@@ -176,7 +176,7 @@ class _Grip:
 
 
 def _mobility(grasp: Grasp) -> NDArray[np.float64]:
-    """How freely each marker gives way, (177,) float64: not under a finger, little at the rim."""
+    """Returns how freely each marker moves, (177,) float64: 0 under a finger, low at the rim."""
     mobility: NDArray[np.float64] = np.maximum(
         1.0 - (np.hypot(*LATTICE_MM.T) / GEL_RADIUS_MM) ** 2, 0.0
     )

@@ -46,7 +46,7 @@ class Surface:
 
 @lru_cache(maxsize=1)
 def build_surface() -> Surface:
-    """The surface, solved once a process, in about a second."""
+    """Returns the surface, solved once a process, in about a second."""
     plan, cells, grid = _plan()
     height = _height(np.hypot(*plan.T))
     surface = np.zeros((3 * len(plan), 3 * len(plan)))
@@ -72,7 +72,7 @@ def build_surface() -> Surface:
 def deform(
     points: Floats, centres: Floats, radii: Floats, motions: Floats, depths: Floats
 ) -> Floats:
-    """Move points of the surface as the fingers move what they touch.
+    """Moves points of the surface as the fingers move what they touch.
 
     Args:
         points: (n, 2) float64 mm, the points at rest.
@@ -97,11 +97,14 @@ def deform(
 
 
 def _pull(centres: Floats, radii: Floats, motions: Floats, depths: Floats) -> Floats:
-    """How every node moves, (n + 1, 3) mm, with what the fingers hold; the last one never does."""
+    """Returns how every node moves, (n + 1, 3) mm, under the fingers.
+
+    The last one never does.
+    """
     surface = build_surface()
     plan, compliance = surface.plan, surface.compliance
     away = np.hypot(plan[:, 0] - centres[:, 0, None], plan[:, 1] - centres[:, 1, None])  # (k, n)
-    cover = np.clip((radii[:, None] - away) / CELL_MM + 0.25, 0.0, 1.0)  # a pad's rim holds less
+    cover = np.clip((radii[:, None] - away) / CELL_MM + 0.25, 0.0, 1.0)  # a pad's rim grips less
     owner, held = cover.argmax(axis=0), cover.max(axis=0)
     nodes = np.flatnonzero(held > 0.01)
     k = owner[nodes]
@@ -125,7 +128,7 @@ def _pull(centres: Floats, radii: Floats, motions: Floats, depths: Floats) -> Fl
 
 
 def _read(field: Floats, points: Floats) -> Floats:
-    """The field at points (n, 2) mm by cubic (Catmull-Rom) interpolation, (n, 3) mm."""
+    """Returns the field at points (n, 2) mm by cubic (Catmull-Rom) interpolation, (n, 3) mm."""
     grid = build_surface().grid
     place = np.clip(points / CELL_MM + N_SIDE // 2, 1.0, N_SIDE - 2.001)
     first = place.astype(np.intp)
@@ -162,7 +165,7 @@ def _plan() -> tuple[Floats, NDArray[np.intp], NDArray[np.intp]]:
 
 
 def _height(r: Floats) -> Floats:
-    """Of the dome, a spherical cap on a flat ring, mm."""
+    """Returns the height of the dome in mm: a spherical cap on a flat ring."""
     sphere = (GEL_RADIUS_MM**2 + RISE_MM**2) / (2.0 * RISE_MM)
     cap = np.sqrt(sphere**2 - np.minimum(r, GEL_RADIUS_MM) ** 2) - (sphere - RISE_MM)
     height: Floats = RIM_MM + cap

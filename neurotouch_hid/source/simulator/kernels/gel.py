@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 POISSON_RATIO = 0.47  # silicone, nearly incompressible; the value of the finite-element check
-CLAMP_RADIUS_MM = 31.0  # where the rim holds the gel; fitted to finite elements
+CLAMP_RADIUS_MM = 31.0  # where the rim clamps the gel; fitted to finite elements
 CLAMP_EXPONENT = 0.37  # fitted to finite elements
 BULGE = (
     0.09  # sideways motion at the edge of a press, share of its depth; finite elements: 0.03-0.09
@@ -22,7 +22,7 @@ STEP_RAD = 0.08  # longest step of a turn
 
 @nb.njit(cache=True, nogil=True)
 def clamp_window(x: float, y: float) -> float:
-    """How freely the gel moves at (x, y) mm: 1 in the centre, 0 at the clamped rim."""
+    """Returns how freely the gel moves at (x, y) mm: 1 in the centre, 0 at the clamped rim."""
     w = 1.0 - (x * x + y * y) / (CLAMP_RADIUS_MM * CLAMP_RADIUS_MM)
     return w**CLAMP_EXPONENT if w > 0.0 else 0.0
 
@@ -31,7 +31,7 @@ def clamp_window(x: float, y: float) -> float:
 def patch_field(
     x: float, y: float, a: float, dx: float, dy: float, turn: float
 ) -> tuple[float, float]:
-    """Displacement at (x, y) mm from the centre of a rigid circular patch on a half space.
+    """Returns the displacement at (x, y) mm from a rigid circular patch on a half space.
 
     The patch of radius ``a`` mm sticks, is dragged by (dx, dy) mm (Mindlin) and turned by ``turn``
     rad about its centre (Reissner-Sagoci); linear in all three.
@@ -55,7 +55,7 @@ def patch_field(
 
 @nb.njit(cache=True, nogil=True)
 def press_depth(r2: float, a: float) -> float:
-    """Depth at squared distance ``r2`` from the centre of a Hertz press of depth 1 and radius a."""
+    """Returns the depth at squared distance ``r2`` of a Hertz press of depth 1 and radius a."""
     q2 = r2 / (a * a)
     if q2 <= 1.0:
         return 1.0 - 0.5 * q2
@@ -65,7 +65,7 @@ def press_depth(r2: float, a: float) -> float:
 
 @nb.njit(cache=True, nogil=True)
 def _solve(matrix: Floats, vector: Floats, n: int) -> None:
-    """Solve the n x n system in place (Gauss with pivoting); the answer replaces ``vector``."""
+    """Solves the n x n system in place (Gauss with pivoting); the answer replaces ``vector``."""
     for i in range(n):
         best = i
         for j in range(i + 1, n):
@@ -129,7 +129,7 @@ def couple(centres: Floats, radii: Floats, motions: Floats, loads: Floats) -> No
 def resist_squeeze(
     rest: Floats, neighbours: NDArray[np.intp], mobility: Floats, moved: Floats
 ) -> None:
-    """Push neighbouring markers apart that linear elasticity squeezes too close.
+    """Pushes neighbouring markers apart that linear elasticity squeezes too close.
 
     Rubber stiffens under compression and hands the motion on; so a long drag piles the gel up over
     the whole way to the rim and not at the finger's edge alone.
@@ -137,7 +137,7 @@ def resist_squeeze(
     Args:
         rest: (n, 2) float64 mm, points at rest; the first m are markers.
         neighbours: (m, 8) intp, -1 where there is none.
-        mobility: (m,) float64, 0 for markers that a finger or the rim holds.
+        mobility: (m,) float64, 0 for markers that a finger or the rim fixes.
         moved: (n, 3) float64 mm, updated.
     """
     for _ in range(SQUEEZE_SWEEPS):
@@ -173,7 +173,7 @@ def deform(
     mobility: Floats,
     out: Floats,
 ) -> None:
-    """Move material points as the fingers move their patches.
+    """Moves material points as the fingers move their patches.
 
     Large motions go in small steps, the patches travelling along, so the gel piles up before a
     finger and never folds over itself.

@@ -1,6 +1,7 @@
 """The compiled loops of the optics: markers to the picture on the sensor."""
 
 import math
+from typing import NamedTuple
 
 import numba as nb
 import numpy as np
@@ -20,32 +21,48 @@ POINT_DTYPE = np.dtype(
 white marker, ``image`` now, ``exposed`` sum of ``image - base`` over the ticks of the exposure,
 ``is_touched`` whether a marker is drawn here."""
 
-N_TOUCHED = 0  # place in ``counts``
+COUNTS_DTYPE = np.dtype(
+    [("touched", "<i8"), ("active", "<i8"), ("events", "<i8"), ("lost", "<i8")], align=True
+)
+"""How far the lists of a sensor are filled: ``touched`` pixels with a marker, ``active`` pixels,
+``events``; and ``lost`` events that found no room."""
+
+
+class Picture(NamedTuple):
+    """The picture on the sensor.
+
+    Attributes:
+        canvas: (260 * 346,) POINT_DTYPE.
+        touched: (260 * 346,) int32, the pixels where a marker is drawn.
+        profile: (m,) float32, brightness of a marker over its squared relative radius.
+        profile_scale: entries of ``profile`` per unit of squared relative radius.
+        counts: (1,) COUNTS_DTYPE.
+    """
+
+    canvas: Records
+    touched: NDArray[np.int32]
+    profile: Singles
+    profile_scale: float
+    counts: Records
 
 
 @nb.njit(cache=True, nogil=True, error_model="numpy")
 def draw(
     knots: Floats,
     u: float,
-    profile: Singles,
-    profile_scale: float,
-    canvas: Records,
-    touched: NDArray[np.int32],
-    counts: NDArray[np.int64],
+    picture: Picture,
 ) -> None:
-    """Redraw all markers at share ``u`` of the way from the second to the third knot.
+    """Redraws all markers at share ``u`` of the way from the second to the third knot.
 
     Args:
         knots: (4, n, 6) float64, four equally spaced moments: x, y px, the quadratic form (xx, xy,
             yy) of the marker's outline in 1/px², brightness 0..1.
         u: 0..1.
-        profile: (m,) float32, brightness of a marker over its squared relative radius.
-        profile_scale: entries of ``profile`` per unit of squared relative radius.
-        canvas: (260 * 346,) POINT_DTYPE, updated.
-        touched: (260 * 346,) int32, the pixels where a marker is drawn, updated.
-        counts: (4,) int64, N_TOUCHED updated.
+        picture: updated.
     """
-    for slot in range(counts[N_TOUCHED]):
+    canvas, touched, profile = picture.canvas, picture.touched, picture.profile
+    profile_scale, counts = picture.profile_scale, picture.counts[0]
+    for slot in range(counts["touched"]):
         point = canvas[touched[slot]]
         point["image"] = point["base"]
         point["is_touched"] = False
@@ -85,12 +102,12 @@ def draw(
                 cover = gain * (profile[k] + (q - k) * (profile[k + 1] - profile[k]))
                 white = max(point["light"], point["base"])
                 point["image"] = min(point["image"] + cover * (white - point["base"]), white)
-    counts[N_TOUCHED] = n
+    counts["touched"] = n
 
 
 @nb.njit(cache=True, nogil=True)
-def expose(canvas: Records, touched: NDArray[np.int32], counts: NDArray[np.int64]) -> None:
-    """Add the picture of one tick to the frame."""
-    for slot in range(counts[N_TOUCHED]):
-        point = canvas[touched[slot]]
+def expose(picture: Picture) -> None:
+    """Adds the picture of one tick to the frame."""
+    for slot in range(picture.counts[0]["touched"]):
+        point = picture.canvas[picture.touched[slot]]
         point["exposed"] += point["image"] - point["base"]

@@ -1,13 +1,14 @@
 """The compiled loops of the sensor: a moving picture to events."""
 
 import math
+from typing import NamedTuple
 
 import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.messages import SENSOR_WIDTH_PX
-from neurotouch_hid.source.simulator.kernels.optics import N_TOUCHED, draw, expose
+from neurotouch_hid.source.simulator.kernels.optics import Picture, draw, expose
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -34,12 +35,68 @@ the last reset minus the leak up to ``seen_us``, thresholds ``on`` and ``off``, 
 units per µs, ``is_active`` whether the signal may change, ``free_us`` end of the refractory
 period."""
 
-N_ACTIVE, N_EVENTS, N_LOST = 1, 2, 3  # places in ``counts``, beside N_TOUCHED
+
+class Chip(NamedTuple):
+    """The event pixels of one sensor, and what they see.
+
+    Attributes:
+        picture: the picture on them.
+        pixels: (260 * 346,) PIXEL_DTYPE.
+        active: (260 * 346,) int32, the pixels whose signal may change.
+        levels: (m,) float32, lin-log of the intensity; index is DN times LEVEL_SCALE.
+        gains: (m,) float32, share of the way to its input that the low pass goes in one tick.
+        refractory_us: dead time of a pixel after an event.
+        hot: (h,) int32, the hot pixels.
+        hot_hz: rate of noise events of a hot pixel.
+        shot_hz: rate of noise events of a dark pixel.
+        random: (1,) uint64, counter of the random generator.
+        row_us: period of the row-wise readout, see ``sort_tick``.
+        events: (m,) EVENT_DTYPE, filled from the front.
+        counts: (1,) COUNTS_DTYPE, the same array as the picture's.
+    """
+
+    picture: Picture
+    pixels: Records
+    active: NDArray[np.int32]
+    levels: Singles
+    gains: Singles
+    refractory_us: float
+    hot: NDArray[np.int32]
+    hot_hz: float
+    shot_hz: float
+    random: NDArray[np.uint64]
+    row_us: int
+    events: Records
+    counts: Records
+
+
+class Stretch(NamedTuple):
+    """A stretch of time within one knot interval.
+
+    Attributes:
+        t_us: begin of the first tick.
+        tick_us: length of a tick.
+        first_tick: index of the first tick within the interval.
+        n_ticks: how many ticks.
+        ticks_per_knot: ticks of a whole interval.
+        window_us: how often leaking pixels are looked for.
+        moving: whether any two knots differ.
+        exposing: whether a frame is being exposed.
+    """
+
+    t_us: int
+    tick_us: int
+    first_tick: int
+    n_ticks: int
+    ticks_per_knot: int
+    window_us: int
+    moving: bool
+    exposing: bool
 
 
 @nb.njit(cache=True, nogil=True)
 def random_uniform(state: NDArray[np.uint64]) -> float:
-    """Next number in [0, 1) of the splitmix64 generator whose counter is ``state[0]``."""
+    """Returns the next number in [0, 1) of splitmix64, whose counter is ``state[0]``."""
     state[0] += np.uint64(0x9E3779B97F4A7C15)
     z = state[0]
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
@@ -50,7 +107,7 @@ def random_uniform(state: NDArray[np.uint64]) -> float:
 
 @nb.njit(cache=True, nogil=True)
 def random_poisson(mean: float, state: NDArray[np.uint64]) -> int:
-    """A Poisson number, by counting exponential gaps."""
+    """Returns a Poisson number, by counting exponential gaps."""
     n = 0
     total = -math.log(1.0 - random_uniform(state))
     while total < mean:
@@ -60,29 +117,24 @@ def random_poisson(mean: float, state: NDArray[np.uint64]) -> int:
 
 
 @nb.njit(cache=True, nogil=True)
-def wake_touched(
-    touched: NDArray[np.int32],
-    pixels: Records,
-    active: NDArray[np.int32],
-    counts: NDArray[np.int64],
-) -> None:
-    """Make the pixels in ``touched`` active; arguments as in ``sense``."""
-    n = counts[N_ACTIVE]
-    for slot in range(counts[N_TOUCHED]):
+def wake_touched(chip: Chip) -> None:
+    """Makes the pixels active where a marker is drawn."""
+    pixels, active, touched, counts = chip.pixels, chip.active, chip.picture.touched, chip.counts[0]
+    n = counts["active"]
+    for slot in range(counts["touched"]):
         pixel = pixels[touched[slot]]
         if not pixel["is_active"]:
             pixel["is_active"] = True
             active[n] = touched[slot]
             n += 1
-    counts[N_ACTIVE] = n
+    counts["active"] = n
 
 
 @nb.njit(cache=True, nogil=True)
-def wake_leaking(
-    end_us: float, pixels: Records, active: NDArray[np.int32], counts: NDArray[np.int64]
-) -> None:
-    """Make every pixel active whose leak alone fires it before ``end_us``."""
-    n = counts[N_ACTIVE]
+def wake_leaking(end_us: float, chip: Chip) -> None:
+    """Makes every pixel active whose leak alone fires it before ``end_us``."""
+    pixels, active, counts = chip.pixels, chip.active, chip.counts[0]
+    n = counts["active"]
     for i in range(len(pixels)):
         pixel = pixels[i]
         distance = pixel["signal"] - pixel["reference"]
@@ -91,39 +143,29 @@ def wake_leaking(
             pixel["is_active"] = True
             active[n] = i
             n += 1
-    counts[N_ACTIVE] = n
+    counts["active"] = n
 
 
 @nb.njit(cache=True, nogil=True)
-def _emit(t: float, i: int, polarity: bool, events: Records, counts: NDArray[np.int64]) -> None:
-    n = counts[N_EVENTS]
+def _emit(t: float, i: int, polarity: bool, events: Records, counts: Records) -> None:
+    n = counts[0]["events"]
     if n >= len(events):
-        counts[N_LOST] += 1
+        counts[0]["lost"] += 1
         return
     event = events[n]
     event["t"], event["x"], event["y"] = int(t), i % SENSOR_WIDTH_PX, i // SENSOR_WIDTH_PX
     event["p"] = polarity
-    counts[N_EVENTS] = n + 1
+    counts[0]["events"] = n + 1
 
 
-@nb.njit(cache=True, nogil=True, error_model="numpy")
-def _fire(
-    i: int,
-    before: float,
-    after: float,
-    begin: float,
-    end: float,
-    refractory_us: float,
-    pixels: Records,
-    events: Records,
-    counts: NDArray[np.int64],
-) -> float:
-    """Let pixel ``i`` fire in a tick in which its signal runs from ``before`` to ``after``.
+@nb.njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _fire(i: int, before: float, after: float, begin: float, end: float, chip: Chip) -> float:
+    """Lets pixel ``i`` fire in a tick in which its signal runs from ``before`` to ``after``.
 
     Returns:
         How far the signal is above the reference at the end.
     """
-    pixel = pixels[i]
+    pixel = chip.pixels[i]
     on, off = float(pixel["on"]), float(pixel["off"])
     slope = (after - before) / (end - begin) + pixel["leak"]
     free, start = pixel["free_us"], begin
@@ -138,28 +180,16 @@ def _fire(
             break
         wait = ((on if final > 0.0 else -off) - distance) / slope
         moment = start + wait if wait > 0.0 else start
-        _emit(min(moment, end - 1.0), i, final > 0.0, events, counts)
-        free = start = moment + refractory_us
+        _emit(min(moment, end - 1.0), i, final > 0.0, chip.events, chip.counts)
+        free = start = moment + chip.refractory_us
         distance = 0.0
     pixel["free_us"], pixel["reference"], pixel["seen_us"] = free, after - distance, end
     return distance
 
 
 @nb.njit(cache=True, nogil=True)
-def sense(
-    t_us: int,
-    tick_us: int,
-    rest_us: int,
-    refractory_us: float,
-    levels: Singles,
-    gains: Singles,
-    canvas: Records,
-    pixels: Records,
-    active: NDArray[np.int32],
-    events: Records,
-    counts: NDArray[np.int64],
-) -> None:
-    """Let all active pixels see one tick of the picture and fire where they cross a threshold.
+def sense(t_us: int, tick_us: int, rest_us: int, chip: Chip) -> None:
+    """Lets all active pixels see one tick of the picture and fire where they cross a threshold.
 
     The signal runs linearly from its value at the begin of the tick to that at its end, so crossing
     times are exact to the µs. In the refractory period the pixel is held in reset, as the circuit
@@ -169,29 +199,23 @@ def sense(
         t_us: begin of the tick.
         tick_us: its length.
         rest_us: a pixel stays active if its leak can fire it within this time.
-        refractory_us: dead time after an event.
-        levels: (m,) float32, lin-log of the intensity; index is DN times LEVEL_SCALE.
-        gains: (m,) float32, share of the way to its input that the low pass goes in one tick.
-        canvas: (n,) POINT_DTYPE, the picture at the end of the tick.
-        pixels: (n,) PIXEL_DTYPE, updated.
-        active: (n,) int32, the active pixels, updated.
-        events: (m,) EVENT_DTYPE, appended to, not sorted.
-        counts: (4,) int64, N_ACTIVE, N_EVENTS and N_LOST updated.
+        chip: its picture is that at the end of the tick; updated, its new events not sorted.
     """
+    pixels, active, canvas, levels = chip.pixels, chip.active, chip.picture.canvas, chip.levels
     begin, end = float(t_us), float(t_us + tick_us)
     n_kept = 0
-    for slot in range(counts[N_ACTIVE]):
+    for slot in range(chip.counts[0]["active"]):
         i = active[slot]
         pixel = pixels[i]
         place = canvas[i]["image"] * LEVEL_SCALE
         k = int(place)
         goal = levels[k] + (place - k) * (levels[k + 1] - levels[k])
         before = pixel["signal"]
-        after = before + gains[k] * (goal - before)
+        after = before + chip.gains[k] * (goal - before)
         pixel["signal"] = after
         distance = after - pixel["reference"] + pixel["leak"] * (end - pixel["seen_us"])
         if pixel["free_us"] >= begin or not -pixel["off"] < distance < pixel["on"]:
-            distance = _fire(i, before, after, begin, end, refractory_us, pixels, events, counts)
+            distance = _fire(i, before, after, begin, end, chip)
         if (
             abs(goal - after) > SETTLED
             or pixel["free_us"] >= end
@@ -201,60 +225,41 @@ def sense(
             n_kept += 1
         else:
             pixel["is_active"] = False
-    counts[N_ACTIVE] = n_kept
+    chip.counts[0]["active"] = n_kept
 
 
 @nb.njit(cache=True, nogil=True)
-def add_noise(
-    t_us: int,
-    tick_us: int,
-    shot_hz: float,
-    hot_hz: float,
-    refractory_us: float,
-    hot: NDArray[np.int32],
-    random: NDArray[np.uint64],
-    canvas: Records,
-    pixels: Records,
-    events: Records,
-    counts: NDArray[np.int64],
-) -> None:
-    """Add shot noise (full rate in the dark, a quarter at white) and hot pixels for one tick.
+def add_noise(t_us: int, tick_us: int, chip: Chip) -> None:
+    """Adds shot noise (full rate in the dark, a quarter at white) and hot pixels for one tick.
 
     Args:
         t_us: begin of the tick.
         tick_us: its length.
-        shot_hz: rate of noise events of a dark pixel.
-        hot_hz: rate of noise events of a hot pixel.
-        refractory_us: dead time after an event.
-        hot: (h,) int32, the hot pixels.
-        random: (1,) uint64, counter of the random generator, updated.
-        canvas: (n,) POINT_DTYPE, the picture.
-        pixels: (n,) PIXEL_DTYPE, updated.
-        events: (m,) EVENT_DTYPE, appended to, not sorted.
-        counts: (4,) int64, N_EVENTS and N_LOST updated.
+        chip: updated, its new events not sorted.
     """
-    n_shot = random_poisson(shot_hz * len(pixels) * tick_us * 1e-6, random)
-    n_hot = random_poisson(hot_hz * len(hot) * tick_us * 1e-6, random)
+    pixels, hot, random = chip.pixels, chip.hot, chip.random
+    n_shot = random_poisson(chip.shot_hz * len(pixels) * tick_us * 1e-6, random)
+    n_hot = random_poisson(chip.hot_hz * len(hot) * tick_us * 1e-6, random)
     for k in range(n_shot + n_hot):
         t = t_us + random_uniform(random) * tick_us
         polarity = random_uniform(random) < 0.5
         if k < n_shot:
             i = int(random_uniform(random) * len(pixels))
-            if random_uniform(random) < 0.75 / 255.0 * canvas[i]["image"]:
+            if random_uniform(random) < 0.75 / 255.0 * chip.picture.canvas[i]["image"]:
                 continue
         else:
             i = int(hot[int(random_uniform(random) * len(hot))])
         pixel = pixels[i]
         if t >= pixel["free_us"]:
-            _emit(t, i, polarity, events, counts)
-            pixel["free_us"] = t + refractory_us
+            _emit(t, i, polarity, chip.events, chip.counts)
+            pixel["free_us"] = t + chip.refractory_us
             pixel["reference"] = pixel["signal"]
             pixel["seen_us"] = float(t_us + tick_us)
 
 
 @nb.njit(cache=True, nogil=True)
 def sort_tick(first: int, t_us: int, tick_us: int, row_us: int, events: Records, end: int) -> None:
-    """Sort the events from ``first`` to ``end``, all of one tick, by time (stable counting sort).
+    """Sorts the events from ``first`` to ``end``, all of one tick, by time (stable counting sort).
 
     With ``row_us`` > 0 the events of a row wait for the row's turn, which comes every ``row_us``
     µs, and share its stamp, as a row-wise readout does.
@@ -277,98 +282,26 @@ def sort_tick(first: int, t_us: int, tick_us: int, row_us: int, events: Records,
 
 
 @nb.njit(cache=True, nogil=True)
-def advance(
-    knots: Floats,
-    moving: bool,
-    first_tick: int,
-    n_ticks: int,
-    ticks_per_knot: int,
-    t_us: int,
-    tick_us: int,
-    exposing: bool,
-    shot_hz: float,
-    hot_hz: float,
-    refractory_us: float,
-    row_us: int,
-    window_us: int,
-    profile: Singles,
-    profile_scale: float,
-    levels: Singles,
-    gains: Singles,
-    hot: NDArray[np.int32],
-    random: NDArray[np.uint64],
-    canvas: Records,
-    touched: NDArray[np.int32],
-    pixels: Records,
-    active: NDArray[np.int32],
-    events: Records,
-    counts: NDArray[np.int64],
-) -> None:
-    """Run picture and pixels for some ticks within one knot interval.
+def advance(knots: Floats, stretch: Stretch, chip: Chip) -> None:
+    """Runs picture and pixels through a stretch of time.
 
     Args:
-        knots: (4, n, 6) float64, see ``draw``; the interval lies between the second and the third.
-        moving: whether any two knots differ.
-        first_tick: index of the first tick within the interval.
-        n_ticks: how many ticks to run.
-        ticks_per_knot: ticks of a whole interval.
-        t_us: begin of the first tick.
-        tick_us: length of a tick.
-        exposing: whether a frame is being exposed.
-        shot_hz: see ``add_noise``, as for the next.
-        hot_hz: rate of a hot pixel.
-        refractory_us: dead time of a pixel after an event.
-        row_us: see ``sort_tick``.
-        window_us: how often leaking pixels are looked for.
-        profile: see ``draw``, as for the next.
-        profile_scale: entries per unit.
-        levels: see ``sense``, as for the next.
-        gains: of the low pass.
-        hot: the hot pixels.
-        random: counter of the random generator, updated.
-        canvas: the picture, updated.
-        touched: pixels with a marker, updated.
-        pixels: event pixels, updated.
-        active: pixels whose signal may change, updated.
-        events: (m,) EVENT_DTYPE, appended to in order of time.
-        counts: (4,) int64, updated.
+        knots: (4, n, 6) float64, see ``draw``; the interval is between the second and the third.
+        stretch: when.
+        chip: updated; its new events are in order of time.
     """
-    for tick in range(n_ticks):
-        begin = t_us + tick * tick_us
-        first = counts[N_EVENTS]
+    tick_us, window_us = stretch.tick_us, stretch.window_us
+    for tick in range(stretch.n_ticks):
+        begin = stretch.t_us + tick * tick_us
+        first = chip.counts[0]["events"]
         if begin % window_us == 0:
-            wake_leaking(float(begin + window_us), pixels, active, counts)
-        if moving:
-            wake_touched(touched, pixels, active, counts)
-            u = (first_tick + tick + 1) / ticks_per_knot
-            draw(knots, u, profile, profile_scale, canvas, touched, counts)
-            wake_touched(touched, pixels, active, counts)
-        sense(
-            begin,
-            tick_us,
-            window_us,
-            refractory_us,
-            levels,
-            gains,
-            canvas,
-            pixels,
-            active,
-            events,
-            counts,
-        )
-        add_noise(
-            begin,
-            tick_us,
-            shot_hz,
-            hot_hz,
-            refractory_us,
-            hot,
-            random,
-            canvas,
-            pixels,
-            events,
-            counts,
-        )
-        sort_tick(first, begin, tick_us, row_us, events, counts[N_EVENTS])
-        if exposing:
-            expose(canvas, touched, counts)
+            wake_leaking(float(begin + window_us), chip)
+        if stretch.moving:
+            wake_touched(chip)
+            draw(knots, (stretch.first_tick + tick + 1) / stretch.ticks_per_knot, chip.picture)
+            wake_touched(chip)
+        sense(begin, tick_us, window_us, chip)
+        add_noise(begin, tick_us, chip)
+        sort_tick(first, begin, tick_us, chip.row_us, chip.events, chip.counts[0]["events"])
+        if stretch.exposing:
+            expose(chip.picture)

@@ -1,4 +1,4 @@
-"""What lies between gel and sensor: camera, lens and light."""
+"""What is between gel and sensor: camera, lens and light."""
 
 from neurotouch_hid.source.simulator.optics.light import (
     PROFILE_SCALE,
@@ -6,6 +6,6 @@ from neurotouch_hid.source.simulator.optics.light import (
     marker_profile,
     paint,
 )
-from neurotouch_hid.source.simulator.optics.projection import Camera, CameraConfig
+from neurotouch_hid.source.simulator.optics.projection import CameraConfig, CameraModel
 
-__all__ = ["PROFILE_SCALE", "Camera", "CameraConfig", "LightConfig", "marker_profile", "paint"]
+__all__ = ["PROFILE_SCALE", "CameraConfig", "CameraModel", "LightConfig", "marker_profile", "paint"]

@@ -38,7 +38,7 @@ class LightConfig:
 
 
 def paint(config: LightConfig, rig: Rig) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The picture without markers and the brightness of a marker everywhere.
+    """Returns the picture without markers and the brightness of a marker everywhere.
 
     Returns:
         Two (260, 346) float64 in DN.

@@ -7,16 +7,16 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import GEL_RADIUS_MM, MARKER_DIAMETER_MM, NOMINAL_PX_PER_MM, Rig
 
-RING_MM = 31.5  # the housing hides what lies further out
+RING_MM = 31.5  # the housing hides what is further out
 SHIPPED_RIG = Rig((172.5, 129.5), NOMINAL_PX_PER_MM)  # the middle of the sensor
 
 
 @dataclass(frozen=True, slots=True)
 class CameraConfig:
-    """Where the camera stands and what its lens does.
+    """The camera's place and what its lens does.
 
     Attributes:
-        rig: where the gel lies in the image.
+        rig: where the gel is in the image.
         distance_mm: from the lens to the plane of the rim.
         height_mm: of the dome over that plane.
         barrel: radial distortion of the lens in 1/mm² at the gel; nearly undoes the dome's.
@@ -30,7 +30,7 @@ class CameraConfig:
     falloff: float = 0.7
 
 
-class Camera:
+class CameraModel:
     """Maps points of the gel to the image."""
 
     def __init__(self, config: CameraConfig) -> None:
@@ -38,12 +38,12 @@ class Camera:
         self._sphere_mm = (GEL_RADIUS_MM**2 + config.height_mm**2) / (2.0 * config.height_mm)
 
     def project(self, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Image points (n, 2) in px of gel points (n, 3): x, y and depth below the dome in mm."""
+        """Returns image points (n, 2) px of gel points (n, 3): x, y, depth below the dome in mm."""
         _, magnified = self._magnify(points_mm)
         return self._config.rig.to_px(magnified)
 
     def outline(self, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
-        """How markers look.
+        """Returns how markers look.
 
         Args:
             points_mm: (n, 3) x, y and depth below the dome in mm.

@@ -1,0 +1,275 @@
+"""``neurotouch session``: gives the system's service a person's settings, and plays its sounds."""
+
+import fcntl
+import os
+import select
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+from threading import Event
+from typing import TYPE_CHECKING, Final
+
+import click
+
+from neurotouch_hid.closing import Closing
+
+if TYPE_CHECKING:
+    import socket
+
+    from neurotouch_hid.monitor.stream_sound import StreamSound
+
+AGAIN_S: Final = 2.0
+"""How often a driver is looked for; the first pause before settings are handed over again."""
+
+MOST_S: Final = 60.0
+"""The longest such pause. It doubles: a profile with errors is refused again, and each time the
+service's journal says so."""
+
+LOOK_S: Final = 1.0
+"""How often the person's files are looked at."""
+
+HZ: Final = 30
+"""States a second. Two sounds are further apart than two states."""
+
+HandOver = Callable[[int], bool]
+"""Hands the settings of a player to the running driver; returns whether the driver has them."""
+
+_Stamp = tuple[str, int, int, int]
+"""A file: its path, its number, when it was changed in ns, its size in bytes."""
+
+
+@click.command(
+    epilog="\b\nExamples:\n"
+    "  systemctl --user status neurotouch-session       what it does; it starts with your session\n"
+    "  systemctl --user mask --now neurotouch-session   do without it; 'unmask' is the way back\n"
+    "  neurotouch session                               the same by hand; Ctrl-C ends it\n\n"
+    "Exit codes: 0 ended by a signal, 75 it already runs for this user."
+)
+def command() -> None:
+    """Connect the system's service with this session: your settings and your loudspeakers.
+
+    The service can read no home folder and play no sound. While you are at the machine, this
+    program gives it your settings whenever a file of them changes. It plays the service's sounds
+    and speech as your own values say. It is silent while a driver of your own runs, which plays its
+    sounds itself.
+    """
+    from neurotouch_hid.handover import hand_over
+    from neurotouch_hid.players import PLAYER, PLAYERS, find_player, find_runtime_folder
+    from neurotouch_hid.process.signals import stop_on_signals
+
+    def announce(sentence: str) -> None:
+        with suppress(OSError):  # the terminal has gone
+            click.echo(sentence, err=True)
+
+    players = [find_player()] if PLAYER in os.environ else [int(name) for name in PLAYERS]
+    stop = stop_on_signals()
+    with _only_one(find_runtime_folder(players[0]) / "session"):
+        serve(players, lambda player: hand_over(player).status == "plays", stop, announce)
+
+
+def serve(
+    players: Iterable[int], hand_over: HandOver, stop: Event, announce: Callable[[str], object]
+) -> None:
+    """Hands settings over and plays sounds until it is told to stop.
+
+    Args:
+        players: whose drivers.
+        hand_over: is called when a player's files have changed, until it says True.
+        stop: ends it within a second, or when a driver has answered.
+        announce: tells the person a sentence; called from several threads.
+    """
+    with ExitStack() as stack:
+        links = [stack.enter_context(_Link(player, hand_over, announce)) for player in players]
+        due_s = 0.0
+        while not stop.is_set():
+            now_s = time.monotonic()
+            if now_s >= due_s:
+                due_s = now_s + LOOK_S
+                for link in links:
+                    link.look(now_s)
+            peers = {link.peer: link for link in links if link.peer is not None}
+            if not peers:
+                stop.wait(LOOK_S)
+                continue
+            for peer in select.select(list(peers), [], [], LOOK_S)[0]:
+                peers[peer].hear()
+
+
+class _Link(Closing):
+    """What connects the person with the driver of one player.
+
+    Args:
+        player: whose driver.
+        hand_over: see ``serve``.
+        announce: tells the person a sentence.
+    """
+
+    def __init__(self, player: int, hand_over: HandOver, announce: Callable[[str], object]) -> None:
+        from neurotouch_hid.subscriber import Subscriber
+
+        self._player = player
+        self._hand_over = hand_over
+        self._announce = announce
+        self._subscriber = Subscriber(player)
+        self._connect_s = 0.0
+        self._values: list[_Stamp] = []
+        self._given: list[_Stamp] | None = None
+        self._tried: list[_Stamp] | None = None
+        self._give_s = self._pause_s = 0.0
+        self._sound: StreamSound | None = None
+
+    @property
+    def peer(self) -> "socket.socket | None":
+        """The connection to a driver's feed; None without one, or where no sound is wanted."""
+        return self._subscriber.peer
+
+    def look(self, now_s: float) -> None:
+        """Looks at files and drivers; to be called about once a second.
+
+        Args:
+            now_s: the present moment on a clock that never goes back.
+        """
+        self._look_at_values()
+        self._give(now_s)
+        if not self._wants_sound():
+            self._leave(now_s)
+        elif self.peer is None and now_s >= self._connect_s:
+            self._connect_s = now_s + AGAIN_S
+            self._subscriber.want(HZ)
+            self._subscriber.connect()
+        elif self.peer is not None and self._finds_nearer(self.peer):
+            self._leave(now_s)
+
+    def hear(self) -> None:
+        """Plays what the newest state has to be heard of."""
+        state = self._subscriber.take()
+        if state is not None and self._sound is not None and not self._sound.hear(state):
+            self._subscriber.want(0)  # it plays itself; the connection tells when it ends
+        if self.peer is None:  # the driver has ended, or does not admit this person now
+            self._leave(time.monotonic())
+
+    def close(self) -> None:
+        """Leaves the driver and ends the player of sounds."""
+        self._subscriber.close()
+        if self._sound is not None:
+            self._sound.close()
+
+    def _leave(self, now_s: float) -> None:
+        self._subscriber.close()
+        self._connect_s = now_s + AGAIN_S
+        if self._sound is not None:
+            self._sound.forget()
+
+    def _finds_nearer(self, peer: "socket.socket") -> bool:
+        """Returns whether a driver of the person's own has come since the connection was made."""
+        from neurotouch_hid.client import is_served
+        from neurotouch_hid.players import list_runtime_folders
+
+        folders = list_runtime_folders(self._player)
+        with suppress(OSError, ValueError):
+            place = folders.index(Path(peer.getpeername()).parent)
+            return any(is_served(folder) for folder in folders[:place])
+        return False
+
+    def _give(self, now_s: float) -> None:
+        """Hands the settings over if the files have changed and a driver runs."""
+        from neurotouch_hid.errors import NeuroTouchError
+        from neurotouch_hid.players import find_socket, list_runtime_folders
+
+        files = _stamp_settings(self._player)
+        if files == self._given:
+            return
+        if files != self._tried:
+            self._tried, self._give_s, self._pause_s = files, now_s, AGAIN_S
+        folders = list_runtime_folders(self._player)
+        if now_s < self._give_s or not any(find_socket(each).exists() for each in folders):
+            return
+        with suppress(NeuroTouchError):
+            if self._hand_over(self._player):
+                self._given = files
+                return
+        self._give_s = now_s + self._pause_s
+        self._pause_s = min(2 * self._pause_s, MOST_S)
+
+    def _wants_sound(self) -> bool:
+        return self._sound is not None and self._sound.feedback.sound != "none"
+
+    def _look_at_values(self) -> None:
+        """Reads the person's values, or the machine's, when their files have changed."""
+        files = _stamp_values(self._player)
+        if files == self._values:
+            return
+        self._values = files
+        if self._sound is None and not any(_mentions_sound(path) for path, *_ in files):
+            return  # what reads and plays them takes 33 MB
+        from neurotouch_hid.errors import NeuroTouchError
+        from neurotouch_hid.monitor.stream_sound import StreamSound
+        from neurotouch_hid.profile import load_user
+
+        try:
+            feedback = load_user(player=self._player).feedback
+        except NeuroTouchError as error:
+            self._announce(f"Warning: the sounds stay as they were. {error.message}")
+            return
+        if self._sound is None:
+            self._sound = StreamSound(self._announce)
+        self._sound.feedback = feedback
+
+
+def _stamp_settings(player: int) -> list[_Stamp]:
+    """Returns the person's files as they are now: values and profiles."""
+    from neurotouch_hid.players import find_config_folder, find_user_file
+
+    return _stamp([find_user_file(player), *find_config_folder().glob("profiles/*.yaml")])
+
+
+def _stamp_values(player: int) -> list[_Stamp]:
+    """Returns the files that may say what this person wants to hear, as they are now."""
+    from neurotouch_hid.players import find_machine_folder, find_user_file
+
+    return _stamp([find_user_file(player), find_user_file(player, find_machine_folder())])
+
+
+def _stamp(paths: Iterable[Path]) -> list[_Stamp]:
+    stamps = []
+    for path in paths:
+        with suppress(OSError):
+            found = path.stat()
+            stamps.append((str(path), found.st_ino, found.st_mtime_ns, found.st_size))
+    return sorted(stamps)
+
+
+def _mentions_sound(path: str) -> bool:
+    try:
+        return b"sound" in Path(path).read_bytes()
+    except OSError:
+        return False
+
+
+@contextmanager
+def _only_one(path: Path) -> Iterator[None]:
+    """Lets one of these run for each user.
+
+    Raises:
+        AlreadyRunningError: one runs.
+        DriverError: the lock cannot be made.
+    """
+    from neurotouch_hid.errors import AlreadyRunningError, DriverError
+
+    try:
+        path.parent.mkdir(mode=0o700, exist_ok=True)
+        lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
+    except OSError as error:
+        raise DriverError(f"No lock can be made: {error.strerror} ({path}).") from None
+    try:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise AlreadyRunningError(
+                "'neurotouch session' already runs for this user.",
+                hint="See what it does: systemctl --user status neurotouch-session",
+            ) from None
+        yield
+    finally:
+        os.close(lock)

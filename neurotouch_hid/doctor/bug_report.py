@@ -1,0 +1,219 @@
+"""One report about this machine for a bug thread, with everything private taken out."""
+
+import importlib.metadata
+import os
+import platform
+import pwd
+import re
+import socket
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, Final
+
+from neurotouch_hid import __version__
+from neurotouch_hid.doctor import Finding
+from neurotouch_hid.doctor.inventory import find_driver, find_pads
+from neurotouch_hid.source.davis import find_cameras
+
+VARIABLES: Final = (
+    "container",
+    "DISPLAY",
+    "LANG",
+    "NO_COLOR",
+    "NT_ACCESSIBLE",
+    "NUMBA_CPU_NAME",
+    "NUMBA_DISABLE_JIT",
+    "NUMBA_NUM_THREADS",
+    "SDL_GAMECONTROLLERCONFIG",
+    "SDL_GAMECONTROLLER_IGNORE_DEVICES",
+    "SDL_GAMECONTROLLER_IGNORE_DEVICES_EXCEPT",
+    "SDL_JOYSTICK_DEVICE",
+    "SDL_JOYSTICK_DISABLE_UDEV",
+    "SDL_JOYSTICK_HIDAPI",
+    "TERM",
+    "WAYLAND_DISPLAY",
+    "XDG_CURRENT_DESKTOP",
+    "XDG_SEAT",
+    "XDG_SESSION_TYPE",
+)
+"""The variables that are reported; no other one is."""
+
+LEFT_OUT: Final = (
+    "your user name, real name, home folder and the name of this machine",
+    "serial numbers of cameras, network and Bluetooth addresses",
+    "all environment variables but those shown, and names of windows",
+    "your profiles, your calibration, recordings and pictures",
+    "the places of game controllers that are not ours",
+)
+
+_PRIVATE_FACTS: Final = ("desktop",)
+"""Of the driver's status: it names the window in front."""
+
+_PACKAGES: Final = (
+    *("click", "evdev-binary", "faery", "hidapi", "libusb1", "lz4", "numba", "numpy"),
+    *("opencv-contrib-python-headless", "pydantic", "pyusb", "ruamel.yaml", "websockets"),
+)
+_MAC: Final = re.compile(r"\b(?:[0-9A-Fa-f]{2}[:-]){5}[0-9A-Fa-f]{2}\b")
+_ADDRESS: Final = re.compile(r"\b(?!127\.0\.0\.1\b)(?:\d{1,3}\.){3}\d{1,3}\b")
+_SERIAL: Final = re.compile(r"(?<=davis:)[0-9A-Za-z._-]+")
+_LOCAL: Final = {"localhost", "neurotouch", "root"}
+"""Names that are nobody's."""
+
+Rule = tuple[re.Pattern[str], str]
+
+
+def gather(findings: Iterable[Finding]) -> dict[str, Any]:
+    """Returns the report, ready for JSON and for publication.
+
+    Args:
+        findings: what the doctor has found.
+    """
+    running = find_driver()
+    cameras = find_cameras()
+    report: dict[str, Any] = {
+        "program": {"neurotouch": __version__, "at": str(Path(__file__).parents[1])},
+        "system": _describe_system(),
+        "environment": {name: os.environ[name] for name in VARIABLES if name in os.environ},
+        "cameras": [asdict(info) for info in cameras],
+        "pads": [_describe_pad(pad.ours, asdict(pad)) for pad in find_pads()],
+        "driver": None if running is None else _strip(running),
+        "doctor": [finding.as_json() for finding in findings],
+    }
+    said = "" if running is None else str(running.get("source", ""))
+    serials = {info.serial for info in cameras} | set(_SERIAL.findall(said))
+    clean = make_cleaner(list_rules(serials))
+    # Some versions look like network addresses; they are public.
+    packages = {name: _find_version(name) for name in _PACKAGES}
+    return {"packages": packages, **clean(report), "left_out": list(LEFT_OUT)}
+
+
+def list_rules(serials: Iterable[str] = ()) -> list[Rule]:
+    """Returns what is taken out of every text, and what replaces it.
+
+    Args:
+        serials: numbers of cameras.
+    """
+    names, real, homes = _find_person()
+    host = socket.gethostname()
+    secrets = [
+        *((path, "~") for path in homes if len(path) > 1),
+        *((name, "USER") for name in names if name not in _LOCAL),
+        *((name, "NAME") for name in real if name not in _LOCAL),
+        *((name, "HOST") for name in {host, host.split(".")[0]} if name not in _LOCAL),
+        *((serial, "SERIAL") for serial in serials if serial),
+    ]
+    secrets.sort(key=lambda secret: -len(secret[0]))  # a path before the name in it
+    exact = [
+        (re.compile(rf"(?<![A-Za-z0-9]){re.escape(text)}(?![A-Za-z0-9])"), instead)
+        for text, instead in secrets
+    ]
+    return [*exact, (_MAC, "ADDRESS"), (_ADDRESS, "ADDRESS"), (_SERIAL, "SERIAL")]
+
+
+def _find_person() -> tuple[set[str], set[str], set[str]]:
+    """Returns the person's user names, real names and home folders."""
+    variables = ("USER", "LOGNAME", "SUDO_USER")
+    names = {os.environ[name] for name in variables if os.environ.get(name)}
+    real, homes = set(), {os.environ.get("HOME", "")}
+    with suppress(KeyError):  # a container may not know its own user
+        account = pwd.getpwuid(os.getuid())
+        names.add(account.pw_name)
+        homes.add(account.pw_dir)
+        real = {account.pw_gecos.split(",")[0]} - {""}
+    return names, real, homes
+
+
+def make_cleaner(rules: Iterable[Rule]) -> Callable[[Any], Any]:
+    """Returns a function that applies the rules to every text in a value, keys included."""
+    rules = tuple(rules)
+
+    def clean(value: Any) -> Any:
+        match value:
+            case str():
+                for pattern, instead in rules:
+                    value = pattern.sub(instead, value)
+                return value
+            case dict():
+                return {clean(key): clean(each) for key, each in value.items()}
+            case list() | tuple():
+                return [clean(each) for each in value]
+            case _:
+                return value
+
+    return clean
+
+
+def format_report(report: dict[str, Any]) -> str:
+    """Returns the report for people: a heading for each part, a fact on each line."""
+    lines = []
+    for part, content in report.items():
+        lines.append(f"{part.replace('_', ' ')}:")
+        lines += [f"  {line}" for line in _list_lines(content)] or ["  none"]
+    return "\n".join([*lines, ""])
+
+
+def _list_lines(content: Any) -> list[str]:
+    match content:
+        case None:
+            return []
+        case {"check": check, "status": status, "sentence": sentence}:
+            return [f"{status} {check}: {sentence}"]
+        case dict():
+            return [line for key, each in content.items() for line in _label(str(key), each)]
+        case list():
+            return [line for each in content for line in _list_lines(each)]
+        case _:
+            return [str(content)]
+
+
+def _label(key: str, value: Any) -> list[str]:
+    if isinstance(value, dict | list):
+        inner = _list_lines(value)
+        return [f"{key}:", *(f"  {line}" for line in inner)] if inner else []
+    return [f"{key}: {value}"]
+
+
+def _describe_system() -> dict[str, Any]:
+    system = platform.freedesktop_os_release() if Path("/etc/os-release").exists() else {}
+    memory_gb = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 1e9
+    return {
+        "os": system.get("PRETTY_NAME", platform.system()),
+        "kernel": platform.release(),
+        "machine": platform.machine(),
+        "python": platform.python_version(),
+        "libc": " ".join(platform.libc_ver()),
+        "processor": _find_processor(),
+        "processors": len(os.sched_getaffinity(0)),
+        "memory_gb": round(memory_gb, 1),
+        "over_ssh": "SSH_CONNECTION" in os.environ,
+        "root": os.geteuid() == 0,
+    }
+
+
+def _find_processor() -> str:
+    with suppress(OSError):
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return "unknown"
+
+
+def _find_version(package: str) -> str:
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return "missing"
+
+
+def _describe_pad(ours: bool, pad: dict[str, Any]) -> dict[str, Any]:
+    """Describes a pad.
+
+    Where a stranger's pad is plugged in can be a Bluetooth address, so that is left out.
+    """
+    return pad if ours else {**pad, "place": "left out"}
+
+
+def _strip(status: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in status.items() if key not in _PRIVATE_FACTS}

@@ -1,0 +1,251 @@
+"""The control socket: other processes tell the running driver what to do, if they may."""
+
+import errno
+import fcntl
+import json
+import os
+import socket
+import stat
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, Final
+
+from neurotouch_hid.client import LIMIT_BYTES, REQUEST_S, Answer, is_served
+from neurotouch_hid.closing import Closing
+from neurotouch_hid.driver.admission import Guests, is_admitted
+from neurotouch_hid.errors import AlreadyRunningError, DriverError
+from neurotouch_hid.ipc import find_peer, listen_at
+from neurotouch_hid.players import find_socket
+
+MAX_CLIENTS: Final = 8
+
+_BACKLOG: Final = 64
+
+Answerer = Callable[[dict[str, Any], int], Answer]
+"""Answers a question of a user in the time that ``driver`` promises; may be called from several
+threads at once. What goes on after the answer is a function under ``STREAM``, which gets the socket
+and may take its time."""
+
+STREAM: Final = "stream"
+
+
+class ControlSocket(Closing):
+    """A UNIX socket for its owner, root and perhaps guests; it also keeps a second driver away.
+
+    Clients wait in the queue until ``serve``. A lock file beside the socket belongs to the driver
+    as long as it lives, however it ends; so a socket found by the holder of the lock is stale.
+
+    Args:
+        folder: where the socket is made; the folder too if it is not there.
+        find_guests: the users who may ask as well, looked up for each question. Without, nobody
+            else can even reach the socket.
+
+    Attributes:
+        has_guests: whether there may be such users.
+
+    Raises:
+        AlreadyRunningError: another driver uses this folder.
+        DriverError: no socket can be made here.
+    """
+
+    def __init__(self, folder: Path, find_guests: Guests | None = None) -> None:
+        self._path = find_socket(folder)
+        self.has_guests = find_guests is not None
+        self._find_guests = find_guests or frozenset
+        self._places = threading.BoundedSemaphore(MAX_CLIENTS)
+        self._closed = False
+        try:
+            _prepare_folder(folder, open_to_all=find_guests is not None)
+            self._lock = _take_lock(folder / "lock")
+            try:
+                self._listener = listen_at(
+                    self._path,
+                    kind=socket.SOCK_STREAM,
+                    open_to_all=find_guests is not None,
+                    backlog=_BACKLOG,
+                )
+                self._listener.setblocking(True)  # a thread of its own waits for clients
+            except OSError:
+                os.close(self._lock)
+                raise
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise DriverError(f"No control socket can be made in {folder}: {reason}.") from error
+
+    def admits(self, uid: int) -> bool:
+        """Returns True if a user may ask, see ``is_admitted``."""
+        return is_admitted(uid, self._find_guests)
+
+    def serve(self, answer: Answerer) -> None:
+        """Starts to answer questions, each in a thread of its own."""
+        threading.Thread(
+            target=self._accept, args=(answer,), name="control socket", daemon=True
+        ).start()
+
+    def close(self) -> None:
+        """Takes the socket away. Harmless when repeated."""
+        if self._closed:
+            return
+        self._closed = True
+        self._path.unlink(missing_ok=True)
+        with suppress(OSError):
+            self._listener.shutdown(socket.SHUT_RDWR)  # wakes the thread that accepts
+        self._listener.close()
+        os.close(self._lock)
+
+    def _accept(self, answer: Answerer) -> None:
+        while not self._closed:
+            try:
+                client, _ = self._listener.accept()
+            except OSError as error:
+                if error.errno not in (errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.ENOBUFS):
+                    return
+                time.sleep(0.1)  # too many files are open: the next one may find a place
+                continue
+            uid = find_peer(client)
+            if not self.admits(uid):
+                _refuse(client, _fail("This driver belongs to another user."))
+            elif not self._begin(client, uid, answer):
+                _refuse(client, _fail("The driver is busy with other questions.", busy=True))
+
+    def _begin(self, client: socket.socket, uid: int, answer: Answerer) -> bool:
+        """Talks to a client in a thread; False if there is no place for it, or no thread."""
+        if not self._places.acquire(blocking=False):
+            return False
+        try:
+            threading.Thread(
+                target=self._talk, args=(client, uid, answer), name="control client", daemon=True
+            ).start()
+        except RuntimeError:  # this machine gives no more of them just now
+            self._places.release()
+            return False
+        return True
+
+    def _talk(self, client: socket.socket, uid: int, answer: Answerer) -> None:
+        try:
+            with client:
+                said = _read_question(client)
+                reply = answer(said, uid) if isinstance(said, dict) else _fail(said)
+                stream = reply.pop(STREAM, None)
+                client.settimeout(REQUEST_S)
+                client.sendall(_encode(reply))
+                if stream is not None:
+                    stream(client)
+        except OSError:
+            pass  # the client is gone; what it asked for has been done
+        finally:
+            self._places.release()
+
+
+def refuse_second(folder: Path) -> None:
+    """Refuses a second driver before anything is loaded for it.
+
+    Only the lock that ``ControlSocket`` takes is sure: another may begin in the meantime.
+
+    Raises:
+        AlreadyRunningError: a driver listens in this folder.
+    """
+    if not is_served(folder):
+        return
+    if folder.lstat().st_uid != os.geteuid():
+        raise _refuse_other_user()
+    raise _name_running(folder / "lock")
+
+
+def _refuse_other_user() -> AlreadyRunningError:
+    """Returns the error about a driver of another user."""
+    return AlreadyRunningError(
+        "The driver is already running, as another user.",
+        hint="See what it does: neurotouch status. If it is the service, end it: "
+        "sudo systemctl stop neurotouch",
+    )
+
+
+def _name_running(lock: Path) -> AlreadyRunningError:
+    """Returns the error that names the process in a lock file."""
+    pid = ""
+    with suppress(OSError):
+        pid = lock.read_bytes()[:20].decode("ascii", "replace").strip()
+    return AlreadyRunningError(
+        f"The driver is already running (PID {pid or 'unknown'}).",
+        hint="Ask it: neurotouch status. End it: neurotouch stop",
+    )
+
+
+def _prepare_folder(folder: Path, *, open_to_all: bool) -> None:
+    """Makes the folder if need be; nobody else may reach into it unless it is open to all.
+
+    Raises:
+        AlreadyRunningError: it belongs to another user, whose driver runs.
+        DriverError: it belongs to another user.
+    """
+    mode = 0o755 if open_to_all else 0o700
+    folder.mkdir(mode=mode, exist_ok=True)
+    found = folder.lstat()
+    if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.geteuid():
+        if is_served(folder):
+            raise _refuse_other_user()
+        raise DriverError(f"'{folder}' is not owned by you, so no control socket is made there.")
+    if stat.S_IMODE(found.st_mode) != mode:
+        folder.chmod(mode)
+
+
+def _take_lock(path: Path) -> int:
+    """Returns a descriptor that holds the lock until it is closed; its file says who has it.
+
+    Raises:
+        AlreadyRunningError: another driver has it.
+    """
+    descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(descriptor)
+        raise _name_running(path) from None
+    os.ftruncate(descriptor, 0)
+    os.write(descriptor, f"{os.getpid()}\n".encode())
+    return descriptor
+
+
+def _read_question(client: socket.socket) -> dict[str, Any] | str:
+    """Returns what is asked, or what is wrong with it."""
+    deadline = time.monotonic() + REQUEST_S
+    text = b""
+    while b"\n" not in text:
+        left_s = deadline - time.monotonic()
+        if left_s <= 0:
+            return f"The question was not complete within {REQUEST_S:g} s."
+        client.settimeout(left_s)
+        try:
+            piece = client.recv(4096)
+        except TimeoutError:
+            continue
+        if not piece:
+            break
+        text += piece
+        if len(text) > LIMIT_BYTES:
+            return f"The question is longer than {LIMIT_BYTES // 1024} kB."
+    try:
+        question = json.loads(text.split(b"\n", 1)[0])
+    except (ValueError, RecursionError):
+        return "The question is not a line of JSON."
+    if not isinstance(question, dict) or not isinstance(question.get("command"), str):
+        return "The question is no JSON object with a 'command'."
+    return question
+
+
+def _refuse(client: socket.socket, reply: Answer) -> None:
+    with client, suppress(OSError):
+        client.setblocking(False)
+        client.send(_encode(reply))
+
+
+def _fail(error: str, **more: bool) -> Answer:
+    return {"ok": False, "error": error, **more}
+
+
+def _encode(reply: Answer) -> bytes:
+    return json.dumps(reply).encode() + b"\n"

@@ -1,0 +1,100 @@
+"""What the labels of a recording say at any moment between the first and the last of them."""
+
+from bisect import bisect_left, bisect_right
+from collections.abc import Sequence
+from itertools import permutations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.errors import RecordingError
+from neurotouch_hid.messages import GestureKind, Truth
+
+
+class LabelTrack:
+    """Labels in order of time, with the paper's rule for the moments between them.
+
+    Args:
+        labels: at least one, ascending in time.
+
+    Raises:
+        RecordingError: there is no label.
+    """
+
+    def __init__(self, labels: Sequence[Truth]) -> None:
+        if not labels:
+            raise RecordingError(
+                "The recording has no labels.", hint="Evaluation compares with labels; add some."
+            )
+        self._labels = labels
+        self._times = [label.t_us for label in labels]
+        self._active = [label.t_us for label in labels if label.kind is not GestureKind.NONE]
+
+    def at(self, t_us: int) -> Truth | None:
+        """Returns the truth at a moment, or None before the first and after the last label.
+
+        [NT, "Creation of the Gesture Detection Dataset"]: the most recent labelled type; contact
+        points and intensity linearly between the preceding and the following label.
+        Open in the paper: what happens to the points where their number changes. Here the number is
+        the most recent one, like the type. Points are paired so that the pairs are nearest in sum;
+        one that ends stays where it was, and one that begins waits for its own label.
+        """
+        k = bisect_right(self._times, t_us) - 1
+        if k < 0 or t_us > self._times[-1]:
+            return None
+        before = self._labels[k]
+        if t_us == before.t_us or k + 1 == len(self._labels):
+            return before
+        after = self._labels[k + 1]
+        share = (t_us - before.t_us) / (after.t_us - before.t_us)
+        points = before.contacts_px.copy()
+        rows, columns = pair_points(before.contacts_px, after.contacts_px)
+        if rows:
+            points[rows] += share * (after.contacts_px[columns] - points[rows])
+        intensity = before.intensity_mm + share * (after.intensity_mm - before.intensity_mm)
+        return Truth(t_us, before.kind, points, intensity)
+
+    def nearest(self, t_us: int) -> Truth | None:
+        """Returns the label nearest in time, or None before the first and after the last label.
+
+        A frame's own label may be stamped with the begin, the middle or the end of its exposure.
+        """
+        k = bisect_right(self._times, t_us)
+        around = self._labels[max(k - 1, 0) : k + 1]
+        nearest = min(around, key=lambda label: abs(label.t_us - t_us))
+        return nearest if self._covers(t_us) else None
+
+    def is_rest(self, t_us: int, margin_us: int) -> bool:
+        """Returns True where no gesture is labelled within ``margin_us`` before and after."""
+        first_after = bisect_left(self._active, t_us - margin_us)
+        return first_after == bisect_right(self._active, t_us + margin_us)
+
+    def _covers(self, t_us: int) -> bool:
+        """Returns True within the labels, a typical half label distance more at both ends."""
+        span = self._times[-1] - self._times[0]
+        margin = span / max(len(self._times) - 1, 1) / 2
+        return self._times[0] - margin <= t_us <= self._times[-1] + margin
+
+
+def pair_points(
+    first: NDArray[np.float64], second: NDArray[np.float64]
+) -> tuple[list[int], list[int]]:
+    """Returns the pairing of two small sets of points with the least sum of distances.
+
+    Args:
+        first: (n, 2).
+        second: (m, 2).
+
+    Returns:
+        min(n, m) indices into ``first``, ascending, and their partners in ``second``.
+    """
+    if not len(first) or not len(second):  # most of the time: at rest
+        return [], []
+    if len(first) > len(second):
+        partners, chosen = pair_points(second, first)
+        order = sorted(range(len(chosen)), key=lambda k: chosen[k])
+        return [chosen[k] for k in order], [partners[k] for k in order]
+    distance = np.linalg.norm(first[:, None] - second[None], axis=2)
+    rows = list(range(len(first)))
+    best = min(permutations(range(len(second)), len(first)), key=lambda p: distance[rows, p].sum())
+    return rows, list(best)

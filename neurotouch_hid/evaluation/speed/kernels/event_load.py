@@ -1,0 +1,54 @@
+"""The compiled loop of the load: events about markers, beside those that are there."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+
+@njit(cache=True, nogil=True)
+def fill_slice(
+    own: NDArray[np.void],
+    shift_us: int,
+    begin_us: int,
+    length_us: int,
+    markers_px: NDArray[np.float32],
+    marker: NDArray[np.int32],
+    off_px: NDArray[np.float32],
+    is_on: NDArray[np.bool_],
+    first: int,
+    events: NDArray[np.void],
+) -> None:
+    """Fills a slice with evenly spaced events; in the places of some come those it has of its own.
+
+    Args:
+        own: (m,) EVENT_DTYPE, kept in their order; evenly chosen ones if they are too many.
+        shift_us: what to add to their stamps.
+        begin_us: of the slice.
+        length_us: of the slice.
+        markers_px: (k, 2) float32, where markers are; no nearer to the sensor's rim than the
+            largest of ``off_px``.
+        marker: (p,) int32, markers drawn at random.
+        off_px: (p, 2) float32, how far the event is from the marker, and half a pixel.
+        is_on: (p,) bool, its polarity.
+        first: where in these to begin; they are used again and again.
+        events: (n,) EVENT_DTYPE, written.
+    """
+    n, m, size = len(events), len(own), len(marker)
+    taken = 0  # of its own
+    k, step_us = first % size, length_us / n  # no division in the loop
+    for i in range(n):
+        event = events[i]
+        event["t"] = begin_us + int(i * step_us)
+        is_full = m - taken >= n - i
+        if m >= n:
+            source = own[i * m // n]
+            event["x"], event["y"], event["p"] = source["x"], source["y"], source["p"]
+        elif taken < m and (is_full or own[taken]["t"] + shift_us <= event["t"]):
+            source = own[taken]
+            event["x"], event["y"], event["p"] = source["x"], source["y"], source["p"]
+            taken += 1
+        else:
+            event["x"] = int(markers_px[marker[k], 0] + off_px[k, 0])
+            event["y"] = int(markers_px[marker[k], 1] + off_px[k, 1])
+            event["p"] = is_on[k]
+            k = k + 1 if k + 1 < size else 0

@@ -1,0 +1,209 @@
+"""Decides over sensor time when a gesture begins and ends, and which kind it is."""
+
+import math
+from dataclasses import dataclass
+
+from neurotouch_hid.gesture.elastic.fingers import FingerMotion
+from neurotouch_hid.messages import GestureKind
+
+
+@dataclass(frozen=True, slots=True)
+class KindDeciderConfig:
+    """Thresholds and times of ``KindDecider``.
+
+    The size of a gesture is the largest motion of a finger, mm.
+
+    Attributes:
+        on_mm: a gesture begins above this size. People label from about 0.3 mm.
+        on_noise: a gesture begins above this size, in errors of a marker.
+        again_mm: a gesture begins this far above the smallest size since the previous gesture,
+            because the gel creeps back for a while.
+        swing: after a gesture, the size that begins the next one rises by this share of
+            its largest size, because a released gel swings.
+        swing_us: time constant with which the rise by ``swing`` fades.
+        sway_gain: the size that begins a gesture rises by this multiple of the recent motion of the
+            whole gel, because the tracker follows no knock exactly.
+        still_mm: if the whole gel recently moved by this much, a gesture takes twice ``on_us`` to
+            begin, because the motion may be the start of a knock.
+        sway_us: time constant with which the recent motion of the whole gel fades.
+        messy_noise: while the whole gel moves, no gesture begins if its fingers leave more than
+            this unexplained, in errors of a marker; the larger of this limit and ``messy_share``
+            counts.
+        messy_share: the limit of ``messy_noise`` as a share of the size. Fingers explain little of
+            a knock.
+        off_mm: a large gesture ends below this size.
+        least_off_mm: the smallest gesture ends below this size, because the gel then has nothing
+            to creep back.
+        creep: the size at which a gesture ends rises from ``least_off_mm`` by this share of the
+            gesture's largest size, up to ``off_mm``.
+        on_us: how long the size must be above the limit before a gesture begins.
+        off_us: how long the size must be below the limit before a gesture ends.
+        memory_us: time constant of the evidence for each kind.
+        latch_mm: the kind can become final only at or above this size.
+        latch_us: how long one kind must have led before it becomes final.
+        settle_us: within this time of the begin, a new finger discards the evidence. The fingers of
+            one gesture arrive within a tenth of a second of each other.
+        overrule: a final kind still changes if another has this many times its evidence.
+        moving_mm_s: above this speed a gesture grows or shrinks.
+        blur_mm: how sharply people see the first motion of a gesture: width of a logistic curve.
+        linger_mm: while fingers leave, this much more size must be left for people to see a
+            gesture, because the gel follows late.
+        unsure_mm: error of a size that neither noise nor size explains, mostly from the press of
+            fingers that touch down.
+    """
+
+    on_mm: float = 0.26
+    on_noise: float = 2.0
+    again_mm: float = 0.1
+    swing: float = 0.1
+    swing_us: int = 60_000
+    sway_gain: float = 2.0
+    still_mm: float = 0.05
+    sway_us: int = 100_000
+    messy_noise: float = 2.5
+    messy_share: float = 0.1
+    off_mm: float = 0.28
+    least_off_mm: float = 0.18
+    creep: float = 0.04
+    on_us: int = 10_000
+    off_us: int = 10_000
+    memory_us: int = 60_000
+    latch_mm: float = 2.0
+    latch_us: int = 40_000
+    settle_us: int = 250_000
+    overrule: float = 3.0
+    moving_mm_s: float = 6.0
+    blur_mm: float = 0.1
+    linger_mm: float = 0.1
+    unsure_mm: float = 0.05
+
+
+class KindDecider:
+    """Decides the kind of one gesture at a time, from rest to rest."""
+
+    def __init__(self, config: KindDeciderConfig | None = None) -> None:
+        self._config = config or KindDeciderConfig()
+        self._least_mm = self._sway_mm = self._swing_mm = 0.0
+        self.reset()
+
+    def reset(self) -> None:
+        """Returns to rest."""
+        self.kind = GestureKind.NONE
+        self.confidence = 1.0
+        self.is_latched = False
+        self._age_us = 0
+        self._evidence = [0.0] * len(GestureKind)
+        self._size_mm = self._most_mm = self._speed_mm_s = 0.0
+        self._is_ending = False
+        self._n_fingers = 0
+        self._above_us = self._below_us = self._led_us = 0
+
+    @property
+    def is_forming(self) -> bool:
+        """True while the gesture may still become another kind."""
+        return self.kind is GestureKind.NONE or not self.is_latched
+
+    @property
+    def is_falling(self) -> bool:
+        """True while the fingers leave the gel."""
+        return self._speed_mm_s < -self._config.moving_mm_s
+
+    def update(self, step_us: int, motion: FingerMotion, noise_mm: float) -> None:
+        """Takes one slice.
+
+        Args:
+            step_us: time since the previous slice.
+            motion: the motion of the fingers in this slice; only ``largest_mm``, ``parts_mm``,
+                ``n_fingers``, ``sway_mm`` and ``error_mm`` are read.
+            noise_mm: error of a marker on one axis.
+        """
+        size_mm = motion.largest_mm
+        config = self._config
+        self._sway_mm = max(motion.sway_mm, math.exp(-step_us / config.sway_us) * self._sway_mm)
+        self._swing_mm *= math.exp(-step_us / config.swing_us)
+        if self.kind is GestureKind.NONE:
+            self._least_mm = min(self._least_mm, size_mm)
+        begins = size_mm >= self._find_on(noise_mm) and not self._is_knock(
+            size_mm, noise_mm, motion.error_mm
+        )
+        off_mm = min(config.off_mm, config.least_off_mm + config.creep * self._most_mm)
+        self._above_us = self._above_us + step_us if begins else 0
+        self._below_us = self._below_us + step_us if size_mm < off_mm else 0
+        on_us = config.on_us if self._sway_mm < config.still_mm else 2 * config.on_us
+        if self.kind is GestureKind.NONE and self._above_us < on_us:
+            self._size_mm = size_mm
+            self.confidence = 1.0 - self._believe(size_mm)
+            return
+        if self.kind is not GestureKind.NONE and self._below_us >= config.off_us:
+            self._swing_mm = max(self._swing_mm, config.swing * self._most_mm)
+            self.reset()
+            self._least_mm = size_mm
+            self.confidence = 1.0 - self._believe(size_mm)
+            return
+        self._age_us += step_us
+        self._most_mm = max(self._most_mm, size_mm)
+        if motion.n_fingers > self._n_fingers and self._age_us < config.settle_us:
+            self._evidence = [0.0] * len(GestureKind)  # fewer fingers gave it
+            self.is_latched, self._led_us = False, 0
+        self._n_fingers = motion.n_fingers
+        self._follow(step_us, size_mm)
+        self._weigh(step_us, motion)
+        self.confidence = self._believe(size_mm) * self._prefer(size_mm, noise_mm)
+
+    def _find_on(self, noise_mm: float) -> float:
+        """Returns the size at which a gesture begins now, mm."""
+        config = self._config
+        on_mm = max(config.on_mm, config.on_noise * noise_mm, self._least_mm + config.again_mm)
+        return on_mm + config.sway_gain * self._sway_mm + self._swing_mm
+
+    def _is_knock(self, size_mm: float, noise_mm: float, error_mm: float) -> bool:
+        """Returns True if the whole gel moves and the fingers explain too little of the rest."""
+        config = self._config
+        if self._sway_mm < config.still_mm or size_mm >= config.latch_mm:
+            return False
+        return error_mm > max(config.messy_noise * noise_mm, config.messy_share * size_mm)
+
+    def _believe(self, size_mm: float) -> float:
+        """Returns the probability that people see a gesture of this size."""
+        middle = 0.5 * (self._config.on_mm + self._config.off_mm)
+        if self._is_ending:
+            middle += self._config.linger_mm
+        return 1.0 / (1.0 + math.exp(-(size_mm - middle) / self._config.blur_mm))
+
+    def _prefer(self, size_mm: float, noise_mm: float) -> float:
+        """Returns the probability of the kind: its lead over the next one, in standard errors."""
+        others = self._evidence.copy()
+        lead = others.pop(self.kind) - max(others)
+        error = math.hypot(self._config.unsure_mm, noise_mm / 3.0, 0.02 * size_mm)
+        return 0.5 * (1.0 + math.erf(lead / error / 2.0))
+
+    def _follow(self, step_us: int, size_mm: float) -> None:
+        rate = (size_mm - self._size_mm) / max(step_us, 1) * 1e6
+        share = 1.0 - math.exp(-step_us / 30_000)
+        self._speed_mm_s += share * (rate - self._speed_mm_s)
+        self._size_mm = size_mm
+        if self.is_falling:
+            self._is_ending = True
+        elif self._speed_mm_s > self._config.moving_mm_s or size_mm > 0.5 * self._most_mm:
+            self._is_ending = False
+
+    def _weigh(self, step_us: int, motion: FingerMotion) -> None:
+        config = self._config
+        keep = math.exp(-step_us / config.memory_us)
+        self._evidence = [
+            keep * e + (1 - keep) * part
+            for e, part in zip(self._evidence, motion.parts_mm.tolist(), strict=True)
+        ]
+        best = GestureKind(self._evidence.index(max(self._evidence)))
+        if self.kind is GestureKind.NONE:
+            self.kind = best
+            return
+        if self.is_latched:
+            if self._evidence[best] > config.overrule * max(self._evidence[self.kind], 0.3):
+                self.kind = best
+            return
+        self._led_us = self._led_us + step_us if best is self.kind else 0
+        if self._evidence[best] > 1.1 * self._evidence[self.kind]:
+            self.kind = best
+        if motion.largest_mm >= config.latch_mm and self._led_us >= config.latch_us:
+            self.is_latched = True

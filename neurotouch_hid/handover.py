@@ -1,0 +1,74 @@
+"""Gives the running driver this person's settings as they are saved now.
+
+A driver of this person reads the files itself; the system's service may not, and gets a copy. Only
+the standard library is imported here.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from neurotouch_hid.client import ask
+from neurotouch_hid.errors import DriverError, NotRunningError
+from neurotouch_hid.players import find_config_folder, find_user_file, list_players
+
+
+@dataclass(frozen=True, slots=True)
+class Handover:
+    """What became of saved settings.
+
+    Attributes:
+        status: ``plays``: a driver has them; ``waits``: none runs; ``refused``: it goes on with
+            what it had.
+        text: the same in a sentence.
+        fix: the way out of a refusal.
+        profiles: the active profiles of the drivers that have them.
+    """
+
+    status: str
+    text: str
+    fix: str = ""
+    profiles: tuple[str, ...] = ()
+
+
+def hand_over(player: int | None = None) -> Handover:
+    """Hands this person's settings to the running driver, or to those of all players.
+
+    Args:
+        player: whose driver; None: of every player, for profiles are for all.
+    """
+    active: list[str] = []
+    for number in list_players() if player is None else [player]:
+        try:
+            answer = ask("settings", player=number, **collect_settings(number))
+        except NotRunningError:
+            continue
+        except DriverError as error:
+            text = f"The running driver does not play it: {error.message}"
+            return Handover("refused", text, error.hint or "")
+        active.append(str(answer.get("profile")))
+    if not active:
+        return Handover("waits", "No driver is running; it applies from the next start.")
+    names = " and ".join(f"'{name}'" for name in dict.fromkeys(active))
+    return Handover("plays", f"It applies now; the active profile is {names}.", "", tuple(active))
+
+
+def collect_settings(player: int) -> dict[str, Any]:
+    """Returns a player's settings as the question ``settings`` takes them.
+
+    Files that are no text are left out: they cannot be played, and whoever names them is told.
+    """
+    folder = find_config_folder()
+    texts = {path.stem: _read(path) for path in sorted(folder.glob("profiles/*.yaml"))}
+    return {
+        "folder": str(folder),
+        "user": _read(find_user_file(player)),
+        "profiles": {name: text for name, text in texts.items() if text is not None},
+    }
+
+
+def _read(path: Path) -> str | None:
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, ValueError):
+        return None

@@ -1,0 +1,93 @@
+"""The programs of the desktop that make a sound."""
+
+import os
+import shutil
+import signal
+import subprocess
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Final
+
+from neurotouch_hid.monitor.cue import Cue
+from neurotouch_hid.monitor.tone import make_wave
+from neurotouch_hid.profile.schema.feedback import SoundName
+
+SOUND_PROGRAMS: Final[dict[SoundName, tuple[tuple[str, ...], ...]]] = {
+    "tones": (
+        ("pw-play", "/dev/stdin"),
+        ("paplay", "/dev/stdin", "--latency-msec=50"),
+        ("aplay", "-q", "/dev/stdin"),
+    ),
+    "speech": (("spd-say", "--application-name=neurotouch", "--priority=text"),),
+}
+"""In the order in which they are tried: PipeWire, PulseAudio, ALSA; speech-dispatcher, whose
+volume goes from -100 to 100 and whose texts cut each other short. Without a latency of its own
+paplay fills two seconds of buffer and ends only when they are played."""
+
+PATIENCE_S: Final[dict[SoundName, float]] = {"tones": 1.5, "speech": 5.0}
+"""For a program to end: three times the longest tone; the first word starts the speech server."""
+
+_MISSING: Final[dict[SoundName, str]] = {
+    "tones": "no sound: none of pw-play, paplay and aplay is installed",
+    "speech": "no speech: spd-say is not installed (the package speech-dispatcher)",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How playing went: whether it was heard, as far as anybody knows, and a sentence."""
+
+    played: bool
+    sentence: str
+
+
+def play_cue(cue: Cue, mode: SoundName, volume: int) -> Outcome:
+    """Plays or speaks a cue with the first program that can; returns when it ends.
+
+    Args:
+        cue: what to play.
+        mode: ``tones`` or ``speech``.
+        volume: 1 to 100 percent.
+    """
+    content = make_wave(cue.kind, volume) if mode == "tones" else b""
+    failed = []
+    for program, *arguments in SOUND_PROGRAMS[mode]:
+        found = shutil.which(program)
+        if found is None:
+            continue
+        spoken = [] if mode == "tones" else [f"--volume={2 * volume - 100}", "--", cue.words]
+        fault = _run([found, *arguments, *spoken], content, PATIENCE_S[mode])
+        if not fault:
+            return Outcome(True, f"{mode} through {program}")
+        failed.append(f"{program} {fault}")
+    return Outcome(False, f"no {mode}: {', '.join(failed)}" if failed else _MISSING[mode])
+
+
+def _run(command: Sequence[str], content: bytes, patience_s: float) -> str:
+    """Runs a program to its end, or to the end of our patience; what went wrong, if anything.
+
+    The content is a file in memory as its standard input: it can be opened as /dev/stdin and
+    searched, and who writes it waits for nobody.
+    """
+    try:
+        with os.fdopen(os.memfd_create("cue"), "w+b") as file:
+            file.write(content)
+            file.seek(0)
+            process = subprocess.Popen(  # noqa: S603  (a program from PATH, words of a profile)
+                command,
+                stdin=file,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                start_new_session=True,  # Ctrl-C is for the driver
+            )
+    except OSError as error:
+        return f"cannot be started ({error.strerror})"
+    try:
+        code = process.wait(patience_s)
+    except subprocess.TimeoutExpired:
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        return "does not end"
+    return f"ended with code {code}" if code else ""

@@ -1,0 +1,119 @@
+"""Commands of ours that the page runs for the person: a driver, a calibration, a check, a remote.
+
+Each is the command that a terminal would run, with pipes instead of the terminal.
+"""
+
+import asyncio
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any, Final
+
+from neurotouch_hid.errors import PageError
+from neurotouch_hid.process.own_command import make_own_command
+
+COMMANDS: Final = {
+    "camera": ("run", "--show", "nothing"),
+    "mouse": ("demo", "--mouse", "--show", "lines"),
+    "calibrate": ("calibrate",),
+    "check": ("doctor", "--json"),
+}
+"""What a browser may have run, by the name it asks for. It gives no argument of its own."""
+
+DRIVERS: Final = ("camera", "mouse")
+MOST_LINES: Final = 400
+"""Of a program's output; a calibration needs a tenth of it."""
+
+_PATIENCE_S: Final = 5.0
+
+
+class Programs:
+    """At most one driver and one other program at a time.
+
+    Args:
+        tell: is given what happens, as keys and values for the browsers: ``program`` with its
+            ``name`` and a ``line`` of output, or its ``code`` when it has ended.
+    """
+
+    def __init__(self, tell: Callable[[dict[str, Any]], object]) -> None:
+        self._tell = tell
+        self._running: dict[str, asyncio.subprocess.Process] = {}
+        self._lines: dict[str, list[str]] = {}
+        self._readers: set[asyncio.Task[None]] = set()
+
+    @property
+    def news(self) -> list[dict[str, Any]]:
+        """What a browser that comes later needs to be told: the output of what runs."""
+        return [
+            {"name": name, "line": line} for name in self._running for line in self._lines[name]
+        ]
+
+    async def start(self, name: str, *arguments: str) -> None:
+        """Starts a command of the list.
+
+        Args:
+            name: of the list, or ``remote``.
+            arguments: the whole command of ``remote``.
+
+        Raises:
+            PageError: there is none of this name, or one like it runs.
+        """
+        if name not in COMMANDS and not arguments:
+            raise PageError("There is no such program.")
+        if any(other in self._running for other in (DRIVERS if name in DRIVERS else (name,))):
+            raise PageError("It runs already.")
+        process = await asyncio.create_subprocess_exec(
+            *make_own_command(*(arguments or COMMANDS[name])),
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.DEVNULL if name in DRIVERS else asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.PIPE if name in DRIVERS else asyncio.subprocess.STDOUT,
+            start_new_session=True,  # Ctrl-C is for the page's server, which then ends them
+        )
+        self._running[name], self._lines[name] = process, []
+        reader = asyncio.create_task(self._read(name, process))
+        self._readers.add(reader)
+        reader.add_done_callback(self._readers.discard)
+
+    def answer(self, name: str, text: str) -> None:
+        """Gives a program a line, as if it had been typed.
+
+        Raises:
+            PageError: it does not run.
+        """
+        process = self._running.get(name)
+        if process is None or process.stdin is None:
+            raise PageError("That has ended already.")
+        process.stdin.write(text.replace("\n", " ").encode() + b"\n")
+
+    async def stop(self, name: str) -> None:
+        """Ends a program, if it runs."""
+        process = self._running.get(name)
+        if process is None:
+            return
+        for end in (process.terminate, process.kill):
+            with suppress(ProcessLookupError):
+                end()
+            with suppress(TimeoutError):
+                await asyncio.wait_for(process.wait(), _PATIENCE_S)
+                return
+
+    async def close(self) -> None:
+        """Ends them all, and waits until they have ended."""
+        await asyncio.gather(*(self.stop(name) for name in list(self._running)))
+        await asyncio.gather(*self._readers)
+
+    async def _read(self, name: str, process: asyncio.subprocess.Process) -> None:
+        output = process.stderr if name in DRIVERS else process.stdout
+        lines = self._lines[name]
+        while output is not None:
+            try:
+                line = (await output.readline()).decode("utf-8", "replace")
+            except ValueError:  # longer than any of ours
+                continue
+            if not line:
+                break
+            lines.append(line.rstrip())
+            del lines[:-MOST_LINES]
+            self._tell({"name": name, "line": line.rstrip()})
+        code = await process.wait()
+        del self._running[name]
+        self._tell({"name": name, "code": code})

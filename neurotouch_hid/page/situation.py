@@ -1,0 +1,48 @@
+"""What keeps the gel from playing while no driver runs, and the next step."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from neurotouch_hid.players import SERVICE_UNIT, explain_start, find_user_file
+
+SituationKind = Literal["no_camera", "service_stopped", "no_right", "unusable", "ready"]
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """Where a person stands who wants to play.
+
+    Attributes:
+        kind: in a word.
+        text: in a sentence.
+        next: the command that leads on.
+    """
+
+    kind: SituationKind
+    text: str
+    next: str
+
+
+def find_situation() -> Situation:
+    """Looks for a camera and its rights; takes some milliseconds and changes nothing."""
+    from neurotouch_hid.source.davis.enumeration import find_cameras  # noqa: PLC0415  # needs USB
+
+    cameras = find_cameras()
+    if not cameras:
+        return Situation("no_camera", "No camera found.", "Try it now: neurotouch demo")
+    if SERVICE_UNIT.exists():
+        return Situation(
+            "service_stopped",
+            f"The service does not run. {explain_start()}.",
+            "Why: systemctl status neurotouch",
+        )
+    reasons = [info.reason for info in cameras]
+    if all(reasons):
+        if "no right" in reasons[0]:
+            return Situation("no_right", "Camera found but not readable.", "Fix: neurotouch setup")
+        text = f"Camera found but not usable: {reasons[0]}."
+        return Situation("unusable", text, "Fix: neurotouch doctor")
+    user = find_user_file()
+    measured = user.exists() and "range:" in user.read_text(encoding="utf-8", errors="replace")
+    step = "run" if measured else "calibrate (about 3 minutes, no time limit)"
+    return Situation("ready", "Ready.", f"Next: neurotouch {step}")

@@ -1,0 +1,70 @@
+// The page of the mouse's gel: what its gestures are, how the hand is, and what comes of it.
+
+import { openPage } from "../shared/header.js";
+import { makePad } from "../shared/pad.js";
+import { MOUSE, makeGel, makeGestureButtons } from "./pressed_gel.js";
+
+const find = (id) => document.getElementById(id);
+const showPad = makePad(find("pad"), find("pressed"));
+
+let newest = null;
+let shown = null;
+const page = openPage(30, {
+  state(state) { newest = state; },
+  driver(runs) {
+    page.notice("driver", runs ? "" : "For a gel to press: neurotouch demo --mouse");
+  },
+});
+
+const { hand, settings, turn } = makeGel(find("gel"), (command) => page.send(command));
+
+makeGestureButtons(find("gestures"), hand);
+
+find("hold").addEventListener("click", () => {
+  hand.held = !hand.held;
+  find("hold").setAttribute("aria-pressed", String(hand.held));
+});
+
+function listenTo(id, read) {
+  const input = find(id);
+  const change = () => {
+    const words = read(input);
+    if (words === undefined) return;
+    find(`${id}-value`).textContent = words;
+    input.setAttribute("aria-valuetext", words); // the slider says it; its output need not
+  };
+  input.addEventListener("input", change);
+  change();
+}
+listenTo("size", ({ value }) => { hand.size_mm = Number(value); return `${value} mm`; });
+listenTo("tremor", ({ value }) => { settings.tremor_mm = Number(value); return `${value} mm`; });
+listenTo("weak", ({ value }) => { settings.weak_zoom = value / 100; return `${value} %`; });
+listenTo("resting", ({ checked }) => { settings.resting = checked; });
+
+function draw(now) {
+  turn(now, newest);
+  if (newest && newest !== shown) {
+    shown = newest;
+    show(newest);
+  }
+  requestAnimationFrame(draw);
+}
+
+const texts = {};
+function say(id, text) {
+  if (texts[id] !== text) find(id).textContent = texts[id] = text;
+}
+
+function show(state) {
+  say("say", state.say);
+  page.say(state.say);
+  showPad(state.pad, state.gesture.kind === "none");
+  const { slow } = state;
+  say("lag", slow.hand_ms
+    ? `mouse to pad ${slow.hand_ms[0].toFixed(0)} ms, 95 % within ${slow.hand_ms[1].toFixed(0)} ms`
+    : "");
+  page.notice("driver", !slow.source || slow.source === MOUSE ? ""
+    : `The driver plays ${slow.source}. For a gel to press: neurotouch demo --mouse`);
+}
+
+requestAnimationFrame(draw);

@@ -1,0 +1,338 @@
+// The first page: from any state to playing, without a terminal.
+
+import { MOUSE, makeGel, makeGestureButtons } from "../gel/pressed_gel.js";
+import { openPage } from "../shared/header.js";
+import { element } from "../shared/wire.js";
+import { makeCalibration } from "./calibration.js";
+import { makeChooser } from "./chooser.js";
+import { makeCards, makeListener } from "./movements.js";
+
+const HZ = 30;
+const PICTURE_MS = 1000;
+const GEL_MARKERS = 40; // fewer are no gel
+const FAULT = /^(Error|Fix|Warning|No real)/;
+const STARTING = "The first start on a machine takes up to a minute.";
+const ADVICE = {
+  no_camera: "Plug the camera in, or try everything with the mouse first.",
+  no_right: "You may not use the camera yet. Once, in a terminal: neurotouch setup",
+  service_stopped: "An administrator starts it: sudo systemctl start neurotouch",
+  unusable: "See below: Check this machine.",
+  ready: "Your hand stays off the gel until the dots are found.",
+};
+
+const find = (id) => document.getElementById(id);
+let about = null;
+let newest = null;
+let situation = null;
+let runs = false;
+let starting = "";
+let begun = false; // from this page
+let faults = []; // what a start has failed of
+let layer = "";
+let fresh = false; // a movement is waited for, and the driver paused for it
+
+const page = openPage(HZ, {
+  hello(_, { edit }) {
+    page.send({ do: "profiles" });
+    page.send({ do: "outputs" });
+    for (const id of ["measure", "check", "remote", "undo", "profile-use", "profile-copy"]) {
+      find(id).disabled = !edit;
+    }
+  },
+  state(state) {
+    const before = newest;
+    const first = before === null;
+    newest = state;
+    if (starting) sayStart(faults.join(" "));
+    [runs, starting] = [true, ""];
+    if (!first && state.profile !== before.profile) showProfiles(profiles);
+    cards.mark(state.gesture.movement);
+    listener.hear(state.gesture);
+    if (first || state.slow !== shownSlow) showStart();
+    if (!layer && state.layer) showLayer();
+  },
+  driver(is) {
+    runs = is;
+    if (!is) newest = null;
+    showStart();
+  },
+  situation(found) {
+    situation = found;
+    showStart();
+  },
+  about(message) {
+    const isFirst = about === null;
+    about = message;
+    showLayer();
+    if (!isFirst) page.send({ do: "profiles" });
+  },
+  outputs(groups) {
+    chooser.setOutputs(groups);
+    showLayer();
+  },
+  profiles: showProfiles,
+  saved(sentence) { if (sentence) say("saved", sentence); },
+  refused() { starting = ""; showStart(); },
+  picture: (address) => { find("picture").src = address; find("picture").hidden = false; },
+  program: hearProgram,
+  remote: showRemote,
+});
+
+// 1 Start
+
+const gel = makeGel(find("gel"), (command) => page.send(command));
+makeGestureButtons(find("gestures"), gel.hand);
+const hasGel = () => newest !== null && newest.slow.source === MOUSE;
+function turn(now) {
+  if (hasGel()) gel.turn(now, newest);
+  requestAnimationFrame(turn);
+}
+
+let shownSlow = null;
+function showStart() {
+  shownSlow = newest ? newest.slow : null;
+  const isMouse = hasGel();
+  for (const id of ["gel", "gesture-buttons"]) find(id).hidden = !isMouse;
+  const isSimulated = newest && newest.slow.simulated;
+  const isGel = newest && newest.slow.tracked >= GEL_MARKERS;
+  let [words, advice] = ["Looking …", ""];
+  if (starting) {
+    words = "Starting …";
+  } else if (newest && !isGel) {
+    [words, advice] = ["The gel is not found.", "Lift your hand. The dots must be in the picture, " +
+      "bright and sharp: move the light or the gel."];
+  } else if (isMouse) {
+    [words, advice] = ["The mouse presses a simulated gel.", "Drag on the gel below, turn the " +
+      "wheel, or use the arrow keys, Q, E, plus and minus."];
+  } else if (isSimulated) {
+    [words, advice] = ["A simulated hand plays.", "Everything on this page can be tried with it."];
+  } else if (newest) {
+    [words, advice] = ["Ready to play.", `Every game sees the gamepad: ${newest.slow.device}.`];
+  } else if (situation) {
+    [words, advice] = [situation.kind === "ready" ? "The camera is ready." : situation.text,
+      ADVICE[situation.kind]];
+  }
+  if (find("situation").textContent !== words && newest) page.say(words);
+  say("situation", words);
+  say("advice", advice);
+  const isIdle = !runs && !starting && situation !== null;
+  find("start-camera").hidden = !(isIdle && situation.kind === "ready");
+  find("start-mouse").hidden = !isIdle;
+  find("fly").hidden = !newest;
+  find("press").hidden = !isMouse;
+  find("look").hidden = !newest;
+  find("end").hidden = !newest;
+  // The button that began it is gone, and the focus with it.
+  if (newest && begun && document.activeElement === document.body) find("fly").focus();
+  if (newest) begun = false;
+  find("by-doing").hidden = !(newest && about && about.edit);
+  find("measure").disabled = !newest;
+  const known = about && about.ranges ? Object.keys(about.ranges).length : 0;
+  say("range-words", `${known ? `Your own range is known for ${known} of 8 movements. ` : ""}${newest
+    ? "Small movements are enough: the gamepad can learn how far yours go. Nothing is timed."
+    : "Start first: then the gamepad can learn how far your movements go. Nothing is timed."}`);
+}
+
+function say(id, text) {
+  if (find(id).textContent !== text) find(id).textContent = text;
+}
+
+// Told once: a live region would be read again whenever a dialog closes.
+function sayStart(text) {
+  if (find("start-lines").textContent !== text) page.tell(text);
+  say("start-lines", text);
+}
+
+function start(what) {
+  starting = what;
+  begun = true;
+  faults = [];
+  sayStart(STARTING);
+  page.send({ do: "start", what });
+  showStart();
+}
+
+find("start-camera").addEventListener("click", () => start("camera"));
+find("start-mouse").addEventListener("click", () => start("mouse"));
+find("end").addEventListener("click", () => page.send({ do: "stop", what: "driver" }));
+let looks = 0;
+find("look").addEventListener("click", () => {
+  clearInterval(looks);
+  looks = looks ? 0 : setInterval(() => page.send({ do: "picture" }), PICTURE_MS);
+  if (looks) page.send({ do: "picture" });
+  find("picture").hidden = true;
+  find("look").textContent = looks ? "Hide the picture" : "Show what the camera sees";
+});
+
+function hearProgram(news) {
+  if (news.name === "calibrate") return calibration.hear(news);
+  if (news.name === "check") return hearCheck(news);
+  if ("line" in news) {
+    if (FAULT.test(news.line)) faults.push(news.line);
+    if (faults.length) sayStart(faults.join(" "));
+    return;
+  }
+  starting = "";
+  if (!faults.length) sayStart("");
+  return showStart();
+}
+
+// 2 What each movement does
+
+const cards = makeCards(find("cards"), {
+  choose: (movement, instead) => chooser.open(movement, findLayer(), instead),
+  remove: (binding) => page.send({ do: "unbind", key: binding.key }),
+  name: (output) => chooser.name(output),
+});
+const chooser = makeChooser(find("chooser"), {
+  bind: (wish) => page.send({ do: "bind", layer, ...wish }),
+  closed: endListening,
+});
+const listener = makeListener((movement) => {
+  say("saved", "");
+  chooser.open(movement, findLayer());
+});
+
+find("by-doing").addEventListener("click", () => {
+  if (listener.waits) {
+    listener.stop();
+    endListening();
+    return;
+  }
+  fresh = newest !== null && newest.state === "running";
+  if (fresh) page.send({ do: "pause" });
+  listener.start();
+  if (hasGel()) {
+    find("gesture-buttons").open = true;
+    find("gel").focus();
+  }
+  find("by-doing").textContent = "Never mind";
+  say("saved", "Make the movement on the gel, and lift your fingers. The gamepad is paused meanwhile.");
+});
+
+function endListening() {
+  find("by-doing").textContent = "Make a movement to change it";
+  if (fresh) page.send({ do: "resume" });
+  fresh = false;
+}
+
+function findLayer() {
+  return about && about.layers ? about.layers.find((each) => each.name === layer) : null;
+}
+
+function showLayer() {
+  const layers = about && about.layers ? about.layers : [];
+  if (!layers.some((each) => each.name === layer)) layer = layers.length ? layers[0].name : "";
+  find("layer-choice").replaceChildren(...layers.map(({ name }) =>
+    element("option", { value: name, text: name })));
+  find("layer-choice").value = layer;
+  for (const id of ["layer-choice", "layer-label"]) find(id).hidden = layers.length < 2;
+  // New buttons must not lose the focus: it goes to the same place, or to its card.
+  const { place } = document.activeElement ? document.activeElement.dataset : {};
+  cards.show(findLayer(), Boolean(about && about.edit));
+  if (place) {
+    const listed = [...document.querySelectorAll("#cards button")];
+    const same = (wanted) => listed.find((each) => each.dataset.place === wanted);
+    (same(place) || same(`${place.split(" ")[0]} add`)).focus();
+  }
+  showStart();
+}
+
+find("layer-choice").addEventListener("change", () => {
+  layer = find("layer-choice").value;
+  showLayer();
+});
+find("undo").addEventListener("click", () => page.send({ do: "undo" }));
+
+let profiles = [];
+let chosen = ""; // in the list, and not in use yet
+function showProfiles(found) {
+  profiles = found;
+  const select = find("profile-choice");
+  select.replaceChildren(...found.map(({ name, own }) => element("option", { value: name,
+    text: own ? `${name} (yours)` : name })));
+  const active = newest ? newest.profile : (found.find(({ first }) => first) || {}).name;
+  const names = found.map(({ name }) => name);
+  select.value = [chosen, active].find((name) => names.includes(name)) || names[0] || "";
+  tellProfile();
+}
+
+function tellProfile() {
+  const found = profiles.find(({ name }) => name === find("profile-choice").value);
+  say("profile-about", found ? found.about : "");
+}
+
+find("profile-choice").addEventListener("change", () => {
+  chosen = find("profile-choice").value;
+  tellProfile();
+});
+find("profile").addEventListener("submit", (event) => {
+  event.preventDefault();
+  page.send({ do: "use", profile: find("profile-choice").value });
+  chosen = "";
+});
+find("profile-copy").addEventListener("click", () => {
+  page.send({ do: "copy", profile: find("profile-choice").value });
+  chosen = "";
+});
+
+// 3 Your range
+
+const calibration = makeCalibration(find, (text) =>
+  page.send({ do: "answer", what: "calibrate", text }));
+find("measure").addEventListener("click", () => {
+  calibration.begin();
+  page.send({ do: "start", what: "calibrate" });
+});
+
+// Help
+
+let checked = [];
+find("check").addEventListener("click", () => {
+  checked = [];
+  find("findings").replaceChildren();
+  say("check-state", "Checking: this takes some seconds, the first time a minute.");
+  page.send({ do: "start", what: "check" });
+});
+
+function hearCheck(news) {
+  if ("line" in news) {
+    checked.push(news.line);
+    return;
+  }
+  const text = checked.join("\n");
+  let findings = [];
+  try {
+    findings = JSON.parse(text.slice(text.indexOf("\n[") + 1));
+  } catch {
+    say("check-state", checked.at(-1) || "The check has ended without a result.");
+    return;
+  }
+  const failed = findings.filter(({ status }) => status === "FAILED").length;
+  say("check-state", failed ? `${failed} of ${findings.length} need something.`
+    : `${findings.length} checks: nothing is missing.`);
+  find("findings").replaceChildren(...findings
+    .filter(({ status }) => status !== "OK" && status !== "SKIPPED")
+    .map(({ status, check, sentence, message, fix }) => element("li", {},
+      element("strong", { text: `${status} ${check}: ` }), sentence || message || "",
+      ...(fix ? [element("p", { class: "aside", text: `Fix: ${fix}` })] : []))));
+}
+
+find("remote").addEventListener("click", () => {
+  say("remote-state", "One moment …");
+  page.send({ do: "remote" });
+});
+find("remote-end").addEventListener("click", () => page.send({ do: "stop", what: "remote" }));
+
+function showRemote(found) {
+  find("remote").hidden = Boolean(found);
+  find("remote-end").hidden = !found;
+  find("code").hidden = !found;
+  if (found) find("code").src = found.code;
+  say("remote-state", found ? `Photograph this with the phone. It ends after ${found.minutes} minutes.`
+    : "No phone is let in.");
+  say("remote-link", found ? found.link : "");
+}
+
+showStart();
+requestAnimationFrame(turn);

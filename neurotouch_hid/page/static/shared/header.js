@@ -1,0 +1,214 @@
+// The header of every page: Pause or Resume, the driver's state, the other pages, speech and keys.
+//
+// A page has an empty <header> and calls `openPage` with its own handlers of the stream. The
+// header hears each message first.
+
+import { recall, remember } from "./memory.js";
+import { LEVELS, makeSpeech } from "./speech.js";
+import { connect, element } from "./wire.js";
+
+// The navigation of all pages. A new page is one more line.
+const PAGES = [
+  ["/", "Start"],
+  ["/live", "Live view"],
+  ["/gel", "Mouse gel"],
+  ["/game", "Spacecraft"],
+];
+const STATES = {
+  waiting: "Waiting for the driver",
+  running: "Running",
+  paused: "Paused: everything is released",
+  panic: "Stopped by panic: everything is released",
+  silent: "No data: everything is released",
+  none: "No driver is running",
+  lost: "Not connected",
+};
+const PAUSE_KEY = "p";
+const KEY_CHOICE = "neurotouch-pause-key";
+const SILENT_MS = 3000; // a busy machine may be late by a second
+const NOTICES = ["connection", "driver", "profile", "request"]; // the first one that applies shows
+
+// Builds the header and connects. `handlers` are those of `connect`. Returns the page's way to
+// the server (`ask`, `send`), `say` and `tell` of its speech, and `notice(about,
+// sentence)`; an empty sentence takes the notice about that back.
+export function openPage(hz, handlers, { gap_ms } = {}) {
+  const parts = build(document.querySelector("header"));
+  const speech = makeSpeech(parts.live, gap_ms);
+  const notices = new Map();
+  let wire = null;
+  let shown = "waiting"; // of STATES
+  let driver = "waiting"; // as the driver last said
+  let runs = false;
+  let asked = 0; // the number of the last Pause or Resume
+  let mayPause = true;
+  let heard = performance.now();
+  let profile = null;
+  let layer = null;
+
+  function notice(about, sentence) {
+    notices.set(about, sentence);
+    const found = NOTICES.map((each) => notices.get(each)).find(Boolean) || "";
+    if (found === parts.notice.textContent) return;
+    parts.notice.textContent = found;
+    parts.notice.hidden = !found;
+    speech.tell(found);
+  }
+
+  function show(state) {
+    if (state === shown) return;
+    shown = state;
+    showState();
+    if (state !== "waiting") speech.tell(`${STATES[state]}.`);
+  }
+
+  function showState() {
+    parts.word.textContent = resumes() ? "Resume" : "Pause";
+    parts.state.textContent = STATES[shown];
+    parts.state.dataset.state = shown;
+    const reason = mayPause || !hasDriver() ? ""
+      : "This page only shows. To pause here: neurotouch view --edit";
+    parts.reason.textContent = reason;
+    parts.reason.hidden = !reason;
+    parts.button.setAttribute("aria-disabled", String(isDisabled()));
+  }
+
+  const resumes = () => driver === "paused" || driver === "panic";
+  const hasDriver = () => !["waiting", "none", "lost"].includes(shown);
+  const isDisabled = () => !mayPause || !hasDriver();
+
+  function pauseOrResume() {
+    if (isDisabled()) speech.tell(parts.reason.textContent || `${STATES[shown]}.`);
+    else asked = wire.ask({ do: resumes() ? "resume" : "pause" });
+  }
+
+  function showWhat({ slow, profile: name, layer: of }) {
+    const words = slow.simulated ? [element("strong", { class: "simulated", text: "SIMULATED" })]
+      : slow.source ? [slow.source] : [];
+    const key = JSON.stringify([slow.simulated, slow.source, name]);
+    if (key !== parts.key) {
+      parts.key = key;
+      parts.badges.replaceChildren(...words, ` · profile ${name}`);
+    }
+    const news = [];
+    if (profile !== null && name !== profile) news.push(`Profile ${name}.`);
+    if (layer !== null && of !== layer && name === profile) news.push(`Layer ${of}.`);
+    [profile, layer] = [name, of];
+    if (news.length) speech.tell(news.join(" "));
+  }
+
+  const own = {
+    hello(_, { edit }) {
+      mayPause = edit;
+      notice("connection", "");
+      notice("request", "");
+      if (shown === "lost") show("waiting");
+      showState();
+    },
+    state(state) {
+      runs = true;
+      heard = performance.now();
+      if (state.state !== driver) {
+        driver = state.state;
+        showState();
+      }
+      show(driver);
+      showWhat(state);
+    },
+    driver(is) {
+      runs = is;
+      heard = performance.now();
+      if (!runs) {
+        driver = "waiting";
+        show("none");
+        showState();
+      } else if (shown === "none") {
+        show("waiting");
+      }
+    },
+    // An older request's refusal is over. Of ours, only what waits for data needs a sentence.
+    saved: (sentence, { n }) => notice("request", n === asked ? sentence : ""),
+    refused: (sentence) => notice("request", sentence),
+    lost(sentence) {
+      show("lost");
+      notice("connection", sentence);
+    },
+  };
+
+  wire = connect(hz, [own, handlers]);
+  setInterval(() => {
+    const late = performance.now() - heard > SILENT_MS;
+    if (late && runs && shown !== "lost") show("silent");
+  }, 500);
+
+  parts.button.addEventListener("click", pauseOrResume);
+  listenToKey(parts, pauseOrResume);
+  parts.spoken.value = speech.level;
+  parts.spoken.addEventListener("change", () => { speech.level = parts.spoken.value; });
+  showState();
+  return { ...wire, notice, say: speech.say, tell: speech.tell };
+}
+
+function build(header) {
+  const word = element("span");
+  const hint = element("kbd", { text: PAUSE_KEY.toUpperCase(), "aria-hidden": "true" });
+  const button = element("button", { type: "button", id: "pause-resume",
+    "aria-describedby": "driver-state pause-reason" }, word, hint);
+  const state = element("span", { id: "driver-state" });
+  const reason = element("span", { id: "pause-reason", class: "aside" });
+  const links = PAGES.map(([path, name]) => element("a", {
+    href: path, "data-page": path, text: name,
+    ...(path === location.pathname ? { "aria-current": "page" } : {}),
+  }));
+  const spoken = element("select", { id: "spoken" }, ...Object.keys(LEVELS).map((level) =>
+    element("option", { value: level, text: level })));
+  const key = element("input", { type: "checkbox", id: "pause-key" });
+  const badges = element("p", { id: "badges", class: "badges" });
+  const live = element("p", { id: "live", class: "unseen", role: "status", "aria-live": "polite" });
+  const notice = element("p", { id: "notice", class: "notice" });
+  notice.hidden = true;
+  header.replaceChildren(
+    element("p", { class: "brand", text: "NeuroTouch" }),
+    element("p", { class: "driver" }, button, state, reason),
+    element("nav", { "aria-label": "Pages" }, ...links),
+    element("details", { id: "page-settings", class: "page-settings" },
+      element("summary", { text: "Speech and keys" }),
+      element("p", {}, element("label", { for: "spoken", text: "Spoken changes" }), spoken),
+      element("p", {}, key, element("label", { for: "pause-key",
+        text: `Key ${PAUSE_KEY.toUpperCase()} pauses and resumes` })),
+      element("p", { class: "aside", text: "Important are state, profile, layer, refusals and "
+        + "errors. This browser remembers both choices." })),
+    badges, notice, live,
+  );
+  return { button, word, hint, state, reason, spoken, key, badges, live, notice };
+}
+
+// The key acts wherever the focus is, but for fields in which people type. It can be switched off
+// (WCAG 2.1.4): speech input may hear single letters.
+function listenToKey({ button, hint, key }, act) {
+  const show = () => {
+    hint.hidden = !key.checked;
+    if (key.checked) button.setAttribute("aria-keyshortcuts", PAUSE_KEY.toUpperCase());
+    else button.removeAttribute("aria-keyshortcuts");
+  };
+  key.checked = recall(KEY_CHOICE, "on") !== "off";
+  key.addEventListener("change", () => {
+    remember(KEY_CHOICE, key.checked ? "on" : "off");
+    show();
+  });
+  show();
+  addEventListener("keydown", (event) => {
+    if (!key.checked || event.repeat || event.ctrlKey || event.altKey || event.metaKey) return;
+    if (event.key.toLowerCase() !== PAUSE_KEY || isTyping(event.target)) return;
+    event.preventDefault();
+    act();
+  }, { capture: true });
+}
+
+const NO_TYPING = ["button", "checkbox", "color", "file", "image", "radio", "range", "reset",
+  "submit"];
+
+function isTyping(target) {
+  if (!(target instanceof HTMLElement)) return false;
+  if (target.isContentEditable || target.matches("select, textarea")) return true;
+  return target instanceof HTMLInputElement && !NO_TYPING.includes(target.type);
+}

@@ -1,0 +1,73 @@
+// What a screen reader is told, and how much of it: one live region for the whole page.
+
+import { recall, remember } from "./memory.js";
+
+export const LEVELS = { all: "all", important: "important", none: "none" };
+const KEY = "neurotouch-spoken";
+
+// `say` is for what changes all the time, `tell` for what a person must not miss: the driver's
+// state, profile, layer, refusals and errors. Numbers alone are no change worth a sentence.
+export function makeSpeech(region, gap_ms = 1500) {
+  let level = recall(KEY, LEVELS.all);
+  if (!(level in LEVELS)) level = LEVELS.all;
+  let shape = "";
+  let newest = null;
+  let waiting = []; // important sentences, in their order
+  let due = 0;
+  let timer = 0;
+
+  function plan() {
+    if (timer || (!waiting.length && newest === null)) return;
+    const wait = due - performance.now();
+    if (wait <= 0) speak();
+    else timer = setTimeout(speak, wait);
+  }
+
+  function speak() {
+    timer = 0;
+    if (!waiting.length && newest === null) return;
+    let sentence = newest;
+    if (waiting.length) {
+      sentence = waiting.join(" ");
+      waiting = [];
+    } else {
+      shape = readShape(newest);
+      newest = null;
+    }
+    due = performance.now() + gap_ms;
+    // The same words again are a change only if something differs.
+    region.textContent = region.textContent === sentence ? `${sentence}\u00a0` : sentence;
+    plan();
+  }
+
+  return {
+    say(sentence) {
+      if (level !== LEVELS.all) return;
+      if (readShape(sentence) === shape) newest = null; // back to what was said last
+      else newest = sentence;
+      plan();
+    },
+    tell(sentence) {
+      if (level === LEVELS.none || !sentence || waiting.includes(sentence)) return;
+      waiting.push(sentence);
+      plan();
+    },
+    get level() {
+      return level;
+    },
+    set level(chosen) {
+      level = chosen;
+      remember(KEY, chosen);
+      clearTimeout(timer);
+      timer = 0;
+      waiting = [];
+      newest = null;
+      shape = "";
+      region.textContent = "";
+    },
+  };
+}
+
+function readShape(sentence) {
+  return sentence.replace(/[\d.]+/g, "");
+}

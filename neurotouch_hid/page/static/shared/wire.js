@@ -1,0 +1,135 @@
+// The stream from the server: the token, the connection and its return, states as plain objects.
+
+const KEY = "neurotouch-token";
+const AGAIN_MS = 1000;
+const N_MARKERS = 177;
+const decoder = new TextDecoder();
+
+// The token comes in the fragment, which no server and no referrer ever sees. It moves to this
+// tab's own memory, so that the address bar can be shown, shared and bookmarked; it ends with the
+// tab.
+function takeToken() {
+  const given = /^#k=([\w-]+)$/.exec(location.hash);
+  if (given) {
+    sessionStorage.setItem(KEY, given[1]);
+    history.replaceState(null, "", location.pathname);
+  }
+  return sessionStorage.getItem(KEY) || "";
+}
+
+// Positions of all markers at rest, rows from the top, as the program counts them.
+export const LATTICE = [];
+for (let y = -7; y <= 7; y++) {
+  for (let x = -7; x <= 7; x++) {
+    if (16 * (x * x + y * y) <= 900) LATTICE.push([4 * x, 4 * y]);
+  }
+}
+
+function readState(buffer) {
+  const length = new DataView(buffer).getUint32(0, true);
+  const state = JSON.parse(decoder.decode(new Uint8Array(buffer, 4, length)));
+  const begin = 4 + length;
+  state.moved = new Int16Array(buffer.slice(begin, begin + 4 * N_MARKERS)); // 0.01 mm
+  state.valid = new Uint8Array(buffer, begin + 4 * N_MARKERS, N_MARKERS);
+  return state;
+}
+
+// Calls `name` of each listener for each message: `hello`, `state`, `about`, `driver`, `saved`,
+// `refused`, `throughput`, and `lost` with a sentence while there is no connection. The whole
+// message comes second; what answers a request has the number `n` that `ask` gave it.
+export function connect(hz, listeners) {
+  const token = takeToken();
+  let socket = null;
+  let ended = false;
+  let asked = 0;
+
+  function call(name, ...values) {
+    for (const listener of listeners) if (listener[name]) listener[name](...values);
+  }
+
+  function open() {
+    socket = new WebSocket(`ws://${location.host}/stream`);
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => socket.send(JSON.stringify({ token, hz }));
+    socket.onmessage = ({ data }) => {
+      if (typeof data !== "string") return call("state", readState(data));
+      const message = JSON.parse(data);
+      for (const [name, value] of Object.entries(message)) call(name, value, message);
+    };
+    socket.onclose = ({ code, reason }) => {
+      if (code === 1008) {
+        ended = true;
+        call("lost", `This page may not watch: ${reason || "the token is wrong"}. ` +
+          "Open the link that the terminal shows.");
+      } else if (code === 1013) {
+        call("lost", "Too many viewers (4). Close one.");
+      } else {
+        call("lost", "The connection is lost. Is neurotouch view still running?");
+      }
+      if (!ended) setTimeout(open, AGAIN_MS);
+    };
+  }
+
+  if (token) {
+    open();
+  } else {
+    call("lost", "This page needs its token: open the link that the terminal shows.");
+  }
+  keepToken(token);
+  function send(message) {
+    if (socket && socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
+  }
+  return {
+    send,
+    ask(message) {
+      send({ ...message, n: ++asked });
+      return asked;
+    },
+  };
+}
+
+// Links to the other pages carry the token, so that each can be opened in a tab of its own.
+function keepToken(token) {
+  for (const link of document.querySelectorAll("a[data-page]")) {
+    link.href = `${link.dataset.page}#k=${token}`;
+  }
+}
+
+export function element(name, attributes = {}, ...children) {
+  const made = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) {
+    if (key === "text") made.textContent = value;
+    else made.setAttribute(key, value);
+  }
+  made.append(...children);
+  return made;
+}
+
+// A canvas in the screen's own pixels; colours come from the style sheet.
+export function prepareCanvas(canvas) {
+  const ratio = Math.min(devicePixelRatio || 1, 2);
+  const { width, height } = canvas.getBoundingClientRect();
+  const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
+  if (canvas.width !== w || canvas.height !== h) {
+    canvas.width = w;
+    canvas.height = h;
+  }
+  const context = canvas.getContext("2d");
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.clearRect(0, 0, width, height);
+  return { context, width, height };
+}
+
+let colours = null;
+export function colour(name) {
+  if (!colours) {
+    colours = {};
+    const forget = () => { colours = null; };
+    for (const query of ["(prefers-color-scheme: dark)", "(prefers-contrast: more)",
+      "(forced-colors: active)"]) {
+      matchMedia(query).addEventListener("change", forget, { once: true });
+    }
+  }
+  colours[name] ??= getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+  return colours[name];
+}

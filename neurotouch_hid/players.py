@@ -1,0 +1,135 @@
+"""Players, each with a driver, sockets and settings of their own; only profiles are for all.
+
+Only the standard library is imported here, so that ``neurotouch panic`` is there at once.
+"""
+
+import os
+from pathlib import Path
+from typing import Final
+
+from neurotouch_hid.errors import DriverError
+
+PLAYER: Final = "NEUROTOUCH_PLAYER"
+PLAYERS: Final = ("1", "2", "3", "4")
+"""Each player has a driver of their own."""
+
+SERVICE_FOLDER: Final = Path("/run/neurotouch")
+"""Where the service of the first player keeps its sockets."""
+
+SERVICE_UNIT: Final = Path("/usr/lib/systemd/system/neurotouch.service")
+"""Part of the Debian package, where only the service has the rights to camera and gamepad."""
+
+MACHINE_FOLDER: Final = Path("/etc/neurotouch")
+"""What the administrator sets for everybody who has set nothing of their own."""
+
+_SOCKET: Final = "control"
+
+
+def find_player() -> int:
+    """Returns whose driver is meant: 1, unless ``NEUROTOUCH_PLAYER`` names another player.
+
+    Raises:
+        DriverError: it names none.
+    """
+    text = os.environ.get(PLAYER, "1")
+    if text not in PLAYERS:
+        raise DriverError(
+            f"The variable {PLAYER} must be one of {', '.join(PLAYERS)}, not {text!r}."
+        )
+    return int(text)
+
+
+def list_players() -> list[int]:
+    """Returns players whose driver may run: the environment's, else all with a socket."""
+    if PLAYER in os.environ:
+        return [find_player()]
+    found = (
+        player
+        for player in map(int, PLAYERS)
+        if any(find_socket(folder).exists() for folder in list_runtime_folders(player))
+    )
+    return list(found) or [1]
+
+
+def find_user_file(player: int | None = None, folder: Path | None = None) -> Path:
+    """Returns the file of the person's own values; it need not exist.
+
+    Another player has another hand: player 2 has it in a folder ``player-2``, and beside it what
+    else belongs to that player. Profiles are for everybody.
+
+    Args:
+        player: the player number; None means the one of the environment.
+        folder: the person's settings; None means those of this process's user.
+
+    Raises:
+        DriverError: the environment names no player.
+    """
+    player = player or find_player()
+    folder = folder or find_config_folder()
+    return (folder if player == 1 else folder / f"player-{player}") / "user.yaml"
+
+
+def find_config_folder() -> Path:
+    """Returns the folder of all settings of this user; it need not exist."""
+    config = Path(os.environ.get("XDG_CONFIG_HOME", ""))
+    if not config.is_absolute():  # the XDG specification: a relative path is to be ignored
+        config = Path("~/.config").expanduser()
+    return config / "neurotouch"
+
+
+def find_machine_folder() -> Path:
+    """Returns the folder of the machine's settings, which apply where a person has none."""
+    return Path(os.environ.get("CONFIGURATION_DIRECTORY", "").split(":")[0] or MACHINE_FOLDER)
+
+
+def explain_start() -> str:
+    """Returns how a driver is started on this machine, for people."""
+    if SERVICE_UNIT.exists():
+        return "Plug the camera in, or: sudo systemctl start neurotouch"
+    return "Start it: neurotouch run. Without a camera: neurotouch demo"
+
+
+def find_runtime_folder(player: int | None = None) -> Path:
+    """Returns the folder a driver of this user keeps its sockets in; it need not exist.
+
+    Args:
+        player: the player number; None means the one of the environment.
+    """
+    return list_runtime_folders(player)[0]
+
+
+def find_socket(folder: Path) -> Path:
+    """Returns the control socket in a driver's folder."""
+    return folder / _SOCKET
+
+
+def list_runtime_folders(player: int | None = None) -> list[Path]:
+    """Returns where a driver may be, the user's own first, the system's service last.
+
+    Args:
+        player: whose driver; as the environment says without.
+    """
+    player = player or find_player()
+    folders = _list_first_folders()
+    if player == 1:
+        return folders
+    own = f"-{player}"  # which the folder of this player's service bears already
+    return [
+        folder if folder.name.endswith(own) else folder.with_name(folder.name + own)
+        for folder in folders
+    ]
+
+
+def _list_first_folders() -> list[Path]:
+    service = os.environ.get("RUNTIME_DIRECTORY", "").split(":")[0]
+    if service:  # we are a part of a service, for which systemd made this folder
+        return [Path(service)]
+    user = os.getuid()
+    session = Path(os.environ.get("XDG_RUNTIME_DIR", ""))
+    folders = [session / "neurotouch"] if session.is_absolute() else []
+    if Path(f"/run/user/{user}").is_dir():
+        folders.append(Path(f"/run/user/{user}/neurotouch"))
+    if user != 0 and not folders:
+        # The folder's owner and mode are checked before it is used.
+        folders.append(Path(f"/tmp/neurotouch-{user}"))  # noqa: S108
+    return list(dict.fromkeys([*folders, SERVICE_FOLDER]))

@@ -1,0 +1,27 @@
+"""How this program starts itself again, however it was installed.
+
+``python -m neurotouch_hid`` finds the package only where Python looks by itself. The Debian package
+keeps its libraries in a folder of their own, which only its launcher knows.
+"""
+
+import sys
+from pathlib import Path
+
+_LIBRARIES = Path(__file__).parents[2]
+_START = """\
+import runpy, sys
+sys.path.insert(0, sys.argv.pop(1))
+runpy.run_module({!r}, run_name="__main__", alter_sys=True)
+"""
+
+
+def make_own_command(*arguments: str, module: str = "neurotouch_hid.__main__") -> list[str]:
+    """Returns a command that runs a module of this installation with the same Python.
+
+    Args:
+        arguments: of the command line, such as ``view``.
+        module: what runs; by default the ``neurotouch`` command.
+    """
+    isolated = ["-I"] if sys.flags.isolated else []
+    start = _START.format(module)
+    return [sys.executable, *isolated, "-c", start, str(_LIBRARIES), *arguments]

@@ -1,0 +1,49 @@
+"""Turns signals into an orderly end of the pipeline, SIGHUP into a fresh look at the profile."""
+
+import os
+import signal
+import threading
+from collections.abc import Callable
+
+
+def stop_on_signals(reload: Callable[[], object] | None = None) -> threading.Event:
+    """Makes Ctrl-C and SIGTERM set the returned event and do nothing else; repeating is harmless.
+
+    SIGHUP reloads, unless it comes because the terminal was closed: then it ends the pipeline too,
+    except under nohup.
+    Nothing puts the former behaviour back: the pad is to be released undisturbed. Only the main
+    thread may call this.
+
+    Args:
+        reload: what SIGHUP does; without, it ends the pipeline. Must be safe in a signal handler.
+    """
+    stop = threading.Event()
+    outlives = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN  # nohup has set this
+    attached = _has_terminal()
+    is_ending = False
+
+    def end(*_: object) -> None:
+        nonlocal is_ending
+        if not is_ending:  # a signal in the middle of ``set`` would wait for what it interrupts
+            is_ending = True
+            stop.set()
+
+    def hang_up(*_: object) -> None:
+        if not outlives and (reload is None or (attached and not _has_terminal())):
+            end()
+        elif reload is not None:
+            reload()
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, end)
+    signal.signal(signal.SIGHUP, hang_up)
+    return stop
+
+
+def _has_terminal() -> bool:
+    """Returns True if the process has a terminal that controls it; a closed one is none."""
+    try:
+        os.close(os.open("/dev/tty", os.O_RDONLY | os.O_NOCTTY))
+    except OSError:
+        return False
+    return True

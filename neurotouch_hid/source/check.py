@@ -1,0 +1,104 @@
+"""Refuses a source that cannot be opened, before the libraries are loaded that would play it."""
+
+import difflib
+from pathlib import Path
+from typing import Final
+
+from neurotouch_hid.errors import SourceError
+from neurotouch_hid.plugins import SOURCES, list_plugins
+from neurotouch_hid.vocabulary import SourceKind, find_source_kind
+
+SCENES: Final = (
+    "tour",
+    "rest",
+    "press",
+    "push",
+    "push-left",
+    "push-right",
+    "push-up",
+    "push-down",
+    "pinch",
+    "zoom",
+    "twist-cw",
+    "twist-ccw",
+    "three-fingers",
+    "fast",
+    "noise",
+    "random",
+)
+"""The scenes of the simulator, in the order of the documentation."""
+
+FORMS: Final = ("davis:", "davis:SERIAL", "file:NAME.aedat4", "sim:NAME", "driver:")
+"""How the sources of this package are written."""
+
+
+def check_source(spec: str) -> None:
+    """Checks what can be known of a source without opening it; a camera may come and go.
+
+    Args:
+        spec: the source as a person writes it.
+
+    Raises:
+        SourceError: there is no such source.
+        RecordingError: the recording is missing, or is none.
+    """
+    kind, rest = find_source_kind(spec), spec.partition(":")[2]
+    if kind is SourceKind.SIMULATION:
+        check_scene(rest)
+    elif kind is SourceKind.RECORDING:
+        from neurotouch_hid.recording.container import check_recording  # noqa: PLC0415
+
+        check_recording(find_path(spec))
+    elif kind is SourceKind.OTHER and not _is_offered(spec):
+        raise refuse_source(spec)
+
+
+def _is_offered(spec: str) -> bool:
+    kind, colon, _ = spec.partition(":")
+    return spec == "driver:" or (bool(colon) and kind in list_plugins(SOURCES))
+
+
+def check_scene(name: str) -> None:
+    """Checks that there is a scene of the simulator.
+
+    Raises:
+        SourceError: there is none of that name.
+    """
+    if name in SCENES:
+        return
+    close = difflib.get_close_matches(name.lower(), SCENES, 1)
+    hint = f"Did you mean sim:{close[0]}?" if close else f"Scenes: {', '.join(SCENES)}."
+    if not name:
+        raise SourceError("'sim:' needs the name of a scene, for example sim:tour.", hint=hint)
+    raise SourceError(f"There is no simulated scene called '{name}'.", hint=hint)
+
+
+def find_path(spec: str) -> Path:
+    """Returns the recording of a source.
+
+    Raises:
+        SourceError: it has no name.
+    """
+    rest = spec.removeprefix("file:")
+    if not rest:
+        raise SourceError(
+            "'file:' needs the name of a recording.", hint="For example: file:play.aedat4"
+        )
+    return Path(rest)
+
+
+def refuse_source(spec: str) -> SourceError:
+    """Returns the error for a name that is no source, with the one that was meant."""
+    kind, _, rest = spec.partition(":")
+    forms = [*FORMS, *(f"{name}:" for name in list_plugins(SOURCES))]
+    if spec in SCENES or rest in SCENES:
+        hint = f"Did you mean sim:{spec if spec in SCENES else rest}?"
+    elif Path(spec).is_dir():
+        hint = f"It is a folder. Give a recording in it: file:{spec}/NAME.aedat4"
+    elif Path(spec).is_file():
+        hint = f"Recordings end in .aedat4; if it is one: file:{spec}"
+    elif near := difflib.get_close_matches(f"{kind.lower()}:", forms, 1, 0.75):
+        hint = f"Did you mean {near[0]}{rest}?"
+    else:
+        hint = f"Give one of {', '.join(forms)}."
+    return SourceError(f"'{spec}' is not a source.", hint=hint)

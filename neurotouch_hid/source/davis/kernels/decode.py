@@ -1,0 +1,341 @@
+"""The compiled loop from the camera's words to events and frames.
+
+A word is 16 bits, little-endian [libcaer ``davis_common.h``]: ``1ttt…`` is the low 15 bits of the
+time in µs; else three bits of code and twelve of data. All that is known between two words is in
+a record, so the stream may be cut anywhere.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+
+Records = NDArray[np.void]
+
+# Codes, bits 14-12.
+SPECIAL, ROW, COLUMN_OFF, COLUMN_ON, SAMPLE, BYTE, SLICE, WRAP = range(8)
+
+# Data of SPECIAL.
+RESET, IMU_BEGIN, IMU_END = 1, 5, 7
+INPUT_FIRST, INPUT_LAST = 2, 4  # edges and pulses of the external input
+GENERATOR_FIRST, GENERATOR_LAST = 16, 17
+FRAME_GLOBAL, FRAME_ROLLING, FRAME_END = 8, 9, 10
+COLUMN_RESET, COLUMN_SIGNAL, COLUMN_END = 11, 12, 13
+EXPOSURE_BEGIN, EXPOSURE_END = 14, 15
+
+# Bits 11-8 of BYTE.
+IMU_BYTE, ROI_HIGH, ROI_LOW, IMU_SETUP = range(4)
+
+WRAP_US = 0x8000
+
+
+class AddressLayout(NamedTuple):
+    """How a camera's addresses map to the picture, as the camera reports it.
+
+    Attributes:
+        columns: of the DVS, as the chip counts: limits X words.
+        rows: of the DVS, as the chip counts: limits row words.
+        swap_events: a row word is an x.
+        swap_frames: columns of a frame are rows of the picture.
+        flip_columns: a frame's columns come last to first.
+        flip_rows: the samples of a column come last to first.
+        mirrored: mirror the whole picture, left to right.
+    """
+
+    columns: int = SENSOR_HEIGHT_PX
+    rows: int = SENSOR_WIDTH_PX
+    swap_events: bool = True
+    swap_frames: bool = True
+    flip_columns: bool = False
+    flip_rows: bool = False
+    mirrored: bool = False
+
+
+STATE_DTYPE = np.dtype(
+    [
+        ("is_synced", "?"),
+        ("origin_us", "<i8"),
+        ("base_us", "<i8"),
+        ("now_us", "<i8"),
+        ("y", "<i8"),
+        ("in_frame", "?"),
+        ("is_frame_ok", "?"),
+        ("n_region", "<i8"),
+        ("region_byte", "<i8"),
+        ("region", "<i8", (4,)),
+        ("kind", "<i8"),
+        ("n_columns", "<i8", (2,)),
+        ("n_samples", "<i8"),
+        ("frame_begin_us", "<i8"),
+        ("exposure_begin_us", "<i8"),
+        ("exposure_end_us", "<i8"),
+    ],
+    align=True,
+)
+"""All that is known between two words. ``is_synced``: the timestamp reset of the start has been
+seen. Of the stream's time: ``origin_us`` at the camera's time 0, ``base_us`` that the wraps have
+added up to, ``now_us`` at the last word, which never goes back. ``y``: the last row word, -1 if
+none or a wrong one. Of the frame that is being read: ``region`` its first x and y and last x and y,
+``n_region`` of which have been seen, ``region_byte`` the high byte of the next; ``kind`` 0 in a
+reset column, 1 in a signal column, -1 between columns; ``n_columns`` read so far, by kind;
+``n_samples`` in this column."""
+
+COUNTERS_DTYPE = np.dtype(
+    [
+        (name, "<i8")
+        for name in (
+            "bad_rows",
+            "bad_columns",
+            "orphans",
+            "backward",
+            "unknown",
+            "resets",
+            "bad_frames",
+        )
+    ]
+)
+"""What was malformed; see ``DecoderStats``."""
+
+TOO_BRIGHT = 384  # a reset value below this is one that the light has already pulled down
+WHITE = 1023
+
+
+@njit(cache=True, nogil=True)
+def decode(
+    words: NDArray[np.uint16],
+    start: int,
+    layout: AddressLayout,
+    carried: Records,
+    counted: Records,
+    events: Records,
+    n: int,
+    reset: NDArray[np.int16],
+    pixels: NDArray[np.uint8],
+) -> tuple[int, int, bool]:
+    """Reads words up to the end, or up to the end of a frame.
+
+    Args:
+        words: (w,) uint16.
+        start: the first word to read.
+        layout: of the camera.
+        carried: (1,) STATE_DTYPE, carried from call to call.
+        counted: (1,) COUNTERS_DTYPE, counted up.
+        events: EVENT_DTYPE, long enough for all words.
+        n: events that are in it already.
+        reset: (260, 346) int16, the reset values of the frame that is being read.
+        pixels: (260, 346) uint8, that frame.
+
+    Returns:
+        The first word not read, the number of events, and whether a frame is complete.
+    """
+    state, counters = carried[0], counted[0]
+    columns, rows = layout.columns, layout.rows
+    swap, mirrored = layout.swap_events, layout.mirrored
+    now, y = state["now_us"], state["y"]
+    origin = state["origin_us"] + state["base_us"]
+    i = start
+    if not state["is_synced"]:  # what comes before the reset is left over from before
+        while i < len(words) and words[i] != RESET:
+            i += 1
+        if i == len(words):
+            return i, n, False
+        state["is_synced"] = True
+        i += 1
+    while i < len(words):
+        word = words[i]
+        i += 1
+        code, data = word >> 12, np.int64(word & 0xFFF)
+        if code & 8:
+            t = origin + np.int64(word & 0x7FFF)
+            if t <= now:
+                counters["backward"] += 1
+            else:
+                now = t
+        elif code in (COLUMN_OFF, COLUMN_ON):
+            if data >= columns:
+                counters["bad_columns"] += 1
+            elif y < 0:
+                counters["orphans"] += 1
+            else:
+                event = events[n]
+                event.t = now
+                x_px, y_px = (y, data) if swap else (data, y)
+                event.x = SENSOR_WIDTH_PX - 1 - x_px if mirrored else x_px
+                event.y = y_px
+                event.p = code == COLUMN_ON
+                n += 1
+        elif code == ROW:
+            y = data
+            if data >= rows:
+                counters["bad_rows"] += 1
+                y = -1
+        elif code == SAMPLE:
+            if state["in_frame"]:
+                i = _take_samples(words, i - 1, layout, state, reset, pixels)
+        elif code == WRAP:
+            state["base_us"] += data * WRAP_US
+            origin = state["origin_us"] + state["base_us"]
+            if origin <= now:
+                counters["backward"] += 1
+            now = max(now, origin)
+        elif code == SPECIAL and data == RESET:
+            # The stream's time goes on from where the camera started again.
+            counters["resets"] += 1
+            counters["bad_frames"] += state["in_frame"]
+            state["in_frame"] = False
+            state["origin_us"], state["base_us"] = now, 0
+            origin, y = now, -1
+        elif code == SPECIAL:
+            state["now_us"] = now
+            if _take_special(data, layout, state, counters):
+                state["y"] = y
+                return i, n, True
+        elif code == BYTE:
+            kind = data >> 8
+            if kind == ROI_HIGH:
+                state["region_byte"] = data & 0xFF
+            elif kind == ROI_LOW:
+                _take_region(data & 0xFF, state, pixels)
+            elif kind not in (IMU_BYTE, IMU_SETUP):
+                counters["unknown"] += 1
+        elif data >> 10:  # SLICE: parts of the exposure in clock cycles, only 0 is in use
+            counters["unknown"] += 1
+    state["now_us"], state["y"] = now, y
+    return i, n, False
+
+
+@njit(cache=True, nogil=True)
+def _take_special(data: int, layout: AddressLayout, state: Records, counters: Records) -> bool:
+    """Takes a special word other than a timestamp reset; True if it completes a frame."""
+    if data in (FRAME_GLOBAL, FRAME_ROLLING):
+        counters["bad_frames"] += state["in_frame"]
+        now = state["now_us"]
+        state["in_frame"] = state["is_frame_ok"] = True
+        state["n_region"], state["kind"], state["n_columns"][0], state["n_columns"][1] = 0, -1, 0, 0
+        state["frame_begin_us"], state["exposure_begin_us"], state["exposure_end_us"] = now, -1, -1
+    elif data in (COLUMN_RESET, COLUMN_SIGNAL):
+        is_early = data == COLUMN_SIGNAL and state["n_columns"][1] >= state["n_columns"][0]
+        if state["kind"] >= 0 or is_early:  # the one before has no end, or no reset value is known
+            state["is_frame_ok"] = False
+        state["kind"], state["n_samples"] = data - COLUMN_RESET, 0
+    elif data == COLUMN_END:
+        if state["kind"] < 0 or state["n_samples"] != _expected(layout, state, rows=True):
+            state["is_frame_ok"] = False
+        if state["kind"] >= 0:
+            state["n_columns"][state["kind"]] += 1
+        state["kind"] = -1
+    elif data == EXPOSURE_BEGIN:
+        state["exposure_begin_us"] = state["now_us"]
+    elif data == EXPOSURE_END:
+        state["exposure_end_us"] = state["now_us"]
+    elif data == FRAME_END:
+        whole: bool = _end_frame(layout, state, counters)
+        return whole
+    elif not (
+        INPUT_FIRST <= data <= INPUT_LAST
+        or data in (IMU_BEGIN, IMU_END)
+        or GENERATOR_FIRST <= data <= GENERATOR_LAST
+    ):
+        counters["unknown"] += 1
+    return False
+
+
+@njit(cache=True, nogil=True)
+def _end_frame(layout: AddressLayout, state: Records, counters: Records) -> bool:
+    if not state["in_frame"]:
+        return False
+    state["in_frame"] = False
+    n_columns = _expected(layout, state, rows=False)
+    is_whole = (
+        state["is_frame_ok"]
+        and state["n_region"] == 4
+        and state["kind"] < 0
+        and state["n_columns"][0] == n_columns
+        and state["n_columns"][1] == n_columns
+    )
+    if not is_whole:
+        counters["bad_frames"] += 1
+        return False
+    if state["exposure_end_us"] < 0:
+        state["exposure_end_us"] = state["now_us"]
+    if not 0 <= state["exposure_begin_us"] <= state["exposure_end_us"]:
+        state["exposure_begin_us"] = state["frame_begin_us"]
+    return True
+
+
+@njit(cache=True, nogil=True)
+def _expected(layout: AddressLayout, state: Records, rows: bool) -> int:
+    """Returns the rows, or columns, of the frame's region as the chip counts them."""
+    first = 0 if rows == layout.swap_frames else 1
+    count: int = state["region"][first + 2] - state["region"][first] + 1
+    return count
+
+
+@njit(cache=True, nogil=True)
+def _take_region(low: int, state: Records, pixels: NDArray[np.uint8]) -> None:
+    """Takes the low byte of a limit of the frame's region; the fourth one completes it."""
+    if not state["in_frame"] or state["n_region"] > 3:
+        return
+    state["region"][state["n_region"]] = state["region_byte"] << 8 | low
+    state["n_region"] += 1
+    if state["n_region"] < 4:
+        return
+    if not (
+        state["region"][0] <= state["region"][2] < SENSOR_WIDTH_PX
+        and state["region"][1] <= state["region"][3] < SENSOR_HEIGHT_PX
+    ):
+        state["is_frame_ok"] = False
+    elif (
+        state["region"][2] - state["region"][0] + 1 < SENSOR_WIDTH_PX
+        or state["region"][3] - state["region"][1] + 1 < SENSOR_HEIGHT_PX
+    ):
+        pixels[:] = 0
+
+
+@njit(cache=True, nogil=True)
+def _take_samples(
+    words: NDArray[np.uint16],
+    i: int,
+    layout: AddressLayout,
+    state: Records,
+    reset: NDArray[np.int16],
+    pixels: NDArray[np.uint8],
+) -> int:
+    """Readings of the ADC up to the next other word, put to their pixels; returns where that is.
+
+    What is too many for the frame goes nowhere, and the frame counts as bad.
+    """
+    kind, row = state["kind"], state["n_samples"]
+    n_columns = _expected(layout, state, rows=False)
+    n_rows = _expected(layout, state, rows=True)
+    column = state["n_columns"][1 if kind == 1 else 0]
+    is_read = kind >= 0 and state["is_frame_ok"] and state["n_region"] == 4
+    # a column's pixels are on a line in the picture
+    across = n_columns - 1 - column if layout.flip_columns else column
+    along, step = (n_rows - 1, -1) if layout.flip_rows else (0, 1)
+    x, y, x_step, y_step = state["region"][0] + across, state["region"][1] + along, 0, step
+    if layout.swap_frames:
+        x, y, x_step, y_step = state["region"][0] + along, state["region"][1] + across, step, 0
+    if layout.mirrored:
+        x, x_step = SENSOR_WIDTH_PX - 1 - x, -x_step
+    x, y = x + row * x_step, y + row * y_step
+    while i < len(words) and words[i] >> 12 == SAMPLE:
+        if is_read and column < n_columns and row < n_rows:
+            value = np.int64(words[i] & 0x3FF)
+            if kind == 0:
+                reset[y, x] = value
+            else:
+                before = np.int64(reset[y, x])
+                light = WHITE if before < TOO_BRIGHT or value == 0 else max(int(before - value), 0)
+                pixels[y, x] = min(255, (light + 3) >> 2)  # as the vendor's library rounds
+            x, y = x + x_step, y + y_step
+        elif is_read:
+            state["is_frame_ok"] = False
+        row += 1
+        i += 1
+    if is_read:
+        state["n_samples"] = row
+    return i

@@ -1,0 +1,84 @@
+"""Opens the source of another package, and checks what it gives."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from neurotouch_hid.closing import Closing
+from neurotouch_hid.errors import PluginError
+from neurotouch_hid.messages import EVENT_DTYPE, EventPacket
+from neurotouch_hid.plugins import SOURCES, make_plugin
+from neurotouch_hid.source.check import refuse_source
+from neurotouch_hid.source.protocol import ActivityAware, LiveSource, Source
+
+_MEMBERS = ("name", "rig", "is_live", "is_simulated", "__iter__", "close")
+
+
+def open_plugin(spec: str, slice_us: int, seed: int) -> Source:
+    """Opens a source of another package, see ``plugins``.
+
+    Args:
+        spec: ``KIND:REST``; the entry point KIND in ``neurotouch.sources`` is called as
+            ``make(REST, slice_us=..., seed=...)``.
+        slice_us: length of a slice.
+        seed: of the simulator's chance.
+
+    Raises:
+        SourceError: no package offers KIND.
+        PluginError: the package cannot be loaded, or what it makes is no source.
+    """
+    kind, colon, rest = spec.partition(":")
+    source = make_plugin(SOURCES, kind, rest, slice_us=slice_us, seed=seed) if colon else None
+    if source is None:
+        raise refuse_source(spec)
+    missing = [each for each in _MEMBERS if not hasattr(source, each)]
+    if missing:
+        raise PluginError(
+            f"The source '{kind}:' has no {', '.join(missing)}.",
+            hint="It must be what neurotouch_hid.source.Source describes.",
+        )
+    return (_CheckedLive if isinstance(source, LiveSource) else _Checked)(kind, source)
+
+
+class _Checked(Closing):
+    """A source of another package; what it gives is checked, so that mistakes are named."""
+
+    def __init__(self, kind: str, source: Any) -> None:
+        self.name, self.rig = source.name, source.rig
+        self.is_live, self.is_simulated = source.is_live, source.is_simulated
+        self._kind, self._source = kind, source
+
+    def __iter__(self) -> Iterator[EventPacket]:
+        for packet in self._source:
+            self._check(packet)
+            yield packet
+
+    def close(self) -> None:
+        self._source.close()
+
+    def _check(self, packet: object) -> None:
+        fault = None
+        if not isinstance(packet, EventPacket):
+            fault = f"{type(packet).__name__}, not an EventPacket"
+        elif packet.t_end_us <= packet.t_begin_us:
+            fault = f"a slice from {packet.t_begin_us} to {packet.t_end_us} us"
+        elif getattr(packet.events, "dtype", None) != EVENT_DTYPE:
+            fault = f"events of the dtype {getattr(packet.events, 'dtype', None)}"
+        if fault is not None:
+            raise PluginError(
+                f"The source '{self._kind}:' gave {fault}.",
+                hint="It must give neurotouch_hid.messages.EventPacket, its events of EVENT_DTYPE.",
+            )
+
+
+class _CheckedLive(_Checked):
+    """The same for a source that may have nothing for a while."""
+
+    def poll(self) -> Iterator[EventPacket | None]:
+        for packet in self._source.poll():
+            if packet is not None:
+                self._check(packet)
+            yield packet
+
+    def set_activity(self, *, is_idle: bool, wants_frames: bool = True) -> None:
+        if isinstance(self._source, ActivityAware):
+            self._source.set_activity(is_idle=is_idle, wants_frames=wants_frames)

@@ -1,0 +1,41 @@
+"""What the running driver sees, as a source: it goes on playing meanwhile."""
+
+from collections.abc import Iterator
+
+from neurotouch_hid.client import open_stream
+from neurotouch_hid.closing import Closing
+from neurotouch_hid.geometry import Rig
+from neurotouch_hid.messages import EventPacket
+from neurotouch_hid.recording.wire import receive_packets
+
+NAME = "driver:"
+
+
+class RunningDriver(Closing):
+    """Receives the driver's packets; they end when it ends.
+
+    Attributes:
+        name: ``driver:``, and what the driver plays.
+        rig: unknown.
+        is_live: True.
+        is_simulated: whether the driver's own source is.
+
+    Raises:
+        NotRunningError: no driver is running.
+        DriverError: it does not answer, or it refuses.
+    """
+
+    rig: Rig | None = None
+    is_live = True
+
+    def __init__(self) -> None:
+        answer, self._line = open_stream("record")
+        self.name = f"{NAME} {answer.get('source', '')}".strip()
+        self.is_simulated = answer.get("simulated") is True
+
+    def __iter__(self) -> Iterator[EventPacket]:
+        return receive_packets(self._line)
+
+    def close(self) -> None:
+        """Ends the connection."""
+        self._line.close()

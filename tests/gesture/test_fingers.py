@@ -1,0 +1,171 @@
+"""The fingers that are followed are the real ones."""
+
+import numpy as np
+import pytest
+
+from neurotouch_hid.geometry import LATTICE_MM, Rig
+from neurotouch_hid.gesture.elastic.fingers import FingerConfig, FingerTracker
+from neurotouch_hid.gesture.elastic.kernels.field import fill_responses, find_site
+from neurotouch_hid.gesture.elastic.kernels.follow import NOW
+from tests.gesture.elastic import field
+
+SEES_ALL = np.ones(len(LATTICE_MM), np.bool_)
+RIG = Rig((0.0, 0.0), 1.0)  # a pixel a millimetre
+REST_PX = LATTICE_MM.astype(np.float32)
+PLACES = np.array([[-9.0, 0.0], [9.0, 0.0]])
+
+
+def pinch(size_mm):
+    return field(PLACES, np.array([[size_mm, 0.0], [-size_mm, 0.0]]))
+
+
+def follow(fingers, sizes_mm):
+    for size_mm in sizes_mm:
+        fingers.update(pinch(size_mm), SEES_ALL, 0.05, forming=False)
+
+
+def found(fingers):
+    fit = fingers.fits[NOW]
+    order = np.argsort(fit["centres"][: fit["count"], 0])
+    return fit["centres"][order], fit["motions"][order, 0]
+
+
+def test_two_fingers_are_followed():
+    fingers = FingerTracker()
+    fingers.place(REST_PX, RIG)
+    follow(fingers, [1.0, 2.0, 3.0, 4.0])
+    centres, drags = found(fingers)
+    np.testing.assert_allclose(centres, PLACES, atol=1.5)
+    np.testing.assert_allclose(drags, [4.0, -4.0], atol=0.5)
+
+
+@pytest.mark.parametrize("falling", [True, False])
+def test_no_finger_is_added_while_fingers_leave(falling):
+    fingers = FingerTracker()
+    fingers.place(REST_PX, RIG)
+    for size_mm in (1.0, 2.0, 3.0, 4.0):
+        push = field(PLACES[:1], np.array([[size_mm, 0.0]]))
+        assert fingers.update(push, SEES_ALL, 0.05, forming=False).n_fingers == 1
+    late = field(PLACES, np.array([[3.0, 0.0], [0.0, 1.5]]))
+    motion = fingers.update(late, SEES_ALL, 0.05, forming=False, falling=falling)
+    assert motion.n_fingers == (1 if falling else 2)
+
+
+def test_overlapping_fingers_are_searched_for_again():
+    fingers = FingerTracker()
+    fingers.place(REST_PX, RIG)
+    follow(fingers, [1.0, 2.0])
+    fit = fingers.fits[NOW]
+    fit["centres"][:] = fit["centres"][0]  # one place: nothing tells their motions apart
+    fit["radii"][:] = fit["radii"][0]
+    follow(fingers, [3.0, 4.0])
+    centres, drags = found(fingers)
+    np.testing.assert_allclose(centres, PLACES, atol=1.5)
+    np.testing.assert_allclose(drags, [4.0, -4.0], atol=0.5)
+
+
+def test_a_finger_in_the_wrong_place_is_searched_for_again():
+    fingers = FingerTracker()
+    fingers.place(REST_PX, RIG)
+    follow(fingers, [1.0, 2.0])
+    fingers.fits[NOW]["centres"][:2] = [[0.0, -24.0], [0.0, 24.0]]
+    follow(fingers, [3.0, 4.0])
+    np.testing.assert_allclose(found(fingers)[1], [4.0, -4.0], atol=0.5)
+
+
+def test_slices_of_any_length_trust_and_check_their_fingers_alike():
+    trust, searches = [], []
+    for step_us in (1_000, 4_000, 10_000):
+        fingers = FingerTracker()
+        fingers.place(REST_PX, RIG)
+        for t_us in range(0, 400_000, step_us):
+            size_mm = min(1.0 + 3.0 * t_us / 100_000, 4.0)
+            fingers.update(pinch(size_mm), SEES_ALL, 0.05, step_us=step_us, forming=True)
+        searches.append(int(fingers.state["n_searches"][0]))
+        trust.append(fingers.fits[NOW]["trust"][:2])
+        np.testing.assert_allclose(found(fingers)[1], [4.0, -4.0], atol=0.5)
+    np.testing.assert_allclose(trust, [trust[-1]] * 3, atol=0.3)
+    assert max(searches) <= searches[-1] + 1  # ten times as many slices, as many searches
+
+
+def test_a_search_that_stops_early_finds_the_same_fingers():
+    rng = np.random.default_rng(3)
+    sizes_mm = [0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 4.0, 4.0, 2.0, 1.0, 0.2, 0.0]
+    fields = [pinch(size_mm) + rng.normal(0.0, 0.01, LATTICE_MM.shape) for size_mm in sizes_mm]
+    motions, asked = [], []
+    for sure in (FingerConfig().sure, 0.0):  # 0: every site is computed every time
+        fingers = FingerTracker(FingerConfig(sure=sure))
+        fingers.place(REST_PX, RIG)
+        each = []
+        for moved in fields:
+            motion = fingers.update(moved, SEES_ALL, 0.05, forming=True)
+            motion = motion._replace(parts_mm=motion.parts_mm.tolist())
+            each.append((motion, motion.n_fingers and fingers.show().mm.tolist()))
+        motions.append(each)
+        asked.append(int(fingers.state["n_asked"][0]))
+    assert motions[0] == motions[1]
+    assert asked[0] < 0.8 * asked[1]
+
+
+def test_every_fourth_site_shows_whether_there_is_a_finger_at_all():
+    rng = np.random.default_rng(5)
+    fingers = FingerTracker()
+    fingers.place(REST_PX, RIG)
+    gel, n_found = fingers.gel[0], 0
+    weight, known = np.ones(len(LATTICE_MM)), np.zeros((0, 2))
+    n_sites, n_coarse = len(gel["sites"]), int(gel["n_coarse"])
+    assert n_coarse < 0.3 * n_sites
+    for _ in range(200):
+        place_mm = rng.uniform(-18.0, 18.0, (1, 2))
+        response = np.empty((2 * len(LATTICE_MM), 3))
+        fill_responses(LATTICE_MM, place_mm, rng.uniform(5.0, 8.0), response)
+        field = (response @ rng.normal(0.0, (1.0, 1.0, 0.1))).reshape(-1, 2)
+        gel["n_coarse"] = n_sites
+        best = find_site(gel, field, weight, known, 5.0, 0.0)
+        gel["n_coarse"] = n_coarse
+        found = find_site(gel, field, weight, known, 5.0, best[1])
+        n_found += found == best
+        more_mm2 = 4.0 * best[1]  # more than the field contains
+        none = find_site(gel, field, weight, known, 5.0, more_mm2)
+        assert none == (0, 0.0)
+    assert n_found >= 196
+
+
+def test_names_stay_with_fingers_until_they_are_forgotten():
+    fingers = FingerTracker()
+    fingers.place(REST_PX, RIG)
+    follow(fingers, [1.0, 2.0, 3.0])
+    names = fingers.fits["ids"][NOW][:2].tolist()
+    follow(fingers, [4.0])
+    assert fingers.fits["ids"][NOW][:2].tolist() == names
+    assert len(set(names)) == 2
+    fingers.reset()
+    assert not fingers.update(np.zeros(LATTICE_MM.shape), SEES_ALL, 0.05, forming=True).n_fingers
+
+
+def test_a_knock_has_no_finger_and_a_light_touch_is_no_knock():
+    fingers = FingerTracker()
+    fingers.place(REST_PX, RIG)
+    knock = np.full(LATTICE_MM.shape, 0.3)
+    motion = fingers.update(knock, SEES_ALL, 0.05, forming=True)
+    assert motion.n_fingers == 0
+    assert motion.sway_mm == pytest.approx(np.hypot(0.3, 0.3))
+    touch = field(PLACES[:1], np.array([[0.15, 0.0]]))
+    motion = fingers.update(touch, SEES_ALL, 0.05, forming=True)
+    assert motion.n_fingers == 0
+    assert motion.sway_mm < 0.02
+
+
+def test_contacts_are_in_gel_and_image_coordinates():
+    rig = Rig((170.0, 130.0), 2.4, 0.2)
+    fingers = FingerTracker()
+    fingers.place(rig.to_px(LATTICE_MM).astype(np.float32), rig)
+    moved_px = rig.to_px(LATTICE_MM + pinch(4.0)) - rig.to_px(LATTICE_MM)
+    for _ in range(4):
+        motion = fingers.update(moved_px, SEES_ALL, 0.05, forming=False)
+    contacts = fingers.show()
+    order = np.argsort(contacts.mm[:, 0])
+    np.testing.assert_allclose(contacts.mm[order], [[-5.0, 0.0], [5.0, 0.0]], atol=1.0)
+    np.testing.assert_allclose(contacts.px, rig.to_px(contacts.mm), atol=1e-9)
+    assert motion.n_fingers == 2
+    assert contacts.intensity_mm == pytest.approx(4.0, abs=0.3)

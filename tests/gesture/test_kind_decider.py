@@ -1,0 +1,80 @@
+"""When a gesture begins and ends."""
+
+import numpy as np
+import pytest
+
+from neurotouch_hid.gesture.elastic.fingers import FingerMotion
+from neurotouch_hid.gesture.elastic.kind_decider import KindDecider
+from neurotouch_hid.messages import GestureKind
+
+
+def push(decision, size_mm, *, sway_mm=0.0, error_mm=0.0):
+    """One slice of 10 ms in which one finger drags by ``size_mm``."""
+    parts_mm = np.array([0.0, size_mm, 0.0, 0.0, 0.0, 0.0])
+    motion = FingerMotion(1, size_mm, sway_mm, error_mm, size_mm, 0.0, 0.0, 1.0, parts_mm)
+    decision.update(10_000, motion, 0.05)
+
+
+def test_no_gesture_begins_while_the_gel_sways():
+    quiet, swaying, steady = KindDecider(), KindDecider(), KindDecider()
+    for _ in range(3):
+        push(quiet, 0.6)
+        push(swaying, 0.6, sway_mm=0.4)
+        push(steady, 0.6)
+    assert quiet.kind is GestureKind.PUSH
+    assert swaying.kind is GestureKind.NONE
+    push(steady, 0.6, sway_mm=0.4)
+    assert steady.kind is GestureKind.PUSH  # a gesture in progress goes on
+    for _ in range(30):
+        push(swaying, 0.6)
+    assert swaying.kind is GestureKind.PUSH  # the sway is forgotten
+
+
+def test_motion_that_fingers_do_not_explain_is_a_knock_while_the_gel_moves():
+    def begin(size_mm, sway_mm, error_mm):
+        decision = KindDecider()
+        for _ in range(3):
+            push(decision, size_mm, sway_mm=sway_mm, error_mm=error_mm)
+        return decision.kind
+
+    assert begin(0.9, 0.2, 0.2) is GestureKind.NONE
+    assert begin(0.9, 0.2, 0.1) is GestureKind.PUSH
+    assert begin(0.9, 0.0, 0.2) is GestureKind.PUSH  # gel of another kind: nothing knocked
+    assert begin(2.5, 0.2, 0.4) is GestureKind.PUSH
+
+
+def test_a_gesture_ends_the_later_the_smaller_it_was():
+    def least(most_mm):
+        decision, size_mm = KindDecider(), most_mm
+        while decision.kind is not GestureKind.NONE or size_mm == most_mm:
+            push(decision, size_mm)
+            size_mm -= 0.01
+        return size_mm
+
+    assert least(0.4) < 0.2  # it trembles, or has just begun
+    assert 0.25 < least(6.0) < 0.28  # the gel creeps back from it
+
+
+@pytest.mark.parametrize(("left_mm", "is_believed"), [(4.5, True), (0.4, False)])
+def test_people_see_less_of_a_gesture_that_ends_than_of_one_that_goes_on(left_mm, is_believed):
+    decision = KindDecider()
+    for size_mm in (2.0, 4.0, 6.0, 6.0, *np.linspace(6.0, left_mm, 10)):
+        push(decision, size_mm)
+    assert decision.is_falling
+    for _ in range(12):
+        push(decision, left_mm)
+    assert not decision.is_falling
+    assert decision.kind is GestureKind.PUSH
+    assert (decision.confidence > 0.7) == is_believed
+
+
+@pytest.mark.parametrize(
+    ("largest_mm", "pause_us", "begins"),
+    [(8.0, 20_000, False), (8.0, 200_000, True), (1.0, 20_000, True)],
+)
+def test_the_swing_of_a_released_gel_is_no_gesture(largest_mm, pause_us, begins):
+    decision = KindDecider()
+    swing = [*[largest_mm] * 10, *[0.0] * (pause_us // 10_000), 0.6, 0.6]
+    for size_mm in swing:
+        push(decision, size_mm)
+    assert (decision.kind is GestureKind.PUSH) == begins

@@ -1,0 +1,72 @@
+"""The Debian package's launcher, whose libraries are where Python does not search."""
+
+import json
+import os
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+LIMIT_S = 500
+
+
+@pytest.fixture(scope="module")
+def launcher(built, tmp_path_factory):
+    """The launcher with the wheel in the folder of its libraries; what it needs is linked there."""
+    top = tmp_path_factory.mktemp("package")
+    libraries = top / "neurotouch-hid"
+    wheel = next(built.glob("*.whl"))
+    target = ["--target", str(libraries), "--no-deps", "--no-index", "--quiet", str(wheel)]
+    subprocess.run([sys.executable, "-m", "pip", "install", *target], check=True)
+    for path in Path(sysconfig.get_path("purelib")).iterdir():
+        if path.suffix != ".pth" and "neurotouch" not in path.name and path.name != "bin":
+            (libraries / path.name).symlink_to(path)
+    text = (ROOT / "packaging" / "launcher.py").read_text()
+    assert text.count("/usr/lib/neurotouch-hid") == 1
+    file = top / "neurotouch"
+    file.write_text(text.replace("/usr/lib/neurotouch-hid", str(libraries)))
+    return file
+
+
+@pytest.fixture
+def run(launcher, tmp_path):
+    """Runs the launcher with a Python that knows none of the tests' packages."""
+    python = Path(sys.base_prefix) / "bin" / f"python3.{sys.version_info.minor}"
+    environment = {
+        "PATH": os.environ["PATH"],
+        "HOME": str(tmp_path),
+        "XDG_RUNTIME_DIR": str(tmp_path),
+        "XDG_CACHE_HOME": str(launcher.parent),  # compiled once for all tests
+    }
+
+    def call(*arguments):
+        done = subprocess.run(
+            [str(python), "-I", str(launcher), *arguments],
+            capture_output=True,
+            text=True,
+            timeout=LIMIT_S,
+            env=environment,
+            cwd=tmp_path,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        return done
+
+    return call
+
+
+def test_the_page_beside_a_demo_is_served(run):
+    said = run("demo", "--seconds", "1", "--show", "lines", "--scene", "push").stderr
+    assert "http://" in said
+    assert "No module" not in said
+
+
+def test_several_recordings_are_evaluated_at_once(run, tmp_path):
+    run("simulate", "play", "--users", "1", "--minutes", "0.2")
+    files = sorted((tmp_path / "play").glob("*.aedat4"))[:2]
+    run("evaluate", *map(str, files), "--jobs", "2", "--json", "play.json")
+    report = json.loads((tmp_path / "play.json").read_text())
+    assert len(report["files"]) == 2

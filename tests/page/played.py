@@ -1,0 +1,82 @@
+"""A page of the real server, whose driver is played by the test: each message, in its order."""
+
+import json
+
+from neurotouch_hid.geometry import N_MARKERS
+from neurotouch_hid.snapshot import pack
+
+HEALTH = {
+    "events_hz": 0,
+    "slices_hz": 100,
+    "frames_hz": 25.0,
+    "lost": 0,
+    "backlog_ms": 0.0,
+    "tracked": 177,
+    "rezero_s": 1.0,
+    "window_ms": 10.0,
+    "stages": {},
+    "source": "sim:mouse",
+    "simulated": True,
+    "device": "memory",
+    "file": "",
+}
+REST = {
+    "n": 1,
+    "t_us": 0,
+    "say": "At rest",
+    "state": "running",
+    "profile": "mine",
+    "layer": "base",
+    "gesture": {
+        "kind": "none",
+        "mm": 0.0,
+        "movement": "none",
+        "felt_mm": 0.0,
+        "phase": "idle",
+        "contacts": [],
+        "confidence": 0.0,
+        "moved_mm": [0.0, 0.0],
+        "turned_rad": 0.0,
+        "scale": 0.0,
+    },
+    "pad": {"axes": {}, "buttons": [], "keys": [], "mouse": [], "pointer": [0, 0], "wheel": 0.0},
+    "actions": [],
+    "slow": HEALTH,
+}
+
+
+UNASKED = ("hand", "outputs", "profiles")
+"""What a page asks for by itself."""
+
+
+class PlayedDriver:
+    """What the page hears; ``asked`` is what the page has asked for, without the token."""
+
+    def __init__(self, page, *, edit: bool = True) -> None:
+        self._edit = edit
+        self.asked: list[dict] = []
+        page.route_web_socket("**/stream", self._connect)
+
+    def _connect(self, line) -> None:
+        self._line = line
+        line.on_message(self._hear)
+
+    def _hear(self, said) -> None:
+        message = json.loads(said)
+        if "token" in message:
+            self.tell(hello=True, edit=self._edit, driver=True)
+        elif message["do"] not in UNASKED:
+            self.asked.append(message)
+
+    def tell(self, **message) -> None:
+        self._line.send(json.dumps(message))
+
+    def show(self, **changes) -> None:
+        """Sends a state: the hand at rest, but for the changes."""
+        self._line.send(pack({**REST, **changes}, bytes(5 * N_MARKERS)))
+
+    def answer(self, **message) -> dict:
+        """Answers the oldest request, which it returns."""
+        request = self.asked.pop(0)
+        self.tell(n=request["n"], **message)
+        return request

@@ -1,0 +1,415 @@
+"""The first page in a real browser: started, changed, measured, checked and shared, by buttons.
+
+Pages close before their server ends, so a test names `open_page` after the server.
+"""
+
+import os
+import shutil
+import subprocess
+
+import pytest
+
+from tests.page.conftest import PROFILE
+from tests.page.processes import LIMIT_S, Driver, View
+from tests.page.waiting import wait_on
+
+
+@pytest.fixture
+def alone(tmp_path):
+    """The page's server on a machine where nothing runs."""
+    profiles = tmp_path / "config/neurotouch/profiles"
+    profiles.mkdir(parents=True)
+    view = View(tmp_path, "--edit")
+    yield view
+    view.end()
+
+
+def read(page, id_: str) -> str:
+    return page.locator(f"#{id_}").text_content()
+
+
+def wait_for(page, id_: str, words: str) -> None:
+    page.wait_for_function(
+        "([id, words]) => document.getElementById(id).textContent.includes(words)",
+        arg=[id_, words],
+    )
+
+
+def test_from_nothing_to_the_mouse_gel_and_back_without_a_terminal(alone, open_page):
+    page = open_page(alone.home)
+    wait_for(page, "situation", "No camera found.")
+    page.click("#start-mouse")  # the first click
+    page.wait_for_selector("#fly:not([hidden])")
+    wait_for(page, "situation", "The mouse presses a simulated gel.")
+    assert "/game#k=" in page.get_attribute("#fly", "href")  # the second; the third is Fly
+    page.click("#end")
+    page.wait_for_selector("#start-mouse:not([hidden])")
+
+
+def test_what_the_page_started_ends_with_the_page(alone, open_page):
+    page = open_page(alone.home)
+    page.click("#start-mouse")
+    page.wait_for_selector("#end:not([hidden])")
+    pid = Driver.status(alone)["pid"]
+    page.close()
+    alone.end()
+    with pytest.raises(ProcessLookupError):
+        os.kill(pid, 0)
+
+
+def test_profiles_can_be_prepared_before_anything_runs(alone, open_page):
+    page = open_page(alone.home)
+    page.select_option("#profile-choice", "push-only")
+    page.click("#profile-copy")
+    wait_for(page, "saved", "'mine' is your own copy of push-only.")
+    wait_for(page, "saved", "it applies from the next start")
+    page.wait_for_selector("[data-movement=push_left] li button")
+    page.wait_for_function("() => document.getElementById('profile-choice').value === 'mine'")
+    page.locator("[data-movement=pinch] .row button").click()
+    page.click("#outputs button:text-is('X')")
+    wait_for(page, "saved", "Saved in mine")
+    assert "button: x" in (alone.folder / "config/neurotouch/profiles/mine.yaml").read_text()
+
+
+def test_a_movement_is_made_and_put_on_a_button(view, folder, open_page):
+    """Bind by doing: nothing acts meanwhile, and the saved profile plays at once."""
+    path = folder / "config/neurotouch/profiles/mine.yaml"
+    path.write_text(PROFILE)
+    page = open_page(view.home)
+    page.click("#by-doing")
+    wait_for(page, "driver-state", "Paused")
+    page.wait_for_selector("#chooser[open]")
+    movement = read(page, "chooser-title").removesuffix(" does …")
+    page.select_option("#group-choice", "Buttons")
+    page.click("#outputs button:text-is('Y')")
+    wait_for(page, "saved", "It applies now.")
+    assert 'button: "y"' in path.read_text()
+    wait_for(page, "driver-state", "Running")
+    page.wait_for_function(
+        "([name]) => [...document.querySelectorAll('.movement')].some((card) =>"
+        " card.querySelector('h3').textContent.includes(name) &&"
+        " card.textContent.includes('button Y'))",
+        arg=[movement],
+    )
+    page.click("#undo")
+    wait_for(page, "saved", "again.")
+    assert path.read_text() == PROFILE
+
+
+def test_the_mouse_gel_is_pressed_and_bound_on_the_same_page(alone, open_page):
+    """Four clicks and a movement from the first page to the spacecraft's pinch on button B."""
+    page = open_page(alone.home)
+    page.click("#start-mouse")
+    page.wait_for_selector("#gel:not([hidden])")
+    page.click("#by-doing")
+    wait_for(page, "driver-state", "Paused")
+    page.focus("#gel")
+    page.keyboard.down("-")
+    page.wait_for_selector("[data-movement=pinch].made")
+    page.keyboard.up("-")
+    page.wait_for_selector("#chooser[open]")
+    assert read(page, "chooser-title") == "Pinch does …"
+    page.click("#outputs button:text-is('B')")
+    wait_for(page, "saved", "It applies now.")
+    assert "button: b" in (
+        alone.folder / "config/neurotouch/profiles/spacecraft.yaml"
+    ).read_text().replace('"', "")
+
+
+def test_a_card_is_changed_by_keyboard_alone(view, folder, open_page):
+    path = folder / "config/neurotouch/profiles/mine.yaml"
+    path.write_text(PROFILE)
+    page = open_page(view.home)
+    change = page.locator("[data-movement=pinch] li button").first
+    change.wait_for()
+    change.focus()
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#chooser[open]")
+    page.locator("#group-choice").focus()
+    while page.input_value("#group-choice") != "Keyboard":
+        page.keyboard.press("ArrowDown")
+    page.locator("#outputs button:text-is('space')").wait_for()
+    page.locator("#key-catch").focus()
+    page.keyboard.press("Enter")
+    page.keyboard.press("Control+KeyC")
+    wait_for(page, "saved", "It applies now.")
+    assert "key: ctrl+c" in path.read_text()
+    assert "button: a" not in path.read_text()  # in place of it
+    path.write_text(PROFILE)
+
+
+def test_the_picture_of_the_pad_is_a_choice_too(view, folder, open_page):
+    path = folder / "config/neurotouch/profiles/mine.yaml"
+    path.write_text(PROFILE)
+    page = open_page(view.home)
+    page.locator("[data-movement=twist_ccw] .row button").click()
+    page.locator("#pad-picture .choosable").nth(0).click()  # the left trigger
+    wait_for(page, "saved", "It applies now.")
+    assert "trigger: left" in path.read_text()
+    page.locator("[data-movement=twist_ccw] li button").nth(1).click()  # removes it
+    wait_for(page, "saved", "Removed")
+    assert "trigger: left" not in path.read_text()
+    path.write_text(PROFILE)
+
+
+def test_what_cannot_be_bound_is_refused_and_nothing_is_saved(view, folder, open_page):
+    path = folder / "config/neurotouch/profiles/mine.yaml"
+    path.write_text(PROFILE)
+    page = open_page(view.home)
+    page.locator("[data-movement=zoom] .row button").click()
+    page.select_option("#press-choice", "tap")
+    page.select_option("#group-choice", "Sticks")
+    page.click("#outputs button >> nth=0")
+    page.wait_for_selector("#notice:not([hidden])")
+    assert path.read_text() == PROFILE
+
+
+def test_the_range_is_measured_with_the_words_of_the_terminal(view, folder, open_page):
+    page = open_page(view.home)
+    page.wait_for_selector("#by-doing:not([hidden])")
+    page.click("#measure")
+    wait_for(page, "request", "1 of 10: Rest your hand")
+    wait_for(page, "driver-state", "Paused")
+    page.click("[data-answer='']")
+    wait_for(page, "request", "2 of 10")
+    page.click("[data-answer='b']")
+    wait_for(page, "request", "1 of 10")
+    for _ in range(2):
+        page.click("[data-answer='']")
+    for step in range(3, 11):
+        wait_for(page, "request", f"{step} of 10")
+        page.click("[data-answer='s']")
+    page.wait_for_selector("#measure:not([hidden])")
+    wait_for(page, "driver-state", "Running")
+    assert not (folder / "config/neurotouch/user.yaml").exists()
+
+
+def test_the_camera_s_picture_and_the_sheet(view, folder, open_page):
+    (folder / "config/neurotouch/profiles/mine.yaml").write_text(PROFILE)
+    page = open_page(view.home)
+    page.click("#look")
+    page.wait_for_selector("#picture:not([hidden])")
+    page.wait_for_function("() => document.getElementById('picture').naturalWidth === 346")
+    sheet = open_page(view.page("sheet"))
+    wait_for(sheet, "layers", "button A")
+    assert "left stick, all directions" in read(sheet, "layers")
+    sheet.emulate_media(media="print")
+    assert not sheet.locator("header").is_visible()
+
+
+def test_the_machine_is_checked_from_the_page(alone, open_page):
+    page = open_page(alone.home)
+    page.click("#check")
+    page.wait_for_function(
+        "() => /checks: nothing|need something/.test("
+        "document.getElementById('check-state').textContent)"
+    )
+    assert page.locator("#findings li").count() >= 1  # no camera, no right to make a pad
+
+
+def test_a_phone_is_let_in_and_out(view, open_page):
+    page = open_page(view.home)
+    page.click("#remote")
+    page.wait_for_function(
+        "() => document.getElementById('remote-link').textContent"
+        " || !document.getElementById('notice').hidden"
+    )
+    link = read(page, "remote-link")
+    if not link:
+        assert "in no network" in read(page, "notice")
+        return
+    phone = open_page(link, viewport={"width": 390, "height": 844}, has_touch=True)
+    phone.locator("#pause-resume").tap()
+    wait_for(page, "driver-state", "Paused")
+    phone.locator("#pause-resume").tap()
+    wait_for(page, "driver-state", "Running")
+    phone.locator("#remote").tap()
+    wait_for(phone, "notice", "Only the machine itself")
+    phone.close()
+    page.click("#remote-end")
+    wait_for(page, "remote-state", "No phone")
+    late = subprocess.run(
+        [shutil.which("curl") or "curl", "-sS", "--max-time", "5", link.split("#")[0]],
+        capture_output=True,
+        check=False,
+        timeout=LIMIT_S,
+    )
+    assert late.returncode == 7  # nobody listens
+
+
+def test_a_page_that_only_shows_changes_and_starts_nothing(open_page, tmp_path):
+    view = View(tmp_path)
+    try:
+        page = open_page(view.home)
+        wait_for(page, "situation", "No camera found.")
+        page.click("#start-mouse")
+        page.wait_for_selector("#notice:not([hidden])")
+        assert "only shows" in read(page, "notice")
+        wait_on(page, lambda: page.locator("#start-mouse").is_visible())
+        page.close()
+    finally:
+        view.end()
+
+
+WAYS = {"left": (-1, 0), "right": (1, 0), "up": (0, -1), "down": (0, 1)}
+STRENGTH_MM = 8.0
+GEL_MM = 66.0  # across the canvas
+
+
+def fly_one_ring(page, steer) -> None:
+    """Follows the advice until a ring is passed; `steer` is told where to push, in shares."""
+    page.wait_for_function("() => document.body.dataset.mode === 'flying'")
+
+    def follow() -> bool:
+        advice = page.inner_text("#advice").lower()
+        words = advice.replace("-", " ").split() if "push" in advice else []
+        ways = [WAYS[word] for word in words if word in WAYS]
+        steer(sum(x for x, _ in ways), sum(y for _, y in ways))
+        return int(page.inner_text("#rings").split()[0]) >= 1
+
+    wait_on(page, follow)
+    steer(0, 0)
+
+
+def find_middle(page) -> tuple[float, float, float]:
+    """The middle of the gel, and how many pixels are a millimetre there."""
+    box = page.locator("#gel").bounding_box()
+    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    return *middle, min(box["width"], box["height"]) / GEL_MM
+
+
+def press_keys(page, wanted: set[str], held: set[str]) -> None:
+    for key in held - wanted:
+        page.keyboard.up(key)
+    for key in wanted - held:
+        page.keyboard.down(key)
+    held.clear()
+    held.update(wanted)
+
+
+def test_three_clicks_and_the_mouse_fly_the_first_ring(alone, open_page):
+    page = open_page(alone.home)
+    page.click("#start-mouse")
+    page.click("#fly")
+    page.wait_for_selector("#gel-panel:not([hidden])")
+    page.click("#fly")
+    x, y, px_mm = find_middle(page)
+    at = [0, 0]
+
+    def steer(right: int, down: int) -> None:
+        if [right, down] == at:
+            return
+        page.mouse.up()
+        at[:] = right, down
+        if right or down:
+            page.mouse.move(x, y)
+            page.mouse.down()
+            far = STRENGTH_MM * px_mm
+            page.mouse.move(x + right * far, y + down * far, steps=4)
+
+    fly_one_ring(page, steer)
+
+
+def test_the_keyboard_alone_flies_the_first_ring(alone, open_page):
+    """Tab to the first button, Enter three times, then the arrow keys."""
+    page = open_page(alone.home)
+    page.wait_for_selector("#start-mouse:not([hidden])")
+    tab_to(page, "start-mouse")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#fly:not([hidden])")
+    assert page.evaluate("document.activeElement.id") == "fly"
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#gel-panel:not([hidden])")
+    page.keyboard.press("Enter")
+    keys = {(-1, 0): "ArrowLeft", (1, 0): "ArrowRight", (0, -1): "ArrowUp", (0, 1): "ArrowDown"}
+    held: set[str] = set()
+
+    def steer(right: int, down: int) -> None:
+        wanted = {keys[way] for way in [(right, 0), (0, down)] if way in keys}
+        press_keys(page, wanted, held)
+
+    fly_one_ring(page, steer)
+
+
+def tab_to(page, id_: str) -> int:
+    """Presses Tab until it is there; returns how often that was."""
+    for count in range(1, 40):
+        page.keyboard.press("Tab")
+        if page.evaluate("document.activeElement.id") == id_:
+            return count
+    raise AssertionError(f"Tab does not reach #{id_}")
+
+
+def test_a_finger_on_a_phone_flies_the_first_ring(alone, open_page):
+    phone = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
+    page = open_page(alone.home, **phone)
+    page.tap("#start-mouse")
+    page.tap("#fly")
+    wait_for(page, "pilot", "the gel")
+    page.tap("#fly")
+    page.wait_for_selector("#gel-panel:not([hidden])")
+    x, y, px_mm = find_middle(page)
+    finger = page.context.new_cdp_session(page)
+    at = [0, 0]
+
+    def touch(kind: str, *points: tuple[float, float]) -> None:
+        finger.send(
+            "Input.dispatchTouchEvent",
+            {"type": kind, "touchPoints": [{"x": x, "y": y} for x, y in points]},
+        )
+
+    def steer(right: int, down: int) -> None:
+        if [right, down] == at:
+            return
+        if any(at):
+            touch("touchEnd")
+        at[:] = right, down
+        if right or down:
+            touch("touchStart", (x, y))
+            for step in (0.25, 0.5, 0.75, 1.0):
+                far = step * STRENGTH_MM * px_mm
+                touch("touchMove", (x + right * far, y + down * far))
+
+    fly_one_ring(page, steer)
+
+
+def test_one_switch_binds_a_movement_and_flies(alone, open_page):
+    """A switch steps with Tab and chooses with Enter; no key is held, nothing is timed."""
+    page = open_page(alone.home)
+    page.wait_for_selector("#start-mouse:not([hidden])")
+    steps = tab_to(page, "start-mouse")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#by-doing:not([hidden])")
+    steps += tab_to(page, "by-doing")
+    page.keyboard.press("Enter")
+    wait_for(page, "driver-state", "Paused")
+    assert page.evaluate("document.activeElement.id") == "gel"
+    steps += tab_to_gesture(page, "pinch")
+    page.keyboard.press("Enter")
+    page.wait_for_selector("#chooser[open]")
+    assert read(page, "chooser-title") == "Pinch does …"
+    page.locator("#outputs button:text-is('B')").evaluate("button => button.click()")
+    wait_for(page, "saved", "It applies now.")
+    assert steps < 60
+    page.goto(alone.page("game"))
+    page.wait_for_selector("#gel-panel:not([hidden])")
+    page.evaluate("document.getElementById('pace').value = 20")
+    page.keyboard.press("Enter")
+    page.locator("#gel-panel summary").evaluate("summary => summary.click()")
+    names = {(-1, 0): "push_left", (1, 0): "push_right", (0, -1): "push_up", (0, 1): "push_down"}
+
+    def steer(right: int, down: int) -> None:
+        way = next((way for way in [(right, 0), (0, down)] if way in names), None)
+        if way:
+            page.locator(f"[data-gesture={names[way]}]").click()
+            page.wait_for_timeout(900)  # the press ends by itself
+
+    fly_one_ring(page, steer)
+
+
+def tab_to_gesture(page, gesture: str) -> int:
+    for count in range(1, 20):
+        page.keyboard.press("Tab")
+        if page.evaluate("document.activeElement.dataset.gesture") == gesture:
+            return count
+    raise AssertionError(f"Tab does not reach the button of {gesture}")

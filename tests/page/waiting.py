@@ -1,0 +1,21 @@
+"""Waiting beside a page."""
+
+import time
+
+from tests.page.processes import LIMIT_S
+
+
+def wait_on(page, happened) -> None:
+    """Waits for what happens outside the page, and lets the page's events in meanwhile."""
+    deadline = time.monotonic() + LIMIT_S
+    while not happened():
+        assert time.monotonic() < deadline
+        page.wait_for_timeout(50)
+
+
+def wait_for(page, element: str, words: str) -> None:
+    """Waits until an element, by its id, says these words."""
+    page.wait_for_function(
+        "([id, words]) => document.getElementById(id).textContent.includes(words)",
+        arg=[element, words],
+    )
