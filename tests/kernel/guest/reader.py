@@ -1,5 +1,6 @@
 """A program that reads our nodes with plain evdev, as any other would."""
 
+import contextlib
 import os
 import struct
 import threading
@@ -24,14 +25,17 @@ def list_nodes() -> list[str]:
 def find_node(phys: str, patience_s: float = 120.0) -> evdev.InputDevice:
     """Wait for one of our nodes and return it.
 
+    The kernel lists a device in /sys before its file is in /dev, and takes it away in between.
+
     Raises:
         TimeoutError: it did not come.
     """
     deadline = time.monotonic() + patience_s
     while time.monotonic() < deadline:
         for node in Path("/sys/class/input").glob("event*"):
-            if (node / "device/phys").read_text().strip() == phys:
-                return evdev.InputDevice(f"/dev/input/{node.name}")
+            with contextlib.suppress(FileNotFoundError):
+                if (node / "device/phys").read_text().strip() == phys:
+                    return evdev.InputDevice(f"/dev/input/{node.name}")
         time.sleep(0.05)
     raise TimeoutError(f"{phys} did not appear")
 
