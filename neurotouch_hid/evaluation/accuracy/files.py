@@ -15,11 +15,11 @@ from typing import Any
 from neurotouch_hid.driver import REFERENCE, Driver, DriverOptions
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.evaluation.accuracy.comparison import Comparison
+from neurotouch_hid.evaluation.accuracy.label_statistics import LabelStatistics
 from neurotouch_hid.evaluation.accuracy.label_track import LabelTrack
 from neurotouch_hid.evaluation.accuracy.metrics import summarise
 from neurotouch_hid.evaluation.accuracy.moments import WorstMoment
 from neurotouch_hid.evaluation.accuracy.origin import Origin
-from neurotouch_hid.evaluation.accuracy.statistics import LabelStatistics
 from neurotouch_hid.evaluation.accuracy.tally import Tally
 from neurotouch_hid.recording import check_labelled, labels_path, read_labels
 

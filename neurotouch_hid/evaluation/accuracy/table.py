@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from neurotouch_hid.evaluation.accuracy.paper import FIGURES, Figure
+from neurotouch_hid.evaluation.accuracy.published_figures import FIGURES, Figure
 
 BEYOND = (
     Figure("type accuracy from 2.5 mm", "gesture_accuracy_from_2.5_mm", "%"),

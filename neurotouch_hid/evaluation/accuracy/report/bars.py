@@ -6,7 +6,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from neurotouch_hid.evaluation.accuracy.paper import FIGURES, LABEL_UNCERTAINTY_MM
+from neurotouch_hid.evaluation.accuracy.published_figures import FIGURES, LABEL_UNCERTAINTY_MM
 from neurotouch_hid.evaluation.accuracy.report.style import (
     BACKGROUND,
     INK,

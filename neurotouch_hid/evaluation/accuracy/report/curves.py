@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from neurotouch_hid.evaluation.accuracy.paper import (
+from neurotouch_hid.evaluation.accuracy.published_figures import (
     COUNT_BY_INTENSITY,
     TYPE_BY_INTENSITY,
     ZOOM_AS_PUSH,

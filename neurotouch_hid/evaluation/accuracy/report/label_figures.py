@@ -6,7 +6,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
-from neurotouch_hid.evaluation.accuracy.paper import (
+from neurotouch_hid.evaluation.accuracy.label_statistics import LabelStatistics
+from neurotouch_hid.evaluation.accuracy.published_figures import (
     INTENSITY_MAX_MM,
     INTENSITY_RANGES_MM,
     LABELS,
@@ -15,7 +16,6 @@ from neurotouch_hid.evaluation.accuracy.paper import (
     SPEED_RANGE_MM_S,
 )
 from neurotouch_hid.evaluation.accuracy.report.style import BLUE, INK, MUTED, add_grid, add_legend
-from neurotouch_hid.evaluation.accuracy.statistics import LabelStatistics
 from neurotouch_hid.evaluation.accuracy.tally import BIN_MM
 from neurotouch_hid.geometry import GEL_RADIUS_MM
 from neurotouch_hid.messages import GestureKind

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from matplotlib.figure import Figure
 
 from neurotouch_hid.evaluation.accuracy.files import Evaluation
+from neurotouch_hid.evaluation.accuracy.label_statistics import LabelStatistics
 from neurotouch_hid.evaluation.accuracy.report.bars import (
     Reports,
     draw_errors,
@@ -27,7 +28,6 @@ from neurotouch_hid.evaluation.accuracy.report.label_figures import (
     draw_speeds,
 )
 from neurotouch_hid.evaluation.accuracy.report.style import apply_style, render_svg
-from neurotouch_hid.evaluation.accuracy.statistics import LabelStatistics
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from html import escape
 from typing import Any
 
-from neurotouch_hid.evaluation.accuracy.paper import FIGURES
+from neurotouch_hid.evaluation.accuracy.published_figures import FIGURES
 from neurotouch_hid.evaluation.accuracy.report.bars import Reports
 from neurotouch_hid.evaluation.accuracy.table import BEYOND, find_figure, format_figure
 

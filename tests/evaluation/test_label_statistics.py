@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from neurotouch_hid.evaluation.accuracy.statistics import LabelStatistics
+from neurotouch_hid.evaluation.accuracy.label_statistics import LabelStatistics
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import GestureKind
 from tests.evaluation.timelines import RIG, label
