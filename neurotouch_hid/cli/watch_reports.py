@@ -4,7 +4,7 @@ import json
 
 import click
 
-from neurotouch_hid.device.outputs.hidpad import HidPad, Report, find_hid_pads, read_reports
+from neurotouch_hid.device.inputs.hid_pad_reader import HidPad, Report, find_hid_pads, read_reports
 from neurotouch_hid.errors import DeviceError
 
 
