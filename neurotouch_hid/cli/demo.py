@@ -62,7 +62,7 @@ def command(
     from neurotouch_hid.driver import Driver
     from neurotouch_hid.players import find_runtime_folder
     from neurotouch_hid.source import open_source
-    from neurotouch_hid.source.mouse import MouseSource
+    from neurotouch_hid.source.mouse_gel import MouseSource
 
     make_source: Callable[[], Source] | None = None
     if mouse:

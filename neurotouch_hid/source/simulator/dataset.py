@@ -11,8 +11,8 @@ from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
 from neurotouch_hid.source.simulator.gel import Elasticity
-from neurotouch_hid.source.simulator.people import Person, draw_stroke, meet_person
 from neurotouch_hid.source.simulator.script import PRESS_US, Script, Stroke
+from neurotouch_hid.source.simulator.simulated_people import Person, draw_stroke, meet_person
 from neurotouch_hid.source.simulator.simulator import Simulator
 
 KINDS = tuple(GestureKind)[1:]

@@ -8,8 +8,8 @@ import numpy as np
 
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.source.check import SCENES, check_scene
-from neurotouch_hid.source.simulator.people import draw_stroke
 from neurotouch_hid.source.simulator.script import Script, Stroke, sequence
+from neurotouch_hid.source.simulator.simulated_people import draw_stroke
 from neurotouch_hid.source.simulator.simulator import SimulatorConfig
 from neurotouch_hid.source.simulator.strokes import (
     Fingertips,

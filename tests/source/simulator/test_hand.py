@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from neurotouch_hid.ipc import HAND, connect_to
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.source.mouse import MouseSource
+from neurotouch_hid.source.mouse_gel import MouseSource
 from neurotouch_hid.source.simulator import Simulator
 from neurotouch_hid.source.simulator.gel.motion import KNOT_US
 from neurotouch_hid.source.simulator.hand_model import (
