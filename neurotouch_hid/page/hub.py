@@ -15,7 +15,7 @@ from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.ipc import HAND, connect_to
 from neurotouch_hid.page.edits import Changes
 from neurotouch_hid.page.guard import Rate
-from neurotouch_hid.page.outputs import OutputGroup
+from neurotouch_hid.page.output_choices import OutputGroup
 from neurotouch_hid.page.profile_view import ProfileFault, ProfileView, describe_profile
 from neurotouch_hid.page.requests import Requests
 from neurotouch_hid.page.situation import find_situation

@@ -11,7 +11,7 @@ from neurotouch_hid.client import ask
 from neurotouch_hid.errors import PageError, ProfileError
 from neurotouch_hid.page.edits import Changes, Wish
 from neurotouch_hid.page.guard import make_token
-from neurotouch_hid.page.outputs import list_outputs
+from neurotouch_hid.page.output_choices import list_outputs
 from neurotouch_hid.page.pictures import draw_code, take_picture
 from neurotouch_hid.page.programs import COMMANDS, Programs
 from neurotouch_hid.players import find_runtime_folder
