@@ -16,7 +16,7 @@ def main() -> None:
         signal.signal(signal.SIGINT, _leave)
     signal.signal(signal.SIGTERM, _leave)
     if sys.argv[1:] in (["pause"], ["resume"], ["panic"], ["stop"]):
-        from neurotouch_hid.cli.send import send_command
+        from neurotouch_hid.cli.shared.send_without_click import send_command
 
         sys.exit(send_command(sys.argv[1]))
     from neurotouch_hid.process.startup import (

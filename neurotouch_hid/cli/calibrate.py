@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from neurotouch_hid.cli.follow import is_guided, open_silent_driver
+from neurotouch_hid.cli.shared.silent_driver import is_guided, open_silent_driver
 from neurotouch_hid.cli.ui.options import (
     method_option,
     seconds_option,

@@ -2,7 +2,7 @@
 
 import click
 
-from neurotouch_hid.cli.send import send_command
+from neurotouch_hid.cli.shared.send_without_click import send_command
 
 _json = click.option("--json", "as_json", is_flag=True, help="Print the answer as JSON.")
 

@@ -57,8 +57,8 @@ def command(
         needs_device=False,
     )
     check_start(options)
-    from neurotouch_hid.cli.demo_page import open_page
-    from neurotouch_hid.cli.play import announce, play
+    from neurotouch_hid.cli.shared.demo_page import open_page
+    from neurotouch_hid.cli.shared.play import announce, play
     from neurotouch_hid.driver import Driver
     from neurotouch_hid.players import find_runtime_folder
     from neurotouch_hid.source import open_source

@@ -32,7 +32,7 @@ def command(watch: bool, as_json: bool) -> None:
     A camera that nobody uses is opened for a moment to read its versions; one in use is left alone.
     """
     if watch:
-        from neurotouch_hid.cli.watch_reports import watch_pad
+        from neurotouch_hid.cli.shared.watch_reports import watch_pad
 
         watch_pad(as_json=as_json)
         return

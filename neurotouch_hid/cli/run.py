@@ -119,7 +119,7 @@ def command(
         shows_rumble=rumble,
     )
     check_start(options)
-    from neurotouch_hid.cli.play import announce, play
+    from neurotouch_hid.cli.shared.play import announce, play
     from neurotouch_hid.driver import Driver
 
     try:

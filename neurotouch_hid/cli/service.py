@@ -37,7 +37,7 @@ def command(source: str | None, only_compile: bool) -> None:
     settings, those in /etc/neurotouch apply: service.yaml, user.yaml and profiles. Another player's
     service is neurotouch@2, its folder /etc/neurotouch/player-2.
     """
-    from neurotouch_hid.cli.play import announce
+    from neurotouch_hid.cli.shared.play import announce
     from neurotouch_hid.driver import Driver, DriverOptions
     from neurotouch_hid.driver.admission import find_seated_users
     from neurotouch_hid.driver.blind_camera import CameraWatchdog

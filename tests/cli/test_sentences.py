@@ -163,7 +163,7 @@ def test_status_without_a_driver_is_json_too_where_that_is_asked_for():
 def nothing_loads(monkeypatch):
     """A wrong command line is refused before the pipeline's libraries are even looked for."""
     monkeypatch.setitem(sys.modules, "neurotouch_hid.driver.driver", None)
-    monkeypatch.setitem(sys.modules, "neurotouch_hid.cli.play", None)
+    monkeypatch.setitem(sys.modules, "neurotouch_hid.cli.shared.play", None)
 
 
 def refuse(command, *words):

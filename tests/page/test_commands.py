@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from neurotouch_hid.cli.demo_page import open_page
+from neurotouch_hid.cli.shared.demo_page import open_page
 from neurotouch_hid.page.address import read_address
 from tests.page.processes import LIMIT_S, PROGRAM
 
@@ -132,7 +132,7 @@ def test_a_demo_says_its_links_and_takes_its_page_along(tmp_path):
 
 def test_a_page_that_hangs_ends_with_its_demo_and_leaves_no_address(tmp_path, monkeypatch):
     monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path / "run"))
-    monkeypatch.setattr("neurotouch_hid.cli.demo_page._PATIENCE_S", 0.2)
+    monkeypatch.setattr("neurotouch_hid.cli.shared.demo_page._PATIENCE_S", 0.2)
     with open_page(""):
         pid = read_address().pid
         os.kill(pid, signal.SIGSTOP)

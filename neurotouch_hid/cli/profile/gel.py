@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.follow import read_steps
+from neurotouch_hid.cli.shared.silent_driver import read_steps
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile import Profile

@@ -22,7 +22,7 @@ def open_silent_driver(
     from neurotouch_hid.source.check import check_source
 
     check_source(source)
-    from neurotouch_hid.cli.play import announce
+    from neurotouch_hid.cli.shared.play import announce
     from neurotouch_hid.driver import Driver, DriverOptions
 
     options = DriverOptions(
