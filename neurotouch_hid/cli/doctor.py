@@ -55,7 +55,7 @@ def command(
         from neurotouch_hid.source.check import check_source
 
         check_source(source)
-    from neurotouch_hid.doctor import Status, examine, list_checks
+    from neurotouch_hid.doctor import CheckStatus, examine, list_checks
 
     checks = list_checks(picture, source)
     quiet = as_json or fix_script
@@ -72,7 +72,7 @@ def command(
         print_json([finding.as_json() for finding in findings])
     elif fix_script:
         click.echo(_write_script(findings), nl=False)
-    if any(finding.status is Status.FAILED for finding in findings):
+    if any(finding.status is CheckStatus.FAILED for finding in findings):
         raise SystemExit(1)
 
 

@@ -2,6 +2,6 @@
 
 from neurotouch_hid.doctor.checks import list_checks
 from neurotouch_hid.doctor.examination import Check, examine
-from neurotouch_hid.doctor.finding import Finding, Status
+from neurotouch_hid.doctor.finding import CheckStatus, Finding
 
-__all__ = ["Check", "Finding", "Status", "examine", "list_checks"]
+__all__ = ["Check", "CheckStatus", "Finding", "examine", "list_checks"]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
-from neurotouch_hid.doctor.finding import Finding, Status, fail
+from neurotouch_hid.doctor.finding import CheckStatus, Finding, fail
 from neurotouch_hid.errors import NeuroTouchError
 
 PATIENCE_S: Final = 10.0
@@ -56,7 +56,7 @@ def _look(check: Check, patience_s: float, tell: Callable[[str], object]) -> Fin
         try:
             findings.append(check.look())
         except NeuroTouchError as error:
-            findings.append(Finding(Status.FAILED, error.message, error.hint))
+            findings.append(Finding(CheckStatus.FAILED, error.message, error.hint))
         except ImportError as error:
             findings.append(fail(f"A part of the program cannot be loaded: {error}.", _AGAIN))
         except OSError as error:

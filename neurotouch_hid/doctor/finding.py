@@ -5,7 +5,7 @@ from enum import StrEnum
 from typing import Any
 
 
-class Status(StrEnum):
+class CheckStatus(StrEnum):
     """Outcome of one check. Only FAILED makes the doctor's exit code 1."""
 
     OK = "OK"
@@ -26,7 +26,7 @@ class Finding:
         check: the name of the check; empty until the examination fills it in.
     """
 
-    status: Status
+    status: CheckStatus
     sentence: str
     fix: str | None = None
     commands: tuple[str, ...] = ()
@@ -39,19 +39,19 @@ class Finding:
 
 def approve(sentence: str) -> Finding:
     """Returns the finding that all is well."""
-    return Finding(Status.OK, sentence)
+    return Finding(CheckStatus.OK, sentence)
 
 
 def warn(sentence: str, fix: str, *commands: str) -> Finding:
     """Returns the finding that something works, but not as it should."""
-    return Finding(Status.WARNING, sentence, fix, commands)
+    return Finding(CheckStatus.WARNING, sentence, fix, commands)
 
 
 def fail(sentence: str, fix: str, *commands: str) -> Finding:
     """Returns the finding that something does not work."""
-    return Finding(Status.FAILED, sentence, fix, commands)
+    return Finding(CheckStatus.FAILED, sentence, fix, commands)
 
 
 def skip(sentence: str) -> Finding:
     """Returns the finding that something could not be, or need not be, checked."""
-    return Finding(Status.SKIPPED, sentence)
+    return Finding(CheckStatus.SKIPPED, sentence)

@@ -8,7 +8,7 @@ import socket
 from hypothesis import given
 from hypothesis import strategies as st
 
-from neurotouch_hid.doctor import Finding, Status
+from neurotouch_hid.doctor import CheckStatus, Finding
 from neurotouch_hid.doctor.bug_report import format_report, gather, list_rules, make_cleaner
 
 SECRETS = ("anna", "/home/anna", "Anna Example", "annas-laptop", "00000216")
@@ -64,7 +64,7 @@ def test_the_real_report(monkeypatch, tmp_path):
     monkeypatch.setenv("SECRET_TOKEN", "hunter2")
     monkeypatch.setenv("XDG_CURRENT_DESKTOP", "GNOME")
     found = f"{tmp_path / 'person'}/.config is read-only for {os.environ.get('USER', 'nobody')}."
-    report = gather([Finding(Status.FAILED, found, "Fix it.", check="profiles")])
+    report = gather([Finding(CheckStatus.FAILED, found, "Fix it.", check="profiles")])
     text = json.dumps(report)
     assert "hunter2" not in text
     assert str(tmp_path / "person") not in text
