@@ -10,7 +10,7 @@ from typing import Any
 from neurotouch_hid.evaluation.accuracy.origin import Origin
 from neurotouch_hid.evaluation.accuracy.report import tables
 from neurotouch_hid.evaluation.accuracy.report.bars import Reports
-from neurotouch_hid.evaluation.accuracy.report.pictures import Picture
+from neurotouch_hid.evaluation.accuracy.report.pictures import ReportPicture
 
 _SECTIONS = (
     ("table", "The paper’s table"),
@@ -26,7 +26,7 @@ _SECTIONS = (
 )
 
 
-def build_page(reports: Reports, pictures: Sequence[Picture], origin: Origin) -> str:
+def build_page(reports: Reports, pictures: Sequence[ReportPicture], origin: Origin) -> str:
     """Returns the whole page.
 
     Args:
@@ -64,7 +64,7 @@ def _introduce(reports: Reports) -> str:
     )
 
 
-def _build_section(key: str, reports: Reports, pictures: Sequence[Picture]) -> str:
+def _build_section(key: str, reports: Reports, pictures: Sequence[ReportPicture]) -> str:
     shown = [picture for picture in pictures if picture.name.split("-")[0] == key]
     if key == "failures":
         return _build_gallery(list(reports), shown)
@@ -102,7 +102,7 @@ def _build_numbers(build: Callable[[Mapping[str, Any]], str] | None, reports: Re
     )
 
 
-def _build_gallery(methods: Sequence[str], pictures: Sequence[Picture]) -> str:
+def _build_gallery(methods: Sequence[str], pictures: Sequence[ReportPicture]) -> str:
     parts = [
         "<p>The worst moment of each labelled gesture and each rest, and of those the worst ten. "
         "Rings are labelled contacts, crosses recognised ones; arrows lead from where a marker "
@@ -118,7 +118,7 @@ def _build_gallery(methods: Sequence[str], pictures: Sequence[Picture]) -> str:
     return "".join(parts)
 
 
-def _build_picture(picture: Picture) -> str:
+def _build_picture(picture: ReportPicture) -> str:
     data = base64.b64encode(picture.svg.encode()).decode()
     return (
         f'<figure><div class="wide"><img id="{escape(picture.name)}" alt="{escape(picture.alt)}" '

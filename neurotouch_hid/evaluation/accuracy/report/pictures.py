@@ -31,7 +31,7 @@ from neurotouch_hid.evaluation.accuracy.report.style import apply_style, render_
 
 
 @dataclass(frozen=True, slots=True)
-class Picture:
+class ReportPicture:
     """A drawn figure.
 
     Attributes:
@@ -49,7 +49,7 @@ class Picture:
 
 def draw_pictures(
     evaluations: Mapping[str, Evaluation], reports: Reports, progress: Callable[[str], None]
-) -> Iterator[Picture]:
+) -> Iterator[ReportPicture]:
     """Draws one figure after another, in the order of the page.
 
     Args:
@@ -69,7 +69,9 @@ def draw_pictures(
                 yield _picture_failure(f"failures-{method}-{k:02d}", failure)
 
 
-def _draw_results(evaluations: Mapping[str, Evaluation], reports: Reports) -> Iterator[Picture]:
+def _draw_results(
+    evaluations: Mapping[str, Evaluation], reports: Reports
+) -> Iterator[ReportPicture]:
     timings = {method: evaluation.total().timing for method, evaluation in evaluations.items()}
     yield _picture(
         "table-summary",
@@ -128,7 +130,7 @@ def _draw_results(evaluations: Mapping[str, Evaluation], reports: Reports) -> It
     )
 
 
-def _draw_labels(labels: LabelStatistics) -> Iterator[Picture]:
+def _draw_labels(labels: LabelStatistics) -> Iterator[ReportPicture]:
     yield _picture(
         "labels-types",
         draw_classes(labels),
@@ -162,7 +164,7 @@ def _draw_labels(labels: LabelStatistics) -> Iterator[Picture]:
     )
 
 
-def _picture_failure(name: str, failure: Failure) -> Picture:
+def _picture_failure(name: str, failure: Failure) -> ReportPicture:
     moment = failure.moment
     expected, recognised = failure.expected(), failure.recognised()
     place = f"{failure.file}, {moment.since_s:.2f} s"
@@ -176,5 +178,5 @@ def _picture_failure(name: str, failure: Failure) -> Picture:
     )
 
 
-def _picture(name: str, figure: Figure, alt: str, caption: str) -> Picture:
-    return Picture(name, alt, caption, render_svg(figure))
+def _picture(name: str, figure: Figure, alt: str, caption: str) -> ReportPicture:
+    return ReportPicture(name, alt, caption, render_svg(figure))
