@@ -37,7 +37,7 @@ _SEARCH_S: Final = 2.0
 
 
 @dataclass(frozen=True, slots=True)
-class Keyboard:
+class KeyboardNode:
     """A keyboard the kernel knows.
 
     Attributes:
@@ -51,7 +51,7 @@ class Keyboard:
     readable: bool
 
 
-def find_keyboards(nodes: Path = NODES, system: Path = SYSTEM) -> list[Keyboard]:
+def find_keyboards(nodes: Path = NODES, system: Path = SYSTEM) -> list[KeyboardNode]:
     """Returns all keyboards but our own, without opening one."""
     found = []
     for entry in sorted(system.glob("event*")):
@@ -69,11 +69,11 @@ def find_keyboards(nodes: Path = NODES, system: Path = SYSTEM) -> list[Keyboard]
             continue
         if node.exists():
             name = "".join(char for char in name if char.isprintable())
-            found.append(Keyboard(node, name, os.access(node, os.R_OK)))
+            found.append(KeyboardNode(node, name, os.access(node, os.R_OK)))
     return found
 
 
-def explain_keyboards(keyboards: list[Keyboard]) -> tuple[str, str | None]:
+def explain_keyboards(keyboards: list[KeyboardNode]) -> tuple[str, str | None]:
     """Returns a sentence on whether chords can be heard, and the way out if they cannot."""
     readable = [keyboard.name for keyboard in keyboards if keyboard.readable]
     if readable:
@@ -114,7 +114,7 @@ class ChordReader:
         }
         self._hear = hear
         self._nodes, self._system = nodes, system
-        self._keyboards: list[Keyboard] = []
+        self._keyboards: list[KeyboardNode] = []
         self._down: dict[int, set[int]] = {}  # by descriptor
         self._open: dict[Path, int] = {}
         self._held: set[str] = set()
