@@ -50,7 +50,7 @@ class Cue:
 
 
 @dataclass(frozen=True, slots=True)
-class Moment:
+class CueFacts:
     """The facts that cues are found in, taken from a step or from a published state.
 
     Attributes:
@@ -70,9 +70,9 @@ class Moment:
     decisions: tuple[MappingDecision, ...]
 
 
-def take_moment(step: Step | None, mapping: "Mapping") -> Moment:
+def take_facts(step: Step | None, mapping: "Mapping") -> CueFacts:
     """Returns the facts of a step that ``mapping`` has carried out; None: before the first."""
-    return Moment(
+    return CueFacts(
         mapping.state,
         mapping.profile.name,
         mapping.layer,
@@ -92,7 +92,7 @@ class CueFinder:
         first: the moment at the start.
     """
 
-    def __init__(self, first: Moment) -> None:
+    def __init__(self, first: CueFacts) -> None:
         self._state = first.state
         self._place = first.profile, first.layer
         self._last: MappingDecision | None = None
@@ -100,7 +100,7 @@ class CueFinder:
         self._tracked = first.tracked >= _FOUND
         self._take_new(first.decisions)
 
-    def find(self, now: Moment) -> list[Cue]:
+    def find(self, now: CueFacts) -> list[Cue]:
         """Returns what is to be heard of a moment; mostly nothing.
 
         Only one sound can be played at a time, so the most important comes first.
@@ -111,7 +111,7 @@ class CueFinder:
             heard += acting
         return [cue for cue in heard if cue is not None]
 
-    def _hear_state(self, now: Moment) -> Cue | None:
+    def _hear_state(self, now: CueFacts) -> Cue | None:
         before, self._state = self._state, now.state
         if self._state == before:
             return None
@@ -122,12 +122,12 @@ class CueFinder:
                 return Cue(CueKind.PAUSE, "paused")
         return Cue(CueKind.RESUME, "resumed")
 
-    def _hear_tracker(self, now: Moment) -> Cue | None:
+    def _hear_tracker(self, now: CueFacts) -> Cue | None:
         before = self._tracked
         self._tracked = now.tracked >= (_LOST if before else _FOUND)
         return Cue(CueKind.LOST, "gel lost") if before and not self._tracked else None
 
-    def _hear_layer(self, now: Moment) -> Cue | None:
+    def _hear_layer(self, now: CueFacts) -> Cue | None:
         before, self._place = self._place, (now.profile, now.layer)
         if self._place == before:
             return None
@@ -135,7 +135,7 @@ class CueFinder:
         words = f"profile {profile}" if profile != before[0] else f"layer {layer}"
         return Cue(CueKind.LAYER, words.replace("-", " "))
 
-    def _hear_decisions(self, now: Moment) -> Cue | None:
+    def _hear_decisions(self, now: CueFacts) -> Cue | None:
         new = self._take_new(now.decisions)
         for decision in reversed(new):
             if decision.verdict == "pressed":
@@ -147,7 +147,7 @@ class CueFinder:
             return Cue(CueKind.REJECT, "not accepted")
         return None
 
-    def _hear_begin(self, now: Moment) -> Cue | None:
+    def _hear_begin(self, now: CueFacts) -> Cue | None:
         rest = GestureKind.NONE.label
         before, self._gesture = self._gesture, now.gesture
         if before != rest or self._gesture == rest:

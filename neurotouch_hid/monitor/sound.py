@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from neurotouch_hid.messages import Step
-from neurotouch_hid.monitor.cue import CueFinder, choose_volume, take_moment
+from neurotouch_hid.monitor.cue import CueFinder, choose_volume, take_facts
 from neurotouch_hid.monitor.speaker import Speaker
 from neurotouch_hid.profile.schema.timing import resolve_times
 from neurotouch_hid.runtime import Session
@@ -19,13 +19,13 @@ class SoundMonitor:
 
     def __init__(self, session: Session, announce: Callable[[str], object]) -> None:
         self._session = session
-        self._finder = CueFinder(take_moment(None, session.mapping))
+        self._finder = CueFinder(take_facts(None, session.mapping))
         self._speaker = Speaker(announce)
 
     def __call__(self, step: Step) -> None:
         """Posts what is to be heard of ``step``; never waits."""
         mapping, user = self._session.mapping, self._session.user
-        cues = self._finder.find(take_moment(step, mapping))
+        cues = self._finder.find(take_facts(step, mapping))
         if not cues:
             return
         waits = resolve_times(mapping.profile.timing, user.timing).accept_ms > 0

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from neurotouch_hid.closing import Closing
-from neurotouch_hid.monitor.cue import CueFinder, Moment, choose_volume
+from neurotouch_hid.monitor.cue import CueFacts, CueFinder, choose_volume
 from neurotouch_hid.monitor.speaker import Speaker
 from neurotouch_hid.profile.decision_log import MappingDecision
 from neurotouch_hid.profile.schema.feedback import Feedback
@@ -37,7 +37,7 @@ class StreamSound(Closing):
         head = read_head(state)
         if head["slow"].get("plays_sound", True):
             return False
-        moment = Moment(
+        facts = CueFacts(
             head["state"],
             head["profile"],
             head["layer"],
@@ -46,10 +46,10 @@ class StreamSound(Closing):
             tuple(MappingDecision(*action) for action in head["actions"]),  # type: ignore[arg-type]
         )
         if self._finder is None:  # whatever has happened before is old
-            self._finder = CueFinder(moment)
+            self._finder = CueFinder(facts)
             return True
         waits = head["slow"].get("accept_ms", 0.0) > 0
-        for cue in self._finder.find(moment):
+        for cue in self._finder.find(facts):
             volume = choose_volume(cue.kind, self.feedback.volume, waits=waits)
             if volume:
                 self._speaker.play(cue, self.feedback.sound, volume)
