@@ -31,7 +31,7 @@ STILL: Final = Rumble(0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
-class Effect:
+class RumbleEffect:
     """One effect that a game has uploaded.
 
     Attributes:
@@ -47,7 +47,7 @@ class Effect:
     delay_s: float
 
     @classmethod
-    def read(cls, effect: ff.Effect) -> "Effect":
+    def read(cls, effect: ff.Effect) -> "RumbleEffect":
         """Returns the effect that a game describes; one of a kind we do not know is still."""
         strong = weak = 0.0
         if effect.type == ecodes.FF_RUMBLE:
@@ -68,11 +68,11 @@ class Effects:
     """
 
     def __init__(self) -> None:
-        self._effects: dict[int, Effect] = {}
+        self._effects: dict[int, RumbleEffect] = {}
         self._playing: dict[int, tuple[float, float]] = {}  # from when to when, by effect
         self._gain = 1.0
 
-    def upload(self, number: int, effect: Effect) -> None:
+    def upload(self, number: int, effect: RumbleEffect) -> None:
         """Takes an effect; one that plays goes on with the new values."""
         self._effects[number] = effect
 

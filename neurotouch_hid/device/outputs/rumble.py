@@ -18,7 +18,7 @@ from typing import Any, Final
 
 from evdev import ecodes, ff
 
-from neurotouch_hid.device.outputs.effects import STILL, Effect, Effects, Rumble
+from neurotouch_hid.device.outputs.effects import STILL, Effects, Rumble, RumbleEffect
 
 N_EFFECTS: Final = 16
 """As many as the kernel keeps for pads without a memory of their own."""
@@ -137,7 +137,7 @@ class RumbleServer:
     def _take(self, request: int) -> None:
         upload = ff.UInputUpload(request_id=request)
         if self._call(_BEGIN_UPLOAD, upload):
-            self._effects.upload(upload.effect.id, Effect.read(upload.effect))
+            self._effects.upload(upload.effect.id, RumbleEffect.read(upload.effect))
             upload.retval = 0
             self._call(_END_UPLOAD, upload)
 
