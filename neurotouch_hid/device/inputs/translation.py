@@ -48,7 +48,7 @@ _TRIGGER_KEYS: Final = {"BTN_TL2": Axis.LEFT_TRIGGER, "BTN_TR2": Axis.RIGHT_TRIG
 
 
 @dataclass(frozen=True, slots=True)
-class Range:
+class AxisRange:
     """The integers of an axis.
 
     Attributes:
@@ -96,7 +96,7 @@ class Translation:
         keys: Mapping[str, Button] | None = None,
     ) -> None:
         self._axes = {
-            code: Range(axis, *ranges[code])
+            code: AxisRange(axis, *ranges[code])
             for code, axis in _find_axes(ranges).items()
             if code in ranges
         }
