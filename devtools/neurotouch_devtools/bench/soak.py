@@ -54,7 +54,10 @@ def measure_soak(
         with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
             pool.submit(_prepare, path, length_us, options).result()
         scale = Scale(progress)
-        with Driver(options, make_source=lambda: Repeat(path, minutes)) as driver, freeze_gc():
+        with (
+            Driver(options, make_source=lambda: RepeatedSource(path, minutes)) as driver,
+            freeze_gc(),
+        ):
             stats = driver.run([scale])
     return {
         "minutes": minutes,
@@ -72,7 +75,7 @@ def _prepare(path: Path, length_us: int, options: DriverOptions) -> None:
 
 
 @dataclass
-class Repeat(Closing):
+class RepeatedSource(Closing):
     """A source that plays a recording again and again; the gel is at rest at both of its ends.
 
     Args:
