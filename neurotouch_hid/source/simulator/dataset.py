@@ -12,7 +12,11 @@ from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
 from neurotouch_hid.source.simulator.gel import Elasticity
 from neurotouch_hid.source.simulator.script import PRESS_US, Script, Stroke
-from neurotouch_hid.source.simulator.simulated_people import Person, draw_stroke, meet_person
+from neurotouch_hid.source.simulator.simulated_people import (
+    SimulatedPerson,
+    draw_stroke,
+    meet_person,
+)
 from neurotouch_hid.source.simulator.simulator import Simulator
 
 KINDS = tuple(GestureKind)[1:]
@@ -138,7 +142,11 @@ def simulate_recipe(recipe: Recipe) -> Simulator:
 
 
 def draw_script(
-    name: str, kind: GestureKind, duration_us: int, person: Person, rng: np.random.Generator
+    name: str,
+    kind: GestureKind,
+    duration_us: int,
+    person: SimulatedPerson,
+    rng: np.random.Generator,
 ) -> Script:
     """Returns a script of one repeated gesture, with the paper's share of rest between.
 

@@ -41,7 +41,7 @@ SIZES_MM = {
 
 
 @dataclass(frozen=True, slots=True)
-class Person:
+class SimulatedPerson:
     """One user.
 
     Attributes:
@@ -64,10 +64,10 @@ class Person:
     bias_mm: tuple[float, float] = (1.5, 0.0)
 
 
-def meet_person(seed: int) -> tuple[Person, SimulatorConfig]:
+def meet_person(seed: int) -> tuple[SimulatedPerson, SimulatorConfig]:
     """Returns a person and the set-up this person uses; both differ from seed to seed."""
     rng = np.random.default_rng((seed, 11))
-    person = Person(
+    person = SimulatedPerson(
         weakest=rng.uniform(0.45, 0.85),
         delay_us=int(rng.uniform(15_000, 80_000)),
         tremor_mm=rng.uniform(0.04, 0.25),
@@ -102,10 +102,10 @@ def meet_person(seed: int) -> tuple[Person, SimulatorConfig]:
 
 
 def draw_stroke(
-    kind: GestureKind, rng: np.random.Generator, person: Person | None = None
+    kind: GestureKind, rng: np.random.Generator, person: SimulatedPerson | None = None
 ) -> Stroke:
     """Returns one gesture as ``person`` does it this time."""
-    person = person or Person()
+    person = person or SimulatedPerson()
     mean_mm, most_mm = SIZES_MM[kind]
     size_mm = min(max(rng.gamma(3.0, mean_mm / 3.0), 0.8), most_mm)
     timing = StrokeTiming(
@@ -137,7 +137,7 @@ def draw_stroke(
     )
 
 
-def _length_us(size_mm: float, person: Person, rng: np.random.Generator) -> int:
+def _length_us(size_mm: float, person: SimulatedPerson, rng: np.random.Generator) -> int:
     """Returns an attack's or release's length; its top speed is Gaussian, as in the paper."""
     top = min(20.0 + abs(rng.normal(0.0, 65.0)) * person.haste, 0.97 * TOP_SPEED_MM_S)
     return int(min(max(PEAK_SPEED * size_mm / top, 0.1), 1.2) * 1e6)
@@ -169,7 +169,7 @@ def _draw_hand(
     middle_mm: tuple[float, float],
     timing: StrokeTiming,
     rng: np.random.Generator,
-    person: Person,
+    person: SimulatedPerson,
 ) -> Stroke:
     n_fingers = 3 if rng.random() < THREE_FINGERS else 2
     closest = person.radius_mm * (1.05 if n_fingers == 2 else 1.2)  # fingertips do not overlap
@@ -194,7 +194,9 @@ def _draw_hand(
     return twist(sign * size_mm / spread, hand, timing)
 
 
-def _personal(finger: Finger, strength: float, rng: np.random.Generator, person: Person) -> Finger:
+def _personal(
+    finger: Finger, strength: float, rng: np.random.Generator, person: SimulatedPerson
+) -> Finger:
     return replace(
         finger,
         drag_mm=(finger.drag_mm[0] * strength, finger.drag_mm[1] * strength),
