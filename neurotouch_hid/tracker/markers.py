@@ -199,9 +199,11 @@ class MarkerTracker:
         start, tracks, tuning = 0, self._tracks, self._tuning
         for frame in packet.frames:
             until_us = min(frame.exposure_end_us, packet.t_end_us)
-            start = kernels.advance(events, start, until_us, tracks, tuning, position_px, valid)
+            start = kernels.filter_slice(
+                events, start, until_us, tracks, tuning, position_px, valid
+            )
             self._correction.apply(frame, self._finder.find(frame.pixels))
-        kernels.advance(events, start, packet.t_end_us, tracks, tuning, position_px, valid)
+        kernels.filter_slice(events, start, packet.t_end_us, tracks, tuning, position_px, valid)
         self._end_us = packet.t_end_us
         self._n_events += len(events)
         return MarkerField(packet.t_end_us, self._rest_px, position_px, valid)

@@ -105,10 +105,10 @@ def call(x):
 
 
 def test_every_loop_of_ours_is_kept_so():
-    from neurotouch_hid.gesture.elastic.kernels.follow import show
-    from neurotouch_hid.tracker.kernels.filter import advance
+    from neurotouch_hid.gesture.elastic.kernels.follow import locate_shown
+    from neurotouch_hid.tracker.kernels.filter import filter_slice
 
-    for loop in (show, advance):
+    for loop in (locate_shown, filter_slice):
         assert isinstance(loop._cache._impl.locator, Beside | Chosen)
 
 

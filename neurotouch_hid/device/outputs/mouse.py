@@ -56,7 +56,7 @@ class PointerMotion:
         self._left_over = dict.fromkeys("xyw", 0.0)
         self._since_click = 0
 
-    def advance(self, state: GamepadState) -> Steps:
+    def compute_steps(self, state: GamepadState) -> Steps:
         """Returns the steps from the state before to this one."""
         before_us, self._t_us = self._t_us, state.t_us
         if not (state.wheel or any(state.pointer)):

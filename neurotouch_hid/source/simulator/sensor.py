@@ -14,7 +14,7 @@ from neurotouch_hid.source.simulator.kernels.sensor import (
     PIXEL_DTYPE,
     Chip,
     Stretch,
-    advance,
+    run_sensor,
 )
 from neurotouch_hid.source.simulator.optics import PROFILE_SCALE, LightConfig, marker_profile, paint
 
@@ -152,7 +152,7 @@ class Sensor:
                 moving=moving,
                 exposing=exposing,
             )
-            advance(knots, stretch, self._chip)
+            run_sensor(knots, stretch, self._chip)
             self._n_exposed += n_ticks * exposing
             if exposing and stop_us - t_us + phase == self._config.exposure_us:
                 frames.append(self._take_frame(stop_us))

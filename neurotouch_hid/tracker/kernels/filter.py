@@ -163,7 +163,7 @@ def check(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
 
 
 @njit(cache=True, nogil=True)
-def advance(
+def filter_slice(
     events: NDArray[np.void],
     start: int,
     until_us: int,

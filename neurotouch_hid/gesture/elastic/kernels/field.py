@@ -102,7 +102,7 @@ def respond_along(
 
 
 @njit(cache=True, nogil=True)
-def couple(centres: Floats, radii: Floats) -> Floats:
+def build_compliance(centres: Floats, radii: Floats) -> Floats:
     """Returns the motions of all patches per unit of load on each patch.
 
     Args:

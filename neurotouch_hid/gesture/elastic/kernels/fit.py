@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from neurotouch_hid.gesture.elastic.kernels.field import VIEW_MM, couple, respond_along
+from neurotouch_hid.gesture.elastic.kernels.field import VIEW_MM, build_compliance, respond_along
 from neurotouch_hid.gesture.elastic.kernels.motion import measure_size
 
 Floats = NDArray[np.float64]
@@ -115,7 +115,7 @@ def build_columns(
         centres: (k, 2) float64 mm.
         radii: (k,) float64 mm.
         motions: (k, 3) float64: drag x, drag y in mm, sine of the turn.
-        inverse: (3 k, 3 k) float64, of ``couple``.
+        inverse: (3 k, 3 k) float64, of ``build_compliance``.
         columns: (4 k + 3 or more, 2, n) float64, the first 4 k + 3 are written: motions, presses,
             offset (x, y, turn) of the whole gel. Markers come last, so that a processor takes
             several at once.
@@ -191,7 +191,7 @@ def build_slopes(
         centres: (k, 2) float64 mm.
         radii: (k,) float64 mm.
         motions: (k, 3) float64: drag x, drag y in mm, sine of the turn.
-        inverse: (3 k, 3 k) float64, of ``couple``.
+        inverse: (3 k, 3 k) float64, of ``build_compliance``.
         columns: (3 k, 2, n) float64, written: x, y and radius of each finger.
     """
     k, n = len(centres), len(window)
@@ -287,7 +287,7 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
     for step in range(n_steps + 1):
         is_last = step == n_steps
         m = 4 * k + 3 if is_last else 7 * k + 3
-        inverse = couple(centres, radii)
+        inverse = build_compliance(centres, radii)
         invert(inverse)
         build_columns(gel.points, window, centres, radii, motions, inverse, columns, bent)
         if not is_last:

@@ -154,7 +154,7 @@ class _Grip:
             moved = solid.deform(*given)
         else:
             moved = np.empty_like(self._late)
-            kernels.deform(*given, NEIGHBOURS, self._mobility, moved)
+            kernels.move_points(*given, NEIGHBOURS, self._mobility, moved)
         self._late += (moved - self._late) * (1.0 - math.exp(-KNOT_US / gel.lag_us))
         moved += gel.lag * (self._late - moved)
         return moved

@@ -86,7 +86,7 @@ def _solve(matrix: Floats, vector: Floats, n: int) -> None:
 
 
 @nb.njit(cache=True, nogil=True)
-def couple(centres: Floats, radii: Floats, motions: Floats, loads: Floats) -> None:
+def solve_loads(centres: Floats, radii: Floats, motions: Floats, loads: Floats) -> None:
     """Loads with which every patch makes its prescribed motion although the others pull at it.
 
     Args:
@@ -163,7 +163,7 @@ def resist_squeeze(
 
 
 @nb.njit(cache=True, nogil=True)
-def deform(
+def move_points(
     points: Floats,
     centres: Floats,
     radii: Floats,
@@ -201,7 +201,7 @@ def deform(
     for i in range(len(points)):
         out[i, 0], out[i, 1], out[i, 2] = points[i, 0], points[i, 1], 0.0
     for _ in range(steps):
-        couple(centre, radii, part, loads)
+        solve_loads(centre, radii, part, loads)
         for k in range(n_patches):
             own = max(clamp_window(centre[k, 0], centre[k, 1]), 1e-3)
             for axis in range(3):

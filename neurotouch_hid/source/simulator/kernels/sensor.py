@@ -282,7 +282,7 @@ def sort_tick(first: int, t_us: int, tick_us: int, row_us: int, events: Records,
 
 
 @nb.njit(cache=True, nogil=True)
-def advance(knots: Floats, stretch: Stretch, chip: Chip) -> None:
+def run_sensor(knots: Floats, stretch: Stretch, chip: Chip) -> None:
     """Runs picture and pixels through a stretch of time.
 
     Args:
