@@ -106,14 +106,14 @@ class PictureMonitor:
         if self._step is None:
             return
         columns = shutil.get_terminal_size().columns  # a longer line would be two, and scroll
-        lines = [line[:columns] for line in draw(self._step, self._title)]
+        lines = [line[:columns] for line in draw_step(self._step, self._title)]
         up = f"\x1b[{self._height}A" if self._height else ""
         self._height = len(lines)
         self._out.write(up + "".join(f"\r{line}\x1b[K\n" for line in lines))
         self._out.flush()
 
 
-def draw(step: Step, title: str) -> list[str]:
+def draw_step(step: Step, title: str) -> list[str]:
     """Draws one Step as lines of text, 15 rows of gel with the readings beside it."""
     gesture, pad = step.gesture, step.pad
     tracked = int(step.markers.valid.sum())

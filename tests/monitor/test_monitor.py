@@ -28,7 +28,7 @@ from neurotouch_hid.monitor import (
     describe_gesture,
     describe_pad,
 )
-from neurotouch_hid.monitor.terminal import draw
+from neurotouch_hid.monitor.terminal import draw_step
 from neurotouch_hid.profile import MappingDecision
 
 RIG = Rig((173.0, 130.0), 2.5)
@@ -145,7 +145,7 @@ def test_lines_tell_an_ignored_gesture_once_and_at_once():
 
 
 def test_picture_shows_gel_gesture_and_pad():
-    lines = draw(PUSH, "sim:test")
+    lines = draw_step(PUSH, "sim:test")
     text = "\n".join(lines)
     assert "push left 4.2 mm, 1 finger" in text
     assert "177 of 177" in text
@@ -156,7 +156,7 @@ def test_picture_shows_gel_gesture_and_pad():
 
 
 def test_picture_fits_eighty_columns_and_never_wraps(monkeypatch):
-    assert max(map(len, draw(PUSH, "sim:test"))) <= 80
+    assert max(map(len, draw_step(PUSH, "sim:test"))) <= 80
     monkeypatch.setenv("COLUMNS", "40")
     out = io.StringIO()
     monitor = PictureMonitor(out, "sim:test")

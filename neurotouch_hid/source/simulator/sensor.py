@@ -8,7 +8,12 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
-from neurotouch_hid.source.simulator.kernels.optics import COUNTS_DTYPE, POINT_DTYPE, Picture, draw
+from neurotouch_hid.source.simulator.kernels.optics import (
+    COUNTS_DTYPE,
+    POINT_DTYPE,
+    Picture,
+    draw_markers,
+)
 from neurotouch_hid.source.simulator.kernels.sensor import (
     LEVEL_SCALE,
     PIXEL_DTYPE,
@@ -16,7 +21,12 @@ from neurotouch_hid.source.simulator.kernels.sensor import (
     Stretch,
     run_sensor,
 )
-from neurotouch_hid.source.simulator.optics import PROFILE_SCALE, LightConfig, marker_profile, paint
+from neurotouch_hid.source.simulator.optics import (
+    PROFILE_SCALE,
+    LightConfig,
+    compute_light,
+    marker_profile,
+)
 
 TICK_US = 500  # the picture is rendered at 2 kHz: a marker at 525 px/s moves 0.26 px
 WINDOW_US = 20_000  # how often leaking pixels are looked for
@@ -69,7 +79,7 @@ class Sensor:
         self._config, self._seed = config, seed
         rng = np.random.default_rng((seed, 1))
         n = SENSOR_WIDTH_PX * SENSOR_HEIGHT_PX
-        base, white = (image.ravel() for image in paint(light, rig))
+        base, white = (image.ravel() for image in compute_light(light, rig))
         canvas = np.zeros(n, POINT_DTYPE)
         canvas["base"] = canvas["image"] = base
         canvas["light"] = white
@@ -106,7 +116,7 @@ class Sensor:
         """Adapts every pixel to the markers of ``knot``, (177, 6) float64."""
         knots = np.stack([knot] * 4)
         chip = self._chip
-        draw(knots, 0.0, chip.picture)
+        draw_markers(knots, 0.0, chip.picture)
         places = np.arange(len(chip.levels)) / LEVEL_SCALE
         signal = np.interp(chip.picture.canvas["image"], places, chip.levels)
         chip.pixels["signal"] = signal
@@ -124,7 +134,7 @@ class Sensor:
         """Returns events and frames of a stretch of time within one knot interval.
 
         Args:
-            knots: (4, 177, 6) float64, see ``draw``.
+            knots: (4, 177, 6) float64, see ``draw_markers``.
             knot_us: length of the interval; it begins at a multiple of it.
             begin_us: begin of the stretch, a multiple of 500 µs.
             end_us: its end, a multiple of 500 µs.

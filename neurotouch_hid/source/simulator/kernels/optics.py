@@ -47,7 +47,7 @@ class Picture(NamedTuple):
 
 
 @nb.njit(cache=True, nogil=True, error_model="numpy")
-def draw(
+def draw_markers(
     knots: Floats,
     u: float,
     picture: Picture,

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.messages import SENSOR_WIDTH_PX
-from neurotouch_hid.source.simulator.kernels.optics import Picture, draw, expose
+from neurotouch_hid.source.simulator.kernels.optics import Picture, draw_markers, expose
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -286,7 +286,7 @@ def run_sensor(knots: Floats, stretch: Stretch, chip: Chip) -> None:
     """Runs picture and pixels through a stretch of time.
 
     Args:
-        knots: (4, n, 6) float64, see ``draw``; the interval is between the second and the third.
+        knots: (4, n, 6) float64, see ``draw_markers``; the interval is between the second and the third.
         stretch: when.
         chip: updated; its new events are in order of time.
     """
@@ -298,7 +298,9 @@ def run_sensor(knots: Floats, stretch: Stretch, chip: Chip) -> None:
             wake_leaking(float(begin + window_us), chip)
         if stretch.moving:
             wake_touched(chip)
-            draw(knots, (stretch.first_tick + tick + 1) / stretch.ticks_per_knot, chip.picture)
+            draw_markers(
+                knots, (stretch.first_tick + tick + 1) / stretch.ticks_per_knot, chip.picture
+            )
             wake_touched(chip)
         sense(begin, tick_us, window_us, chip)
         add_noise(begin, tick_us, chip)

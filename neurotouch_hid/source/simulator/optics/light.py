@@ -37,7 +37,7 @@ class LightConfig:
     seed: int = 0
 
 
-def paint(config: LightConfig, rig: Rig) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def compute_light(config: LightConfig, rig: Rig) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Returns the picture without markers and the brightness of a marker everywhere.
 
     Returns:
