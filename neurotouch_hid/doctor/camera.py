@@ -27,7 +27,7 @@ def check_presence() -> Finding:
     return approve(f"Plugged in: {', '.join(map(_describe, cameras))}.")
 
 
-def check_right() -> Finding:
+def check_camera_right() -> Finding:
     """Checks whether this user may open the camera, and whether it answers."""
     cameras = find_cameras()
     if not cameras:

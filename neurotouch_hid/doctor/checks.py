@@ -25,7 +25,7 @@ def list_checks(picture: Path | None = None, source: str | None = None) -> tuple
     return (
         Check("python", _find("machine", "check_python")),
         Check("kernel module", _find("rights", "check_module")),
-        Check("right to make a pad", _find("rights", "check_right")),
+        Check("right to make a pad", _find("rights", "check_pad_right")),
         Check("udev rule", _find("rights", "check_rule")),
         Check("HID pad", _find("hid", "check_hid")),
         Check("service", _find("service", "check_service")),
@@ -36,7 +36,7 @@ def list_checks(picture: Path | None = None, source: str | None = None) -> tuple
         Check("remappers", _find("programs", "check_remappers")),
         Check("sandboxes", _find("programs", "check_sandboxes")),
         Check("camera", _find("camera", "check_presence")),
-        Check("right to the camera", _find("camera", "check_right")),
+        Check("right to the camera", _find("camera", "check_camera_right")),
         Check("USB", _find("camera", "check_connection")),
         Check("events and frames", lambda: view().check_stream(), 60.0),
         Check("markers", lambda: view().check_markers(), 60.0),  # kernels may be compiled

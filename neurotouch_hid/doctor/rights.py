@@ -75,7 +75,7 @@ def needs_no_right() -> str:
     return ""
 
 
-def check_right() -> Finding:
+def check_pad_right() -> Finding:
     """Checks whether this user may write to it."""
     if reason := needs_no_right():
         return approve(reason)
