@@ -84,7 +84,7 @@ class Client:
         self._due_s = 0.0
         self._bell = asyncio.Event()
 
-    def show(self, state: bytes) -> None:
+    def queue_state(self, state: bytes) -> None:
         """Leaves the newest state, if it is time for one."""
         now = time.monotonic()
         if self.hz and now >= self._due_s:
@@ -235,7 +235,7 @@ class Hub:
         if state is None:
             return
         for client in self._clients:
-            client.show(state)
+            client.queue_state(state)
         is_first, self._newest = self._newest is None, state
         if is_first:
             self._look_at_profile()

@@ -101,24 +101,24 @@ def test_the_calls_that_make_the_keyboard(kernel):
 
 def test_one_packed_frame_per_change(kernel):
     pad, seen = make(kernel, PAD)
-    pad.show(report(PAD, BTN_SOUTH=1, ABS_X=32767))
+    pad.write_report(report(PAD, BTN_SOUTH=1, ABS_X=32767))
     assert seen.take() == event(1, 0x130, 1) + event(3, 0, 32767) + SYN
-    pad.show(report(PAD, BTN_SOUTH=1, ABS_X=-32767))
+    pad.write_report(report(PAD, BTN_SOUTH=1, ABS_X=-32767))
     assert seen.take() == event(3, 0, -32767) + SYN
-    pad.show(report(PAD, BTN_SOUTH=1, ABS_X=-32767))
+    pad.write_report(report(PAD, BTN_SOUTH=1, ABS_X=-32767))
     assert seen.take() == ""
-    pad.show(PAD.neutral)
+    pad.write_report(PAD.neutral)
     assert seen.take() == event(3, 0, 0) + event(1, 0x130, 0) + SYN
 
 
 def test_steps_come_first_then_releases_backwards_then_presses(kernel):
     node, seen = make(kernel, mouse.CLAIM)
-    node.show(report(mouse.CLAIM, BTN_LEFT=1, BTN_RIGHT=1))
+    node.write_report(report(mouse.CLAIM, BTN_LEFT=1, BTN_RIGHT=1))
     assert seen.take() == event(1, 0x110, 1) + event(1, 0x111, 1) + SYN
-    node.show(report(mouse.CLAIM, BTN_MIDDLE=1), ((0, -3), (11, 7)))
+    node.write_report(report(mouse.CLAIM, BTN_MIDDLE=1), ((0, -3), (11, 7)))
     rel, released = event(2, 0, -3) + event(2, 11, 7), event(1, 0x111, 0) + event(1, 0x110, 0)
     assert seen.take() == rel + released + event(1, 0x112, 1) + SYN
-    node.show(report(mouse.CLAIM, BTN_MIDDLE=1), ((1, 5),))
+    node.write_report(report(mouse.CLAIM, BTN_MIDDLE=1), ((1, 5),))
     assert seen.take() == event(2, 1, 5) + SYN
 
 
@@ -142,7 +142,7 @@ def test_a_node_that_vanished_is_an_error_each_time_and_still_closes(kernel):
     seen.vanish()
     for _ in range(2):
         with pytest.raises(DeviceError, match="no longer takes input for the Microsoft"):
-            pad.show(report(PAD, BTN_SOUTH=1))
+            pad.write_report(report(PAD, BTN_SOUTH=1))
     kernel.refused = (1, DESTROY)
     pad.close()
     assert seen.is_closed
@@ -155,10 +155,10 @@ def test_what_a_full_kernel_refused_is_sent_later_but_not_the_steps(kernel):
         while True:
             os.write(seen.writing, bytes(4096))
     with pytest.raises(DeviceError, match="no longer takes input"):
-        node.show(report(mouse.CLAIM, BTN_LEFT=1), ((0, 900),))
+        node.write_report(report(mouse.CLAIM, BTN_LEFT=1), ((0, 900),))
     while seen.take():
         pass
-    node.show(report(mouse.CLAIM, BTN_LEFT=1), ((0, 1),))
+    node.write_report(report(mouse.CLAIM, BTN_LEFT=1), ((0, 1),))
     assert seen.take() == event(2, 0, 1) + event(1, 0x110, 1) + SYN
 
 

@@ -175,7 +175,7 @@ class CompositeDevice(Closing):
         for node, report, motion in reports:
             if node is not None:
                 try:
-                    node.show(report, motion, stamp_ns)
+                    node.write_report(report, motion, stamp_ns)
                 except DeviceError as error:
                     failures.append(error)
         if failures:

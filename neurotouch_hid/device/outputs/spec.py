@@ -77,7 +77,7 @@ class DeviceSpec:
 class VirtualDevice(Protocol):
     """One device of the kernel, at rest when it is made."""
 
-    def show(self, report: tuple[int, ...], steps: Steps = (), stamp_ns: int = 0) -> None:
+    def write_report(self, report: tuple[int, ...], steps: Steps = (), stamp_ns: int = 0) -> None:
         """Writes what has changed, as one frame; nothing if nothing has.
 
         Args:

@@ -92,7 +92,7 @@ class UhidNode:
                 hint="Load it: sudo modprobe hid-generic.",
             )
 
-    def show(
+    def write_report(
         self,
         report: tuple[int, ...],
         steps: Steps = (),  # noqa: ARG002  # a pad does not move in steps

@@ -109,7 +109,7 @@ class UinputNode:
                 f"The kernel refuses to create the {claim.name}: {error.strerror}."
             ) from error
 
-    def show(self, report: tuple[int, ...], steps: Steps = (), stamp_ns: int = 0) -> None:
+    def write_report(self, report: tuple[int, ...], steps: Steps = (), stamp_ns: int = 0) -> None:
         """Writes one frame with all that changed, in one write; nothing if nothing did.
 
         Steps come first, so that a click is where the pointer then is. What is released comes

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import LATTICE_MM, N_MARKERS, PITCH_MM, Rig
 from neurotouch_hid.gesture.elastic.kernels.field import fill_responses, rim_window
-from neurotouch_hid.gesture.elastic.kernels.follow import CHECK_US, N_FITS, follow, show
+from neurotouch_hid.gesture.elastic.kernels.follow import CHECK_US, N_FITS, follow, locate_shown
 from neurotouch_hid.gesture.elastic.kernels.markers import measure_spread
 from neurotouch_hid.messages import GestureKind
 
@@ -307,13 +307,13 @@ class FingerTracker:
         follow(self.state, self.fits, self.gel, self._rules, moved_px, use)
         return FingerMotion._make(self._motion.item())
 
-    def show(self, least: int = 1) -> Contacts:
+    def locate_shown(self, least: int = 1) -> Contacts:
         """Returns the contacts of the fingers found in the last slice.
 
         Args:
             least: the least number of contacts, even if the fingers hardly move.
         """
-        return Contacts(*show(self.fits, self.gel, self._rules, least))
+        return Contacts(*locate_shown(self.fits, self.gel, self._rules, least))
 
 
 def _lay_out_gel(n_sites: int) -> np.dtype[np.void]:

@@ -113,7 +113,7 @@ def follow(
 
 
 @njit(cache=True, nogil=True)
-def show(
+def locate_shown(
     fits: NDArray[np.void], gel: NDArray[np.void], config: NDArray[np.void], least: int
 ) -> tuple[Floats, Floats, float]:
     """Returns the contacts of the fingers in ``NOW``, of which there is at least one.
