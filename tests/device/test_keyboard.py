@@ -26,7 +26,7 @@ def test_udev_will_take_it_for_a_keyboard_and_nobody_for_a_pad():
 
 @pytest.mark.parametrize("name", keyboard.KEYS)
 def test_a_key_moves_only_itself(name):
-    report = keyboard.encode(GamepadState(0, keys=frozenset({name})))
+    report = keyboard.encode_keys(GamepadState(0, keys=frozenset({name})))
     assert sum(report) == 1
     assert keyboard.CLAIM.controls[report.index(1)] == keyboard.KEYS[name]
 
@@ -62,12 +62,12 @@ def test_sdl_and_the_kernel_take_the_names(claim):
 @pytest.mark.parametrize("alt", ["KEY_LEFTALT", "KEY_RIGHTALT"])
 def test_the_magic_keys_of_the_kernel_stay_out_of_reach(alt):
     """It listens for Print going down while Alt is; a chord may also grow from state to state."""
-    with_alt = keyboard.encode(GamepadState(0, keys=frozenset({alt, "KEY_B"})))
+    with_alt = keyboard.encode_keys(GamepadState(0, keys=frozenset({alt, "KEY_B"})))
     magic = GamepadState(0, keys=frozenset({alt, "KEY_SYSRQ", "KEY_B"}))
-    assert keyboard.encode(magic) == with_alt
-    assert sum(keyboard.encode(GamepadState(0, keys=frozenset({"KEY_SYSRQ", "KEY_B"})))) == 2
+    assert keyboard.encode_keys(magic) == with_alt
+    assert sum(keyboard.encode_keys(GamepadState(0, keys=frozenset({"KEY_SYSRQ", "KEY_B"})))) == 2
 
 
 def test_at_rest_all_is_zero():
-    assert keyboard.encode(GamepadState(0)) == keyboard.CLAIM.neutral
-    assert mouse.encode(GamepadState(0)) == mouse.CLAIM.neutral
+    assert keyboard.encode_keys(GamepadState(0)) == keyboard.CLAIM.neutral
+    assert mouse.encode_buttons(GamepadState(0)) == mouse.CLAIM.neutral

@@ -11,7 +11,7 @@ from neurotouch_devtools.emulator.kernels.encode import (
     AddressEvents,
     Runs,
     catch_up,
-    encode,
+    encode_words,
 )
 from neurotouch_devtools.emulator.readout import NO_READOUT, Readout, Special, Words
 from neurotouch_hid.messages import EVENT_DTYPE
@@ -68,7 +68,7 @@ class WordEncoder:
         while True:
             readout = readouts[0] if readouts else NO_READOUT
             stop_us = min(until_us, int(readout.t_us[-1]) + 1) if readouts else until_us
-            n, first, readout.next = encode(
+            n, first, readout.next = encode_words(
                 addressed,
                 first,
                 Runs(readout.t_us + shift_us, readout.end, readout.dated, readout.words),

@@ -110,7 +110,7 @@ class CompositeDevice(Closing):
         with self._lock:
             self._require_open()
             self._add(find_needed(state))
-            self._show(state, self._motion.advance(state), self._clock.stamp(state.t_us))
+            self._show(state, self._motion.compute_steps(state), self._clock.stamp(state.t_us))
 
     def neutral(self) -> None:
         """Releases everything on all nodes now; one that fails does not keep the others from it.
@@ -164,8 +164,8 @@ class CompositeDevice(Closing):
         """Writes to every node, whatever happens at the others; raise the first failure."""
         reports: list[tuple[VirtualDevice | None, tuple[int, ...], Steps]] = [
             (self._pad, self._layout.encode(state), ()),
-            (self._extra_devices.get(ExtraDevice.KEYBOARD), keyboard.encode(state), ()),
-            (self._extra_devices.get(ExtraDevice.MOUSE), mouse.encode(state), steps),
+            (self._extra_devices.get(ExtraDevice.KEYBOARD), keyboard.encode_keys(state), ()),
+            (self._extra_devices.get(ExtraDevice.MOUSE), mouse.encode_buttons(state), steps),
         ]
         if self._mouse_buttons - state.mouse_buttons:
             # A ctrl+click is one to the end only if its button comes up before ctrl does.

@@ -53,7 +53,7 @@ _ALTS = {"KEY_LEFTALT", "KEY_RIGHTALT"}
 _SYSRQ = "KEY_SYSRQ"
 
 
-def encode(state: GamepadState) -> tuple[int, ...]:
+def encode_keys(state: GamepadState) -> tuple[int, ...]:
     """Returns the report of a state: for every key, in the order of KEYS, whether it is down.
 
     Print is not down while Alt is: to the kernel the two begin its magic keys, and with B as the

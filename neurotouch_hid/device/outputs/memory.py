@@ -58,7 +58,7 @@ class MemoryDevice(Closing):
         with self._lock:
             self._require_open()
             self.extra_devices |= find_needed(state)
-            steps = self._motion.advance(state)
+            steps = self._motion.compute_steps(state)
             if steps:
                 self.travel.update(dict(steps))
             self._show(state, moved=bool(steps))
@@ -91,4 +91,4 @@ class MemoryDevice(Closing):
 def _encode(state: GamepadState) -> tuple[_Report, _Report, _Report, bool]:
     """Returns the three reports, and whether the mouse moves: its stopping is kept too."""
     moves = any(state.pointer) or state.wheel != 0.0
-    return _LAYOUT.encode(state), keyboard.encode(state), mouse.encode(state), moves
+    return _LAYOUT.encode(state), keyboard.encode_keys(state), mouse.encode_buttons(state), moves

@@ -40,7 +40,7 @@ _FASTEST_CLICKS_S = 200.0
 """Four times what one binding may ask for: a fault further up cannot throw the pointer."""
 
 
-def encode(state: GamepadState) -> tuple[int, ...]:
+def encode_buttons(state: GamepadState) -> tuple[int, ...]:
     """Returns the report of a state: for every button, in the order of BUTTONS, if it is down."""
     return tuple(int(name in state.mouse_buttons) for name in BUTTONS)
 

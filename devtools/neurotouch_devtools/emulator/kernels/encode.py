@@ -78,7 +78,7 @@ def _put_time(t_us, state, out, n):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
-def encode(events, first, runs, run, until_us, carried, out):  # type: ignore[no-untyped-def]
+def encode_words(events, first, runs, run, until_us, carried, out):  # type: ignore[no-untyped-def]
     """Merges events and runs of a readout before ``until_us`` into words.
 
     Args:

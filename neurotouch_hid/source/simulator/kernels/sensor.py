@@ -286,7 +286,7 @@ def run_sensor(knots: Floats, stretch: Stretch, chip: Chip) -> None:
     """Runs picture and pixels through a stretch of time.
 
     Args:
-        knots: (4, n, 6) float64, see ``draw_markers``; the interval is between the second and the third.
+        knots: (4, n, 6) float64, see ``draw_markers``; the interval lies between the second and third.
         stretch: when.
         chip: updated; its new events are in order of time.
     """
