@@ -1,6 +1,6 @@
-"""Fifth stage: the virtual gamepad that every program takes for a standard controller.
+"""Stage 5: the virtual gamepad, which every program treats as a standard controller.
 
-Where a profile asks for them, a keyboard and a mouse belong to it.
+A keyboard and a mouse are added where a profile uses them.
 """
 
 from neurotouch_hid.device.device import Device, check_device, open_device, shows_change

@@ -1,7 +1,7 @@
 """The size of a decompressed packet, read from its framing before anything is decompressed.
 
-The formats: LZ4 frame format 1.6.4 and RFC 8878 (Zstandard). Both cut their content in blocks; so
-many bytes of file can mean a gigabyte of memory, but only with many blocks.
+The formats: LZ4 frame format 1.6.4 and RFC 8878 (Zstandard). Both cut their content in blocks. A
+small file can mean a gigabyte of memory, but only with many blocks.
 """
 
 import struct
@@ -20,7 +20,7 @@ _ZSTD_BLOCK_BYTES: Final = 128 << 10
 _ZSTD_RUN: Final = 1  # of the block types: one byte, repeated
 
 Read = Callable[[int, int], bytes]
-"""So many bytes from a position on; fewer at the end."""
+"""Returns this many bytes from a position; fewer at the end."""
 
 
 def bound_lz4(read: Read, begin: int, end: int) -> int:
@@ -31,7 +31,7 @@ def bound_lz4(read: Read, begin: int, end: int) -> int:
     A frame that ends early decompresses to nothing, which no reader expects: it counts as none.
 
     Args:
-        read: gives bytes of the file.
+        read: returns bytes of the file.
         begin: position of the first byte.
         end: position after the last.
     """
@@ -55,9 +55,9 @@ def bound_lz4(read: Read, begin: int, end: int) -> int:
 def bound_zstd(read: Read, begin: int, end: int) -> int:
     """Returns the most that the Zstandard frames in these bytes decompress to.
 
-    What is no frame is 0.
+    Other data counts as 0.
 
-    The library says itself what is wrong with a frame that is not whole.
+    The library itself reports an incomplete frame.
     """
     most, position = 0, begin
     while position + 8 <= end:

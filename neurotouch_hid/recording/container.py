@@ -1,11 +1,11 @@
-r"""The outside of an AEDAT4 file, checked here because no library survives every damaged one.
+r"""Checks the framing of an AEDAT4 file, because no library survives every damaged file.
 
 Measured on files with single flipped bits: ``dv-processing`` never returns from some of them, and
 ``faery`` panics (and prints) on a damaged header. Both do well once the framing below is sound.
 
 A file is ``#!AER-DAT4.0\r\n``, a size-prefixed FlatBuffer ``IOHE`` (compression, position of the
 table at the end or -1, an XML text that names the streams), then packets: stream number and size,
-both int32, and so many bytes.
+both int32, and that many bytes.
 """
 
 import difflib
@@ -110,7 +110,7 @@ def _check_size(path: Path, begin: int, most: int) -> None:
         raise RecordingError(
             f"'{path}' has {most >> 20} MB in one piece at byte {begin}, far more than any camera "
             "gives.",
-            hint="It is damaged, or made to harm.",
+            hint="It is damaged, or made to do harm.",
         )
 
 

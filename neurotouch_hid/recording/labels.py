@@ -120,7 +120,7 @@ def read_labels(path: Path | str) -> list[Truth]:
 
 @dataclass(frozen=True, slots=True)
 class _Row:
-    """One row and its place, so that every complaint can name it."""
+    """One row and its place, so that every error can name it."""
 
     place: str
     values: dict[str, str]

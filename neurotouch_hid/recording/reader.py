@@ -1,4 +1,4 @@
-"""Recordings in: the events and frames of an AEDAT4 file in order of time, a batch at a time."""
+"""Reads the events and frames of an AEDAT4 file in order of time, a batch at a time."""
 
 import heapq
 from collections.abc import Iterator
@@ -16,8 +16,9 @@ Batch = tuple[NDArray[np.void], tuple[Frame, ...]]
 """Events ((n,) EVENT_DTYPE, ascending) and the frames whose exposure ended before the last one."""
 
 MAX_LAG_US = 500_000
-"""How far frames may be from their events in the file before it is read in two passes. A camera
-delivers a frame some 20 ms after its exposure; half a second of events is 16 MB at worst."""
+"""Largest distance of frames from their events in the file; beyond it, two passes read the file.
+A camera delivers a frame some 20 ms after its exposure; half a second of events is 16 MB at most.
+"""
 TOLERATED_STEP_BACK_US = 10_000
 """Smaller steps back are rounding between packets; the events keep the later stamp."""
 MAX_STAMP_US = 1 << 62
@@ -101,7 +102,7 @@ class Recording:
             ) from error
 
     def _is_apart(self, table: list[Any]) -> bool:
-        """Tells whether the table has something later in the file than the reader would wait for.
+        """Returns True if the table has an entry later in the file than the reader would wait for.
 
         Raises:
             RecordingError: the table shows that the stamps of a stream go back.
@@ -171,7 +172,7 @@ class Recording:
         """Returns our records of the library's events, checked to be in the picture and ascending.
 
         The library refuses events outside the picture and lifts a stamp before its predecessor's
-        to that one, so what is wrong with stamps has to be seen in the table and in the frames.
+        to that one, so only the table and the frames can show wrong stamps.
         """
         events = np.zeros(len(packet), EVENT_DTYPE)
         t = events["t"]
@@ -215,7 +216,7 @@ def _end_us(item: _Item) -> int:
 
 
 def _sort_nearby(items: Iterator[_Item]) -> Iterator[_Item]:
-    """Items in order of their end, if none is further than ``MAX_LAG_US`` from its place."""
+    """Yields items in order of their end, if each is within ``MAX_LAG_US`` of its place."""
     heap: list[tuple[int, int, _Item]] = []
     newest = -MAX_STAMP_US
     broken: RecordingError | None = None

@@ -1,4 +1,4 @@
-"""Where packets come from: the camera, recordings and the simulator."""
+"""Sources of packets: the camera, recordings and the simulator."""
 
 from neurotouch_hid.source.check import FORMS, check_source
 from neurotouch_hid.source.opening import Speed, open_source

@@ -17,22 +17,22 @@ from neurotouch_hid.source.simulator.hand_model import GuidedHand, HandCommand, 
 from neurotouch_hid.source.simulator.simulator import Simulator
 
 SLICE_US: Final = 4_000
-"""Shorter than a camera's: half of a slice is waited for on average, and there is time for it."""
+"""Shorter than a camera's: input waits for half a slice on average, and there is time for it."""
 
 LATE_S: Final = 0.1
-"""A line that is later than this leaves the past alone: a hand that answers late is no hand."""
+"""A pipeline that is later than this skips the past: a delayed answer would feel wrong."""
 
 LONGEST_BYTES: Final = 8 * 1024
 
 
 class MouseSource(Closing):
-    """Packets of a gel under a hand that is led through a Unix socket; a source.
+    """A source of packets of a simulated gel that follows commands from a Unix socket.
 
     Every message is one ``HandCommand``; the newest counts. Unlike with a script, a slice is
-    computed when its time has come and not before.
+    computed only when its time has come.
 
     Args:
-        folder: where the socket is made; the driver's own.
+        folder: the driver's own; the socket is made there.
 
     Raises:
         SourceError: no socket can be made there.
@@ -73,7 +73,7 @@ class MouseSource(Closing):
             yield next(packets)
 
     def watch(self, step: Step) -> None:
-        """Measures, as a tap, how long ago the command was given that the pad now shows."""
+        """Measures, as a tap, the age of the command that the pad now shows."""
         now_ms = 1e3 * time.time()
         while self._pending and self._pending[0][0] <= step.packet.t_end_us:
             _, at_ms = self._pending.popleft()
@@ -92,13 +92,13 @@ class MouseSource(Closing):
 
     @property
     def facts(self) -> dict[str, Callable[[], Any]]:
-        """Facts about it for viewers."""
+        """Functions that return facts about this source, by name, for viewers."""
         return {"hand_ms": self.measure_lag, "backlog_ms": self.measure_backlog}
 
     def measure_backlog(self) -> float:
-        """Returns how late the newest slice was begun, in ms.
+        """Returns the delay with which the newest slice began, in ms.
 
-        Time that was left alone is no backlog.
+        Skipped time does not count.
         """
         return round(1e3 * self._late_s, 1)
 

@@ -1,4 +1,4 @@
-"""From a source's name on the command line to the source."""
+"""Opens a source by its name on the command line."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
@@ -15,7 +15,7 @@ Speed = Literal["recorded", "max"]
 PAPER_US = 10_000
 """Slices of recordings and simulations [NT, "Results"], so that figures stay comparable."""
 LIVE_US = 4_000
-"""Slices of a camera: an event waits for the end of its slice, for half of one on average."""
+"""Slices of a camera: an event waits until its slice ends, half a slice on average."""
 
 
 def open_source(
@@ -38,13 +38,13 @@ def open_source(
             ``make(REST, slice_us=..., seed=...)``.
         slice_us: length of a slice of sensor time; without, ``LIVE_US`` of a camera and
             ``PAPER_US`` of anything else.
-        speed: ``recorded`` plays no faster than it happened, ``max`` as fast as it is asked for; a
-            camera has only its own.
+        speed: ``recorded`` plays no faster than it happened, ``max`` as fast as possible; ignored
+            for a camera.
         seed: of the simulator's chance; recordings have none.
         camera: how a camera is set up.
         wait: a camera need not be there yet.
         max_delay_us: slices of a camera that wait longer to be taken are dropped;
-            without, so long as suits the pipeline.
+            if None, a limit that suits the pipeline.
         repeats: a simulated scene starts again at its end, for ever.
 
     Raises:

@@ -1,4 +1,4 @@
-"""The rig file beside a recording: what is known about how the camera saw the gel.
+"""Reads the rig file beside a recording, which says how the camera saw the gel.
 
 ``NAME.rig.yaml`` beside ``NAME.aedat4``, every key optional::
 

@@ -42,7 +42,7 @@ class Slicer:
         Args:
             events: (n,) EVENT_DTYPE, ascending in ``t`` and not older than those before. Packets
                 are views of it, so it must not be written to afterwards.
-            frames: what arrived with them.
+            frames: those that arrived with the events.
         """
         self._frames.extend(frames)
         if not len(events):
@@ -89,7 +89,7 @@ class Slicer:
         return cut(EventPacket(begin_us, begin_us + self._slice_us, events), now_us)
 
     def flush(self) -> Iterator[EventPacket]:
-        """Yields what is left at the end of the stream, the last slice in full length."""
+        """Yields the remaining slices at the end of the stream, the last one in full length."""
         stamps = [f.exposure_end_us for f in self._frames]
         stamps += [int(part["t"][-1]) for part in self._parts]
         if not stamps:

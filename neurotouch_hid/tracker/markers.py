@@ -46,11 +46,11 @@ class TrackerConfig:
         max_stray_ratio: the other part of that distance, in spreads of these displacements. Near
             the edge of a finger they differ by many pixels.
         rate_us: time over which the rate of a marker's events is averaged.
-        n_sigma: a rate is motion if it is so many standard deviations above that of the noise.
+        n_sigma: a rate is motion if it is this many standard deviations above that of the noise.
         search: ``tiles`` finds the marker of an event in the list of the event's tile; ``all``
             compares all markers, the plain way that the lists are measured against.
-        lead_px: ON events of a fast bright marker are so far ahead of its centre, OFF events so far
-            behind: the centre of a half circle of 1.25 px plus some blur.
+        lead_px: distance by which ON events of a fast bright marker are ahead of its centre, and
+            OFF events behind it: the centre of a half circle of 1.25 px plus some blur.
     """
 
     gate_px: float = 3.5

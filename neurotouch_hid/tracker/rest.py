@@ -44,7 +44,7 @@ class RestConfig:
             fingertip are more; those at its edge move less than the finger. With 5 % of all markers
             instead, F1 is 0.976.
         min_found: least number of markers that must be seen at their places.
-        settle_frames: a gel that is still for so many frames, 1 s at 25 Hz, becomes the reference
+        settle_frames: a gel that is still for this many frames, 1 s at 25 Hz, becomes the reference
             even if it is bent more than an undeformed gel (odd optics). It becomes the new
             reference if it is elsewhere and bent no more than the old one (its mount was bumped,
             or a hand was on it at the start).

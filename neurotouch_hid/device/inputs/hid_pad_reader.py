@@ -1,4 +1,4 @@
-"""Our HID pads as other programs read them: found by their descriptor, read through hidapi."""
+"""Reads the reports of our own HID pads as other programs do, through hidapi."""
 
 import os
 from collections.abc import Iterator
@@ -19,11 +19,11 @@ NODES: Final = Path("/dev")
 SYSTEM: Final = Path("/sys/class/hidraw")
 
 _RULES_FILE: Final = "70-neurotouch-hidraw.rules"
-"""Not the file of the rule for uhid: who follows both hints needs both rules."""
+"""Not the file of the rule for uhid: a person who follows both hints needs both rules."""
 
 _LONGEST: Final = 64
 _TURN_MS: Final = 200
-"""A read ends after this time without a report, so that Ctrl-C is heard."""
+"""A read ends after this time without a report, so that Ctrl-C works."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,8 +32,8 @@ class HidPad:
 
     Attributes:
         node: its hidraw node.
-        name: what it calls itself.
-        place: where it says it is plugged in.
+        name: its name.
+        place: its physical path, as it claims.
         ids: bus, vendor and product, as the kernel writes them: ``0003:1209:4E54``.
         layout: its controls.
     """
@@ -47,7 +47,7 @@ class HidPad:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """What one report says: the buttons that are down, and the axes that are off their rest."""
+    """Content of one report: the buttons that are down, and the axes that are off their rest."""
 
     buttons: frozenset[Button]
     axes: dict[Axis, float]
@@ -65,7 +65,7 @@ def find_hid_pads(nodes: Path = NODES, system: Path = SYSTEM) -> list[HidPad]:
             layout = ours.get((entry / "device/report_descriptor").read_bytes())
             lines = (entry / "device/uevent").read_text(errors="replace").splitlines()
         except OSError:
-            continue  # gone while we look
+            continue  # unplugged meanwhile
         if layout is None:
             continue
         facts = dict(line.split("=", 1) for line in lines if "=" in line)

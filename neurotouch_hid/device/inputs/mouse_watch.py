@@ -35,11 +35,11 @@ class MouseWatch:
 
     @property
     def quiet_s(self) -> float:
-        """For how long no mouse has moved or clicked."""
+        """Time since a mouse last moved or clicked."""
         return time.monotonic() - self._moved_at
 
     def describe(self) -> str:
-        """Returns which mice are watched, and the way out if they cannot be."""
+        """Returns which mice are watched, and the fix if they cannot be."""
         names = [mouse.name for mouse in self._mice if mouse.readable]
         if names:
             return f"the pointer waits while {', '.join(names)} moves"
@@ -51,7 +51,7 @@ class MouseWatch:
         )
 
     def close(self) -> None:
-        """Ends the thread. Harmless when repeated."""
+        """Ends the thread. A second call does nothing."""
         if not self._thread.is_alive():
             return
         os.write(self._wake_write, b"x")

@@ -15,22 +15,22 @@ from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import Button, GamepadState
 
 YIELD_TO_MOUSE_S = 1.5
-"""How long the mouse must be quiet before the gel moves the pointer again."""
+"""Time without mouse motion after which the gel moves the pointer again."""
 
 
 class SharedDevice(Closing):
-    """Shows on a device what the gel and a co-pilot do together; the pointer yields to the mouse.
+    """Writes the merged state of gel and co-pilot to a device; the pointer yields to the mouse.
 
-    A fault of the gel's (``neutral``) releases the gel's share only: the helper, who has noticed,
-    may be holding the aeroplane. What unplugs releases the helper's.
+    ``neutral`` releases only the contribution of the gel: the helper may be steering meanwhile.
+    Unplugging the helper's device releases only the helper's contribution.
 
     Args:
-        device: what is shown on; closed with this one.
+        device: receives the merged state; closed with this one.
         copilot: the helper's device, if there is one; closed with this one.
-        priority: who decides about a stick or trigger that both move; ``equal``: who moves it
-            further.
-        yield_to_mouse_s: how long the real mouse must be quiet before our pointer moves; 0: it
-            never waits.
+        priority: the hand that decides about a stick or trigger that both move; ``equal``: the
+            hand that moves it further.
+        yield_to_mouse_s: time without motion of the real mouse after which our pointer moves; 0:
+            it never waits.
     """
 
     def __init__(
@@ -54,7 +54,7 @@ class SharedDevice(Closing):
 
     @property
     def name(self) -> str:
-        """What the user is told it is."""
+        """The name that the user sees."""
         return self._device.name
 
     @property
@@ -67,7 +67,7 @@ class SharedDevice(Closing):
         return "nothing moves the pointer" if self._mice is None else self._mice.describe()
 
     def prepare(self, extra_devices: Iterable[ExtraDevice]) -> None:
-        """Makes those of the extra devices that are missing.
+        """Creates the extra devices that are still missing.
 
         Raises:
             DeviceError: they cannot be made.
@@ -78,7 +78,7 @@ class SharedDevice(Closing):
             self._mice = MouseWatch()
 
     def write(self, state: GamepadState) -> None:
-        """Shows this state of the gel, and with it what the helper does.
+        """Writes this state of the gel, merged with the helper's contribution.
 
         Raises:
             DeviceError: the state cannot be written.
@@ -88,7 +88,7 @@ class SharedDevice(Closing):
             self._device.write(self._unite())
 
     def neutral(self) -> None:
-        """Releases what the gel holds; the helper's share stays.
+        """Releases the gel's contribution; the helper's stays.
 
         Raises:
             DeviceError: the kernel does not take it.
@@ -101,7 +101,7 @@ class SharedDevice(Closing):
                 self._device.neutral()
 
     def close(self) -> None:
-        """Gives the helper's device back, releases everything and takes the pad away."""
+        """Releases the helper's device and all buttons, and removes the pad."""
         if self._copilot is not None:  # its thread may wait for the lock
             self._copilot.close()
         if self._mice is not None:
@@ -110,7 +110,7 @@ class SharedDevice(Closing):
             self._device.close()
 
     def _take(self, share: Contribution) -> None:
-        """Shows a change of the helper's, in the co-pilot's thread."""
+        """Writes a change by the helper, in the co-pilot's thread."""
         with self._lock, suppress(DeviceError):  # the pipeline's next write reports it
             self._helper = share
             self._device.write(self._unite())

@@ -1,4 +1,4 @@
-"""A true HID gamepad through ``/dev/uhid``: event node, joystick node and hidraw node.
+"""A HID gamepad through ``/dev/uhid``: event node, joystick node and hidraw node.
 
 The kernel treats it as it treats a pad on a cable: its own HID driver reads our reports by our
 descriptor, and other programs can read the same reports through hidraw (hidapi).
@@ -22,7 +22,7 @@ NODE: Final = Path("/dev/uhid")
 
 RULE: Final = 'KERNEL=="uhid", SUBSYSTEM=="misc", TAG+="uaccess", OPTIONS+="static_node=uhid"'
 RULES_FILE: Final = "70-neurotouch-hid.rules"
-"""Where the rule is in ``udev``."""
+"""Name of the rule's file in ``udev``."""
 
 _MAKER: Final = DeviceNode(NODE, "uhid", RULE, RULES_FILE)
 
@@ -39,7 +39,7 @@ _SET_REPLY: Final = struct.Struct("=IIH")  # type, id, error
 _INPUT_REPORT: Final = 2
 
 START_S: Final = 10.0
-"""How long the kernel may take to bind its driver; usually some milliseconds."""
+"""Time for the kernel to bind its driver; it usually takes some milliseconds."""
 
 
 def open_uhid(node: Path = NODE) -> int:
@@ -62,9 +62,9 @@ class UhidNode:
         """Creates the device and waits until the kernel reads it.
 
         Args:
-            descriptor: ``/dev/uhid``, opened. The node owns it from here on, also when this call
+            descriptor: ``/dev/uhid``, opened. From now on the node owns it, even if this call
                 fails.
-            claim: what it claims to be: a pad, without motions and rumble.
+            claim: description of a pad, without motions and rumble.
             patience_s: how long the kernel may take.
 
         Raises:
@@ -101,12 +101,12 @@ class UhidNode:
         """Writes one report if anything has changed.
 
         Args:
-            report: the value of every control of the claim, in its order.
+            report: the value of every control of the description, in its order.
             steps: none; a pad does not move in steps.
             stamp_ns: not used: HID reports carry no time.
 
         Raises:
-            DeviceError: the kernel does not take it.
+            DeviceError: the kernel refuses it.
         """
         if report == self._report:
             return
@@ -153,7 +153,7 @@ class UhidNode:
                 return
 
     def _answer(self, event: bytes) -> bytes:
-        """Returns what to say to the kernel, nothing if it only tells."""
+        """Returns the answer to a message of the kernel, empty if it needs none."""
         kind = _TYPE.unpack_from(event)[0]
         if kind == _START:
             self._started.set()

@@ -1,4 +1,4 @@
-"""Nodes made by the Linux kernel through ``/dev/uinput``.
+"""Virtual devices that the Linux kernel makes through ``/dev/uinput``.
 
 Own ioctls instead of evdev's ``UInput``: that one cannot use a descriptor handed over by systemd,
 wants to read the new event node (and waits 2 s when it may not), writes every event by itself, and
@@ -66,11 +66,11 @@ def open_uinput(node: Path = NODE) -> int:
 class UinputNode:
     """One device of the kernel, visible to all programs at once; at rest when it is made.
 
-    If the process dies, the kernel releases the pressed keys and removes the node. The caller sees
-    to it that two threads do not write at once.
+    If the process dies, the kernel releases the pressed keys and removes the node. The caller must
+    make sure that two threads do not write at the same time.
 
-    Force feedback is declared only if something hears of it: a pad that declares it and does not
-    answer freezes games for a minute.
+    Force feedback is declared only with ``hear``: a pad that declares it and does not answer
+    freezes games for a minute.
     """
 
     def __init__(
@@ -85,11 +85,11 @@ class UinputNode:
 
         Args:
             descriptor: ``/dev/uinput`` opened by ``open_uinput`` or by the service manager, for
-                writing, and for reading too if the claim rumbles. The node owns it from here on,
-                also when this call fails.
-            claim: what it claims to be.
+                writing, and for reading too if it rumbles. From now on the node owns it, even if
+                this call fails.
+            claim: description of the device.
             ioctl: the system call; tests record it.
-            hear: is told how games shake it; needed if the claim rumbles.
+            hear: called when games shake it; needed if it rumbles.
 
         Raises:
             DeviceError: the kernel refuses it.
@@ -110,24 +110,23 @@ class UinputNode:
             ) from error
 
     def write_report(self, report: tuple[int, ...], steps: Steps = (), stamp_ns: int = 0) -> None:
-        """Writes one frame with all that changed, in one write; nothing if nothing did.
+        """Writes all changes as one frame, in one write; nothing if nothing changed.
 
-        Steps come first, so that a click is where the pointer then is. What is released comes
-        before what is pressed, and in the opposite order: the letter of a chord before its ctrl.
+        Steps come first, so that a click happens at the new place of the pointer. Releases come
+        before presses, and in the opposite order: the letter of a chord before its ctrl.
 
-        A failure means that the node is gone, so it is not hidden by a new one, which games would
-        take for another player's: the program ends, and the service manager starts it again. A
-        caller that goes on all the same loses no press or release, the next call sends what is
-        still unsent.
+        A failure means that the node is gone. A new node would not hide that: games would take it
+        for another player. So the program ends, and the service manager starts it again. A caller
+        that continues loses no press or release: the next call sends everything still unsent.
 
         Args:
-            report: the value of every control of the claim, in its order.
-            steps: how far the claim's motions go now, as (code, steps).
-            stamp_ns: when it happened, on CLOCK_MONOTONIC; 0 lets the kernel take its own time, as
-                do kernels before 6.8 in any case.
+            report: the value of every control of the description, in its order.
+            steps: the motions, as (code, steps).
+            stamp_ns: time of the report on CLOCK_MONOTONIC; 0 lets the kernel take its own time,
+                which kernels before 6.8 always do.
 
         Raises:
-            DeviceError: the kernel does not take it.
+            DeviceError: the kernel refuses it.
         """
         changes = [
             (control.type, control.code, value)
@@ -158,7 +157,7 @@ class UinputNode:
         try:
             self._ioctl(self._descriptor, UI_DEV_DESTROY, 0)
         except OSError:
-            pass  # it is gone already; closing the descriptor removes whatever is left
+            pass  # it is gone already; closing the descriptor removes the rest
         finally:
             os.close(self._descriptor)
 

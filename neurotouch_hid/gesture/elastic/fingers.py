@@ -21,7 +21,7 @@ MOST: Final = 3
 
 @dataclass(frozen=True, slots=True)
 class FingerConfig:
-    """How fingers are found in the displacements of the markers.
+    """Settings of the search for fingers in the displacements of the markers.
 
     The largest motion is that of the finger that moves most, mm.
 

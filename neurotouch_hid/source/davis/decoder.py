@@ -1,4 +1,4 @@
-"""From the camera's bytes, cut anywhere, to events and frames."""
+"""Decodes the camera's bytes, cut anywhere, into events and frames."""
 
 from dataclasses import dataclass
 
@@ -17,7 +17,7 @@ from neurotouch_hid.source.davis.kernels.decode import (
 
 @dataclass(frozen=True, slots=True)
 class DecoderStats:
-    """What was malformed so far, in words if nothing else is said.
+    """Malformed data so far, counted in words unless stated otherwise.
 
     Attributes:
         bad_rows: row addresses outside the sensor.
@@ -44,7 +44,7 @@ class Decoder:
     Args:
         layout: how its addresses map to the picture.
         origin_us: the stream's time at the camera's time 0.
-        synced: whether words count from the first on; else from the timestamp reset on.
+        synced: use all words from the first; else skip those before the timestamp reset.
     """
 
     def __init__(

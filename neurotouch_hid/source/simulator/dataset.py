@@ -30,7 +30,7 @@ SLICE_US = 20_000
 
 @dataclass(frozen=True, slots=True)
 class Recipe:
-    """What one recording is made from; equal recipes give equal recordings."""
+    """Parameters of one recording; equal recipes give equal recordings."""
 
     model: int
     seed: int
@@ -48,7 +48,7 @@ class Recipe:
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """How far the writing is.
+    """Progress of the writing.
 
     Attributes:
         path: the recording that is being written or was found finished.
@@ -75,8 +75,8 @@ def write_dataset(
 ) -> list[Path]:
     """Writes one recording per gel, user and gesture, with labels; finished ones are kept.
 
-    A recording appears under its name only when it is complete; ``dataset.json`` says what each was
-    made from, so an interrupted run goes on where it stopped.
+    A recording appears under its name only when it is complete; ``dataset.json`` lists the recipe
+    of each, so an interrupted run continues where it stopped.
 
     Args:
         out_dir: made if missing.
@@ -85,14 +85,14 @@ def write_dataset(
         seed: another seed gives other people and other gestures.
         progress: told at the start, about once a simulated second, and at the end of each file.
         gels: models of the gel. Every one has people and gestures of its own.
-        replace: also write over recordings that were made otherwise.
+        replace: also overwrite recordings that were made from other recipes.
 
     Returns:
         The recordings, gels and users one after another.
 
     Raises:
-        RecordingError: the folder or a file cannot be written, or recordings that were made
-            otherwise are there.
+        RecordingError: the folder or a file cannot be written, or the folder has recordings that
+            were made from other recipes.
     """
     folder = Path(out_dir)
     recipes = plan_dataset(users, minutes, seed, gels)
@@ -195,11 +195,11 @@ def _refuse_others(
 
 
 def read_manifest(folder: Path) -> dict[str, object]:
-    """Returns what each simulated recording of a folder was made from; empty if none is known."""
+    """Returns the recipe of each simulated recording in a folder; empty if none is known."""
     try:
         content = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
     except (OSError, ValueError):
-        return {}  # no set here yet, or one that nobody can trust
+        return {}  # no set here yet, or a damaged one
     return content if isinstance(content, dict) else {}
 
 

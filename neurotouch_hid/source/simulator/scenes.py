@@ -65,7 +65,7 @@ def _tour() -> Script:
 
 
 def _lively(stroke: Stroke, seed: int) -> Stroke:
-    """Returns the stroke as a hand does it: trembling, wandering, one finger late and weak."""
+    """Returns the stroke with the flaws of a hand: tremor, drift, one finger late and weak."""
     fingers = tuple(
         replace(
             finger,

@@ -120,12 +120,12 @@ class Sensor:
         places = np.arange(len(chip.levels)) / LEVEL_SCALE
         signal = np.interp(chip.picture.canvas["image"], places, chip.levels)
         chip.pixels["signal"] = signal
-        # Where each pixel is between its thresholds after a long past.
+        # After a long time, each pixel is at a random place between its thresholds.
         chip.pixels["reference"] = signal - self._start * chip.pixels["on"]
 
     @property
     def n_lost(self) -> int:
-        """Events that found no room so far."""
+        """Number of events that found no room so far."""
         return int(self._chip.counts["lost"][0])
 
     def run(

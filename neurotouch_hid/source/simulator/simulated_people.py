@@ -1,4 +1,4 @@
-"""How different people do the same gestures, and the set-up each of them uses."""
+"""Simulated people: each does the same gestures differently, with a set-up of their own."""
 
 import math
 from dataclasses import dataclass, replace
@@ -42,11 +42,11 @@ SIZES_MM = {
 
 @dataclass(frozen=True, slots=True)
 class SimulatedPerson:
-    """One user.
+    """The traits of one simulated user.
 
     Attributes:
         weakest: strength of the weakest finger as a share of the strongest.
-        delay_us: how late the last finger is at most.
+        delay_us: largest delay of the last finger.
         tremor_mm, drift_mm: see ``Finger``.
         radius_mm: of the fingertips' contact patches.
         press_mm: how deep the fingers press.
@@ -104,7 +104,7 @@ def meet_person(seed: int) -> tuple[SimulatedPerson, SimulatorConfig]:
 def draw_stroke(
     kind: GestureKind, rng: np.random.Generator, person: SimulatedPerson | None = None
 ) -> Stroke:
-    """Returns one gesture as ``person`` does it this time."""
+    """Returns one gesture with the traits of ``person`` and random variation."""
     person = person or SimulatedPerson()
     mean_mm, most_mm = SIZES_MM[kind]
     size_mm = min(max(rng.gamma(3.0, mean_mm / 3.0), 0.8), most_mm)

@@ -12,7 +12,7 @@ SHIFT = 3  # log2(BLOCK_PX)
 
 
 class Buffers(NamedTuple):
-    """What the search for blobs writes; m is the largest number of blobs.
+    """Arrays that the search for blobs writes; m is the largest number of blobs.
 
     Attributes:
         threshold: (rows, columns) float64, the threshold of every block, grey levels.

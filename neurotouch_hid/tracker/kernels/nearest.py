@@ -31,7 +31,7 @@ PAIR: Final = np.dtype([("event", "u4"), ("marker", "u4")])
 
 
 class Targets(NamedTuple):
-    """Where the events of n markers are expected, and which markers are near each tile.
+    """Expected places of the events of n markers, and the markers near each tile.
 
     Attributes:
         aim_px: (n, 2, 2) float64, where the OFF and the ON events of each marker are expected, by

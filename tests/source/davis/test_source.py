@@ -444,7 +444,7 @@ def test_while_it_is_away_the_loop_turns_and_can_be_ended(caplog):
         wait_for(lambda: source.stats().connected)
     assert list(polled) == []
     assert caplog.messages == [
-        "The camera is gone. Play goes on when it works again.",
+        "The camera is gone. The gamepad works again as soon as the camera does.",
         "The camera 00001055 plays.",
     ]
     assert {record.levelno for record in caplog.records} == {logging.WARNING}

@@ -29,7 +29,7 @@ NOW, WARM, TRIED, COLD, BEST, N_FITS = range(6)
 nothing; the best of that search."""
 
 CHECK_US = 10_000
-"""The number of fingers is checked after so much time, whatever the length of the slices: fingers
+"""Interval between two checks of the number of fingers, whatever the length of the slices: fingers
 come and go no faster, and each check costs as much as several slices without one."""
 
 STEPS_NONE, STEPS_ON, STEPS_LESS, STEPS_MORE = np.arange(4)

@@ -1,8 +1,8 @@
-"""The compiled loop from the camera's words to events and frames.
+"""Compiled loop that turns the camera's words into events and frames.
 
 A word is 16 bits, little-endian [libcaer ``davis_common.h``]: ``1ttt…`` is the low 15 bits of the
-time in µs; else three bits of code and twelve of data. All that is known between two words is in
-a record, so the stream may be cut anywhere.
+time in µs; else three bits of code and twelve of data. The state between two words is in a record,
+so the stream may be cut anywhere.
 """
 
 from typing import NamedTuple
@@ -33,7 +33,7 @@ WRAP_US = 0x8000
 
 
 class AddressLayout(NamedTuple):
-    """How a camera's addresses map to the picture, as the camera reports it.
+    """Mapping of a camera's addresses to the picture, as the camera reports it.
 
     Attributes:
         columns: of the DVS, as the chip counts: limits X words.
@@ -75,7 +75,7 @@ STATE_DTYPE = np.dtype(
     ],
     align=True,
 )
-"""All that is known between two words. ``is_synced``: the timestamp reset of the start has been
+"""The state between two words. ``is_synced``: the timestamp reset of the start has been
 seen. Of the stream's time: ``origin_us`` at the camera's time 0, ``base_us`` that the wraps have
 added up to, ``now_us`` at the last word, which never goes back. ``y``: the last row word, -1 if
 none or a wrong one. Of the frame that is being read: ``region`` its first x and y and last x and y,
@@ -97,7 +97,7 @@ COUNTERS_DTYPE = np.dtype(
         )
     ]
 )
-"""What was malformed; see ``DecoderStats``."""
+"""Counts of malformed data; see ``DecoderStats``."""
 
 TOO_BRIGHT = 384  # a reset value below this is one that the light has already pulled down
 WHITE = 1023
@@ -124,7 +124,7 @@ def decode(
         carried: (1,) STATE_DTYPE, carried from call to call.
         counted: (1,) COUNTERS_DTYPE, counted up.
         events: EVENT_DTYPE, long enough for all words.
-        n: events that are in it already.
+        n: number of events already in it.
         reset: (260, 346) int16, the reset values of the frame that is being read.
         pixels: (260, 346) uint8, that frame.
 
@@ -304,9 +304,9 @@ def _take_samples(
     reset: NDArray[np.int16],
     pixels: NDArray[np.uint8],
 ) -> int:
-    """Readings of the ADC up to the next other word, put to their pixels; returns where that is.
+    """Puts readings of the ADC to their pixels; returns the index of the next other word.
 
-    What is too many for the frame goes nowhere, and the frame counts as bad.
+    Surplus readings are dropped, and the frame counts as bad.
     """
     kind, row = state["kind"], state["n_samples"]
     n_columns = _expected(layout, state, rows=False)

@@ -1,4 +1,4 @@
-"""The compiled loop of the gel: contact patches in, displacement of material points out."""
+"""Compiled loops of the gel: contact patches in, displacement of material points out."""
 
 import math
 
@@ -87,13 +87,13 @@ def _solve(matrix: Floats, vector: Floats, n: int) -> None:
 
 @nb.njit(cache=True, nogil=True)
 def solve_loads(centres: Floats, radii: Floats, motions: Floats, loads: Floats) -> None:
-    """Loads with which every patch makes its prescribed motion although the others pull at it.
+    """Writes the loads that give every patch its prescribed motion against the others' pull.
 
     Args:
         centres: (k, 2) float64 mm.
         radii: (k,) float64 mm.
         motions: (k, 3) float64: drag x, drag y in mm, turn in rad, wanted as the mean over a patch.
-        loads: (k, 3) float64, written: what each patch alone would be moved by.
+        loads: (k, 3) float64, written: the motion that each load would cause alone.
     """
     n = len(centres)
     matrix, vector = np.zeros((3 * n, 3 * n)), np.zeros(3 * n)

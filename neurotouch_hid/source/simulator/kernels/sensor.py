@@ -189,7 +189,7 @@ def _fire(i: int, before: float, after: float, begin: float, end: float, chip: C
 
 @nb.njit(cache=True, nogil=True)
 def sense(t_us: int, tick_us: int, rest_us: int, chip: Chip) -> None:
-    """Lets all active pixels see one tick of the picture and fire where they cross a threshold.
+    """Runs all active pixels through one tick of the picture; those that cross a threshold fire.
 
     The signal runs linearly from its value at the begin of the tick to that at its end, so crossing
     times are exact to the µs. In the refractory period the pixel is held in reset, as the circuit
@@ -261,8 +261,8 @@ def add_noise(t_us: int, tick_us: int, chip: Chip) -> None:
 def sort_tick(first: int, t_us: int, tick_us: int, row_us: int, events: Records, end: int) -> None:
     """Sorts the events from ``first`` to ``end``, all of one tick, by time (stable counting sort).
 
-    With ``row_us`` > 0 the events of a row wait for the row's turn, which comes every ``row_us``
-    µs, and share its stamp, as a row-wise readout does.
+    With ``row_us`` > 0 the events of a row wait until the row is read, every ``row_us`` µs, and
+    share its stamp, as in a row-wise readout.
     """
     part = events[first:end].copy()
     place = np.zeros(tick_us + 1, np.int64)
@@ -286,7 +286,7 @@ def run_sensor(knots: Floats, stretch: Stretch, chip: Chip) -> None:
     """Runs picture and pixels through a stretch of time.
 
     Args:
-        knots: (4, n, 6) float64, see ``draw_markers``; the interval lies between the second and third.
+        knots: (4, n, 6) float64, see ``draw_markers``; the interval is from the second to third.
         stretch: when.
         chip: updated; its new events are in order of time.
     """

@@ -1,4 +1,4 @@
-"""What is between gel and sensor: camera, lens and light."""
+"""Optics between gel and sensor: camera, lens and light."""
 
 from neurotouch_hid.source.simulator.optics.light import (
     PROFILE_SCALE,
