@@ -20,16 +20,16 @@ STEP_MM: Final = 0.01
 _encode: Final = json.JSONEncoder(separators=(",", ":"), ensure_ascii=False).encode
 
 Action = tuple[int, str, str, str]
-"""A decision of the mapping: when (µs of sensor time), the verdict, on what, and why."""
+"""A decision of the mapping: time (µs of sensor time), verdict, binding, and reason."""
 
 
 class GestureState(TypedDict):
-    """The gesture as it is seen, and as the bindings feel it.
+    """The recognised gesture, and the conditioned gesture that the bindings use.
 
     Attributes:
         kind: its type, ``none`` at rest.
         mm: intensity.
-        movement: what the bindings are asked about: ``push_left``, ``pinch``, ``none``.
+        movement: the movement for the bindings: ``push_left``, ``pinch``, ``none``.
         felt_mm: its intensity after the tremor filter.
         phase: ``begin``, ``hold``, ``release`` or ``idle``.
         contacts: contact points [x, y] in mm.
@@ -72,7 +72,7 @@ class PadState(TypedDict):
 
 
 class Health(TypedDict):
-    """Facts, rates and times, worked out twice a second.
+    """Facts, rates and times, updated twice a second.
 
     Attributes:
         events_hz: events per second, mean of the last second.
@@ -85,14 +85,14 @@ class Health(TypedDict):
         window_ms: length of a slice.
         stages: median and 95 % of the host time a slice in ms, by stage.
         source: the source.
-        simulated: no sensor has seen it.
+        simulated: the source is a simulation.
         device: the virtual gamepad.
         file: the file of the active profile, empty if it has gone.
-        accept_ms: how long a gesture must last before it acts, by the profile and the person.
+        accept_ms: time before a gesture acts, from the profile and the person's values.
         plays_sound: whether the driver plays sounds itself; a service cannot.
         copilot: the physical device that plays along.
-        mouse: which mice are watched.
-        rumble: how games shake the pad.
+        mouse: the mice that are watched.
+        rumble: the rumble that games request.
         hand_ms: median and 95 % from the mouse to the pad in ms; of the mouse gel only.
     """
 
@@ -146,7 +146,7 @@ class State(TypedDict):
 
 
 class MarkerWriter:
-    """Writes markers in steps; the rig is fitted again only when the rest has changed."""
+    """Encodes marker displacements; fits the rig again only when the rest position has changed."""
 
     def __init__(self) -> None:
         self._rest_px: NDArray[np.float32] | None = None
@@ -179,10 +179,10 @@ class MarkerWriter:
 def _find_steps(rest_px: NDArray[np.float32]) -> np.complex64 | None:
     """Returns what turns and scales displacements x + iy in pixels to steps.
 
-    None while nobody knows.
+    None while they are unknown.
 
-    One product of complex numbers instead of a product of matrices, whose library is large and cold
-    when it is called thirty times a second.
+    One product of complex numbers replaces a product of matrices: at thirty calls a second, the
+    large library for matrices would be out of the caches each time.
     """
     if not np.isfinite(rest_px).all():
         return None

@@ -1,4 +1,4 @@
-"""The active window of Wayland compositors that have a socket of their own to ask at."""
+"""Asks Wayland compositors with a control socket for the active window."""
 
 import json
 import socket
@@ -42,7 +42,7 @@ class Sway:
         return ()
 
     def close(self) -> None:
-        """Does nothing: nothing stays open between two questions."""
+        """Does nothing: nothing stays open between two calls."""
 
 
 class Hyprland:
@@ -67,7 +67,7 @@ class Hyprland:
         return tuple(dict.fromkeys(name for name in found if isinstance(name, str) and name))
 
     def close(self) -> None:
-        """Does nothing: nothing stays open between two questions."""
+        """Does nothing: nothing stays open between two calls."""
 
 
 def _connect(path: str, desktop: str) -> socket.socket:
@@ -103,7 +103,7 @@ def _exchange_framed(line: socket.socket, request: bytes, desktop: str) -> bytes
         line.sendall(request)
         magic, length, _ = _HEADER.unpack(_receive(line, _HEADER.size))
         if magic != _MAGIC or length > _LONGEST_BYTES:
-            raise DesktopError(f"What answers for {desktop} does not speak its language.")
+            raise DesktopError(f"The answer at the socket of {desktop} is in another format.")
         return _receive(line, length)
     except OSError as error:
         raise DesktopError(
@@ -125,7 +125,7 @@ def _parse(text: bytes, desktop: str) -> dict[str, Any]:
     try:
         found = json.loads(text or b"{}")
     except (ValueError, RecursionError):
-        raise DesktopError(f"The answer of {desktop} makes no sense.") from None
+        raise DesktopError(f"The answer of {desktop} cannot be read.") from None
     return found if isinstance(found, dict) else {}
 
 

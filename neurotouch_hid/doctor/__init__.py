@@ -1,4 +1,4 @@
-"""Examines a machine from Python to the finished gamepad; every failure comes with its way out."""
+"""Examines a machine from Python to the finished gamepad; every failure comes with its fix."""
 
 from neurotouch_hid.doctor.checks import list_checks
 from neurotouch_hid.doctor.examination import Check, examine

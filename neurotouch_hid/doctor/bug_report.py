@@ -1,4 +1,4 @@
-"""One report about this machine for a bug thread, with everything private taken out."""
+"""Makes a report about this machine for a bug thread, without private data."""
 
 import importlib.metadata
 import os
@@ -38,7 +38,7 @@ VARIABLES: Final = (
     "XDG_SEAT",
     "XDG_SESSION_TYPE",
 )
-"""The variables that are reported; no other one is."""
+"""The only environment variables that the report contains."""
 
 LEFT_OUT: Final = (
     "your user name, real name, home folder and the name of this machine",
@@ -49,7 +49,7 @@ LEFT_OUT: Final = (
 )
 
 _PRIVATE_FACTS: Final = ("desktop",)
-"""Of the driver's status: it names the window in front."""
+"""Key of the driver's status that names the active window."""
 
 _PACKAGES: Final = (
     *("click", "evdev-binary", "faery", "hidapi", "libusb1", "lz4", "numba", "numpy"),
@@ -59,7 +59,7 @@ _MAC: Final = re.compile(r"\b(?:[0-9A-Fa-f]{2}[:-]){5}[0-9A-Fa-f]{2}\b")
 _ADDRESS: Final = re.compile(r"\b(?!127\.0\.0\.1\b)(?:\d{1,3}\.){3}\d{1,3}\b")
 _SERIAL: Final = re.compile(r"(?<=davis:)[0-9A-Za-z._-]+")
 _LOCAL: Final = {"localhost", "neurotouch", "root"}
-"""Names that are nobody's."""
+"""Names that belong to no person."""
 
 Rule = tuple[re.Pattern[str], str]
 
@@ -68,7 +68,7 @@ def gather(findings: Iterable[Finding]) -> dict[str, Any]:
     """Returns the report, ready for JSON and for publication.
 
     Args:
-        findings: what the doctor has found.
+        findings: the doctor's findings.
     """
     running = find_driver()
     cameras = find_cameras()
@@ -90,10 +90,10 @@ def gather(findings: Iterable[Finding]) -> dict[str, Any]:
 
 
 def list_rules(serials: Iterable[str] = ()) -> list[Rule]:
-    """Returns what is taken out of every text, and what replaces it.
+    """Returns the private texts to remove, and their replacements.
 
     Args:
-        serials: numbers of cameras.
+        serials: serial numbers of cameras.
     """
     names, real, homes = _find_person()
     host = socket.gethostname()
@@ -210,7 +210,7 @@ def _find_version(package: str) -> str:
 def _describe_pad(ours: bool, pad: dict[str, Any]) -> dict[str, Any]:
     """Describes a pad.
 
-    Where a stranger's pad is plugged in can be a Bluetooth address, so that is left out.
+    The physical path of a foreign pad can be a Bluetooth address, so it is left out.
     """
     return pad if ours else {**pad, "place": "left out"}
 

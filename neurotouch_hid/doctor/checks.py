@@ -14,8 +14,8 @@ def list_checks(picture: Path | None = None, source: str | None = None) -> tuple
     """Returns all checks, in the order from the machine to the person.
 
     Args:
-        picture: where the picture of the gel is saved.
-        source: what to look at instead of the camera.
+        picture: path of the saved picture of the gel.
+        source: source to examine instead of the camera.
     """
 
     @cache
@@ -54,7 +54,7 @@ def list_checks(picture: Path | None = None, source: str | None = None) -> tuple
 
 
 def _find(area: str, name: str) -> Callable[[], Finding]:
-    """Returns a check that imports its subject only when it runs: parts of it may be missing."""
+    """Returns a check that imports its module only when it runs: a package may be missing."""
 
     def look() -> Finding:
         finding: Finding = getattr(_import(area), name)()

@@ -1,4 +1,4 @@
-"""What a check finds: a status, a sentence, and the way out."""
+"""The finding of a check: a status, a sentence, and the fix."""
 
 from dataclasses import asdict, dataclass
 from enum import StrEnum
@@ -19,10 +19,10 @@ class Finding:
     """The result of a check.
 
     Attributes:
-        status: how bad it is.
-        sentence: what was found.
-        fix: what to do, for people.
-        commands: the same for a shell, as an ordinary user types them.
+        status: the severity.
+        sentence: the finding in words.
+        fix: the fix, for people.
+        commands: the fix as shell commands, as an ordinary user types them.
         check: the name of the check; empty until the examination fills it in.
     """
 
@@ -38,7 +38,7 @@ class Finding:
 
 
 def approve(sentence: str) -> Finding:
-    """Returns the finding that all is well."""
+    """Returns the finding that all is in order."""
     return Finding(CheckStatus.OK, sentence)
 
 

@@ -1,4 +1,4 @@
-"""What belongs to the person: profiles, calibration, the keys that stop everything, sound."""
+"""Checks the person's own settings: profiles, calibration, the keys that stop everything, sound."""
 
 import datetime
 import os
@@ -40,19 +40,19 @@ def check_profiles() -> Finding:
         return warn(
             f"{len(names)} profiles are in order, but {nearest} cannot be written, so none can be "
             "changed and no version kept.",
-            f"Become its owner again, with everything in it: chown -R $(id -un) {nearest}",
+            f"Make yourself its owner again: chown -R $(id -un) {nearest}",
         )
     return approve(f"{len(names)} profiles are in order; '{user.slots[0]}' plays first.")
 
 
 def check_calibration(file: Path | None = None) -> Finding:
-    """Has the person been measured, and how long ago?"""
+    """Checks whether the person is calibrated, and how long ago."""
     file = file or find_user_file()
     ranges = load_user().range
     measured = [name for name in type(ranges).model_fields if getattr(ranges, name) is not None]
     if not measured:
         return skip(
-            "Not calibrated: the reference hand is assumed. Whenever you like: neurotouch calibrate"
+            "Not calibrated: the reference hand is assumed. To calibrate: neurotouch calibrate"
         )
     found = _CALIBRATED.search(file.read_text(encoding="utf-8", errors="replace"))
     sentence = f"{len(measured)} of 8 movements are calibrated"
@@ -63,7 +63,7 @@ def check_calibration(file: Path | None = None) -> Finding:
     ).days
     sentence = f"{sentence}, {age} days ago."
     if age > _OLD_DAYS:
-        return warn(sentence, "Hands change. Measure again when it suits: neurotouch calibrate")
+        return warn(sentence, "Hands change. To measure again: neurotouch calibrate")
     return approve(sentence)
 
 
@@ -82,12 +82,12 @@ def check_keyboard() -> Finding:
 def try_chords(
     say: Callable[[str], object], wait: Callable[[Callable[[], bool]], bool], **places: Path
 ) -> Finding:
-    """Has the person press each chord, without any hurry.
+    """Asks the person to press each chord, without a time limit.
 
     Args:
-        say: tells the person what to press.
-        wait: waits until the function it is given is true (then true) or the person skips.
-        places: where keyboards are found, for tests.
+        say: shows the person a sentence.
+        wait: waits until its argument returns True (returns True), or the person skips.
+        places: folders in which keyboards are searched, for tests.
     """
     heard: set[str] = set()
     chords = load_driver_settings().keys_of
@@ -100,14 +100,14 @@ def try_chords(
             if not wait(partial(heard.__contains__, name)):
                 missed.append(name)
             else:
-                say(f"Heard: {name}.")
+                say(f"Received: {name}.")
     finally:
         reader.close()
     if not missed:
-        return approve(f"Heard: {' and '.join(chords)}.")
+        return approve(f"Received: {' and '.join(chords)}.")
     if len(missed) == len(chords):
         return skip("You skipped the keys.")
-    return warn(f"Not heard: {', '.join(missed)}.", "See the check 'keyboard'.")
+    return warn(f"Not received: {', '.join(missed)}.", "See the check 'keyboard'.")
 
 
 def check_sound() -> Finding:

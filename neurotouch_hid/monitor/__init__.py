@@ -1,4 +1,4 @@
-"""Taps that show or write down what the pipeline does, and never delay it."""
+"""Taps that show, play or write the pipeline's steps, and never delay them."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -34,8 +34,8 @@ _MODULES = {
     "describe_gesture": "sentence",
     "describe_pad": "sentence",
 }
-"""Where the names come from; each is loaded when it is first asked for. A tap needs the pipeline
-and its compiled kernels; what plays a sound in a person's session does not."""
+"""The module of each name; it is loaded at the first use of the name. A tap needs the pipeline and
+its compiled kernels; playing a sound in a person's session does not."""
 
 
 def __getattr__(name: str) -> Any:

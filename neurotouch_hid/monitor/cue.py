@@ -1,4 +1,4 @@
-"""Finds what a person is to hear of what the pipeline does."""
+"""Chooses sound cues from the pipeline's steps."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -15,15 +15,15 @@ if TYPE_CHECKING:
     from neurotouch_hid.profile import Mapping
 
 ACCEPT_VOLUME: Final = 60
-"""In percent, where the person has chosen none and has to wait for a gesture to act."""
+"""Volume in percent for a person who has chosen none and whose gestures act only after a while."""
 
 _LOST: Final = GestureConfig().min_tracked
 _FOUND: Final = _LOST + 30
-"""More than are needed, so that a gel at the limit does not come and go with every slice."""
+"""Above the other limit, so that a gel near the limit does not switch with every slice."""
 
 
 class CueKind(StrEnum):
-    """The sounds there are."""
+    """The kinds of sounds."""
 
     PANIC = "panic"
     PAUSE = "pause"
@@ -38,10 +38,10 @@ class CueKind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Cue:
-    """Something to hear.
+    """One sound to play.
 
     Attributes:
-        kind: which sound.
+        kind: the kind of sound.
         words: the same in words, for speech.
     """
 
@@ -51,7 +51,7 @@ class Cue:
 
 @dataclass(frozen=True, slots=True)
 class CueFacts:
-    """The facts that cues are found in, taken from a step or from a published state.
+    """The facts that decide about cues, taken from a step or from a published state.
 
     Attributes:
         state: ``running``, ``paused`` or ``panic``.
@@ -83,13 +83,13 @@ def take_facts(step: Step | None, mapping: "Mapping") -> CueFacts:
 
 
 class CueFinder:
-    """Compares each moment with the one before.
+    """Compares the facts of each step with those of the step before.
 
     *Press* is a gesture that begins, *accept* a binding that acts, *reject* one that does not, as
     with slow and bounce keys. While nothing acts, gestures are not heard.
 
     Args:
-        first: the moment at the start.
+        first: the facts at the start.
     """
 
     def __init__(self, first: CueFacts) -> None:
@@ -101,7 +101,7 @@ class CueFinder:
         self._take_new(first.decisions)
 
     def find(self, now: CueFacts) -> list[Cue]:
-        """Returns what is to be heard of a moment; mostly nothing.
+        """Returns the cues of a step; mostly none.
 
         Only one sound can be played at a time, so the most important comes first.
         """
@@ -166,12 +166,12 @@ class CueFinder:
 
 
 def choose_volume(kind: CueKind, volumes: Volumes, *, waits: bool) -> int:
-    """Returns how loud the person wants a cue to be, in percent.
+    """Returns the volume that the person wants for a cue, in percent.
 
     Args:
         kind: the sound.
         volumes: the person's.
-        waits: gestures act only after a while, which is worth a sound.
+        waits: gestures act only after a while, so the moment of acting deserves a sound.
     """
     match kind:
         case CueKind.STEP:

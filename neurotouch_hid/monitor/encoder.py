@@ -1,4 +1,4 @@
-"""What viewers are told of the pipeline: a sample taken in its thread, put in words in another."""
+"""Encodes the pipeline's state for viewers: one thread samples it, another encodes the sample."""
 
 import time
 from collections.abc import Callable, Mapping
@@ -15,14 +15,14 @@ from neurotouch_hid.runtime import Session
 from neurotouch_hid.snapshot import GestureState, Health, MarkerWriter, PadState, State, pack
 
 SLOW_S: Final = 0.5
-"""How often facts, rates and times are worked out: nobody reads faster."""
+"""Interval at which facts, rates and times are updated: people do not read faster."""
 
 Facts = Mapping[str, Callable[[], Any]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """A step of the pipeline with what its mapping says, taken in the pipeline's thread."""
+    """A step of the pipeline with the state of its mapping, taken in the pipeline's thread."""
 
     step: Step
     reading: ConditionedGesture
@@ -33,15 +33,15 @@ class Sample:
 
 
 class StateEncoder:
-    """Takes samples of the pipeline, and makes bytes of them.
+    """Takes samples of the pipeline, and encodes them.
 
     ``take`` belongs to the pipeline's thread and costs it microseconds; ``encode`` belongs to one
     other thread.
 
     Args:
         session: the running pipeline.
-        facts: what else is told, or told better, asked for again twice a second: ``source``,
-            ``simulated``, ``device``, ``file``.
+        facts: functions that return further facts, or better ones, called twice a second:
+            ``source``, ``simulated``, ``device``, ``file``.
     """
 
     def __init__(self, session: Session, facts: Facts) -> None:
@@ -52,7 +52,7 @@ class StateEncoder:
         self._health_s = 0.0
 
     def take(self, step: Step) -> Sample:
-        """Returns a sample of the step that has just been finished."""
+        """Returns a sample of the step that has just finished."""
         mapping = self._session.mapping
         return Sample(
             step,

@@ -1,4 +1,4 @@
-"""A gesture and a pad in words."""
+"""Describes a gesture and the state of a pad in words."""
 
 import math
 
@@ -16,7 +16,7 @@ _DIRECTIONS = ("right", "down-right", "down", "down-left", "left", "up-left", "u
 
 
 def direction_deg(gesture: Gesture) -> float | None:
-    """Returns where a gesture moves the gel: 0 right, 90 towards the user (down); None at rest."""
+    """Returns the direction of a gesture: 0 right, 90 towards the user (down); None at rest."""
     if gesture.kind is GestureKind.NONE:
         return None
     x, y = gesture.translation_mm

@@ -1,4 +1,4 @@
-"""Lets the person hear what the gestures do, beside the pipeline."""
+"""Plays sounds for gestures, beside the pipeline."""
 
 from collections.abc import Callable
 
@@ -10,11 +10,11 @@ from neurotouch_hid.runtime import Session
 
 
 class SoundMonitor:
-    """A tap that plays what the person's ``feedback`` asks for.
+    """A tap that plays the sounds that the person's ``feedback`` asks for.
 
     Args:
         session: the running driver, and the person's values that apply.
-        announce: tells the person a sentence, once, when no sound can be made; called in a thread.
+        announce: called once, in a thread, with a sentence for the person, if no sound is possible.
     """
 
     def __init__(self, session: Session, announce: Callable[[str], object]) -> None:
@@ -23,7 +23,7 @@ class SoundMonitor:
         self._speaker = Speaker(announce)
 
     def __call__(self, step: Step) -> None:
-        """Posts what is to be heard of ``step``; never waits."""
+        """Posts the sounds of ``step``; never waits."""
         mapping, user = self._session.mapping, self._session.user
         cues = self._finder.find(take_facts(step, mapping))
         if not cues:
@@ -36,10 +36,10 @@ class SoundMonitor:
                 return
 
     def describe(self) -> str:
-        """Returns what is heard, or why nothing is."""
+        """Returns which sounds are played, or why none are."""
         sound = self._session.user.feedback.sound
         return self._speaker.sentence if sound != "none" and self._speaker.sentence else sound
 
     def close(self) -> None:
-        """Ends its thread; a sound that is being played may end first."""
+        """Ends its thread, after the present sound."""
         self._speaker.close()

@@ -1,4 +1,4 @@
-"""Lets a person hear a driver that cannot play sounds itself: the service, by its states."""
+"""Plays sounds in a person's session for a driver that cannot: the service."""
 
 from collections.abc import Callable
 
@@ -13,14 +13,14 @@ from neurotouch_hid.snapshot import read_head, read_markers
 class StreamSound(Closing):
     """Plays the cues of a driver's states.
 
-    A driver sends only the newest state. A gesture that begins and ends between two of them is not
-    heard as a press. What it did is heard, for every state tells the latest decisions.
+    A driver sends only the newest state. A gesture that begins and ends between two states makes no
+    sound for its press. Its effect makes a sound, because every state has the latest decisions.
 
     Args:
-        announce: tells the person a sentence, once, when no sound can be made; called in a thread.
+        announce: called once, in a thread, with a sentence for the person, if no sound is possible.
 
     Attributes:
-        feedback: what the person wants to hear.
+        feedback: the sounds that the person wants.
     """
 
     def __init__(self, announce: Callable[[str], object]) -> None:
@@ -29,7 +29,7 @@ class StreamSound(Closing):
         self._finder: CueFinder | None = None
 
     def hear(self, state: bytes) -> bool:
-        """Posts what is to be heard of a state; never waits.
+        """Posts the sounds of a state; never waits.
 
         Returns:
             False if the driver plays its sounds itself; then nothing is posted.
@@ -45,7 +45,7 @@ class StreamSound(Closing):
             head["gesture"]["kind"],
             tuple(MappingDecision(*action) for action in head["actions"]),  # type: ignore[arg-type]
         )
-        if self._finder is None:  # whatever has happened before is old
+        if self._finder is None:  # everything before this state is old
             self._finder = CueFinder(facts)
             return True
         waits = head["slow"].get("accept_ms", 0.0) > 0
@@ -57,9 +57,9 @@ class StreamSound(Closing):
         return True
 
     def forget(self) -> None:
-        """Begins again: another driver comes, or the same one after a while."""
+        """Starts again for another driver, or for the same one after a pause."""
         self._finder = None
 
     def close(self) -> None:
-        """Ends its thread; a sound that is being played may end first."""
+        """Ends its thread, after the present sound."""
         self._speaker.close()

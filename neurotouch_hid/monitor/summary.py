@@ -1,4 +1,4 @@
-"""One sentence that tells all: what the hand does and what the pad makes of it."""
+"""Describes a step in one sentence: the gesture, and the resulting outputs."""
 
 from typing import Final
 

@@ -1,4 +1,4 @@
-"""The gel, the gesture and the pad in a terminal: a live picture, or plain lines."""
+"""Shows gel, gesture and pad in a terminal: a live picture, or plain lines."""
 
 import shutil
 import threading
@@ -26,9 +26,9 @@ class LinesMonitor:
     """A tap that prints a line whenever the gesture or the pressed controls change.
 
     Args:
-        out: where the lines go.
-        decisions: gives the latest decisions of the mapping, oldest first; a line tells each
-            gesture that came to nothing, and why.
+        out: the lines are written there.
+        decisions: returns the latest decisions of the mapping, oldest first; a line explains each
+            gesture that had no effect.
     """
 
     def __init__(
@@ -41,7 +41,7 @@ class LinesMonitor:
         self._due_us = self._told_us = -(1 << 62)
 
     def __call__(self, step: Step) -> None:
-        """Prints what is new in ``step``, if anything is."""
+        """Prints the changes in ``step``, if there are any."""
         for decision in self._decisions():
             if decision.t_us > self._told_us and decision.is_refusal:
                 self._write(step, str(decision))
@@ -65,15 +65,15 @@ class LinesMonitor:
         self._out.flush()
 
     def close(self) -> None:
-        """Does nothing: there is nothing to put back."""
+        """Does nothing: there is nothing to restore."""
 
 
 class PictureMonitor:
-    """A tap that keeps the newest Step; a thread of its own draws it, so the pipeline never waits.
+    """A tap that keeps the newest step; a separate thread draws it, so the pipeline never waits.
 
     Args:
         out: a terminal that understands ANSI escapes.
-        title: what is being watched, first line of the picture.
+        title: first line of the picture.
     """
 
     def __init__(self, out: TextIO, title: str) -> None:
@@ -87,11 +87,11 @@ class PictureMonitor:
         self._thread.start()
 
     def __call__(self, step: Step) -> None:
-        """Leaves ``step`` for the drawing thread."""
+        """Passes ``step`` to the drawing thread."""
         self._step = step
 
     def close(self) -> None:
-        """Leaves the last picture and gives the cursor back."""
+        """Leaves the last picture and shows the cursor again."""
         self._done.set()
         self._thread.join(timeout=1.0)
         self._out.write("\x1b[?25h")
@@ -114,7 +114,7 @@ class PictureMonitor:
 
 
 def draw_step(step: Step, title: str) -> list[str]:
-    """Draws one Step as lines of text, 15 rows of gel with the readings beside it."""
+    """Returns one step as lines of text, 15 rows of gel with the readings beside it."""
     gesture, pad = step.gesture, step.pad
     tracked = int(step.markers.valid.sum())
     right = [

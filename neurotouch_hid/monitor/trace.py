@@ -1,4 +1,4 @@
-"""Writes one JSON line per slice: the record of a run for people and programs to read."""
+"""Writes one line of JSON for each slice, as a record of a run."""
 
 import json
 from pathlib import Path
@@ -10,7 +10,7 @@ from neurotouch_hid.monitor.sentence import direction_deg
 
 
 class TraceWriter:
-    """A tap that writes ``path``; it is there under its name only once it is complete.
+    """A tap that writes ``path``; the file gets its name only when it is complete.
 
     Each line has ``t_us`` (end of the slice), ``gesture``, ``intensity_mm``, ``contacts_px``
     ([[x, y], ...]), ``direction_deg`` (0 right, 90 towards the user; null at rest),
@@ -22,7 +22,7 @@ class TraceWriter:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        # A device or a pipe is written to as it is: it must not be replaced by a file.
+        # A device or a pipe is written directly: a file must not replace it.
         is_file = path.is_file() or not path.exists()
         self._part = path.with_name(path.name + ".part") if is_file else path
         try:
@@ -33,7 +33,7 @@ class TraceWriter:
             ) from error
 
     def __call__(self, step: Step) -> None:
-        """Writes the pipeline of ``step``."""
+        """Writes one line of JSON for a step."""
         self._file.write(json.dumps(_record(step), separators=(",", ":")) + "\n")
 
     def close(self) -> None:

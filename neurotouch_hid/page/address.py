@@ -1,4 +1,4 @@
-"""Where the page of this person is served just now, for the other commands."""
+"""Address of this person's running page server, for the other commands."""
 
 import json
 import os
@@ -20,7 +20,7 @@ class Address:
         url: its root, ``http://127.0.0.1:7878/``.
         token: its secret.
         pid: its process.
-        may_edit: whether its page may change the profile.
+        may_edit: True if its page may change the profile.
     """
 
     url: str
@@ -39,7 +39,7 @@ def find_address_file() -> Path:
 
 
 def write_address(address: Address) -> Path:
-    """Leaves the address for other commands of this person.
+    """Writes the address to a file, for other commands of this person.
 
     Raises:
         OSError: the file cannot be written.
@@ -66,7 +66,7 @@ def read_address() -> Address | None:
 
 
 def forget_address(pid: int) -> None:
-    """Takes the file away if it still names this process, which may have ended."""
+    """Removes the file if it still names this process, which may have ended."""
     address = _read_file()
     if address is not None and address.pid == pid:
         find_address_file().unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""What the page may change: marks and curves of the bindings of the active profile."""
+"""Saves changes from the page: bindings of the active profile, with their marks and curves."""
 
 import math
 from collections.abc import Callable
@@ -37,16 +37,16 @@ MARKS: Final = {
     "power": "has a bend of {}",
     "points": "has a curve of its own",
 }
-"""What may be changed, and how the page says it."""
+"""The marks that can be changed, and the page's words for each."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """What a movement is to do.
+    """A binding that a browser requests.
 
     Attributes:
         movement: one of the eight.
-        press: ``tap``, ``double``, ``hold``, ``long``, or empty for as long as it lasts.
+        press: ``tap``, ``double``, ``hold``, ``long``, or empty: as long as the movement lasts.
         mode: ``toggle`` and so on, or empty.
         do: the output as ``parse_do`` takes it.
         layer: the layer; empty: the first.
@@ -62,7 +62,7 @@ class Wish:
 
 
 class Changes:
-    """Saves what has been dragged; each save is a version that can be undone.
+    """Saves changes to profiles; each save is a version that can be undone.
 
     Args:
         stamp: the present moment, for the names of versions.
@@ -72,7 +72,7 @@ class Changes:
         self._stamp = stamp
 
     def set(self, path: Path, key: str, mark: str, value: Any) -> str:
-        """Sets one mark and tells in a sentence what has been saved.
+        """Sets one mark; returns a sentence about the saved change.
 
         Args:
             path: the profile's file, as the driver names it.
@@ -81,23 +81,23 @@ class Changes:
             value: millimetres, the curve's number, or its points.
 
         Raises:
-            ProfileError: there is no such mark, or the value cannot be; nothing has changed.
-            DriverError: it is saved, and the running driver does not play it.
+            ProfileError: there is no such mark, or the value is not possible; nothing has changed.
+            DriverError: it is saved, but the running driver does not use it.
         """
         paper = self._take(path)
         place = _find_place(path, key)
         text = _write(paper.text, place, mark, value)
         if text == paper.text:
-            return f"{paper.name} says so already."
+            return f"{paper.name} has this value already."
         paper.save(text)
         return f"Saved in {paper.name}: {_describe(place.binding, mark, value)}. {_hand_over()}"
 
     def bind(self, path: Path, wish: "Wish") -> str:
-        """Lets a movement do something and tells in a sentence what has been saved.
+        """Binds a movement to an output; returns a sentence about the saved change.
 
         Raises:
             ProfileError: there is no such movement, output or binding; nothing has changed.
-            DriverError: it is saved, and the running driver does not play it.
+            DriverError: it is saved, but the running driver does not use it.
         """
         paper = self._take(path)
         text = rebind(
@@ -112,7 +112,7 @@ class Changes:
         return f"Saved in {paper.name}: {words} {wish.press} → {wish.do}. {_hand_over()}"
 
     def unbind(self, path: Path, key: str) -> str:
-        """Lets a movement no longer do something.
+        """Removes a binding.
 
         Raises:
             ProfileError: there is no such binding, or it is the last one; nothing has changed.
@@ -123,11 +123,11 @@ class Changes:
         return f"Removed from {paper.name}. {_hand_over()}"
 
     def use(self, name: str) -> str:
-        """Plays with a profile from now on.
+        """Switches to a profile.
 
         Raises:
             ProfileError: there is none, or it has errors.
-            DriverError: the running driver does not play it.
+            DriverError: the running driver does not use it.
         """
         stem, _, _ = make_favourite(name, self._stamp)
         said = _hand_over()
@@ -136,13 +136,13 @@ class Changes:
         return said
 
     def copy(self, template: str) -> str:
-        """Makes a profile of the person's own as a copy of another, and plays with it.
+        """Makes a copy of a profile that the person can change, and switches to it.
 
-        What needs a movement that the person does not use goes to another one, if one is free.
+        A binding to a movement that the person does not use moves to a free movement, if any.
 
         Raises:
             ProfileError: there is no such template.
-            DriverError: the running driver does not play it.
+            DriverError: the running driver does not use it.
         """
         known = list_profiles()
         names = ("mine", *(f"mine-{number}" for number in range(2, len(known) + 3)))
@@ -152,7 +152,7 @@ class Changes:
         return f"'{name}' is your own copy of {template}. {self.use(name)}"
 
     def undo(self, path: Path) -> str:
-        """Takes back the last change.
+        """Undoes the last change.
 
         Raises:
             ProfileError: there is none.
@@ -172,10 +172,10 @@ class Changes:
 
 
 def _hand_over() -> str:
-    """Gives what has been saved to the running driver, and tells what became of it.
+    """Passes the saved change to the running driver; returns a sentence about the result.
 
     Raises:
-        DriverError: it goes on with what it had.
+        DriverError: it keeps its old values.
     """
     done = hand_over()
     if done.status == "refused":
@@ -195,7 +195,7 @@ def _describe(binding: Binding, mark: str, value: Any) -> str:
 
 
 def _find_place(path: Path, key: str) -> Place:
-    """Returns the binding of that name, from the file alone: nothing else is ever touched."""
+    """Returns the binding of that name from the profile's own file; no other file may change."""
     written = check_profile(path).written
     places = list_places(written) if isinstance(written, Profile) else []
     found = next((place for place in places if place.key == key), None)

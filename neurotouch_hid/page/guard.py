@@ -1,4 +1,4 @@
-"""Who may talk to the page's server, and how much."""
+"""Access rules of the page's server: host, origin, token, and limits on clients and messages."""
 
 import ipaddress
 import re
@@ -10,7 +10,7 @@ from neurotouch_hid.errors import PageError
 
 MOST_CLIENTS: Final = 4
 MOST_CONNECTIONS: Final = 12
-"""Clients, those who have not shown their token yet, and those who fetch a file."""
+"""Limits: clients, clients that have not yet sent their token, and clients that fetch a file."""
 
 MOST_BYTES: Final = 8 * 1024
 """The longest message a browser sends."""
@@ -19,10 +19,10 @@ MESSAGES_PER_S: Final = 250.0
 """A mouse reports 125 times a second, a very quick one 1000, which the page thins out."""
 
 TOKEN_S: Final = 5.0
-"""In which a client must show its token."""
+"""Time within which a client must send its token."""
 
 SILENCE_S: Final = 20.0
-"""A browser answers by itself; one whose machine has gone is forgotten after twice this time."""
+"""Interval of pings to a client; without an answer, it is dropped after twice this time."""
 
 LEAST_TOKEN: Final = 22
 """Characters of 64 kinds: 132 bits."""
@@ -38,7 +38,7 @@ HEADERS: Final = {
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
-"""With every answer. No CORS header, ever: another site has no business here."""
+"""Headers of every answer. There is no CORS header, so that other sites cannot read anything."""
 
 LOCAL: Final = ("localhost", "127.0.0.1", "[::1]")
 
@@ -49,17 +49,17 @@ def make_token() -> str:
 
 
 class Guard:
-    """Knows what this server is called, and the secret of this run.
+    """Knows the server's names, and the secret of this run.
 
     Host and Origin are each compared with a list: a site that rebinds its name to this machine
     sends its own name in both, so comparing them with each other proves nothing.
 
     Args:
-        token: the secret, shown as the first message by every client that wants to see anything.
-        address: an address beside this machine's own that is listened at; None: only here.
+        token: the secret; every client must send it as its first message.
+        address: a further address to listen at; None: only this machine.
 
     Raises:
-        PageError: the address is none of one interface, or there is no token fit for it.
+        PageError: the address is not that of one interface, or the token is too weak.
     """
 
     def __init__(self, token: str, address: str | None = None) -> None:
@@ -78,16 +78,16 @@ class Guard:
 
     @property
     def hosts(self) -> frozenset[str]:
-        """What a Host header may say."""
+        """The permitted values of a Host header."""
         return frozenset(f"{name}:{port}" for name in self._names for port in self._ports)
 
     @property
     def origins(self) -> frozenset[str]:
-        """What an Origin header must say."""
+        """The permitted values of an Origin header."""
         return frozenset(f"http://{host}" for host in self.hosts)
 
     def knows(self, token: object) -> bool:
-        """Returns True if it is the secret; takes as long if it is not."""
+        """Returns True if it is the secret; takes the same time if it is not."""
         return isinstance(token, str) and secrets.compare_digest(token.encode(), self._token)
 
 
@@ -96,19 +96,19 @@ def _write_host(address: str) -> str:
         parsed = ipaddress.ip_address(address)
     except ValueError:
         raise PageError(
-            f"'{address}' is no address.",
+            f"'{address}' is not an IP address.",
             hint="Give the address of one interface of this machine, see: ip address",
         ) from None
     if parsed.is_unspecified or parsed.is_multicast:
         raise PageError(
-            f"Address {address} would let everybody in who can reach this machine in any way.",
+            f"At the address {address}, anyone who can reach this machine could open the page.",
             hint="Give the address of one interface of this machine, see: ip address",
         )
     return f"[{parsed}]" if parsed.version == 6 else str(parsed)
 
 
 class Rate:
-    """Counts the messages of a client; a bucket that fills as time goes on."""
+    """Limits the messages of a client: a token bucket."""
 
     def __init__(self, per_s: float = MESSAGES_PER_S) -> None:
         self._per_s = per_s
@@ -116,7 +116,7 @@ class Rate:
         self._at = time.monotonic()
 
     def allows(self) -> bool:
-        """Returns True unless it is too many."""
+        """Returns False if there are too many messages."""
         now = time.monotonic()
         self._left = min(self._left + (now - self._at) * self._per_s, self._per_s)
         self._at = now

@@ -1,4 +1,4 @@
-"""Between the driver and the browsers: the newest state to each as fast as it can take it."""
+"""Forwards the driver's newest state to each browser, as fast as the browser can take it."""
 
 import asyncio
 import json
@@ -26,31 +26,31 @@ from neurotouch_hid.snapshot import read_head
 from neurotouch_hid.subscriber import Subscriber
 
 LOOK_S: Final = 0.5
-"""How often a driver is looked for, and its profile's file for changes."""
+"""Interval at which it looks for a driver, and for changes of the profile's file."""
 
 MOST_HZ: Final = 60
 MOST_TRIALS: Final = 500
 
 
 class PageMessage(TypedDict, total=False):
-    """What a browser is told beside the states; each message holds some of these keys.
+    """Messages to a browser beside the states; each message has some of these keys.
 
     Attributes:
         hello: the browser may stay.
         edit: the browser may change profiles and pause the driver; comes with ``hello``.
         driver: a driver runs.
-        about: the active profile; while no driver runs, the one it would play.
-        saved: what has been done, in a sentence; empty where the next state says it.
-        refused: what has not been done, and why.
+        about: the active profile; while no driver runs, the one that it would use.
+        saved: a sentence about the change; empty if the next state shows it.
+        refused: a sentence that says why a change was refused.
         throughput: the figures of a game.
-        situation: what keeps the gel from playing while no driver runs.
-        outputs: what a movement can do.
-        profiles: those there are.
-        picture: what the camera sees, as the address of a picture.
+        situation: why the gamepad does not work while no driver runs.
+        outputs: the outputs that a movement can have.
+        profiles: all profiles.
+        picture: the camera's picture, as the address of a picture.
         program: output or end of a program that the page has started.
         started: such a program, by name.
         stopped: the same.
-        remote: the link for another device; None when its right has ended.
+        remote: the link for another device; None when its access has ended.
         n: the number of the browser's message that this answers.
     """
 
@@ -73,7 +73,7 @@ class PageMessage(TypedDict, total=False):
 
 
 class Client:
-    """A browser. What it has no time for is dropped: only the newest state waits."""
+    """A browser. A slow one misses states: only the newest state waits."""
 
     def __init__(self, socket: ServerConnection) -> None:
         self.socket = socket
@@ -85,7 +85,7 @@ class Client:
         self._bell = asyncio.Event()
 
     def queue_state(self, state: bytes) -> None:
-        """Leaves the newest state, if it is time for one."""
+        """Queues the newest state, if it is time for one."""
         now = time.monotonic()
         if self.hz and now >= self._due_s:
             # A little early is in time, or 30 of 60 would become 20.
@@ -98,12 +98,12 @@ class Client:
         self._state = None
 
     def tell(self, **message: Unpack[PageMessage]) -> None:
-        """Leaves a message; none of these is dropped, and there are few."""
+        """Queues a message; none of these is dropped, and there are few."""
         self._words.append(json.dumps(message, separators=(",", ":")))
         self._bell.set()
 
     async def send(self) -> None:
-        """Sends what is left, until the browser goes."""
+        """Sends queued messages until the browser disconnects."""
         while True:
             await self._bell.wait()
             self._bell.clear()
@@ -116,10 +116,10 @@ class Client:
 
 
 class Hub:
-    """All browsers of a server, and the one driver they look at.
+    """All browsers of a server, and the one driver that they watch.
 
     Args:
-        edit: whether anything may be changed, paused or started.
+        edit: True if browsers may change, pause or start anything.
         stamp: the present moment, for the names of versions.
         is_far: the page is served to other machines too.
     """
@@ -141,11 +141,11 @@ class Hub:
 
     @property
     def n_clients(self) -> int:
-        """How many browsers watch."""
+        """The number of browsers."""
         return len(self._clients)
 
     async def run(self) -> None:
-        """Looks for a driver, and again when that has ended; never returns."""
+        """Connects to a driver, and to the next one when it has ended; never returns."""
         loop = asyncio.get_running_loop()
         while True:
             if self._listener.peer is None:
@@ -182,7 +182,7 @@ class Hub:
             loop.add_reader(peer.fileno(), self._receive, peer.fileno())
 
     async def serve(self, client: Client, hz: int) -> None:
-        """Serves a browser that has shown the token, until it goes."""
+        """Serves a browser that has sent the token, until it disconnects."""
         self._look_at_profile()  # tells those who are there; this one is told below
         self._clients.add(client)
         self._came.set()
@@ -214,7 +214,7 @@ class Hub:
                 await sender
 
     async def close(self) -> None:
-        """Parts from the driver, and ends what the page has started."""
+        """Disconnects from the driver, and ends the programs that the page has started."""
         await self._requests.close()
         self._listener.close()
         if self._hand is not None:
@@ -260,13 +260,13 @@ class Hub:
             client.tell(about=self._about, driver=runs)
 
     async def _hear(self, client: Client, message: str | bytes) -> None:
-        """Does what a browser asks for; what it may not ask for, it is told."""
+        """Carries out a browser's request; reports refused ones to the browser."""
         try:
             request = json.loads(message)
         except (ValueError, RecursionError):
             request = None
         if not isinstance(request, dict):
-            client.tell(refused="That is no message.")
+            client.tell(refused="The message cannot be read.")
             return
         try:
             match request.get("do"):
@@ -288,9 +288,9 @@ class Hub:
                 client.tell(about=self._about)  # a mark that was dragged goes back
 
     def _steer(self, message: bytes) -> None:
-        """Hands the mouse's gel on to the simulator, if that is what runs; nothing else hears it.
+        """Forwards a command of the mouse gel to the simulator, if the simulator is the source.
 
-        What has no room is dropped: the next one is newer.
+        If there is no room, the command is dropped: the next one is newer.
         """
         for _ in range(2):
             try:
@@ -308,7 +308,7 @@ class Hub:
 
 
 def _find_favourite() -> str:
-    """Returns the profile that the next driver would play; empty if it cannot be said."""
+    """Returns the profile that the next driver would use; empty if it is unknown."""
     try:
         return str(find_profile(load_user().slots[0]).resolve())
     except (NeuroTouchError, OSError):
@@ -326,7 +326,7 @@ def _measure(trials: Any) -> dict[str, Any]:
     """Returns the figures of ISO 9241-411 for the trials of a game.
 
     Raises:
-        NeuroTouchError: they are none.
+        NeuroTouchError: the data is not a list of trials.
     """
     # Imports numpy, which the page needs for nothing else.
     from neurotouch_hid.evaluation.people.throughput import (  # noqa: PLC0415
@@ -335,7 +335,7 @@ def _measure(trials: Any) -> dict[str, Any]:
     )
 
     if not isinstance(trials, list) or len(trials) > MOST_TRIALS:
-        raise NeuroTouchError("There is nothing to measure.")
+        raise NeuroTouchError("There are no trials to measure.")
     try:
         read = [
             Trial(
@@ -349,4 +349,4 @@ def _measure(trials: Any) -> dict[str, Any]:
         ]
         return measure_pointing(read)
     except (KeyError, TypeError, ValueError, IndexError, ZeroDivisionError, OverflowError):
-        raise NeuroTouchError("These are no trials.") from None
+        raise NeuroTouchError("The trials of the game cannot be read.") from None

@@ -1,4 +1,4 @@
-"""What a movement can do, as the page offers it: the words of ``profile bind`` and those on it."""
+"""Lists the outputs that a movement can have, in the words of ``profile bind`` and the page."""
 
 from typing import Final, TypedDict
 
@@ -8,12 +8,12 @@ from neurotouch_hid.vocabulary import Button
 
 
 class Output(TypedDict):
-    """One thing that a movement can do.
+    """One output that a movement can have.
 
     Attributes:
-        do: as ``parse_do`` takes it.
-        label: on the page.
-        follows: it goes with the movement, further and less far; else it is on or off.
+        do: its form for ``parse_do``.
+        label: its name on the page.
+        follows: True if it follows the size of the movement; else it is on or off.
     """
 
     do: str
@@ -41,7 +41,7 @@ def list_outputs(profile: Profile | None = None) -> list[OutputGroup]:
     """Returns everything to choose from, in the order of the page.
 
     Args:
-        profile: whose layers can be chosen.
+        profile: its layers can be chosen.
     """
     axes = [
         ("axis left_x -", "left stick to the left"),
@@ -81,7 +81,7 @@ def list_outputs(profile: Profile | None = None) -> list[OutputGroup]:
             [
                 _press("pause", "pause"),
                 _press("panic", "stop everything"),
-                _press("rezero", "take the gel as it is now for its rest"),
+                _press("rezero", "use the present pose as neutral"),
                 _press("next profile", "next favourite profile"),
             ],
         ),

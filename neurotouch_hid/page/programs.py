@@ -1,4 +1,4 @@
-"""Commands of ours that the page runs for the person: a driver, a calibration, a check, a remote.
+"""Runs commands of this program for the page: a driver, a calibration, a check, a remote page.
 
 Each is the command that a terminal would run, with pipes instead of the terminal.
 """
@@ -17,11 +17,11 @@ COMMANDS: Final = {
     "calibrate": ("calibrate",),
     "check": ("doctor", "--json"),
 }
-"""What a browser may have run, by the name it asks for. It gives no argument of its own."""
+"""The commands that a browser may start, by name. It cannot add arguments."""
 
 DRIVERS: Final = ("camera", "mouse")
 MOST_LINES: Final = 400
-"""Of a program's output; a calibration needs a tenth of it."""
+"""Limit for a program's output; a calibration needs a tenth of it."""
 
 _PATIENCE_S: Final = 5.0
 
@@ -30,8 +30,8 @@ class Programs:
     """At most one driver and one other program at a time.
 
     Args:
-        tell: is given what happens, as keys and values for the browsers: ``program`` with its
-            ``name`` and a ``line`` of output, or its ``code`` when it has ended.
+        tell: called with keys and values for the browsers: ``program`` with its ``name`` and a
+            ``line`` of output, or its ``code`` when it has ended.
     """
 
     def __init__(self, tell: Callable[[dict[str, Any]], object]) -> None:
@@ -42,7 +42,7 @@ class Programs:
 
     @property
     def news(self) -> list[dict[str, Any]]:
-        """What a browser that comes later needs to be told: the output of what runs."""
+        """The messages for a browser that connects later: the output of running programs."""
         return [
             {"name": name, "line": line} for name in self._running for line in self._lines[name]
         ]
@@ -51,11 +51,11 @@ class Programs:
         """Starts a command of the list.
 
         Args:
-            name: of the list, or ``remote``.
+            name: a name of the list, or ``remote``.
             arguments: the whole command of ``remote``.
 
         Raises:
-            PageError: there is none of this name, or one like it runs.
+            PageError: there is none of this name, or such a program runs already.
         """
         if name not in COMMANDS and not arguments:
             raise PageError("There is no such program.")
@@ -74,7 +74,7 @@ class Programs:
         reader.add_done_callback(self._readers.discard)
 
     def answer(self, name: str, text: str) -> None:
-        """Gives a program a line, as if it had been typed.
+        """Sends a line to a program, as if a person had typed it.
 
         Raises:
             PageError: it does not run.

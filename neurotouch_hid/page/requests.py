@@ -1,4 +1,4 @@
-"""What a browser may ask for, and what is done about it."""
+"""Carries out the requests of browsers."""
 
 import asyncio
 import re
@@ -23,20 +23,20 @@ Reply = dict[str, Any]
 Handler = Callable[[Request, Path], Awaitable[Reply]]
 
 REMOTE_S: Final = 3600.0
-"""The right of another device to this page ends by itself."""
+"""The access of another device to this page ends after this time."""
 
 _REMOTE_FILE: Final = "remote-token"
 _FAR_LINK = re.compile(r"From other machines: (\S+)#k=TOKEN")
 
 
 class Requests:
-    """Carries out what browsers ask for.
+    """Carries out the requests of browsers.
 
     Args:
-        edit: whether anything may be changed.
-        is_far: the page is served to other machines, and may not let in more.
-        changes: saves.
-        tell_all: tells every browser something.
+        edit: True if changes are allowed.
+        is_far: the page is served to other machines, and may not admit more of them.
+        changes: saves changes to profiles.
+        tell_all: sends a message to every browser.
     """
 
     def __init__(
@@ -75,7 +75,7 @@ class Requests:
 
     @property
     def news(self) -> list[Reply]:
-        """What a browser that comes later needs to be told."""
+        """The messages for a browser that connects later."""
         remote = [] if self._remote is None else [{"remote": self._remote}]
         return [{"program": each} for each in self._programs.news] + remote
 
@@ -83,11 +83,11 @@ class Requests:
         """Returns the answer to a request.
 
         Args:
-            request: of the browser; ``do`` says what.
+            request: the request; ``do`` is its kind.
             file: the active profile.
 
         Raises:
-            NeuroTouchError: it cannot be done, or may not.
+            NeuroTouchError: the request fails or is not allowed.
         """
         verb = str(request.get("do"))
         if verb in self._looks:
@@ -96,12 +96,12 @@ class Requests:
             raise PageError("There is no such request.")
         if not self._edit:
             raise PageError(
-                "This page only shows.", hint="To change things: neurotouch view --edit"
+                "This page is read-only.", hint="To change things: neurotouch view --edit"
             )
         return await self._changers[verb](request, file)
 
     async def close(self) -> None:
-        """Ends everything that was started."""
+        """Ends all programs that it has started."""
         await self._programs.close()
 
     async def _set(self, request: Request, file: Path) -> Reply:
@@ -167,9 +167,9 @@ class Requests:
         return {"picture": await asyncio.to_thread(take_picture)}
 
     async def _let_in(self, _request: Request, _file: Path) -> Reply:
-        """Serves the page to other devices, from a process of its own, until it is stopped."""
+        """Serves the page to other devices, from a separate process, until it is stopped."""
         if self._is_far:
-            raise PageError("Only the machine itself may let in another device.")
+            raise PageError("Only the machine itself can give access to another device.")
         address = _find_own_address()
         self._token = make_token()
         path = find_runtime_folder() / _REMOTE_FILE
@@ -187,7 +187,7 @@ class Requests:
             self._ending = asyncio.create_task(self._programs.stop("remote"))
 
     def _hear_program(self, news: Reply) -> None:
-        """Passes on what a program says; of a remote, the link to photograph."""
+        """Forwards the output of a program; of a remote page, its link as a QR code."""
         if news["name"] != "remote":
             self._tell_all({"program": news})
         elif "code" in news:
@@ -203,10 +203,10 @@ class Requests:
 
 
 def _take_name(name: str) -> str:
-    """Returns a name of the list of profiles; a browser names no path.
+    """Returns a name that is in the list of profiles; a browser cannot name a path.
 
     Raises:
-        ProfileError: it is none.
+        ProfileError: it is not in the list.
     """
     if name not in list_profiles():
         raise ProfileError("There is no such profile.")
@@ -231,16 +231,17 @@ def _describe_profiles() -> list[Reply]:
 
 
 def _find_own_address() -> str:
-    """Returns the address that other devices of this network reach this machine at.
+    """Returns the address of this machine in its network.
 
     Raises:
-        PageError: it is in no network.
+        PageError: it is not in a network.
     """
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asker:
         try:
             asker.connect(("192.0.2.1", 9))  # sends nothing: the kernel only chooses the way
         except OSError:
             raise PageError(
-                "This machine is in no network.", hint="Connect it to the phone's Wi-Fi."
+                "This machine is not connected to a network.",
+                hint="Connect it to the phone's Wi-Fi.",
             ) from None
         return str(asker.getsockname()[0])

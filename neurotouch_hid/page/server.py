@@ -48,7 +48,7 @@ KINDS: Final = {
     ".svg": "image/svg+xml",
 }
 SEND_BYTES: Final = 16 * 1024
-"""Of a browser's buffer before its newest state waits instead."""
+"""Limit of a browser's buffer; beyond it, the newest state waits."""
 
 
 class EndBySignal:
@@ -69,7 +69,7 @@ class EndBySignal:
             signal.signal(number, self._note)
 
     def tell(self, loop: asyncio.AbstractEventLoop, stop: asyncio.Event) -> None:
-        """Has a signal set ``stop`` in a running loop; at once, if one has come already."""
+        """Sets ``stop`` in a running loop when a signal arrives, or now if one has arrived."""
 
         def tell() -> None:
             with suppress(RuntimeError):  # the loop is closed: it ends anyway
@@ -92,7 +92,7 @@ def open_sockets(address: str | None, port: int | None) -> list[socket.socket]:
         port: the port; None: the usual one, or any if that is taken.
 
     Raises:
-        PageError: nobody can be served there.
+        PageError: the server cannot listen there.
     """
     sockets: list[socket.socket] = []
     try:
@@ -123,7 +123,7 @@ def _explain_refusal(error: OSError, address: str | None, port: int | None) -> P
     if error.errno == errno.EADDRINUSE:
         return PageError(
             f"Another program uses port {port}.",
-            hint="Leave --port away, and a free one is used.",
+            hint="Without --port, a free port is used.",
         )
     if error.errno == errno.EACCES:
         return PageError(
@@ -131,7 +131,7 @@ def _explain_refusal(error: OSError, address: str | None, port: int | None) -> P
         )
     return PageError(
         f"The page cannot be served at port {port}: {error.strerror}.",
-        hint="Leave --port away, and a free one is used.",
+        hint="Without --port, a free port is used.",
     )
 
 
@@ -139,12 +139,11 @@ class Server:
     """The page's server.
 
     Args:
-        guard: who may talk to it.
-        sockets: where it listens.
-        edit: whether profiles may be changed.
+        guard: its access rules.
+        sockets: its listening sockets.
+        edit: True if browsers may change profiles.
         stamp: the present moment, for the names of versions.
-        silence_s: after which a client is asked whether it still is there, and as long again to
-            answer.
+        silence_s: interval of pings to a client; it must answer within the same time.
     """
 
     def __init__(
@@ -202,7 +201,7 @@ class Server:
             await self._hub.close()
 
     def _answer(self, _connection: ServerConnection, request: Request) -> Response | None:
-        """Returns a file, a refusal, or None for the stream, whose Origin is then compared."""
+        """Returns a file, a refusal, or None for the WebSocket, whose Origin is then checked."""
         hosts = request.headers.get_all("Host")
         if len(hosts) != 1 or hosts[0] not in self._guard.hosts:
             return _reply(http.HTTPStatus.MISDIRECTED_REQUEST, b"This is not your server.\n")
@@ -222,7 +221,7 @@ class Server:
         return reply
 
     async def _talk(self, connection: ServerConnection) -> None:
-        """Lets in who shows the token."""
+        """Serves a client that sends the token."""
         self._n_connections += 1
         try:
             shown = await asyncio.wait_for(connection.recv(), TOKEN_S)
@@ -259,9 +258,9 @@ def _listen(address: str, port: int) -> socket.socket:
 
 
 def _read_files() -> dict[str, tuple[str, bytes]]:
-    """Returns every file there is to serve, by its path in the address.
+    """Returns all files that are served, by their path in the address.
 
-    Nothing else can be asked for.
+    No other file can be requested.
     """
     files = {
         f"/{path.relative_to(STATIC)}": (KINDS[path.suffix], path.read_bytes())

@@ -1,4 +1,4 @@
-"""What keeps the gel from playing while no driver runs, and the next step."""
+"""Finds out why the gamepad does not work while no driver runs, and the next step."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -10,12 +10,12 @@ SituationKind = Literal["no_camera", "service_stopped", "no_right", "unusable", 
 
 @dataclass(frozen=True, slots=True)
 class Situation:
-    """Where a person stands who wants to play.
+    """The reason why the gamepad does not work, and the next step.
 
     Attributes:
-        kind: in a word.
-        text: in a sentence.
-        next: the command that leads on.
+        kind: the reason in a word.
+        text: the reason in a sentence.
+        next: the next step, with its command.
     """
 
     kind: SituationKind

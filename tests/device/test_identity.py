@@ -31,9 +31,9 @@ def make(**changes: object) -> Identity:
     ],
 )
 def test_what_each_shipped_one_claims(name, text, ids):
-    claim = SHIPPED[name].make_claim(player=2)
-    assert (claim.name, claim.ids, claim.phys) == (text, ids, "neurotouch/pad1")
-    assert not claim.rumbles
+    spec = SHIPPED[name].make_spec(player=2)
+    assert (spec.name, spec.ids, spec.phys) == (text, ids, "neurotouch/pad1")
+    assert not spec.rumbles
     check_identity(SHIPPED[name], "uinput")
 
 

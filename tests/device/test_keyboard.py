@@ -1,4 +1,4 @@
-"""The keyboard's claim, and its table of keys beside that of the profiles."""
+"""The keyboard's spec, and its table of keys beside that of the profiles."""
 
 import pytest
 
@@ -28,7 +28,7 @@ def test_udev_will_take_it_for_a_keyboard_and_nobody_for_a_pad():
 def test_a_key_moves_only_itself(name):
     report = keyboard.encode_keys(GamepadState(0, keys=frozenset({name})))
     assert sum(report) == 1
-    assert keyboard.CLAIM.controls[report.index(1)] == keyboard.KEYS[name]
+    assert keyboard.SPEC.controls[report.index(1)] == keyboard.KEYS[name]
 
 
 # From the kernel's input-event-codes.h, as numbers.
@@ -52,11 +52,11 @@ def test_modifiers_stand_first_so_that_a_chord_begins_with_them():
     }
 
 
-@pytest.mark.parametrize("claim", [keyboard.CLAIM, mouse.CLAIM])
-def test_sdl_and_the_kernel_take_the_names(claim):
-    assert len(claim.name.encode()) < 80
-    assert claim.phys.startswith("neurotouch/")  # the rules and we find them by it
-    assert claim.ids[:2] == (0x06, 0)  # BUS_VIRTUAL, nobody's vendor id
+@pytest.mark.parametrize("spec", [keyboard.SPEC, mouse.SPEC])
+def test_sdl_and_the_kernel_take_the_names(spec):
+    assert len(spec.name.encode()) < 80
+    assert spec.phys.startswith("neurotouch/")  # the rules and we find them by it
+    assert spec.ids[:2] == (0x06, 0)  # BUS_VIRTUAL, nobody's vendor id
 
 
 @pytest.mark.parametrize("alt", ["KEY_LEFTALT", "KEY_RIGHTALT"])
@@ -69,5 +69,5 @@ def test_the_magic_keys_of_the_kernel_stay_out_of_reach(alt):
 
 
 def test_at_rest_all_is_zero():
-    assert keyboard.encode_keys(GamepadState(0)) == keyboard.CLAIM.neutral
-    assert mouse.encode_buttons(GamepadState(0)) == mouse.CLAIM.neutral
+    assert keyboard.encode_keys(GamepadState(0)) == keyboard.SPEC.neutral
+    assert mouse.encode_buttons(GamepadState(0)) == mouse.SPEC.neutral

@@ -108,4 +108,4 @@ def test_steps_are_never_zero_and_every_code_is_declared(rates):
     for state in every_slice(rates):
         for code, n_steps in motion.compute_steps(state):
             assert n_steps
-            assert code in mouse.CLAIM.motions
+            assert code in mouse.SPEC.motions

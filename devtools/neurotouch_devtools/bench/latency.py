@@ -22,7 +22,7 @@ SCENE: Final = "sim:random"
 PROFILE: Final = "spacecraft"
 SECONDS: Final = 20.0
 PLACE: Final = "neurotouch/pad0"
-"""Where the measured pad claims to be plugged in: it is the first player's."""
+"""Physical path of the measured pad, which is the first player's."""
 
 EDGES_MS: Final = (0.25, 0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 20.0, 50.0)
 """Bounds of the histogram's bins."""

@@ -33,7 +33,7 @@ class HidPad:
     Attributes:
         node: its hidraw node.
         name: its name.
-        place: its physical path, as it claims.
+        place: its physical path, as the device states it.
         ids: bus, vendor and product, as the kernel writes them: ``0003:1209:4E54``.
         layout: its controls.
     """

@@ -10,7 +10,7 @@ from evdev import ecodes
 NODES: Final = Path("/dev/input")
 SYSTEM: Final = Path("/sys/class/input")
 OURS: Final = "neurotouch/"
-"""Our own devices claim to be plugged in below this place."""
+"""The physical path of our own devices starts with this."""
 
 _WORD_BITS: Final = 64
 _FACTS: Final = ("name", "phys", "uniq")
@@ -23,7 +23,7 @@ class Input:
     Attributes:
         node: where it is.
         name: name of the device.
-        phys: its physical path, as it claims.
+        phys: its physical path, as the device states it.
         uniq: its serial number, if it has one.
         vendor: its vendor id.
         product: its product id.

@@ -16,7 +16,7 @@ from neurotouch_hid.device.outputs.uinput import Ioctl, UinputNode, call_kernel,
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import GamepadState
 
-_CLAIMS = {ExtraDevice.KEYBOARD: keyboard.CLAIM, ExtraDevice.MOUSE: mouse.CLAIM}
+_EXTRA_SPECS = {ExtraDevice.KEYBOARD: keyboard.SPEC, ExtraDevice.MOUSE: mouse.SPEC}
 
 _PARTING_S = 0.05
 """Time for readers to take the last frame: they lose unread events when a node is removed."""
@@ -81,7 +81,7 @@ class CompositeDevice(Closing):
     @property
     def name(self) -> str:
         """The name that the user sees: the nodes, as other programs show them."""
-        names = (claim.name for key, claim in _CLAIMS.items() if key in self._extra_devices)
+        names = (spec.name for key, spec in _EXTRA_SPECS.items() if key in self._extra_devices)
         return " + ".join((self._identity.name, *names))
 
     def prepare(self, extra_devices: Iterable[ExtraDevice]) -> None:
@@ -138,13 +138,15 @@ class CompositeDevice(Closing):
 
     def _make_pad(self, kind: PadKind, hear: HearRumble | None) -> VirtualDevice:
         if kind == "hid":  # Linux has no simple rumble for pads of no known maker
-            return UhidNode(open_uhid(), self._identity.make_claim(self._player))
-        claim = self._identity.make_claim(self._player, rumbles=hear is not None)
-        return UinputNode(self._open_descriptor(), claim, ioctl=self._ioctl, hear=hear)
+            return UhidNode(open_uhid(), self._identity.make_spec(self._player))
+        spec = self._identity.make_spec(self._player, rumbles=hear is not None)
+        return UinputNode(self._open_descriptor(), spec, ioctl=self._ioctl, hear=hear)
 
-    def _make_companion(self, extra_device: ExtraDevice) -> UinputNode:
-        claim = replace(_CLAIMS[extra_device], phys=f"neurotouch/{extra_device}{self._player - 1}")
-        return UinputNode(self._open_descriptor(), claim, ioctl=self._ioctl)
+    def _make_extra_device(self, extra_device: ExtraDevice) -> UinputNode:
+        spec = replace(
+            _EXTRA_SPECS[extra_device], phys=f"neurotouch/{extra_device}{self._player - 1}"
+        )
+        return UinputNode(self._open_descriptor(), spec, ioctl=self._ioctl)
 
     def _require_open(self) -> None:
         if self._closed:
@@ -153,7 +155,7 @@ class CompositeDevice(Closing):
     def _add(self, extra_devices: Iterable[ExtraDevice]) -> None:
         for extra_device in extra_devices:
             if extra_device not in self._extra_devices:
-                self._extra_devices[extra_device] = self._make_companion(extra_device)
+                self._extra_devices[extra_device] = self._make_extra_device(extra_device)
 
     def _release(self) -> None:
         self._motion = mouse.PointerMotion()  # the time until the next state does not count

@@ -14,7 +14,7 @@ from neurotouch_hid.device.outputs.spec import Control, make_key
 from neurotouch_hid.messages import Axis, Button, GamepadState
 
 PHYS = "neurotouch/pad0"
-"""Where the pad of the first player claims to be plugged in; we find our own devices by it."""
+"""Physical path of the first player's pad; this program finds its own devices by it."""
 
 _TO_BOTH_SIDES = {Axis.LEFT_X, Axis.LEFT_Y, Axis.RIGHT_X, Axis.RIGHT_Y, Axis.DPAD_X, Axis.DPAD_Y}
 

@@ -20,7 +20,7 @@ USUAL: Final[dict[str, str]] = {"uinput": "xbox360", "hid": "own"}
 """The default identity of each kind of pad."""
 
 PLACE: Final = "neurotouch/pad"
-"""Where pads claim to be plugged in, with a number; udev rules and we find our own by it."""
+"""Physical path of pads, before a number; udev rules and this program find our own pads by it."""
 
 _KEYS: Final = {"name", "vendor", "product", "version", "layout"}
 _NAME_BYTES: Final[dict[str, int]] = {"uinput": 79, "hid": 127}
@@ -71,7 +71,7 @@ class Identity:
     version: int
     layout: ControlLayout
 
-    def make_claim(self, player: int = 1, *, rumbles: bool = False) -> DeviceSpec:
+    def make_spec(self, player: int = 1, *, rumbles: bool = False) -> DeviceSpec:
         """Returns the description of the pad of a player (1, 2, ...) for the kernel."""
         return DeviceSpec(
             self.name,

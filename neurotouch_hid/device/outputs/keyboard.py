@@ -46,7 +46,7 @@ No power or sleep key: no gesture should switch the machine off. No auto-repeat 
 (EV_REP): desktops repeat by themselves, and a key must not repeat while this program stalls.
 """
 
-CLAIM = DeviceSpec(NAME, IDS, PHYS, tuple(KEYS.values()))
+SPEC = DeviceSpec(NAME, IDS, PHYS, tuple(KEYS.values()))
 
 
 _ALTS = {"KEY_LEFTALT", "KEY_RIGHTALT"}

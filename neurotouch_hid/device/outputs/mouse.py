@@ -27,7 +27,7 @@ MOTIONS = (
     ecodes.REL_HWHEEL_HI_RES,
 )
 
-CLAIM = DeviceSpec(NAME, IDS, PHYS, tuple(BUTTONS.values()), MOTIONS)
+SPEC = DeviceSpec(NAME, IDS, PHYS, tuple(BUTTONS.values()), MOTIONS)
 
 CLICK = 120
 """Steps of the fine wheel in one click, by definition of the kernel."""

@@ -58,22 +58,22 @@ class UhidNode:
     would otherwise hang for five seconds. If the process dies, the kernel removes the device.
     """
 
-    def __init__(self, descriptor: int, claim: DeviceSpec, *, patience_s: float = START_S) -> None:
+    def __init__(self, descriptor: int, spec: DeviceSpec, *, patience_s: float = START_S) -> None:
         """Creates the device and waits until the kernel reads it.
 
         Args:
             descriptor: ``/dev/uhid``, opened. From now on the node owns it, even if this call
                 fails.
-            claim: description of a pad, without motions and rumble.
+            spec: description of a pad, without motions and rumble.
             patience_s: how long the kernel may take.
 
         Raises:
             DeviceError: the kernel refuses it, or has no driver for it.
         """
         self._descriptor = descriptor
-        self._claim = claim
-        self._format = ReportFormat(claim.controls)
-        self._report = claim.neutral
+        self._spec = spec
+        self._format = ReportFormat(spec.controls)
+        self._report = spec.neutral
         self._started = threading.Event()
         self._wake_read, self._wake_write = os.pipe2(os.O_CLOEXEC)
         self._thread = threading.Thread(target=self._answer_on, name="uhid", daemon=True)
@@ -83,12 +83,12 @@ class UhidNode:
         except OSError as error:
             self.close()
             raise DeviceError(
-                f"The kernel refuses to create the {claim.name}: {error.strerror}."
+                f"The kernel refuses to create the {spec.name}: {error.strerror}."
             ) from error
         if not self._started.wait(patience_s):
             self.close()
             raise DeviceError(
-                f"The kernel has found no driver for the {claim.name}.",
+                f"The kernel has found no driver for the {spec.name}.",
                 hint="Load it: sudo modprobe hid-generic.",
             )
 
@@ -115,7 +115,7 @@ class UhidNode:
             os.write(self._descriptor, _INPUT.pack(_INPUT2, len(data)) + data)
         except OSError as error:
             raise DeviceError(
-                f"The kernel no longer takes input for the {self._claim.name}: {error.strerror}.",
+                f"The kernel no longer takes input for the {self._spec.name}: {error.strerror}.",
                 hint="Start the program again; it will make a new one.",
             ) from error
         self._report = report
@@ -131,8 +131,8 @@ class UhidNode:
 
     def _make_creation(self) -> bytes:
         text = self._format.descriptor
-        bus, vendor, product, version = self._claim.ids
-        name, place = self._claim.name.encode(), self._claim.phys.encode()
+        bus, vendor, product, version = self._spec.ids
+        name, place = self._spec.name.encode(), self._spec.phys.encode()
         head = (name, place, place, len(text), bus, vendor, product, version, 0)
         return _CREATE.pack(_CREATE2, *head) + text
 

@@ -76,7 +76,7 @@ class UinputNode:
     def __init__(
         self,
         descriptor: int,
-        claim: DeviceSpec,
+        spec: DeviceSpec,
         *,
         ioctl: Ioctl = call_kernel,
         hear: HearRumble | None = None,
@@ -87,7 +87,7 @@ class UinputNode:
             descriptor: ``/dev/uinput`` opened by ``open_uinput`` or by the service manager, for
                 writing, and for reading too if it rumbles. From now on the node owns it, even if
                 this call fails.
-            claim: description of the device.
+            spec: description of the device.
             ioctl: the system call; tests record it.
             hear: called when games shake it; needed if it rumbles.
 
@@ -95,18 +95,18 @@ class UinputNode:
             DeviceError: the kernel refuses it.
         """
         self._descriptor = descriptor
-        self._claim = claim
+        self._spec = spec
         self._ioctl = ioctl
-        self._report = claim.neutral
+        self._report = spec.neutral
         # It must run before games can see the pad.
-        self._rumble = RumbleServer(descriptor, hear) if claim.rumbles and hear else None
+        self._rumble = RumbleServer(descriptor, hear) if spec.rumbles and hear else None
         try:
             self._create()
         except OSError as error:
             self._end_rumble()
             os.close(descriptor)
             raise DeviceError(
-                f"The kernel refuses to create the {claim.name}: {error.strerror}."
+                f"The kernel refuses to create the {spec.name}: {error.strerror}."
             ) from error
 
     def write_report(self, report: tuple[int, ...], steps: Steps = (), stamp_ns: int = 0) -> None:
@@ -130,7 +130,7 @@ class UinputNode:
         """
         changes = [
             (control.type, control.code, value)
-            for control, old, value in zip(self._claim.controls, self._report, report, strict=True)
+            for control, old, value in zip(self._spec.controls, self._report, report, strict=True)
             if value != old
         ]
         frame = [
@@ -146,7 +146,7 @@ class UinputNode:
             os.write(self._descriptor, b"".join(_INPUT_EVENT.pack(*at, *event) for event in frame))
         except OSError as error:
             raise DeviceError(
-                f"The kernel no longer takes input for the {self._claim.name}: {error.strerror}.",
+                f"The kernel no longer takes input for the {self._spec.name}: {error.strerror}.",
                 hint="Start the program again; it will make a new one.",
             ) from error
         self._report = report
@@ -162,13 +162,13 @@ class UinputNode:
             os.close(self._descriptor)
 
     def _create(self) -> None:
-        for type_ in sorted({control.type for control in self._claim.controls}):
+        for type_ in sorted({control.type for control in self._spec.controls}):
             self._set(UI_SET_EVBIT, type_)
         if self._rumble is not None:
             self._set(UI_SET_EVBIT, ecodes.EV_FF)
             for code in EFFECT_CODES:
                 self._set(UI_SET_FFBIT, code)
-        for control in self._claim.controls:
+        for control in self._spec.controls:
             if control.type == ecodes.EV_KEY:
                 self._set(UI_SET_KEYBIT, control.code)
             else:
@@ -176,13 +176,13 @@ class UinputNode:
                 # released stick off its centre.
                 range_ = (control.rest, control.minimum, control.maximum)
                 self._set(UI_ABS_SETUP, _ABS_SETUP.pack(control.code, *range_, 0, 0, 0))
-        if self._claim.motions:
+        if self._spec.motions:
             self._set(UI_SET_EVBIT, ecodes.EV_REL)
-        for motion in self._claim.motions:
+        for motion in self._spec.motions:
             self._set(UI_SET_RELBIT, motion)
-        self._set(UI_SET_PHYS, self._claim.phys.encode() + b"\0")
+        self._set(UI_SET_PHYS, self._spec.phys.encode() + b"\0")
         n_effects = N_EFFECTS if self._rumble is not None else 0
-        self._set(UI_DEV_SETUP, _SETUP.pack(*self._claim.ids, self._claim.name.encode(), n_effects))
+        self._set(UI_DEV_SETUP, _SETUP.pack(*self._spec.ids, self._spec.name.encode(), n_effects))
         self._set(UI_DEV_CREATE, 0)
 
     def _end_rumble(self) -> None:

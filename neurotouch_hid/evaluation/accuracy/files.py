@@ -26,12 +26,12 @@ from neurotouch_hid.recording import check_labelled, labels_path, read_labels
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Played:
-    """What came of one recording.
+    """Results of one recording.
 
     Attributes:
-        tally: what was counted.
+        tally: the counts.
         worst: its worst moments, the worst first.
-        labels: what its labels are like.
+        labels: statistics of its labels.
     """
 
     tally: Tally
@@ -41,7 +41,7 @@ class Played:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Evaluation:
-    """What ``evaluate_files`` found.
+    """Results of ``evaluate_files``.
 
     Attributes:
         files: each recording by its name: the file's name without ``.aedat4``, or the whole path
@@ -68,8 +68,8 @@ def combine_reports(
 ) -> dict[str, Any]:
     """Returns the reports of one or more methods as one, ready for JSON.
 
-    One report stays as it is. Of several, the first is at the top, and each, the first included,
-    under ``methods`` by its method. Where the figures come from is under ``origin``.
+    A single report stays as it is. Of several, the first is at the top level, and each, including
+    the first, is under ``methods`` by its method. ``origin`` says where the figures come from.
     """
     report = next(iter(reports.values()))
     if len(reports) > 1:
@@ -88,8 +88,8 @@ def evaluate_files(
 
     Args:
         paths: AEDAT4 recordings, each with its ``NAME.labels.csv``.
-        options: method and rate; the rate is the paper's without. Its source is each path.
-        jobs: how many recordings at once, each in a process of its own.
+        options: method and rate, by default the paper's; each path replaces its source.
+        jobs: number of recordings at a time, each in a process of its own.
         progress: called with each path when it is done.
 
     Raises:
@@ -124,7 +124,7 @@ def _play_all(
         yield from ((futures[done], done.result()) for done in as_completed(futures))
     except BrokenProcessPool as error:
         raise NeuroTouchError(
-            "A process of the evaluation was ended from outside.",
+            "Another program ended a process of the evaluation.",
             hint="Too little memory? Play fewer recordings at once.",
         ) from error
     finally:
@@ -134,12 +134,12 @@ def _play_all(
 
 
 def _die_silently() -> None:
-    """Ignores Ctrl-C: it reaches every process of a terminal, but only the first one reports."""
+    """Ignores Ctrl-C, which reaches every process of a terminal: only the first one reports it."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def evaluate_file(path: Path, options: DriverOptions = REFERENCE) -> Played:
-    """Returns what came of one recording; see ``evaluate_files``."""
+    """Returns the results of one recording; see ``evaluate_files``."""
     labels = read_labels(labels_path(path))
     comparison = Comparison(LabelTrack(labels))
     with Driver(replace(options, source=f"file:{path}")) as driver:

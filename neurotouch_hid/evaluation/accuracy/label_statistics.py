@@ -1,4 +1,4 @@
-"""What a data set's labels are like, as the paper describes its own."""
+"""Statistics of a data set's labels, as the paper gives them for its own."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ class LabelStatistics:
     def of(cls, labels: Sequence[Truth], rig: Rig | None) -> "LabelStatistics":
         """Returns the columns of one recording.
 
-        Without a rig nobody knows the contact points on the gel.
+        Without a rig there are no contact points: their places on the gel are unknown.
 
         Differs: the paper draws its points in the image; recordings of several rigs share the gel.
         """

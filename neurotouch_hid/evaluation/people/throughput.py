@@ -1,4 +1,4 @@
-"""How well a person points: throughput, errors and movement time, as ISO 9241-411 defines them."""
+"""Measures pointing by ISO 9241-411: throughput, errors and movement time."""
 
 import json
 import math
@@ -16,10 +16,10 @@ WIDTH_FACTOR: Final = 4.133
 """Between these many standard deviations lie 96 % of the selections [ISO 9241-411, Annex B]."""
 
 LEAST_TRIALS: Final = 3
-"""Fewer say nothing of the spread."""
+"""With fewer trials the spread is unknown."""
 
 LEAST_WIDTH_PX: Final = 1.0
-"""The pointer's own resolution; nobody is taken for more exact than that."""
+"""The pointer's own resolution; a smaller spread is not believed."""
 
 COMPARED: Final = (
     ("throughput_bit_s", "throughput", "bit/s", "higher"),
@@ -34,9 +34,9 @@ class Trial:
 
     Attributes:
         width_px: the diameter of the target.
-        start_px: where the pointer was, (x, y).
+        start_px: place of the pointer at the start, (x, y).
         target_px: the middle of the target, (x, y).
-        selected_px: where the pointer was at the selection, (x, y).
+        selected_px: place of the pointer at the selection, (x, y).
         movement_s: from the first motion to the selection, without the time of a dwell.
     """
 
@@ -48,12 +48,12 @@ class Trial:
 
     @property
     def distance_px(self) -> float:
-        """From the start to the middle of the target."""
+        """The distance from the start to the middle of the target."""
         return math.dist(self.start_px, self.target_px)
 
     @property
     def overshoot_px(self) -> float:
-        """How far beyond the middle it was selected, along the way from start to target."""
+        """The distance of the selection beyond the middle, in the direction of the movement."""
         (x0, y0), (x1, y1), (x, y) = self.start_px, self.target_px, self.selected_px
         return ((x - x1) * (x1 - x0) + (y - y1) * (y1 - y0)) / self.distance_px
 
@@ -69,9 +69,9 @@ class Block:
 
     Attributes:
         width_px: that width.
-        trials: how many there were.
+        trials: number of trials.
         effective_width_px: We = 4.133 SDx.
-        effective_distance_px: Ae, the mean of the distances really moved along the way.
+        effective_distance_px: Ae, the mean distance moved in the direction of the target.
         movement_s: MT, the mean movement time.
         error_rate: share of the selections outside the target.
         throughput_bit_s: TP = log2(Ae / We + 1) / MT.
@@ -128,7 +128,7 @@ def read_result(path: Path) -> dict[str, Any]:
     """Returns a result that was saved.
 
     Raises:
-        NeuroTouchError: the file is missing or holds something else.
+        NeuroTouchError: the file is missing or is no result.
     """
     hint = "Save one with: neurotouch bench pointing --json FILE"
     try:
@@ -136,17 +136,17 @@ def read_result(path: Path) -> dict[str, Any]:
     except OSError as error:
         raise NeuroTouchError(f"'{path}' cannot be read: {error.strerror}.", hint=hint) from error
     except ValueError as error:
-        raise NeuroTouchError(f"'{path}' is no JSON.", hint=hint) from error
+        raise NeuroTouchError(f"'{path}' is not valid JSON.", hint=hint) from error
     keys = [key for key, *_ in COMPARED]
     if not isinstance(result, dict) or not all(
         isinstance(result.get(key), int | float) for key in keys
     ):
-        raise NeuroTouchError(f"'{path}' is no result of a pointing test.", hint=hint)
+        raise NeuroTouchError(f"'{path}' is not a result of a pointing test.", hint=hint)
     return result
 
 
 def compare_results(before: dict[str, Any], after: dict[str, Any]) -> list[str]:
-    """Returns one line for each figure: what it was, what it is, and whether that is better."""
+    """Returns one line for each figure: the old one, the new one, and whether it is better."""
     lines = []
     for key, name, unit, better in COMPARED:
         was, now = float(before[key]), float(after[key])

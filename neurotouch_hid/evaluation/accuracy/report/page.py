@@ -1,4 +1,4 @@
-"""The page of a report: one file that needs nothing else, no script, no network."""
+"""Builds the page of a report: one file without scripts, other files or network."""
 
 import base64
 from collections.abc import Callable, Mapping, Sequence
@@ -18,7 +18,7 @@ _SECTIONS = (
     ("intensity", "Accuracy over intensity"),
     ("errors", "Contact distance and intensity error"),
     ("confusion", "Confusion matrix"),
-    ("timing", "Time, changes of mind and rest"),
+    ("timing", "Time, changes of type and rest"),
     ("confidence", "Confidence"),
     ("labels", "The labels"),
     ("failures", "The worst moments"),
@@ -31,8 +31,8 @@ def build_page(reports: Reports, pictures: Sequence[ReportPicture], origin: Orig
 
     Args:
         reports: figures by method.
-        pictures: all figures in order; the first word of a name says its section.
-        origin: where the figures come from.
+        pictures: all figures in order; the first word of a name is its section.
+        origin: origin of the figures.
     """
     contents = "".join(f'<li><a href="#{key}">{title}</a></li>' for key, title in _SECTIONS)
     sections = "".join(
@@ -86,9 +86,9 @@ _NUMBERS: Mapping[str, Callable[[Mapping[str, Any]], str]] = {
     "confidence": tables.build_reliability,
 }
 _EXPLAIN_TIMING = """<p>Time: from the moment the labelled intensity reaches 2.5 mm to the first
-slice with the labelled type; a gesture that never gets it counts as infinitely late. A gesture
-changes type if another one is recognised after that, or none while the labelled intensity is still
-2.5 mm or more. At rest: no gesture is labelled within half a second.</p>
+slice with the labelled type; a gesture that never gets that type counts as infinitely late. A
+gesture changes type if another one is recognised after that, or none while the labelled intensity
+is still 2.5 mm or more. At rest: no gesture is labelled within half a second.</p>
 """
 
 

@@ -1,4 +1,4 @@
-"""All figures of a report, each with what it shows in words."""
+"""Draws all figures of a report, each with a description in words."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -36,8 +36,8 @@ class ReportPicture:
 
     Attributes:
         name: of its file, without suffix; starts with the section of the page that shows it.
-        alt: what it shows, for those who do not see it.
-        caption: what to know when reading it.
+        alt: its content in words, for people who do not see it.
+        caption: the text below it.
         svg: the drawing.
     """
 
@@ -54,8 +54,8 @@ def draw_pictures(
 
     Args:
         evaluations: by method; at least one.
-        reports: what each of them reports.
-        progress: called with what is being drawn.
+        reports: the report of each of them.
+        progress: called with a sentence at each step.
     """
     with apply_style():
         progress("Drawing the figures of the results")
@@ -125,8 +125,8 @@ def _draw_results(
         draw_reliability(reports),
         "Share of right types over the confidence they were called with, and how often each "
         "confidence is given. The table below has all numbers.",
-        "Slices in which a gesture is recognised. On the dotted line a confidence means what it "
-        "says: of those called with 0.9, nine in ten are right.",
+        "Slices in which a gesture is recognised. On the dotted line the confidence equals "
+        "the accuracy: of the slices with a confidence of 0.9, nine in ten are right.",
     )
 
 
