@@ -46,7 +46,7 @@ _MODULES = {
     "load_profile": "profile",
     "open_gel": "gel",
 }
-"""Where the names come from; each is loaded when it is first asked for, so that a program that only
+"""The module of each name; it is loaded at the first use of the name, so that a program that only
 reads a running driver loads no compiled loops."""
 
 # numba reads it when it is imported, by whichever module of ours that may be.

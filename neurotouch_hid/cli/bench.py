@@ -1,4 +1,4 @@
-"""``neurotouch bench``: how fast this machine is."""
+"""``neurotouch bench``: measures the speed of this machine."""
 
 import json
 from collections.abc import Sequence
@@ -64,7 +64,7 @@ _RANKS = ("median", "p99", "p99.9")
     "  neurotouch bench pointing                        how well you point, see its --help\n"
     "  neurotouch bench profile                         what tremor filters do; cost of a profile\n"
     "  neurotouch bench latency                         from the last event to another program\n"
-    "  neurotouch bench curves docs/pictures            draws what the notebook shows\n"
+    "  neurotouch bench curves docs/pictures            draws the figures of the notebook\n"
     "  neurotouch bench soak                            memory over half an hour of play",
 )
 @method_option
@@ -99,7 +99,7 @@ def _format(result: dict[str, Any]) -> str:
         ("recording, whole pipeline", result["realtime_factor"], "x real time", 10, False),
         ("evaluate, all cores", result["evaluate_factor"], "x real time", 40, False),
         ("neurotouch --help", start["help_cpu"], "s of processor", 0.15, True),
-        ("run until the pad is there", start["pad"], "s", 1.0, True),
+        ("run until the pad is ready", start["pad"], "s", 1.0, True),
         ("memory", result["rss_mb"], "MB", 250, True),
     ):
         lines.append(_line(name, [value], unit, (goal,), most=most))

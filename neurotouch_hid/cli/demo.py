@@ -1,4 +1,4 @@
-"""``neurotouch demo``: the simulated gel drives the pad."""
+"""``neurotouch demo``: drives the pad from a simulated gel."""
 
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     "  neurotouch demo --mouse              press the gel yourself, on a page in your browser\n"
     "  neurotouch demo --show lines         plain lines, for screen readers"
 )
-@click.option("--scene", default="tour", show_default=True, help="What the simulated hand does.")
+@click.option("--scene", default="tour", show_default=True, help="Scene of the simulator.")
 @click.option("--mouse", is_flag=True, help="Press the gel with mouse, touch or keyboard.")
 @click.option("--page/--no-page", default=True, help="Serve the live view and the spacecraft too.")
 @click.option("--profile", default="spacecraft", show_default=True, help="Name or path.")
@@ -42,7 +42,7 @@ def command(
     demo ends with its scene; the tour repeats until Ctrl-C, every scene until --seconds are over.
     """
     if mouse and not page:
-        raise WrongUsage("Option --mouse needs the page.", hint="Leave --no-page away.")
+        raise WrongUsage("Option --mouse needs the page.", hint="Leave out --no-page.")
     from neurotouch_hid.source.check import check_source
 
     played = "sim:rest" if mouse else f"sim:{scene.removeprefix('sim:')}"

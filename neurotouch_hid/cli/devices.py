@@ -1,4 +1,4 @@
-"""``neurotouch devices``: the cameras and the game controllers of this machine."""
+"""``neurotouch devices``: lists the cameras and the game controllers of this machine."""
 
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
@@ -19,17 +19,17 @@ if TYPE_CHECKING:
     "  neurotouch devices\n"
     "  neurotouch devices --json | jq -r '.cameras[].serial'\n"
     "  neurotouch run --source davis:00000216          the camera with this number\n"
-    "  neurotouch devices --watch                      what 'run --device hid' makes, read back\n\n"
-    "Exit code 0, also if there is nothing."
+    "  neurotouch devices --watch                      reads the pad of 'run --device hid' back\n\n"
+    "Exit code 0, also if there are none."
 )
 @click.option(
     "--watch", is_flag=True, help="Print the reports of our HID pad as they come, until Ctrl-C."
 )
 @json_option
 def command(watch: bool, as_json: bool) -> None:
-    """List the cameras and the game controllers of this machine, ours marked.
+    """List the cameras and the game controllers of this machine; ours are marked.
 
-    A camera that nobody uses is opened for a moment to read its versions; one in use is left alone.
+    A camera that is not in use is opened for a moment to read its versions; one in use is not.
     """
     if watch:
         from neurotouch_hid.cli.shared.watch_reports import watch_pad
@@ -64,7 +64,7 @@ def command(watch: bool, as_json: bool) -> None:
 
 
 def _identify(info: "CameraInfo") -> "tuple[CameraVersions | None, str]":
-    """Returns what the camera says of itself, or why it cannot be asked."""
+    """Returns the camera's versions, or why they cannot be read."""
     from neurotouch_hid.source.davis import identify
 
     if info.reason:

@@ -1,4 +1,4 @@
-"""``neurotouch doctor``: what is missing on this machine."""
+"""``neurotouch doctor``: checks this machine and says how to fix it."""
 
 import shlex
 import sys
@@ -20,12 +20,14 @@ _COLOURS = {"OK": "green", "WARNING": "yellow", "FAILED": "red", "SKIPPED": "cya
 @click.command(
     epilog="\b\nExamples:\n"
     "  neurotouch doctor\n"
-    "  neurotouch doctor --keys                   and try the keys that stop everything\n"
+    "  neurotouch doctor --keys                   also try the keys that stop everything\n"
     "  neurotouch doctor --fix-script > fix.sh    read it, then: sh fix.sh\n"
     "  neurotouch doctor --json | jq '.[] | select(.status == \"FAILED\")'\n\n"
     "Exit code 0 if nothing failed, 1 otherwise."
 )
-@click.option("--keys", is_flag=True, help="Try the keys that stop everything, without hurry.")
+@click.option(
+    "--keys", is_flag=True, help="Try the keys that stop everything, without a time limit."
+)
 @click.option(
     "--fix-script", is_flag=True, help="Print a shell script with the fixes; run nothing."
 )
@@ -35,7 +37,7 @@ _COLOURS = {"OK": "green", "WARNING": "yellow", "FAILED": "red", "SKIPPED": "cya
     help="Where to save the picture of the gel. Default: in your cache folder.",
 )
 @click.option(
-    "--source", help="Look at this instead of the camera, as file:NAME.aedat4 or sim:NAME."
+    "--source", help="Check this source instead of the camera: file:NAME.aedat4 or sim:NAME."
 )
 @plain_option
 @json_option
@@ -99,7 +101,7 @@ def _write_script(findings: "list[Finding]") -> str:
         if not fresh:
             continue
         about = f"{finding.status} {finding.check}: {finding.sentence}\n{finding.fix or ''}"
-        # A name that a device gave itself may hold anything, but it stays a comment.
+        # A device may have any name; here it must stay a comment.
         lines += ["", *(f"# {line}" for line in about.splitlines())]
         for line in fresh:
             lines += [f"echo {shlex.quote(f'+ {line}')}", line]
@@ -118,16 +120,16 @@ def _try_keys() -> "Finding":
         return replace(skip("They can only be tried in a terminal."), check=name)
     if find_driver() is not None:
         click.echo(
-            "The running driver obeys them too; 'neurotouch resume' lets it go on.", err=True
+            "The running driver reacts to them too; to continue: neurotouch resume", err=True
         )
     finding = try_chords(lambda text: click.echo(text, err=True), _wait_or_skip)
     return replace(finding, check=name)
 
 
 def _wait_or_skip(happened: Callable[[], bool]) -> bool:
-    """Waits for it to happen; False if the person types S and Enter first.
+    """Waits until the condition is true; returns False if the person types S and Enter first.
 
-    Other lines are no answer: Enter is part of a chord.
+    Other lines do not count, because Enter is part of a chord.
     """
     import select
 

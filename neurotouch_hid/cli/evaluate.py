@@ -1,4 +1,4 @@
-"""``neurotouch evaluate``: the paper's metrics on labelled recordings."""
+"""``neurotouch evaluate``: measures the paper's metrics on labelled recordings."""
 
 import json
 import os
@@ -29,7 +29,7 @@ from neurotouch_hid.cli.ui.options import MethodName, OutFile, rate_option
     default=("neurotouch",),
     multiple=True,
     show_default=True,
-    help="How gestures are recognised; several times to compare methods.",
+    help="Method of recognition; give it several times to compare methods.",
 )
 @click.option(
     "--json",
@@ -62,7 +62,7 @@ def command(
     report_path: Path | None,
     jobs: int,
 ) -> None:
-    """Play each FILE.aedat4 and compare what is recognised with FILE.labels.csv beside it."""
+    """Play each FILE.aedat4 and compare the recognised gestures with FILE.labels.csv beside it."""
     from neurotouch_hid.recording import check_labelled
 
     check_labelled(files)

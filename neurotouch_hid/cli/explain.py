@@ -1,4 +1,4 @@
-"""``neurotouch explain``: what the code of a fault means."""
+"""``neurotouch explain``: explains the code of a fault."""
 
 import click
 
@@ -12,7 +12,7 @@ from neurotouch_hid.cli.ui.output import json_option, print_json
 @click.argument("code", required=False, shell_complete=complete_code)
 @json_option
 def command(code: str | None, as_json: bool) -> None:
-    """Say what the CODE of a fault means and what to do; without one, list them all."""
+    """Explain the CODE of a fault and how to fix it; without one, list them all."""
     from neurotouch_hid.profile.diagnostics.codes import CODES, explain
 
     if as_json:

@@ -1,4 +1,4 @@
-"""``neurotouch game``: the spacecraft, flown by the gel."""
+"""``neurotouch game``: opens the spacecraft game."""
 
 import click
 
@@ -12,11 +12,11 @@ import click
 @click.option("--open/--no-open", "open_browser", default=True, help="Open it in your browser.")
 @click.option("--port", type=click.IntRange(0, 65535), help="Default: 7878, or any if it is taken.")
 def command(open_browser: bool, port: int | None) -> None:
-    """Open the spacecraft game in your browser: rings, no hurry, no punishment.
+    """Open the spacecraft game in your browser: fly through rings; there is no time limit.
 
     It reads the virtual pad as any game does, so a running driver flies it. Without one it flies by
-    itself. The key P pauses and resumes the driver. Ctrl-C ends; where 'neurotouch view' or a demo
-    serves the page already, this only opens it.
+    itself. The key P pauses and resumes the driver. Ctrl-C ends the page's server; if 'neurotouch
+    view' or a demo serves the page already, this command only opens it.
     """
     from neurotouch_hid.cli.view import serve_page, show_link
     from neurotouch_hid.page.address import Address, read_address
@@ -31,4 +31,4 @@ def command(open_browser: bool, port: int | None) -> None:
     if address is not None:
         tell(address)
     else:
-        serve_page(tell, edit=True, port=port)  # else nobody could pause on it
+        serve_page(tell, edit=True, port=port)  # without edit, a person could not pause there

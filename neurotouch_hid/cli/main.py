@@ -15,20 +15,20 @@ from neurotouch_hid.process.interrupts import EXIT_INTERRUPTED, handle_interrupt
 _SUMMARIES = {
     "run": "Drive the virtual gamepad from a camera, a recording or the simulator.",
     "demo": "Try it without a camera: a simulated gel drives the pad.",
-    "view": "Show live what the driver does, as a page on this machine.",
-    "monitor": "Show live what the driver does, in the terminal.",
+    "view": "Show the driver live, as a page on this machine.",
+    "monitor": "Show the driver live, in the terminal.",
     "game": "Fly the spacecraft with the gel, in your browser.",
     "pause": "Release everything and stop acting until you resume.",
-    "resume": "Go on after a pause or a panic.",
+    "resume": "Continue after a pause or a panic.",
     "panic": "Release everything and stay released, whatever happens, until you resume.",
     "stop": "End the running driver; everything is released first.",
     "reload": "Make the running driver load its profile again.",
-    "status": "Say what the running driver does.",
-    "profile": "Look at profiles, change them, try them, share them.",
-    "calibrate": "Measure your own range of each movement, without hurry.",
-    "explain": "Say what the code of a fault means.",
+    "status": "Show the state of the running driver.",
+    "profile": "List profiles, change them, try them, share them.",
+    "calibrate": "Measure your own range of each movement, without a time limit.",
+    "explain": "Explain the code of a fault.",
     "schema": "Print the JSON Schema of profiles, for editors.",
-    "emulate": "Plug in an emulated camera, for those who have none.",
+    "emulate": "Plug in an emulated camera, for people who have none.",
     "simulate": "Write a simulated data set, recordings with labels.",
     "evaluate": "Measure the recognition on labelled recordings, as the paper does.",
     "bench": "Measure the speed of every stage; how well a person points.",
@@ -63,7 +63,7 @@ def _find_place(name: str) -> tuple[str, str]:
     epilog="\b\nExamples:\n"
     "  neurotouch demo                                  see it work, no camera needed\n"
     "  neurotouch run --profile spacecraft --source file:play.aedat4\n"
-    "  neurotouch doctor                                what is missing on this machine",
+    "  neurotouch doctor                                checks this machine",
 )
 @click.version_option(__version__, prog_name="neurotouch")
 @click.pass_context
@@ -131,7 +131,7 @@ def main() -> None:
 
 
 def _find_context(words: list[str]) -> click.Context:
-    """Returns the context of the command that words call, which click leaves out of some errors."""
+    """Returns the context of the called command, which click leaves out of some errors."""
     ctx = click.Context(cli, info_name="neurotouch")
     for word in words:
         group = ctx.command
@@ -142,7 +142,7 @@ def _find_context(words: list[str]) -> click.Context:
 
 
 def _tell(message: str, hint: str | None, exit_code: int) -> int:
-    """Prints an error and the way out of it; returns the exit code."""
+    """Prints an error and its fix; returns the exit code."""
     click.echo(f"Error: {message}", err=True)
     if hint:
         click.echo(f"Fix: {hint}", err=True)

@@ -7,7 +7,7 @@ from neurotouch_hid.cli.ui.output import plain_option
 
 PICTURE_HZ = 12
 LOOK_S = 0.25
-"""How often it looks for a driver while none runs."""
+"""Interval at which it looks for a driver while none runs."""
 
 
 @click.command(
@@ -16,16 +16,16 @@ LOOK_S = 0.25
     "  neurotouch monitor --plain           one line for each change, for screen readers\n"
     "  neurotouch monitor --json | jq .say\n\n"
     "Without a driver it waits until one starts. It ends with the driver, after --seconds or by\n"
-    "Ctrl-C; the driver goes on. The same as a page: neurotouch view"
+    "Ctrl-C; the driver continues. The same as a page: neurotouch view"
 )
 @plain_option
 @click.option("--json", "as_json", is_flag=True, help="Print each state as one line of JSON.")
-@click.option("--seconds", type=Finite(min=0.1), help="End by itself after so long.")
+@click.option("--seconds", type=Finite(min=0.1), help="End after this many seconds.")
 def command(plain: bool, as_json: bool, seconds: float | None) -> None:
-    """Show what the running driver does: gesture, pad, what it ignored and why, times, health.
+    """Show the running driver: gesture, pad, ignored gestures with the reason, times, health.
 
-    Exit code 0 when the driver or the time ends, 8 if no driver came within --seconds, 130 after
-    Ctrl-C.
+    Exit code 0 when the driver or the time ends, 8 if no driver started within --seconds, 130
+    after Ctrl-C.
     """
     import json
     import select

@@ -1,4 +1,4 @@
-"""``neurotouch bench pointing``: how well a person points, before and after a change."""
+"""``neurotouch bench pointing``: measures how well a person points, also after a change."""
 
 import json
 from collections.abc import Iterator
@@ -33,7 +33,7 @@ _SIMULATED = "SIMULATED: a program moved, so the figures say nothing about a per
     epilog="\b\nExamples:\n"
     "  neurotouch bench pointing --json before.json     then change something, and:\n"
     "  neurotouch bench pointing --compare before.json\n"
-    "  neurotouch bench pointing --simulated            see how it goes, no gel needed",
+    "  neurotouch bench pointing --simulated            a simulated test, no gel needed",
 )
 @profile_option
 @source_option
@@ -50,7 +50,7 @@ _SIMULATED = "SIMULATED: a program moved, so the figures say nothing about a per
     type=click.Choice(["3", "5", "7", "9", "11", "13", "25"]),
     default="9",
     show_default=True,
-    help="How many of each of the two sizes.",
+    help="Number of targets of each of the two sizes.",
 )
 @click.option("--simulated", is_flag=True, help="A simulated subject takes the test.")
 @seed_option
@@ -80,8 +80,8 @@ def command(
 ) -> None:
     """Measure how well you point: targets around a circle, one after the other (ISO 9241-411).
 
-    Nothing hurries you: Enter begins a trial, its time begins with your first movement. Pushes move
-    the pointer as the profile moves the left stick or the mouse.
+    There is no time limit: Enter begins a trial, and its time begins with your first movement.
+    Pushes move the pointer as the profile moves the left stick or the mouse.
     """
     from neurotouch_hid.evaluation.people.pointing import Pointing
     from neurotouch_hid.evaluation.people.subject import perform_pointing
@@ -93,9 +93,7 @@ def command(
     from neurotouch_hid.profile import Mapping, load_profile, load_user
 
     if simulated and select == "button":
-        raise WrongUsage(
-            "The simulated subject selects by dwell only.", hint="Leave --select away."
-        )
+        raise WrongUsage("The simulated subject selects by dwell only.", hint="Leave out --select.")
     before = read_result(compare) if compare is not None else None
     user = load_user()
     name = profile or user.slots[0]
@@ -132,7 +130,7 @@ def _play(test: "Pointing", pads: Iterator["GamepadState"], *, guided: bool) -> 
 
     keyboard = Keyboard() if guided else None
     if guided:
-        click.echo("Enter = begin the next trial, Q = stop and measure what there is.")
+        click.echo("Enter = begin the next trial, Q = stop and measure the finished ones.")
     asked, told_us = -1, 0
     for pad in pads:
         if not test.is_running and asked != len(test.trials):

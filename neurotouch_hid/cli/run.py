@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     type=click.Choice(["uinput", "hid", "memory"]),
     default="uinput",
     show_default=True,
-    help="uinput makes a gamepad that every program sees; hid a true HID one; memory none.",
+    help="uinput: a gamepad that every program sees; hid: a HID gamepad; memory: none.",
 )
 @click.option(
     "--identity",
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     help="A pad, keyboard or switch that plays along: auto, a node, or a part of its name.",
 )
 @click.option(
-    "--rumble", is_flag=True, help="Let games shake the pad although only the live view shows it."
+    "--rumble", is_flag=True, help="Offer rumble to games, although only the live view shows it."
 )
 @click.option(
     "--player",

@@ -1,4 +1,4 @@
-"""``neurotouch schema``: the file formats, for editors."""
+"""``neurotouch schema``: prints the file formats, for editors."""
 
 import click
 

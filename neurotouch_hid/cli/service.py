@@ -1,4 +1,4 @@
-"""``neurotouch service``: the driver as systemd runs it, there as long as the machine is on."""
+"""``neurotouch service``: runs the driver as a service of systemd."""
 
 from functools import partial
 from typing import TYPE_CHECKING
@@ -26,16 +26,16 @@ if TYPE_CHECKING:
 @click.option(
     "--source",
     show_default="davis:, with the serial number in service.yaml",
-    help="What to play instead of the camera.",
+    help="Source to use instead of the camera.",
 )
 @click.option("--compile", "only_compile", is_flag=True, help="Compile for this processor and end.")
 def command(source: str | None, only_compile: bool) -> None:
     """Drive the gamepad as a service: it waits for the camera, and keeps the pad without it.
 
-    The settings of the person at the machine apply, who changes them as everywhere: by 'neurotouch
-    calibrate', 'neurotouch profile' and the page. While nobody is there, and for people without
-    settings, those in /etc/neurotouch apply: service.yaml, user.yaml and profiles. Another player's
-    service is neurotouch@2, its folder /etc/neurotouch/player-2.
+    The settings of the person at the machine apply. The person changes them with 'neurotouch
+    calibrate', 'neurotouch profile' or the page. If no person is at the machine, or the person has
+    no settings, those in /etc/neurotouch apply: service.yaml, user.yaml and profiles. The service
+    of player 2 is neurotouch@2, with the folder /etc/neurotouch/player-2.
     """
     from neurotouch_hid.cli.shared.play import announce
     from neurotouch_hid.driver import Driver, DriverOptions
@@ -65,7 +65,7 @@ def command(source: str | None, only_compile: bool) -> None:
         people=People(find_people_folder(), options.player),
         facts={
             "source": lambda: _describe(driver.source),
-            "keyboard": lambda: "the service may not read keyboards, so none stops it",
+            "keyboard": lambda: "the service may not read keyboards, so chords do not work",
         },
     )
     if only_compile:
@@ -89,7 +89,7 @@ def command(source: str | None, only_compile: bool) -> None:
 
 
 def _describe(source: "Source") -> str:
-    """Returns the source, and why nothing comes from it."""
+    """Returns the source, and why it sends no data."""
     from neurotouch_hid.source.davis import DavisSource
 
     trouble = source.stats().trouble if isinstance(source, DavisSource) else ""
@@ -105,9 +105,9 @@ def _make_pad(
     player: int,
     hear_rumble: "HearRumble | None",
 ) -> "Device":
-    """Gives the pad at rest, through descriptors from systemd, or opened here.
+    """Yields the pad at rest, made through descriptors from systemd, or opened here.
 
-    One for each node there may ever be: the right to open more may end once the service is up.
+    Opens a descriptor for every possible node: the service may lose the right to open more.
 
     Raises:
         DeviceError: the kernel's node cannot be used.

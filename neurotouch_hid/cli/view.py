@@ -1,4 +1,4 @@
-"""``neurotouch view``: everything on a page of this machine."""
+"""``neurotouch view``: serves the page on this machine."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,12 +17,16 @@ if TYPE_CHECKING:
     epilog="\b\nExamples:\n"
     "  neurotouch view                      prints the link of the page\n"
     "  neurotouch view --open               opens it in your browser\n"
-    "  neurotouch view --edit               everything can be changed, and saved\n"
-    "  ssh -L 7878:localhost:7878 HOST      looks at a machine far away, safely\n"
+    "  neurotouch view --edit               the page may change everything\n"
+    "  ssh -L 7878:localhost:7878 HOST      shows a remote machine, encrypted\n"
     "  neurotouch view --listen 192.168.1.5 --token-file ~/page-token\n\n"
-    "It shows whatever driver runs, now or later; closing either disturbs nobody. Ctrl-C ends."
+    "It shows the running driver, also one that starts later. Ctrl-C ends the page, not the driver."
 )
-@click.option("--edit", is_flag=True, help="Let the page start, pause, measure and change things.")
+@click.option(
+    "--edit",
+    is_flag=True,
+    help="Allow the page to start and pause the driver, calibrate, and change profiles.",
+)
 @click.option("--open", "open_browser", is_flag=True, help="Open the page in your browser.")
 @click.option("--port", type=click.IntRange(0, 65535), help="Default: 7878, or any if it is taken.")
 @click.option(
@@ -34,7 +38,7 @@ if TYPE_CHECKING:
 @click.option(
     "--token-file",
     type=click.Path(path_type=Path, dir_okay=False),
-    help="A file only you can read, with the secret of the link. Default: a new one each time.",
+    help="A file only you can read, with the secret of the link. Default: a new secret each time.",
 )
 @click.option("--until-stdin-ends", is_flag=True, hidden=True)
 def command(
@@ -45,10 +49,10 @@ def command(
     token_file: Path | None,
     until_stdin_ends: bool,
 ) -> None:
-    """Serve the page: start, change what a movement does, measure your range, watch, play.
+    """Serve the page: start, change movements, calibrate, watch, play.
 
-    It also shows live what the driver does: gesture, gel, curves, pad, times, ignored gestures.
-    Terminals and screen readers get the same from 'neurotouch monitor --plain'.
+    It also shows the driver live: gesture, gel, curves, pad, times, ignored gestures. Terminals and
+    screen readers get the same from 'neurotouch monitor --plain'.
     """
     if listen is not None and token_file is None:
         raise WrongUsage("Option --listen needs a token of its own.", hint="Add --token-file FILE.")
@@ -77,7 +81,7 @@ def command(
 
 
 def show_link(link: str) -> None:
-    """Opens a link in the browser; where that is impossible, says so."""
+    """Opens a link in the browser; if that is impossible, prints a message."""
     from neurotouch_hid.cli.ui.browser import open_link
 
     if not open_link(link):
@@ -93,7 +97,7 @@ def serve_page(
     token: str | None = None,
     until_stdin_ends: bool = False,
 ) -> None:
-    """Serves the page until Ctrl-C; ``tell`` is given its address once it is there."""
+    """Serves the page until Ctrl-C; calls ``tell`` with its address once it is ready."""
     import asyncio
     import os
     import sys
@@ -143,7 +147,8 @@ def _read_token(path: Path) -> str:
     try:
         if path.stat().st_mode & 0o077:
             raise PageError(
-                f"Others can read {path}.", hint=f"Keep it for yourself: chmod 600 {path}"
+                f"Other users can read {path}.",
+                hint=f"Make it readable for yourself only: chmod 600 {path}",
             )
         return path.read_text(encoding="ascii").strip()
     except (OSError, ValueError) as error:

@@ -102,7 +102,7 @@ class GelView:
         if not seen.frames:
             return fail(
                 f"{sentence} There is no picture.",
-                "Another program may have changed a setting: unplug the camera and plug it in again.",
+                "Another program may have changed a setting: plug the camera in again.",
             )
         if not seen.events:
             return fail(f"{sentence} There are no events.", "Is the lens cap off, the lamp on?")

@@ -63,8 +63,8 @@ def check_hid(
     mode = stat.S_IMODE(node.stat().st_mode)
     return fail(
         f"{asks}, but you have no right to write to {node} (its mode is {mode:04o}).",
-        "Allow it for the person at the machine. Mind that every program of theirs can then make "
-        "HID devices of any kind.",
+        "Allow it for the person at the machine. Note that all of that person's programs can then "
+        "make HID devices of any kind.",
         install_rule("70-neurotouch-hid.rules"),
         "sudo udevadm control --reload",
         "sudo udevadm trigger --action=change --name-match=/dev/uhid",

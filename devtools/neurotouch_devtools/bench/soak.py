@@ -1,4 +1,4 @@
-"""What the memory does over hours of play, as fast as it can be played."""
+"""Measures memory over hours of play, as fast as possible."""
 
 import os
 import tempfile
@@ -22,7 +22,7 @@ from neurotouch_hid.source import open_source
 
 SLICE_US: Final = 10_000
 WARM_SHARE: Final = 0.2
-"""Caches and allocators fill up at first; only what comes after it tells of a leak."""
+"""Share of the run in which caches and allocators fill up; only growth after it shows a leak."""
 
 _PAGE_MB: Final = os.sysconf("SC_PAGE_SIZE") / 2**20
 
@@ -33,16 +33,16 @@ def measure_soak(
     progress: Callable[[str], None],
     length_us: int = TOUR_US,
 ) -> dict[str, Any]:
-    """Plays all gestures again and again, and weighs the process every minute of sensor time.
+    """Repeats all gestures, and measures the memory of the process every minute of sensor time.
 
-    They come from a recording that another process has made, so that what is weighed is a driver.
-    It also compiles what has not been compiled yet, which takes 0.3 GB.
+    The gestures come from a recording that another process has made, so that this process is only a
+    driver. The other process also compiles the kernels, which takes 0.3 GB.
 
     Args:
         method: the recogniser.
-        minutes: of sensor time.
-        progress: called after each.
-        length_us: of the recording, which is played again and again.
+        minutes: sensor time.
+        progress: called after each minute.
+        length_us: length of the recording, which repeats.
 
     Returns:
         ``minutes``; ``rss_mb``, resident memory after each of them; ``kb_per_hour``, its growth
@@ -76,11 +76,11 @@ def _prepare(path: Path, length_us: int, options: DriverOptions) -> None:
 
 @dataclass
 class RepeatedSource(Closing):
-    """A source that plays a recording again and again; the gel is at rest at both of its ends.
+    """A source that repeats a recording; the gel is at rest at both ends of the recording.
 
     Args:
         path: the recording.
-        minutes: of sensor time.
+        minutes: sensor time.
     """
 
     path: Path
@@ -99,15 +99,15 @@ class RepeatedSource(Closing):
                     now_us += SLICE_US
 
     def close(self) -> None:
-        """Does nothing: nothing is open between two rounds."""
+        """Does nothing: nothing is open between two repetitions."""
 
 
 class Scale:
-    """A tap that weighs the process after every minute of sensor time.
+    """A tap that measures the process's memory after every minute of sensor time.
 
     Args:
-        progress: called with each weight in words.
-        weigh_mb: resident memory.
+        progress: called with each result in words.
+        weigh_mb: returns the resident memory.
     """
 
     def __init__(
@@ -118,7 +118,7 @@ class Scale:
         self._begin_us: int | None = None
 
     def __call__(self, step: Step) -> None:
-        """Weighs when a minute is over."""
+        """Measures when a minute is over."""
         if self._begin_us is None:
             self._begin_us = step.packet.t_begin_us
         if step.packet.t_end_us - self._begin_us >= (len(self.rss_mb) + 1) * 60_000_000:
@@ -127,9 +127,9 @@ class Scale:
 
 
 def measure_growth(rss_mb: list[float]) -> float:
-    """Returns growth in kB an hour of a weight taken every minute.
+    """Returns growth in kB an hour, from a measurement every minute.
 
-    Fewer than three that count give 0.
+    With fewer than three measurements after the start it returns 0.
     """
     settled = rss_mb[int(WARM_SHARE * len(rss_mb)) :]
     if len(settled) < 3:  # two points are no trend

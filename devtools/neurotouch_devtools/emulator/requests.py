@@ -65,12 +65,12 @@ class Setup:
 
     @property
     def is_in(self) -> bool:
-        """Whether the host asks for data."""
+        """True if the host asks for data."""
         return bool(self.request_type & IN)
 
     @property
     def is_vendor(self) -> bool:
-        """Meant for the camera's firmware."""
+        """True if the request is for the camera's firmware."""
         return self.request_type & _TYPE_MASK == _VENDOR
 
 
@@ -88,14 +88,14 @@ class ControlEndpoint:
         self._stopping = False
 
     def answer(self, setup: Setup, data: bytes = b"") -> bytes:
-        """Does what a request asks for.
+        """Carries out a request.
 
         Args:
             setup: the request.
-            data: what the host sends with it.
+            data: data from the host.
 
         Returns:
-            What the host gets, at most ``setup.length`` bytes.
+            Data for the host, at most ``setup.length`` bytes.
 
         Raises:
             FaultError: the camera does not know the request (STALL), or a fault strikes.
@@ -112,7 +112,7 @@ class ControlEndpoint:
         return answer[: setup.length]
 
     def _stage(self, setup: Setup, data: bytes) -> Stage:
-        """Returns what the host is doing, as far as the request tells."""
+        """Returns the stage of the host's work, judging by the request."""
         if not setup.is_vendor:
             return Stage.PLUGGED
         if setup.is_in:

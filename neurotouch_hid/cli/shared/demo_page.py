@@ -1,4 +1,4 @@
-"""The page beside a demo: a process of its own, which ends with the demo however that ends."""
+"""Serves the page beside a demo, in a process that always ends with the demo."""
 
 import subprocess
 from collections.abc import Iterator
@@ -10,12 +10,12 @@ from neurotouch_hid.page.address import forget_address, read_address
 from neurotouch_hid.process.own_command import make_own_command
 
 _PATIENCE_S = 5.0
-"""For so long the page may take to end, twice: told by the end of its input, then by a signal."""
+"""Time for the page to end, first after the end of its input, then after a signal."""
 
 
 @contextmanager
 def open_page(page: str) -> Iterator[None]:
-    """Serves the page and says its links; where one is served already, only says them.
+    """Serves the page and prints its links; if one is served already, only prints them.
 
     Args:
         page: the page to name first: ``gel``, or empty for the first page.
@@ -45,7 +45,7 @@ def open_page(page: str) -> Iterator[None]:
 
 
 def _end(process: "subprocess.Popen[str]") -> None:
-    """Has the page end by itself; if it does not, ends it and takes away what it leaves behind."""
+    """Asks the page to end; if it does not, kills it and removes the files that it leaves."""
     if process.stdin is not None:
         process.stdin.close()
     for harder in (process.terminate, process.kill):

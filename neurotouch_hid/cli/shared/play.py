@@ -1,4 +1,4 @@
-"""What ``run`` and ``demo`` share: play a driver, show what it does, say what happened."""
+"""Runs a driver with monitors for ``run`` and ``demo``, and prints a summary at the end."""
 
 import sys
 from contextlib import ExitStack, suppress
@@ -23,11 +23,11 @@ def play(
     """Runs a driver with the chosen monitors until its source ends, a signal comes or time is up.
 
     Args:
-        driver: what to run; open.
+        driver: the opened driver.
         show: ``picture``, ``lines``, ``nothing``, or ``auto``: a picture on a terminal, but lines
             elsewhere and where plain output is asked for.
         trace: file for one JSON line per slice.
-        seconds: ends after so much sensor time.
+        seconds: ends after this much sensor time.
     """
     if show == "auto":
         show = "lines" if is_plain() else "picture"
@@ -70,6 +70,6 @@ def play(
 
 
 def announce(sentence: str) -> None:
-    """Tells the person a sentence on the standard error."""
+    """Prints a sentence for the person on the standard error."""
     with suppress(OSError):  # the terminal has gone, or the disk that keeps it is full
         click.echo(sentence, err=True)

@@ -1,6 +1,6 @@
-"""``neurotouch pause``, ``resume``, ``panic``, ``stop``: one word to the running driver, at once.
+"""Sends pause, resume, panic, stop or reload to the running driver, as fast as possible.
 
-Nothing but the standard library is imported on the way here, not even the command line's own.
+In an emergency nothing but the standard library is imported before it, not even ``click``.
 """
 
 import json
@@ -29,7 +29,7 @@ def send_command(command: str, *, as_json: bool = False) -> int:
 
 
 def _ask_all(command: str) -> list[str]:
-    """Returns the answers; a driver that fails does not keep the others from getting the command.
+    """Returns the answers; sends the command to all drivers, even if one fails.
 
     Raises:
         DriverError: none runs, or one refuses.

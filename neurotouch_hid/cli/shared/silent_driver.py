@@ -18,7 +18,7 @@ def open_silent_driver(
     *,
     profile: str = "default",
 ) -> "Driver":
-    """Returns a driver without a pad, with the person's own values; enter it."""
+    """Returns a driver without a pad, with the person's own values; use it in a ``with`` block."""
     from neurotouch_hid.source.check import check_source
 
     check_source(source)
@@ -38,11 +38,11 @@ def open_silent_driver(
 
 
 def read_steps(source: str) -> Iterator["Step"]:
-    """Gives the steps of a source, slice by slice, with the person's own values."""
+    """Yields the steps of a source, slice by slice, with the person's own values."""
     with open_silent_driver(source) as driver:
         yield from driver.steps()
 
 
 def is_guided(source: str, speed: Literal["recorded", "max"]) -> bool:
-    """Tells whether a person moves now and can be asked, which a recording cannot."""
+    """Returns True if a person moves now and can follow instructions; a recording cannot."""
     return speed == "recorded" and find_source_kind(source) is not SourceKind.RECORDING

@@ -1,4 +1,4 @@
-"""``neurotouch devices --watch``: what the reports of a pad say, as they come."""
+"""``neurotouch devices --watch``: prints the reports of a pad as they arrive."""
 
 import json
 
@@ -9,7 +9,7 @@ from neurotouch_hid.errors import DeviceError
 
 
 def watch_pad(*, as_json: bool) -> None:
-    """Prints each report of the first HID pad of ours, one line each, until it goes or Ctrl-C.
+    """Prints each report of our first HID pad, a line each, until the pad is removed or Ctrl-C.
 
     Raises:
         DeviceError: there is none, or it cannot be read.
@@ -17,7 +17,7 @@ def watch_pad(*, as_json: bool) -> None:
     pads = find_hid_pads()
     if not pads:
         raise DeviceError(
-            "There is no HID pad of ours here.",
+            "No HID pad of this program was found.",
             hint="Make one: neurotouch run --device hid",
         )
     pad = pads[0]
@@ -26,7 +26,7 @@ def watch_pad(*, as_json: bool) -> None:
     for report in reports:
         if report is not None:
             click.echo(json.dumps(_tabulate(pad, report)) if as_json else _describe(report))
-    click.echo(f"{pad.name} is gone.", err=True)
+    click.echo(f"{pad.name} was removed.", err=True)
 
 
 def _tabulate(pad: HidPad, report: Report) -> dict[str, object]:

@@ -1,4 +1,4 @@
-"""What the shell offers while a name or a key is typed."""
+"""Completes names and keys in the shell."""
 
 import click
 
@@ -6,14 +6,14 @@ from neurotouch_hid.errors import NeuroTouchError
 
 
 def complete_profile(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Names of profiles."""
+    """Completes names of profiles."""
     from neurotouch_hid.profile.reading.library import list_profiles
 
     return [name for name in list_profiles() if name.startswith(incomplete)]
 
 
 def complete_paper(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Names of profiles, and the one of the person's own values."""
+    """Completes names of profiles, and ``user`` for the person's own values."""
     from neurotouch_hid.profile.reading.library import OWN_VALUES, list_profiles
 
     return [name for name in (*list_profiles(), OWN_VALUES) if name.startswith(incomplete)]
@@ -34,7 +34,7 @@ def complete_key(ctx: click.Context, _param: click.Parameter, incomplete: str) -
 
 
 def complete_code(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Codes of faults."""
+    """Completes codes of faults."""
     from neurotouch_hid.profile.diagnostics.codes import CODES
 
     return [code for code in CODES if code.startswith(incomplete.upper())]

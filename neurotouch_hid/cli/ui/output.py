@@ -1,4 +1,4 @@
-"""How commands speak: plain lines for screen readers and pipes, a little colour on a terminal."""
+"""Output of commands: plain lines for screen readers and pipes, some colour on a terminal."""
 
 import json
 import os
@@ -29,8 +29,8 @@ def plain_option(command: Command) -> Command:
 def json_option(command: Command) -> Command:
     """Adds ``--json``, which gives the command its ``as_json`` argument.
 
-    With it, a failure is JSON too, with the keys that every outcome has: what it is, and the way
-    out. The exit code is the same.
+    With it, a failure is JSON too, with the same keys as every outcome: the error, and the fix. The
+    exit code is the same.
     """
 
     @wraps(command)
@@ -48,7 +48,7 @@ def json_option(command: Command) -> Command:
 
 
 def is_plain(*, asked: bool = False) -> bool:
-    """Tells whether output is one fact per line."""
+    """Returns True if output is one fact per line."""
     return (
         asked
         or os.environ.get("NT_ACCESSIBLE", "0") not in ("", "0")
@@ -58,7 +58,7 @@ def is_plain(*, asked: bool = False) -> bool:
 
 
 def paint(text: str, colour: str, *, plain: bool) -> str:
-    """Returns the text in colour where colour is useful; ``NO_COLOR`` is honoured."""
+    """Returns the text in colour if the terminal supports it and ``NO_COLOR`` is not set."""
     if plain or os.environ.get("NO_COLOR"):
         return text
     return click.style(text, fg=colour)
@@ -73,7 +73,7 @@ def say(status: str, sentence: str, fix: str = "", *, plain: bool = True) -> Non
 
 
 def show_changes(lines: Sequence[tuple[str, int, str]], *, plain: bool) -> None:
-    """Lines that differ, as ``compare`` finds them."""
+    """Prints the changed lines that ``compare`` has found."""
     for verb, number, text in lines:
         if plain:
             click.echo(f"line {number} {verb}: {text.strip() or 'an empty line'}")
@@ -88,17 +88,17 @@ def print_json(value: Any) -> None:
 
 
 def make_stamp() -> str:
-    """Returns the present moment, for the name of a version."""
+    """Returns the present time, for the name of a version."""
     return time.strftime("%Y-%m-%d_%H-%M-%S")
 
 
 def make_calibration_stamp() -> str:
-    """Returns the same for a version that a calibration replaces, so that it can be found again."""
+    """Returns the same for a version that a calibration replaces, so that 'undo' can find it."""
     return f"{make_stamp()}_calibration"
 
 
 def choose(question: str, choices: Sequence[str], *, default: int | None = None) -> int:
-    """Asks for one of several by number; waits for ever. Gives its index.
+    """Asks for one of several by number, without a time limit; returns its index.
 
     Raises:
         click.Abort: the input has ended.

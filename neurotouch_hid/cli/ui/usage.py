@@ -1,4 +1,4 @@
-"""Says what is wrong with a command line: one sentence, then what to type instead."""
+"""Explains a wrong command line in one sentence, then shows the correct one."""
 
 import difflib
 import re
@@ -10,11 +10,11 @@ from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
 
 class WrongUsage(click.UsageError):
-    """A command line that click accepts and we do not.
+    """A command line that click accepts, but this program refuses.
 
     Args:
-        message: what is wrong, a sentence.
-        hint: what to type instead.
+        message: the mistake, in a sentence.
+        hint: the correct command line.
     """
 
     def __init__(self, message: str, *, hint: str) -> None:
@@ -23,7 +23,7 @@ class WrongUsage(click.UsageError):
 
 
 class SignedCommand(click.Command):
-    """A command whose arguments may begin with a minus, as -0.5; ``--word`` is an option still."""
+    """A command whose arguments may begin with a minus, as -0.5; ``--word`` is still an option."""
 
     ignore_unknown_options = True
 
@@ -38,9 +38,9 @@ class SignedCommand(click.Command):
 
 
 def explain_usage(error: click.UsageError) -> tuple[str, str]:
-    """Returns what is wrong with a command line, and what to do.
+    """Returns the mistake in a command line, and the fix.
 
-    What click says is replaced by the same in our form. Whatever is not known here keeps its words.
+    It rewords click's messages; a message that it does not know stays as it is.
     """
     message, hint = error.message, ""
     if isinstance(error, WrongUsage):
@@ -125,7 +125,7 @@ def _offer(wrong: str, choices: Sequence[str]) -> str:
 
 
 def _describe(kind: click.ParamType) -> str:  # type: ignore[type-arg]  # generic from click 8.5 on
-    """Returns what kind of number it must be, in words."""
+    """Returns the required kind of number, in words."""
     what = "a whole number" if isinstance(kind, click.types.IntParamType) else "a number"
     low, high = getattr(kind, "min", None), getattr(kind, "max", None)
     if low is not None and high is not None:
@@ -134,7 +134,7 @@ def _describe(kind: click.ParamType) -> str:  # type: ignore[type-arg]  # generi
 
 
 def _write(param: click.Parameter, kind: click.ParamType) -> str:  # type: ignore[type-arg]
-    """Returns a hint with a number that can be given."""
+    """Returns a hint with a valid number."""
     low, high = getattr(kind, "min", None), getattr(kind, "max", None)
     default = param.default if isinstance(param.default, int | float) else None
     number = 10 if default is None else default
@@ -166,12 +166,12 @@ def _explain_missing_value(error: click.BadOptionUsage) -> tuple[str, str]:
 
 
 def _explain_extra(error: click.UsageError, words: str) -> tuple[str, str]:
-    """Returns what to do about words that a command does not take, such as ``run sim:tour``."""
+    """Returns the fix for words that a command does not take, such as ``run sim:tour``."""
     first, ctx = words.split(maxsplit=1)[0] if words else "", error.ctx
     names = [] if ctx is None else [param.name for param in ctx.command.get_params(ctx)]
-    sentence = f"'{words}' is one word too many."
+    sentence = f"'{words}' is one argument too many."
     if " " in words:
-        sentence = f"These words are too many: {words}."
+        sentence = f"These arguments are too many: {words}."
     if "source" in names and find_source_kind(first) is not SourceKind.OTHER:
         return sentence, f"Did you mean: {_name(error)} --source {first}"
     option = next((name for name in ("scene", "profile") if name in names), None)

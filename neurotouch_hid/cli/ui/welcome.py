@@ -1,4 +1,4 @@
-"""``neurotouch`` alone: the present state, and the next sensible step."""
+"""``neurotouch`` alone: prints the present state and the next step."""
 
 import os
 import sys
@@ -10,7 +10,7 @@ from neurotouch_hid.cli.ui.output import is_plain
 
 
 def welcome() -> None:
-    """Says in a few lines what is there and what to do next; changes nothing."""
+    """Prints the present state and the next step in a few lines; changes nothing."""
     from neurotouch_hid import client as driver
     from neurotouch_hid.errors import DriverError
 
@@ -22,7 +22,7 @@ def welcome() -> None:
 
 
 def has_desktop() -> bool:
-    """Tells whether a person at a desktop has asked, who can be shown a page."""
+    """Returns True if a person at a desktop typed the command, so that a page can be opened."""
     desktop = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     return bool(desktop) and sys.stdout.isatty() and not is_plain()
 
