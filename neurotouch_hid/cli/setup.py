@@ -56,7 +56,7 @@ def command(dry_run: bool, uninstall: bool, yes: bool) -> None:
     if dry_run:
         return
     if not yes:
-        click.confirm("Go on?", abort=True)
+        click.confirm("Continue?", abort=True)
     _run_as_root(script)
     click.echo(
         "Done. A camera that is plugged in stays open to you until it is unplugged."

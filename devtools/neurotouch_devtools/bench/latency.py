@@ -53,7 +53,7 @@ class Latency:
 
     @classmethod
     def of(cls, times_ms: NDArray[np.float64]) -> "Latency":
-            """Returns the distribution of these times, at least one."""
+        """Returns the distribution of these times, at least one."""
         p50, p99, p999 = (float(value) for value in np.percentile(times_ms, [50, 99, 99.9]))
         bins = np.histogram(times_ms, [-np.inf, *EDGES_MS, np.inf])[0]
         return cls(len(times_ms), p50, p99, p999, float(times_ms.max()), tuple(map(int, bins)))

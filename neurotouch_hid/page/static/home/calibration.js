@@ -1,4 +1,4 @@
-// The questions of `neurotouch calibrate`, and buttons for its keys.
+// Shows the questions of `neurotouch calibrate`, with buttons for its keys.
 
 import { element } from "../shared/wire.js";
 
@@ -36,7 +36,7 @@ export function makeCalibration(find, answer) {
       button.addEventListener("click", () => {
         answer(number);
         showChoices(false);
-        find("answers").hidden = true; // what was asked last is over
+        find("answers").hidden = true; // the last question is over
       });
       return button;
     }));
@@ -44,7 +44,7 @@ export function makeCalibration(find, answer) {
   }
 
   function hear(news) {
-    if (find("measuring").hidden) begin(); // another page has begun it
+    if (find("measuring").hidden) begin(); // another page started it
     if ("code" in news) {
       find("request").textContent = news.code === 0 ? "Done." : "Ended. Nothing was saved.";
       find("answers").hidden = find("choices").hidden = true;
