@@ -48,7 +48,7 @@ def connect_to(path: Path) -> socket.socket:
     """Returns a connection to such a socket that never waits.
 
     Raises:
-        OSError: nobody listens there.
+        OSError: no program listens there.
     """
     peer = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     try:

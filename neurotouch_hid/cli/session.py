@@ -71,7 +71,7 @@ def command() -> None:
 def serve(
     players: Iterable[int], hand_over: HandOver, stop: Event, announce: Callable[[str], object]
 ) -> None:
-    """Hands settings over and plays sounds until it is told to stop.
+    """Hands settings over and plays sounds until ``stop`` is set.
 
     Args:
         players: numbers of the players.

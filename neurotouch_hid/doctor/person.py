@@ -96,7 +96,7 @@ def try_chords(
         missed = []
         for name, keys in chords.items():
             words = " + ".join(key.removeprefix("KEY_").capitalize() for key in keys)
-            say(f"Hold {words} together ({name}). No hurry; S and Enter skips.")
+            say(f"Hold {words} together ({name}). There is no time limit; S and Enter skips.")
             if not wait(partial(heard.__contains__, name)):
                 missed.append(name)
             else:

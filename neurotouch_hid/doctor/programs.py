@@ -66,7 +66,7 @@ def check_remappers() -> Finding:
         return approve("No other known remapper runs.")
     names = ", ".join(f"{_REMAPPERS[each.name]} (PID {each.pid})" for each in found)
     return warn(
-        f"Other remappers run: {names}. They may take our pad, or the keyboard with the keys "
+        f"Other remappers run: {names}. They may grab our pad, or the keyboard with the keys "
         "that stop us, for themselves.",
         "If buttons do not arrive, have them leave out devices whose place begins with "
         "'neurotouch/', or end them.",

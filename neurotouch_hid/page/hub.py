@@ -183,7 +183,7 @@ class Hub:
 
     async def serve(self, client: Client, hz: int) -> None:
         """Serves a browser that has sent the token, until it disconnects."""
-        self._look_at_profile()  # tells those who are there; this one is told below
+        self._look_at_profile()  # for the other browsers; this one gets the profile below
         self._clients.add(client)
         self._came.set()
         sender = asyncio.create_task(client.send())

@@ -143,7 +143,7 @@ class Requests:
 
     async def _stop(self, request: Request, _file: Path) -> Reply:
         name = str(request.get("what"))
-        if name == "driver":  # whoever has started it
+        if name == "driver":  # started from here or elsewhere
             answer = await asyncio.to_thread(ask, "stop")
             return {"saved": str(answer.get("text"))}
         await self._programs.stop(name)

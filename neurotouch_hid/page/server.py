@@ -250,7 +250,7 @@ def _listen(address: str, port: int) -> socket.socket:
         if family == socket.AF_INET6:
             listener.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
         listener.bind((address, port))
-        listener.listen()  # from here on nobody else gets the port
+        listener.listen()  # from here on no other program gets the port
     except OSError:
         listener.close()
         raise

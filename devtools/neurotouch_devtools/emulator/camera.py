@@ -16,7 +16,7 @@ from neurotouch_devtools.emulator.scene import Scene
 from neurotouch_devtools.emulator.words import WordEncoder
 from neurotouch_hid.messages import EventPacket
 
-_HURRY_BYTES = 1 << 16
+_READY_BYTES = 1 << 16
 _LONG_US = 1 << 31
 _NEVER_US = 1 << 60
 _OVERFLOW_NS = 10_000_000
@@ -195,13 +195,13 @@ class EmulatedCamera:
             return
         began = self._watching and self._t_ns >= 1000 * self._resume_us
         if self.config.unpaced and began and not self._scene.ended:
-            self._hurry()
+            self._provide_data()
             return
         self._produce(elapsed_ns)
 
-    def _hurry(self) -> None:
+    def _provide_data(self) -> None:
         """Makes sure that data can be read, at any time of the clock."""
-        while len(self._fifo) < _HURRY_BYTES and not self._scene.ended:
+        while len(self._fifo) < _READY_BYTES and not self._scene.ended:
             self._produce(1_000_000)
 
     def _note_switches(self) -> None:

@@ -102,12 +102,12 @@ class ControlEndpoint:
         """
         kind = self._camera.script.strike(self._stage(setup, data))
         if kind is FaultKind.SHORT:
-            return self._obey(setup, data)[: setup.length // 2]
+            return self._carry_out(setup, data)[: setup.length // 2]
         if kind is not None:
             raise FaultError(kind)
-        return self._obey(setup, data)
+        return self._carry_out(setup, data)
 
-    def _obey(self, setup: Setup, data: bytes) -> bytes:
+    def _carry_out(self, setup: Setup, data: bytes) -> bytes:
         answer = self._vendor(setup, data) if setup.is_vendor else self._standard(setup)
         return answer[: setup.length]
 

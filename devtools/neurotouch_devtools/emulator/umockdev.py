@@ -135,14 +135,14 @@ class _Socket:
         """Answers one call of the program; umockdev calls this in a separate thread."""
         try:
             with self._lock:
-                code = self._obey(client.get_request(), client.get_arg())
+                code = self._carry_out(client.get_request(), client.get_arg())
         except UnpluggedError:
             self._unplug()
             code = errno.ENODEV
         client.complete(-1 if code else 0, code)
         return True
 
-    def _obey(self, request: int, argument: Any) -> int:
+    def _carry_out(self, request: int, argument: Any) -> int:
         """Carries out a call; returns its errno."""
         if request in {_REAP, _REAP_NO_DELAY}:
             return self._reap(argument)

@@ -154,7 +154,7 @@ class Copilot:
             raise explain_opening(device, error) from None
         except UnicodeDecodeError:  # evdev wants text of every device
             raise DeviceError(
-                f"'{device.name}' ({device.node}) cannot be read: its name is no text."
+                f"'{device.name}' ({device.node}) cannot be read: its name is not valid text."
             ) from None
         self._open = opened
         self._device = device

@@ -35,7 +35,7 @@ def find_copilot(wanted: str) -> Input:
     else:
         named = [each for each in inputs if wanted.casefold() in each.name.casefold()]
         exact = [each for each in named if each.name == wanted]
-        # A pad of today has further nodes for motion and touch beside the one with buttons.
+        # Recent pads have further nodes for motion and touch beside the one with buttons.
         found = exact or [each for each in named if each.keys]
         if len(found) > 1 and wanted != found[0].name:
             raise DeviceError(

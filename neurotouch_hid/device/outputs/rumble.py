@@ -66,7 +66,7 @@ HearRumble = Callable[[Rumble], None]
 
 
 class RumbleServer:
-    """Serves the requests that the kernel makes of a uinput node; starts at once.
+    """Answers the kernel's requests to a uinput node; starts immediately.
 
     It must run before the node is created.
 

@@ -19,9 +19,9 @@ from neurotouch_hid.source.slicer import Slicer
 PUMP_S: Final = 0.05
 """The longest time until the end of the stream is noticed."""
 AWAKE_US: Final = 600
-"""So long before a slice ends data is read as it comes; what comes before waits till then, since to
-wake up for each transfer takes half as much processor time again. In this time what has waited is
-read, in 0.4 ms at 5 million events/s, and a thread that is woken late is there."""
+"""Time before the end of a slice in which data is read as it arrives. Earlier data waits until
+then, because waking up for each transfer takes half as much processor time again. This time is
+enough to read the waiting data, in 0.4 ms at 5 million events/s, even if the thread wakes late."""
 MAX_PARTIAL_EVENTS: Final = 8_000
 """Largest number of events in a partial slice: at 4 ms, 2 million events/s. Copying more would
 delay the slice by as much as the pipeline gains."""

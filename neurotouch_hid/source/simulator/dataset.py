@@ -189,7 +189,7 @@ def _refuse_others(
             seed = made_from.get("seed") if isinstance(made_from, dict) else None
             what = "of unknown origin" if seed is None else f"of another set (seed {seed})"
             raise RecordingError(
-                f"'{path}' is there already, {what}; nothing was changed.",
+                f"'{path}' exists already, {what}; nothing was changed.",
                 hint="Choose another folder, or --force to replace it.",
             )
 

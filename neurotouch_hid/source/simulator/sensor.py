@@ -136,7 +136,7 @@ class Sensor:
         Args:
             knots: (4, 177, 6) float64, see ``draw_markers``.
             knot_us: length of the interval; it begins at a multiple of it.
-            begin_us: begin of the stretch, a multiple of 500 µs.
+            begin_us: start of the stretch, a multiple of 500 µs.
             end_us: its end, a multiple of 500 µs.
 
         Returns:

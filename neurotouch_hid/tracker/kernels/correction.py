@@ -117,7 +117,7 @@ def correct(
     Compiled into this, the move would take six times as long.
 
     Args:
-        begin_us: the begin of the exposure.
+        begin_us: the start of the exposure.
         middle_us: its middle; the blobs show where the markers were then.
         end_us: its end.
         points_px: see ``assign_blobs``, as ``begin``.

@@ -19,7 +19,7 @@ from neurotouch_hid.tracker.kernels.tracks import Tracks, Tuning, place
 
 SEEN_HZ = 100.0  # two events within ``rate_us`` above the noise: a lost marker makes events again
 SETTLED_PX = 1.5  # a lost marker so near to its expected place, among agreeing neighbours, is found
-FRAMELESS_US = 500_000  # without a frame for so long, events have to find lost markers
+FRAMELESS_US = 500_000  # without a frame for this time, events have to find lost markers
 
 
 @njit(cache=True, nogil=True)

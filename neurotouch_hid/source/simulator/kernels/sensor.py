@@ -74,7 +74,7 @@ class Stretch(NamedTuple):
     """A stretch of time within one knot interval.
 
     Attributes:
-        t_us: begin of the first tick.
+        t_us: start of the first tick.
         tick_us: length of a tick.
         first_tick: index of the first tick within the interval.
         n_ticks: how many ticks.
@@ -191,12 +191,12 @@ def _fire(i: int, before: float, after: float, begin: float, end: float, chip: C
 def sense(t_us: int, tick_us: int, rest_us: int, chip: Chip) -> None:
     """Runs all active pixels through one tick of the picture; those that cross a threshold fire.
 
-    The signal runs linearly from its value at the begin of the tick to that at its end, so crossing
+    The signal runs linearly from its value at the start of the tick to that at its end, so crossing
     times are exact to the µs. In the refractory period the pixel is held in reset, as the circuit
     does: its reference is the signal when the period ends. Pixels that have settled go to sleep.
 
     Args:
-        t_us: begin of the tick.
+        t_us: start of the tick.
         tick_us: its length.
         rest_us: a pixel stays active if its leak can fire it within this time.
         chip: its picture is that at the end of the tick; updated, its new events not sorted.
@@ -233,7 +233,7 @@ def add_noise(t_us: int, tick_us: int, chip: Chip) -> None:
     """Adds shot noise (full rate in the dark, a quarter at white) and hot pixels for one tick.
 
     Args:
-        t_us: begin of the tick.
+        t_us: start of the tick.
         tick_us: its length.
         chip: updated, its new events not sorted.
     """
