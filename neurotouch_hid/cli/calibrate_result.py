@@ -49,7 +49,7 @@ def conclude(
     """
     from neurotouch_hid.profile import load_user
     from neurotouch_hid.profile.calibration import find_weak_sides, write_ranges
-    from neurotouch_hid.profile.editing import compare, take_user
+    from neurotouch_hid.profile.editing import ProfileText, compare, take_user
 
     before, calm, edited = load_user(), session.tremor_filter, take_user(make_calibration_stamp)
     asks = keyboard is not None and not yes and not as_json
@@ -67,7 +67,7 @@ def conclude(
         wanted, tremor_hz = _ask_filter(session, before, keyboard)
     date = time.strftime("%Y-%m-%d")
     text = write_ranges(edited.text, session.ranges, date, wanted, tremor_hz)
-    lines = compare(edited.text if edited.content is not None else "", text)
+    lines = compare(edited.text if edited.content is not None else ProfileText(""), text)
     path = edited.store.path
     if not as_json:
         show_changes(lines, plain=plain)
@@ -103,11 +103,11 @@ def undo_calibration(*, plain: bool, as_json: bool) -> None:
         ProfileError: there is none to take back, or it cannot be saved.
     """
     from neurotouch_hid.profile.calibration import undo_ranges
-    from neurotouch_hid.profile.editing import compare, take_user
+    from neurotouch_hid.profile.editing import ProfileText, compare, take_user
 
     edited = take_user(make_stamp)
     for before, after in edited.store.changes("calibration"):
-        text = undo_ranges(edited.text, before.decode(), after.decode())
+        text = undo_ranges(edited.text, ProfileText(before.decode()), ProfileText(after.decode()))
         if text != edited.text:
             edited.save(text)
             break

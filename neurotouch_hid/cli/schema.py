@@ -18,7 +18,7 @@ def command(what: str, line: bool) -> None:
     from neurotouch_hid.players import find_user_file
     from neurotouch_hid.profile import profile_schema, user_schema
     from neurotouch_hid.profile.editing.edited_file import find_schema
-    from neurotouch_hid.profile.editing.revision import MODELINE
+    from neurotouch_hid.profile.editing.file_header import MODELINE
     from neurotouch_hid.profile.reading.library import find_user_folder
 
     if line:

@@ -109,7 +109,7 @@ def test(
         raise WrongUsage(
             "Options --script and --file cannot go together.", hint="Leave one of them away."
         )
-    text = script if script is not None else read_text(script_path)[0] if script_path else TOUR
+    text = script if script is not None else read_text(script_path)[0].text if script_path else TOUR
     mapping = Mapping(load_profile(name), load_user() if with_user else None)
     moments = perform(mapping, rehearse(text))
     if as_json:

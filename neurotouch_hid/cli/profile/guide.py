@@ -14,7 +14,7 @@ from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile import Profile
-    from neurotouch_hid.profile.editing import EditedFile
+    from neurotouch_hid.profile.editing import EditedFile, ProfileText
     from neurotouch_hid.profile.schema.profile import Binding
 
 
@@ -22,7 +22,13 @@ class Guide:
     """Asks, changes the draft, shows what came of it; the person keeps it or takes it back."""
 
     def __init__(
-        self, edited: "EditedFile", text: str, draft: Path, source: str | None, *, plain: bool
+        self,
+        edited: "EditedFile",
+        text: "ProfileText",
+        draft: Path,
+        source: str | None,
+        *,
+        plain: bool,
     ) -> None:
         self._edited = edited
         self._text = text
@@ -97,7 +103,6 @@ class Guide:
         return timing if isinstance(timing, str) else "the default" if timing is None else "own"
 
     def _change_binding(self, layer: str, at: int, binding: "Binding") -> None:
-        from neurotouch_hid.profile.editing.changes import remove_value
         from neurotouch_hid.profile.editing.summary import summarize_binding
 
         self._show_response(binding)
@@ -118,11 +123,11 @@ class Guide:
         elif answer == 2:
             self._adjust(layer, at, binding)
         elif answer == 3:
-            self._try(remove_value(self._text, (*self._find(layer), at)))
+            self._try(self._text.remove((*self._find(layer), at)))
 
     def _adjust(self, layer: str, at: int, binding: "Binding") -> None:
         from neurotouch_hid.profile.editing.questions import list_questions
-        from neurotouch_hid.profile.editing.values import format_value
+        from neurotouch_hid.profile.editing.yaml_values import format_value
 
         questions = list(list_questions(binding))
         shown = [
@@ -166,17 +171,13 @@ class Guide:
             self._try(bind(self._text, when, do, name, add=True))
 
     def _replace(self, layer: str, at: int, part: str, value: object) -> None:
-        from neurotouch_hid.profile.editing.changes import replace_value
-
         if value is not None:
-            text = replace_value(self._text, (*self._find(layer), at, part), value)
-            self._try(text, layer, at)
+            self._try(self._text.replace((*self._find(layer), at, part), value), layer, at)
 
     def _find(self, layer: str) -> tuple[str | int, ...]:
-        from neurotouch_hid.profile.editing import find_bindings
-        from neurotouch_hid.profile.editing.layout import read_layout
+        from neurotouch_hid.profile.editing import locate_bindings
 
-        return find_bindings(read_layout(self._text, "the draft")[1], layer)
+        return locate_bindings(self._text.document, layer)
 
     def _path(self, layer: str) -> str:
         from neurotouch_hid.profile.faults import format_path
@@ -218,7 +219,7 @@ class Guide:
             say("FAILED", error.message, error.hint or "", plain=self._plain)
             return None
 
-    def _try(self, text: str, layer: str | None = None, at: int = 0) -> None:
+    def _try(self, text: "ProfileText", layer: str | None = None, at: int = 0) -> None:
         """Shows what a change does, and keeps it if the person wants it."""
         from neurotouch_hid.profile.editing import compare
 

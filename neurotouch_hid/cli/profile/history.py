@@ -133,7 +133,7 @@ def undo(name: str, number: int | None, as_json: bool, plain: bool) -> None:
     version = edited.store.undo() if number is None else edited.store.restore(number)
     lines = compare(edited.text, read_text(edited.store.path)[0])
     effect = hand_over_saved(edited.name)
-    was_deleted = edited.content is None and not edited.text
+    was_deleted = edited.content is None and not edited.text.text
     outcome = Outcome(
         f"{edited.name} is back, as in version {version.number}."
         if was_deleted

@@ -92,7 +92,7 @@ def show(name: str, effective: bool, as_json: bool, plain: bool) -> None:
 def _show_values(*, as_json: bool) -> None:
     from neurotouch_hid.players import find_user_file
     from neurotouch_hid.profile import load_user
-    from neurotouch_hid.profile.editing.values import format_value
+    from neurotouch_hid.profile.editing.yaml_values import format_value
 
     path = find_user_file()
     values = load_user().model_dump(mode="json", exclude_none=True)

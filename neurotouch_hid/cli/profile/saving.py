@@ -8,7 +8,7 @@ from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile import Checked
-    from neurotouch_hid.profile.editing import EditedFile
+    from neurotouch_hid.profile.editing import EditedFile, ProfileText
     from neurotouch_hid.profile.faults import Fault
 
 
@@ -65,7 +65,7 @@ def _explain(refused: str, fault: "Fault") -> ProfileError:
 
 def save_edited(
     edited: "EditedFile",
-    text: str,
+    text: "ProfileText",
     notes: tuple[str, ...] = (),
     *,
     refused: str = "",

@@ -21,16 +21,14 @@ def complete_paper(_ctx: click.Context, _param: click.Parameter, incomplete: str
 
 def complete_key(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Completes paths to values of the profile named before on the command line."""
-    from neurotouch_hid.profile.editing import list_ways, take_file
-    from neurotouch_hid.profile.yaml_document import parse_document
+    from neurotouch_hid.profile.editing import list_key_paths, take_file
 
     try:
-        paper = take_file(ctx.params.get("name") or "default", str)
+        draft = take_file(ctx.params.get("name") or "default", str)
+        paths = list_key_paths(draft.text.document, draft.model)
+        return [path for path in paths if path.startswith(incomplete)]
     except NeuroTouchError:
         return []
-    root, _ = parse_document(paper.text)
-    ways = list_ways(root.value, paper.model) if root is not None else ()
-    return [way for way in ways if way.startswith(incomplete)]
 
 
 def complete_code(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:

@@ -1,6 +1,17 @@
 """Editing profiles and the user's own values: one place changes, and all can be undone."""
 
+from neurotouch_hid.profile.editing.binding_words import parse_do, parse_when
 from neurotouch_hid.profile.editing.deletion import delete_profile, take_deleted
+from neurotouch_hid.profile.editing.edit_bindings import (
+    bind,
+    list_company,
+    list_namesakes,
+    locate_bindings,
+    rebind,
+    remove_binding,
+    unbind,
+)
+from neurotouch_hid.profile.editing.edit_values import reset_value, set_value
 from neurotouch_hid.profile.editing.edited_file import (
     EditedFile,
     compare,
@@ -11,8 +22,9 @@ from neurotouch_hid.profile.editing.edited_file import (
     take_profile,
     take_user,
 )
-from neurotouch_hid.profile.editing.paths import list_ways, name_bindings
-from neurotouch_hid.profile.editing.phrases import parse_do, parse_when
+from neurotouch_hid.profile.editing.file_header import adopt, forget_schema, upgrade
+from neurotouch_hid.profile.editing.key_paths import list_key_paths, name_bindings
+from neurotouch_hid.profile.editing.profile_text import ProfileText
 from neurotouch_hid.profile.editing.remapping import (
     Remapping,
     list_substitutes,
@@ -20,25 +32,12 @@ from neurotouch_hid.profile.editing.remapping import (
     remap,
     remap_unused,
 )
-from neurotouch_hid.profile.editing.revision import (
-    adopt,
-    bind,
-    find_bindings,
-    forget_schema,
-    list_company,
-    list_namesakes,
-    rebind,
-    remove_binding,
-    reset_value,
-    set_value,
-    unbind,
-    upgrade,
-)
 from neurotouch_hid.profile.editing.store import Store, Version
-from neurotouch_hid.profile.editing.values import parse_value
+from neurotouch_hid.profile.editing.yaml_values import parse_value
 
 __all__ = [
     "EditedFile",
+    "ProfileText",
     "Remapping",
     "Store",
     "Version",
@@ -46,13 +45,13 @@ __all__ = [
     "bind",
     "compare",
     "delete_profile",
-    "find_bindings",
     "find_own_path",
     "forget_schema",
     "list_company",
+    "list_key_paths",
     "list_namesakes",
     "list_substitutes",
-    "list_ways",
+    "locate_bindings",
     "make_profile",
     "make_when",
     "name_bindings",

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from typing import Final
 
 from neurotouch_hid.profile.diagnostics.description import describe_binding, describe_condition
-from neurotouch_hid.profile.editing.paths import name_bindings
-from neurotouch_hid.profile.editing.values import format_value
+from neurotouch_hid.profile.editing.key_paths import name_bindings
+from neurotouch_hid.profile.editing.yaml_values import format_value
 from neurotouch_hid.profile.schema.layering import merge_bindings
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.profile import Binding, Layer, Profile

@@ -15,6 +15,7 @@ from neurotouch_hid.profile.calibration import (
 )
 from neurotouch_hid.profile.calibration.result import measure_range, measure_rest
 from neurotouch_hid.profile.calibration.tremor import choose_filter, find_tremor, smooth
+from neurotouch_hid.profile.editing import ProfileText
 from neurotouch_hid.profile.engine.one_euro import FILTERS
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.user import Range, UserSettings
@@ -117,20 +118,22 @@ def test_one_repetition_switches_nothing_off():
 
 
 def test_undo_takes_back_a_calibration_and_nothing_else():
-    first = "version: 1\n\n# Calibrated 2026-11-20.\nrange:\n  zoom: {rest: 0.6, full: 3.0}\n"
+    first = ProfileText(
+        "version: 1\n\n# Calibrated 2026-11-20.\nrange:\n  zoom: {rest: 0.6, full: 3.0}\n"
+    )
     second = write_ranges(first, RANGES, "2026-11-21", "medium", 5.0)
-    later = second + "feedback: {sound: tones}\n"
+    later = second.rewrite(f"{second}feedback: {{sound: tones}}\n")
     undone = undo_ranges(later, first, second)
-    assert undone == first + "feedback: {sound: tones}\n"
-    chosen = later.replace("filter: medium", "filter: strong")
-    assert "filter: strong" in undo_ranges(chosen, first, second)
+    assert undone.text == f"{first}feedback: {{sound: tones}}\n"
+    chosen = later.replace(("filter",), "strong")
+    assert "filter: strong" in undo_ranges(chosen, first, second).text
     assert undo_ranges(undone, first, second) == undone
 
 
 def test_undo_of_the_first_calibration_leaves_none():
-    before = "version: 1\n"
+    before = ProfileText("version: 1\n")
     after = write_ranges(before, RANGES, "2026-11-21")
-    undone = undo_ranges(after, before, after)
+    undone = undo_ranges(after, before, after).text
     assert "Calibrated" not in undone
     assert "full" not in undone
 
@@ -236,18 +239,19 @@ RANGES = {
 
 
 def test_the_users_file_gets_what_was_measured_and_the_date():
-    text = write_ranges("version: 1\nhandedness: left\n", RANGES, "2026-11-21", "medium")
+    before = ProfileText("version: 1\nhandedness: left\n")
+    text = write_ranges(before, RANGES, "2026-11-21", "medium")
     settings = check_user(text.encode(), "user.yaml").require()
     assert settings.range.zoom == RANGES["zoom"]
     assert settings.range.twist_cw is None
     assert (settings.filter, settings.handedness) == ("medium", "left")
-    assert "# Calibrated 2026-11-21." in text
+    assert "# Calibrated 2026-11-21." in text.text
     again = write_ranges(text, {"zoom": Range(rest=0.6, full=3.0)}, "2027-01-02")
-    assert "# Calibrated 2027-01-02." in again
-    assert "2026" not in again
+    assert "# Calibrated 2027-01-02." in again.text
+    assert "2026" not in again.text
     now = check_user(again.encode(), "user.yaml").require()
     assert now.range.zoom.full == 3.0
     assert now.range.pinch == RANGES["pinch"]
-    assert len(set(again.splitlines()) - set(text.splitlines())) == 2
+    assert len(set(again.text.splitlines()) - set(text.text.splitlines())) == 2
     gone = write_ranges(again, {"zoom": None}, "2027-01-02")
     assert check_user(gone.encode(), "user.yaml").require().range.zoom is None

@@ -1,4 +1,4 @@
-"""Ways to a value as people write them: ``push.curve.expo``, ``layers.fly.pinch.on_mm``.
+"""Paths to a value as people write them: ``push.curve.expo``, ``layers.fly.pinch.on_mm``.
 
 A part is a key, a number in a list (``bindings[0]`` or ``bindings.0``), the name of a layer, or the
 gesture of a binding in one word (``push_left_tap``; with ``#2`` the second of that kind). A binding
@@ -25,11 +25,11 @@ _PATH: Final = re.compile(r"[^.\[\]]+(\.[^.\[\]]+|\[\d+\])*")
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
-    """A way to a value.
+class KeyPath:
+    """The path to a value.
 
     Attributes:
-        keys: the whole way.
+        keys: every key on it.
         exists: whether the value is there.
         widen: keys whose value is a word and must become keys of its own, and the key of that word:
             ``when: push`` becomes ``when: {gesture: push}``.
@@ -40,8 +40,8 @@ class Way:
     widen: tuple[Keys, str] | None = None
 
 
-def find_way(document: Any, path: str, model: type[BaseModel] = Profile) -> Way:
-    """Returns the way a person means.
+def find_key_path(document: Any, path: str, model: type[BaseModel] = Profile) -> KeyPath:
+    """Returns the path a person means.
 
     Args:
         document: the plain value of the document.
@@ -63,10 +63,10 @@ def find_way(document: Any, path: str, model: type[BaseModel] = Profile) -> Way:
         for key in hop:
             value = value[key]
         keys = (*keys, *hop)
-    return Way(keys, True)
+    return KeyPath(keys, True)
 
 
-def list_ways(document: Any, model: type[BaseModel] = Profile) -> Iterator[str]:
+def list_key_paths(document: Any, model: type[BaseModel] = Profile) -> Iterator[str]:
     """Returns every path that people may write, the shortest form of each, in the text's order."""
     for key, value in document.items() if isinstance(document, dict) else ():
         if key == "bindings":
@@ -124,8 +124,10 @@ def _name_items(items: Any, keys: Keys) -> list[str]:
     return name_bindings(items) if keys[-1:] == ("bindings",) else []
 
 
-def _find_new(value: Any, keys: Keys, rest: list[str], path: str, model: type[BaseModel]) -> Way:
-    """Returns the way to a key that is not there yet."""
+def _find_new(
+    value: Any, keys: Keys, rest: list[str], path: str, model: type[BaseModel]
+) -> KeyPath:
+    """Returns the path to a key that is not there yet."""
     part = rest[0]
     if isinstance(value, dict) and len(rest) == 1:
         if "when" in value and "do" in value:
@@ -133,15 +135,19 @@ def _find_new(value: Any, keys: Keys, rest: list[str], path: str, model: type[Ba
             if part in Condition.model_fields and (do is None or part not in do.model_fields):
                 when = value["when"]
                 if part == "gesture" and isinstance(when, str):
-                    return Way((*keys, "when"), True)
+                    return KeyPath((*keys, "when"), True)
                 widen = None if isinstance(when, dict) else ((*keys, "when"), "gesture")
-                return Way((*keys, "when", part), False, widen)
+                return KeyPath((*keys, "when", part), False, widen)
             if do is not None and part in do.model_fields:
-                return Way((*keys, "do", part), False)
+                return KeyPath((*keys, "do", part), False)
         if part in list_known(value, keys, model):
-            return Way((*keys, part), False)
+            return KeyPath((*keys, part), False)
     if keys[-1:] == ("timing",) and part in Timing.model_fields and len(rest) == 1:
-        return Way(keys, True) if part == "preset" else Way((*keys, part), False, (keys, "preset"))
+        return (
+            KeyPath(keys, True)
+            if part == "preset"
+            else KeyPath((*keys, part), False, (keys, "preset"))
+        )
     if isinstance(value, dict) and len(rest) > 1:
         do = _find_target(value["do"]) if "when" in value and "do" in value else None
         inner = (*keys, "do", part) if do is not None and part in do.model_fields else (*keys, part)
@@ -165,7 +171,7 @@ def _find_deeper(value: Any, rest: list[str], keys: Keys, model: type[BaseModel]
     if keys:
         return ""
     end = "." + ".".join(rest)
-    found = [f"'{way}'" for way in list_ways(value, model) if way.endswith(end)]
+    found = [f"'{path}'" for path in list_key_paths(value, model) if path.endswith(end)]
     return f"Did you mean {' or '.join(found[:_MOST_PATHS])}?" if found else ""
 
 
