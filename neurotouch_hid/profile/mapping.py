@@ -16,8 +16,8 @@ from neurotouch_hid.profile.engine.output import Outputs
 from neurotouch_hid.profile.engine.usage import MovementUsage
 from neurotouch_hid.profile.schema.profile import Binding, Profile, SafetyGesture
 from neurotouch_hid.profile.schema.targets import CommandName, CommandTarget
-from neurotouch_hid.profile.schema.timing import PRESETS, FilterName, resolve_times
-from neurotouch_hid.profile.schema.user import UserSettings
+from neurotouch_hid.profile.schema.timing import PRESETS, resolve_times
+from neurotouch_hid.profile.schema.user import UserSettings, choose_filter
 
 State = Literal["running", "paused", "panic"]
 
@@ -214,11 +214,3 @@ class Mapping:
             for name, gesture in gestures
             if gesture is not None
         ]
-
-
-def choose_filter(profile: Profile, user: UserSettings) -> FilterName:
-    """Returns the tremor filter: the person's own, that of their patience, or the profile's."""
-    own = user.filter
-    if own is None and user.timing is None:
-        own = profile.filter
-    return own or resolve_times(profile.timing, user.timing).filter

@@ -14,7 +14,7 @@ from neurotouch_hid.profile.calibration.result import (
     measure_range,
     measure_rest,
 )
-from neurotouch_hid.profile.calibration.tremor import Tremor, choose_filter, find_tremor
+from neurotouch_hid.profile.calibration.tremor import Tremor, find_tremor, propose_filter
 from neurotouch_hid.profile.engine.conditioner import InputConditioner
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.timing import FilterName
@@ -195,7 +195,7 @@ class CalibrationSession:
         """The weakest filter that is calm enough; None if nothing was held long enough."""
         hold = self._hold()
         enough = len(hold) * self._step_us >= 3_000_000
-        return choose_filter(hold, self._step_us) if enough else None
+        return propose_filter(hold, self._step_us) if enough else None
 
     def _hold(self) -> NDArray[np.float64]:
         """Returns the middle of the longest hold: its beginning and end are movements."""

@@ -5,7 +5,7 @@ from typing import Final
 
 from neurotouch_hid.profile.diagnostics.consistency import find_bindings
 from neurotouch_hid.profile.faults import Fault, Keys, format_path
-from neurotouch_hid.profile.schema.conditions import Condition, Sequence
+from neurotouch_hid.profile.schema.conditions import Sequence
 from neurotouch_hid.profile.schema.keyboard_keys import is_order_to_kernel
 from neurotouch_hid.profile.schema.layering import merge_bindings
 from neurotouch_hid.profile.schema.profile import Binding, Profile
@@ -123,7 +123,7 @@ def _check_beside(binding: Binding, beside: list[Binding]) -> Iterator[Finding]:
         for other in beside
         if not isinstance(other.when, Sequence)
         and not other.is_followed
-        and _same_place(other.condition, condition)
+        and condition.has_gesture_of(other.condition)
     ]
     if condition.press == "tap" and any(other.press == "double" for other in others):
         waits = ", ".join(f"{times.double_ms} ms ({name})" for name, times in PRESETS.items())
@@ -142,8 +142,3 @@ def _check_twin(binding: Binding, bindings: list[Binding], keys: Keys) -> Iterat
     before = bindings[: int(keys[-1])]
     if any(other.when == binding.when and other.do == binding.do for other in before):
         yield "NT204", ("when",), "an earlier binding does the same"
-
-
-def _same_place(a: Condition, b: Condition) -> bool:
-    keys = ("gesture", "direction", "zone", "contacts", "with_button")
-    return all(getattr(a, key) == getattr(b, key) for key in keys)

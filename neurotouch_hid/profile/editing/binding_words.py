@@ -14,7 +14,7 @@ from typing import Any, Final, get_args
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.profile.editing.yaml_values import parse_value
 from neurotouch_hid.profile.faults import make_printable, suggest
-from neurotouch_hid.profile.schema.conditions import GestureName, PressName, Zone
+from neurotouch_hid.profile.schema.conditions import CONDITION_KEYS, GestureName, PressName, Zone
 from neurotouch_hid.profile.schema.targets import TARGETS, CommandName, EightWay, ModeName
 
 _GESTURES: Final = sorted(get_args(GestureName), key=len, reverse=True)
@@ -81,8 +81,7 @@ def parse_when(words: str) -> Any:
         if word not in _KEYS or _KEYS[word] in found:
             raise _refuse(words, word, list(_KEYS), _AFTER_GESTURE)
         found[_KEYS[word]] = word
-    order = ("direction", "zone", "contacts", "with_button", "level", "press", "phase", "on_mm")
-    narrowed = {key: found[key] for key in order if key in found}
+    narrowed = {key: found[key] for key in CONDITION_KEYS if key in found}
     return {"gesture": gesture, **narrowed} if narrowed else gesture
 
 

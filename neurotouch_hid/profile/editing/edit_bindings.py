@@ -9,20 +9,10 @@ from neurotouch_hid.profile.editing.edit_values import insert_value
 from neurotouch_hid.profile.editing.key_paths import find_key_path, name_bindings
 from neurotouch_hid.profile.editing.profile_text import ProfileText
 from neurotouch_hid.profile.faults import Keys, suggest
+from neurotouch_hid.profile.schema.conditions import CONDITION_KEYS
 from neurotouch_hid.profile.schema.profile import Profile
 
-SPOKEN: Final = (
-    "sequence",
-    "gesture",
-    "direction",
-    "zone",
-    "contacts",
-    "with_button",
-    "level",
-    "press",
-    "phase",
-    "on_mm",
-)
+SPOKEN: Final = ("sequence", *CONDITION_KEYS)
 """The keys of ``when`` that tell bindings apart for people."""
 
 

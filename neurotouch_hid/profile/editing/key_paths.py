@@ -14,13 +14,14 @@ from pydantic import BaseModel
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.profile.faults import Keys, format_path, make_printable, suggest
-from neurotouch_hid.profile.schema.conditions import Condition
+from neurotouch_hid.profile.schema.conditions import CONDITION_KEYS, Condition
 from neurotouch_hid.profile.schema.profile import Binding, Profile
 from neurotouch_hid.profile.schema.timing import Timing
 from neurotouch_hid.profile.schema.tree import find_model
 
 _PART: Final = re.compile(r"\[(\d+)\]|([^.\[\]]+)")
 _MOST_PATHS: Final = 3
+_UNNAMED: Final = ("contacts", "with_button", "on_mm")
 _PATH: Final = re.compile(r"[^.\[\]]+(\.[^.\[\]]+|\[\d+\])*")
 
 
@@ -88,7 +89,7 @@ def name_binding(binding: Any) -> str:
         return "-".join(map(str, when["sequence"]))
     if not isinstance(when, dict):
         return str(when)
-    keys = ("gesture", "direction", "zone", "level", "press", "phase")
+    keys = (key for key in CONDITION_KEYS if key not in _UNNAMED)
     return "_".join(str(when[key]) for key in keys if key in when)
 
 

@@ -46,7 +46,7 @@ class StageFactory:
         self._others = [
             other.condition
             for other in siblings
-            if other is not binding and _same_place(other.condition, binding.condition)
+            if other is not binding and binding.condition.has_gesture_of(other.condition)
         ]
         self.make_mode = self._plan_mode()
 
@@ -148,12 +148,6 @@ class StageFactory:
             )
         turbo_us = (1000 * target.every_ms, round(1e6 * target.max_s))
         return make_mode(target.mode, repeat_us, turbo_us)
-
-
-def _same_place(a: Condition, b: Condition) -> bool:
-    """Returns True if both act on the same gesture, apart from how it is pressed and how far."""
-    keys = ("gesture", "direction", "zone", "contacts", "with_button", "phase")
-    return all(getattr(a, key) == getattr(b, key) for key in keys)
 
 
 def make_direction_test(condition: Condition) -> Test | None:

@@ -7,9 +7,9 @@ from pydantic_core import PydanticCustomError
 
 from neurotouch_hid.profile.schema.feedback import Feedback
 from neurotouch_hid.profile.schema.movements import MovementName
-from neurotouch_hid.profile.schema.profile import check_version, make_schema
+from neurotouch_hid.profile.schema.profile import Profile, check_version, make_schema
 from neurotouch_hid.profile.schema.strict import Strict, give_unit, make_optional
-from neurotouch_hid.profile.schema.timing import FilterName, TimingSetting
+from neurotouch_hid.profile.schema.timing import FilterName, TimingSetting, resolve_times
 from neurotouch_hid.vocabulary import NAME_PATTERN
 
 
@@ -130,6 +130,14 @@ class UserSettings(Strict):
         default_factory=Feedback,
         description="What is heard of what the gestures do. Default: nothing.",
     )
+
+
+def choose_filter(profile: Profile, user: UserSettings) -> FilterName:
+    """Returns the tremor filter: the person's own, that of their patience, or the profile's."""
+    own = user.filter
+    if own is None and user.timing is None:
+        own = profile.filter
+    return own or resolve_times(profile.timing, user.timing).filter
 
 
 def user_schema() -> dict[str, Any]:

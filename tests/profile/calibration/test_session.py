@@ -14,7 +14,7 @@ from neurotouch_hid.profile.calibration import (
     write_ranges,
 )
 from neurotouch_hid.profile.calibration.result import measure_range, measure_rest
-from neurotouch_hid.profile.calibration.tremor import choose_filter, find_tremor, smooth
+from neurotouch_hid.profile.calibration.tremor import find_tremor, propose_filter, smooth
 from neurotouch_hid.profile.editing import ProfileText
 from neurotouch_hid.profile.engine.one_euro import FILTERS
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
@@ -221,7 +221,7 @@ def test_the_weakest_calm_filter_is_chosen():
     chosen = []
     for amplitude_mm in (0.0, 0.3, 0.6, 1.2, 2.0):
         mm = 5.0 + amplitude_mm * np.sin(2.0 * np.pi * 5.0 * t_s)
-        name = choose_filter(mm, STEP_US)
+        name = propose_filter(mm, STEP_US)
         chosen.append(name)
         left = find_tremor(smooth(mm, STEP_US, name), STEP_US)
         assert left is None or 2.0 * left.amplitude_mm <= 1.0 or name == "strong"

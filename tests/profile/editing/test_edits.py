@@ -21,7 +21,10 @@ from neurotouch_hid.profile.editing import (
     upgrade,
 )
 from neurotouch_hid.profile.editing.key_paths import find_key_path
+from neurotouch_hid.profile.editing.questions import list_questions
+from neurotouch_hid.profile.editing.summary import summarize_binding
 from neurotouch_hid.profile.reading.library import find_shipped_folder
+from neurotouch_hid.profile.schema.profile import Binding
 from neurotouch_hid.profile.schema.user import UserSettings
 from neurotouch_hid.profile.yaml_document import parse_document
 
@@ -228,3 +231,12 @@ def test_a_copy_gets_its_own_name_and_schema_line():
     text = "# yaml-language-server: $schema=a.json\r\nversion: 1\r\nname: a\r\n"
     copied = text.replace("a.json", "c.json").replace(": a", ": b")
     assert adopt(ProfileText(text), "b", "c.json").text == copied
+
+
+def test_a_summary_says_every_key_of_a_binding_once():
+    when = {"gesture": "pinch", "with_button": "x", "trigger": "release"}
+    binding = Binding.model_validate({"when": when, "do": {"trigger": "left", "value": 1.0}})
+    assert summarize_binding(binding) == (
+        "pinch while x is held -> trigger left, trigger release, value 1.0"
+    )
+    assert "trigger" in [question.key for question in list_questions(binding)]
