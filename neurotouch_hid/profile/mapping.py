@@ -8,12 +8,12 @@ from typing import Final, Literal
 from neurotouch_hid.messages import Button, GamepadState, Gesture
 from neurotouch_hid.profile.decision_log import DecisionLog, MappingDecision
 from neurotouch_hid.profile.engine.binding_runner import BindingRunner
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
-from neurotouch_hid.profile.engine.conditioner import InputConditioner
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
 from neurotouch_hid.profile.engine.fatigue import FatigueMonitor
+from neurotouch_hid.profile.engine.input_conditioner import InputConditioner
 from neurotouch_hid.profile.engine.layer_stack import LayerStack, make_runner
+from neurotouch_hid.profile.engine.movement_usage import MovementUsage
 from neurotouch_hid.profile.engine.output import Outputs
-from neurotouch_hid.profile.engine.usage import MovementUsage
 from neurotouch_hid.profile.schema.profile import Binding, Profile, SafetyGesture
 from neurotouch_hid.profile.schema.targets import CommandName, CommandTarget
 from neurotouch_hid.profile.schema.timing import PRESETS, resolve_times

@@ -8,7 +8,7 @@ from neurotouch_hid.cli.profile.saving import hand_over_saved, save_edited
 from neurotouch_hid.cli.ui.completing import complete_key, complete_paper, complete_profile
 from neurotouch_hid.cli.ui.outcome import Outcome
 from neurotouch_hid.cli.ui.output import json_option, make_stamp, plain_option
-from neurotouch_hid.cli.ui.usage import SignedCommand, WrongUsage
+from neurotouch_hid.cli.ui.usage_errors import SignedCommand, WrongUsage
 
 
 @click.command(

@@ -15,7 +15,7 @@ from neurotouch_hid.cli.ui.output import (
     print_json,
     show_changes,
 )
-from neurotouch_hid.cli.ui.usage import WrongUsage
+from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:

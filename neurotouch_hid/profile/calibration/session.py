@@ -15,7 +15,7 @@ from neurotouch_hid.profile.calibration.result import (
     measure_rest,
 )
 from neurotouch_hid.profile.calibration.tremor import Tremor, find_tremor, propose_filter
-from neurotouch_hid.profile.engine.conditioner import InputConditioner
+from neurotouch_hid.profile.engine.input_conditioner import InputConditioner
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.timing import FilterName
 from neurotouch_hid.profile.schema.user import Range, Ranges, UserSettings

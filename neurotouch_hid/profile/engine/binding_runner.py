@@ -1,7 +1,7 @@
 """One binding at work: does its gesture hold, is it pressed, what does it put out."""
 
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
 from neurotouch_hid.profile.engine.output import make_output
 from neurotouch_hid.profile.engine.press import Say
 from neurotouch_hid.profile.engine.stage_factory import (

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.decision_log import DecisionLog
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
+from neurotouch_hid.profile.engine.movement_usage import MovementUsage, UsageTracker
 from neurotouch_hid.profile.engine.range_assist import RESTED_US, RangeAssist
-from neurotouch_hid.profile.engine.usage import MovementUsage, UsageTracker
 from neurotouch_hid.profile.schema.user import UserSettings
 
 

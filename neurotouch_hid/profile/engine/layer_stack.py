@@ -6,8 +6,8 @@ from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.decision_log import DecisionLog
 from neurotouch_hid.profile.diagnostics.description import describe_binding
 from neurotouch_hid.profile.engine.binding_runner import BindingRunner
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
-from neurotouch_hid.profile.engine.missed import MissedThreshold
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
+from neurotouch_hid.profile.engine.missed_threshold import MissedThreshold
 from neurotouch_hid.profile.engine.output import Outputs
 from neurotouch_hid.profile.engine.pointer import PointerCare
 from neurotouch_hid.profile.schema.layering import merge_bindings

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from neurotouch_hid.messages import Axis, Button, GestureKind
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
 from neurotouch_hid.profile.engine.regions import EIGHT_WAYS
 from neurotouch_hid.profile.engine.response import Response, make_response
 from neurotouch_hid.profile.schema.conditions import KINDS

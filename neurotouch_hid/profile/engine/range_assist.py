@@ -5,8 +5,8 @@ from collections.abc import Iterable
 from typing import Final
 
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
-from neurotouch_hid.profile.engine.usage import MovementUsage, find_kind
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
+from neurotouch_hid.profile.engine.movement_usage import MovementUsage, find_kind
 from neurotouch_hid.profile.schema.profile import DEFAULT_FULL_MM, DEFAULT_REST_MM
 from neurotouch_hid.profile.schema.user import Range, Ranges
 

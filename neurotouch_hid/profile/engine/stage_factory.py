@@ -3,8 +3,7 @@
 from collections.abc import Callable
 from typing import Final
 
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
-from neurotouch_hid.profile.engine.modes import Mode, make_mode
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
 from neurotouch_hid.profile.engine.press import (
     Debounce,
     Double,
@@ -17,7 +16,8 @@ from neurotouch_hid.profile.engine.press import (
     Test,
     Threshold,
 )
-from neurotouch_hid.profile.engine.steps import Steps
+from neurotouch_hid.profile.engine.press_modes import Mode, make_mode
+from neurotouch_hid.profile.engine.sequence_steps import Steps
 from neurotouch_hid.profile.schema.conditions import Condition, PressName, Sequence
 from neurotouch_hid.profile.schema.profile import Binding
 from neurotouch_hid.profile.schema.targets import Acting, LayerTarget

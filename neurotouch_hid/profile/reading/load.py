@@ -12,8 +12,8 @@ from pydantic import BaseModel, ValidationError
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.players import find_machine_folder, find_user_file
 from neurotouch_hid.profile.diagnostics.consistency import check_layers
-from neurotouch_hid.profile.diagnostics.error_sentences import locate_faults
 from neurotouch_hid.profile.diagnostics.lint import find_warnings
+from neurotouch_hid.profile.diagnostics.schema_errors import locate_faults
 from neurotouch_hid.profile.diagnostics.unmet import find_unmet
 from neurotouch_hid.profile.faults import (
     Fault,

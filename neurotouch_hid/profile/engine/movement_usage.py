@@ -9,7 +9,7 @@ from statistics import median
 from typing import Final
 
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
 from neurotouch_hid.profile.schema.movements import name_movement
 from neurotouch_hid.profile.schema.profile import DEFAULT_FULL_MM, DEFAULT_REST_MM
 from neurotouch_hid.profile.schema.user import Ranges

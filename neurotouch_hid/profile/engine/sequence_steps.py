@@ -3,7 +3,7 @@
 from collections import deque
 
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
 from neurotouch_hid.profile.engine.press import Say, Threshold
 from neurotouch_hid.profile.schema.conditions import DEFAULT_ON_MM, OFF_SHARE, Condition, Sequence
 from neurotouch_hid.profile.schema.profile import make_step

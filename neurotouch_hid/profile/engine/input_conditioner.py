@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from typing import Final
 
 from neurotouch_hid.messages import Gesture, GestureKind
-from neurotouch_hid.profile.engine.calibration import make_conversion
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture, Phase
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture, Phase
 from neurotouch_hid.profile.engine.notch import Notch, TremorWatch
 from neurotouch_hid.profile.engine.one_euro import FILTERS, OneEuro
+from neurotouch_hid.profile.engine.personal_range import make_conversion
 from neurotouch_hid.profile.engine.regions import Vector, choose_direction, find_zone
 from neurotouch_hid.profile.schema.conditions import Zone
 from neurotouch_hid.profile.schema.targets import EightWay
