@@ -69,7 +69,7 @@ class Sticky:
         self.busy = self._locked
 
 
-class Repeat:
+class AutoRepeat:
     """Down with short pauses: the first after ``delay_us``, then one every ``every_us``.
 
     After ``most_us`` it stays up.
@@ -113,7 +113,7 @@ def make_mode(
     """
     if repeat_us is not None:
         delay_us, every_us = repeat_us
-        return lambda: Repeat(max(delay_us, 2 * PAUSE_US), every_us, PAUSE_US, None)
+        return lambda: AutoRepeat(max(delay_us, 2 * PAUSE_US), every_us, PAUSE_US, None)
     match name:
         case "toggle":
             return Toggle
@@ -121,5 +121,5 @@ def make_mode(
             return lambda: Sticky(locks=name == "sticky")
         case "turbo":
             every_us, most_us = turbo_us
-            return lambda: Repeat(every_us, every_us, every_us // 2, most_us)
+            return lambda: AutoRepeat(every_us, every_us, every_us // 2, most_us)
     return None
