@@ -12,7 +12,7 @@ from neurotouch_hid.profile.schema.targets import EightWay
 Done = tuple[int, GestureKind, EightWay | None]
 
 
-class Steps:
+class SequenceSteps:
     """Pressed while the last gesture of the sequence is there, if those before it were its others.
 
     What counts is the latest gestures, so a wrong one costs nothing but itself.

@@ -17,7 +17,7 @@ from neurotouch_hid.profile.engine.press import (
     Threshold,
 )
 from neurotouch_hid.profile.engine.press_modes import Mode, make_mode
-from neurotouch_hid.profile.engine.sequence_steps import Steps
+from neurotouch_hid.profile.engine.sequence_steps import SequenceSteps
 from neurotouch_hid.profile.schema.conditions import Condition, PressName, Sequence
 from neurotouch_hid.profile.schema.profile import Binding
 from neurotouch_hid.profile.schema.targets import Acting, LayerTarget
@@ -60,10 +60,10 @@ class StageFactory:
         weak = self._times.weak_release and not self._binding.is_followed
         return Threshold(on_mm, off_mm, WEAK_DROP if weak else 0.0)
 
-    def make_steps(self) -> Steps | None:
+    def make_steps(self) -> SequenceSteps | None:
         """Returns the steps, if it is a sequence."""
         when = self._binding.when
-        return Steps(when, self._say, self._accept) if isinstance(when, Sequence) else None
+        return SequenceSteps(when, self._say, self._accept) if isinstance(when, Sequence) else None
 
     def make_gate(self) -> Debounce | None:
         """Returns what it takes to be accepted; None for what follows a measure."""
