@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from neurotouch_hid.profile import UserSettings
     from neurotouch_hid.profile.calibration import CalibrationSession, WeakSide
     from neurotouch_hid.profile.schema.timing import FilterName
-    from neurotouch_hid.profile.schema.user import Range
+    from neurotouch_hid.profile.schema.user import MovementRange
 
 _SIDES = ["left", "right", "up", "down"]
 
@@ -195,7 +195,7 @@ def _report(session: "CalibrationSession", before: "UserSettings") -> dict[str, 
     }
 
 
-def _report_range(range_: "Range | None") -> dict[str, float] | None:
+def _report_range(range_: "MovementRange | None") -> dict[str, float] | None:
     return None if range_ is None else {"rest": range_.rest, "full": range_.full}
 
 

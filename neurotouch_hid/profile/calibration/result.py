@@ -13,7 +13,7 @@ from neurotouch_hid.profile.editing.yaml_values import format_value
 from neurotouch_hid.profile.faults import format_path
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.timing import FilterName
-from neurotouch_hid.profile.schema.user import Range, Ranges, UserSettings
+from neurotouch_hid.profile.schema.user import MovementRange, Ranges, UserSettings
 
 LEAST_PEAK_MM: Final = 2.5
 LEAST_PEAKS: Final = 2
@@ -56,7 +56,7 @@ def measure_rest(resting_mm: Sequence[float]) -> float:
     return round(min(max(LEAST_REST_MM, 3.0 * deviation), MOST_REST_MM), 1)
 
 
-def measure_range(peaks_mm: Sequence[float], rest_mm: float) -> Range | None:
+def measure_range(peaks_mm: Sequence[float], rest_mm: float) -> MovementRange | None:
     """Returns the comfortable range of a movement; None if it is not used.
 
     Args:
@@ -67,10 +67,10 @@ def measure_range(peaks_mm: Sequence[float], rest_mm: float) -> Range | None:
     if len(counted) < LEAST_PEAKS:
         return None
     full = min(max(FULL_SHARE * median(counted), rest_mm + LEAST_ROOM_MM), 18.0)
-    return Range(rest=rest_mm, full=round(full, 1))
+    return MovementRange(rest=rest_mm, full=round(full, 1))
 
 
-def find_weak_sides(ranges: Mapping[str, Range | None]) -> list[WeakSide]:
+def find_weak_sides(ranges: Mapping[str, MovementRange | None]) -> list[WeakSide]:
     """Returns the measured movements whose partner, also measured, goes more than twice as far."""
     found = []
     for name, range_ in ranges.items():
@@ -86,7 +86,7 @@ def find_weak_sides(ranges: Mapping[str, Range | None]) -> list[WeakSide]:
 
 def write_ranges(
     text: ProfileText,
-    ranges: Mapping[str, Range | None],
+    ranges: Mapping[str, MovementRange | None],
     date: str,
     tremor_filter: FilterName | None = None,
     tremor_hz: float | None = None,
@@ -149,7 +149,7 @@ def undo_ranges(text: ProfileText, before: ProfileText, after: ProfileText) -> P
 
 
 def _write_unused(
-    text: ProfileText, before: list[str], ranges: Mapping[str, Range | None]
+    text: ProfileText, before: list[str], ranges: Mapping[str, MovementRange | None]
 ) -> ProfileText:
     lost = {name: ranges[name] is None if name in ranges else name in before for name in MOVEMENTS}
     unused = [name for name, is_lost in lost.items() if is_lost]

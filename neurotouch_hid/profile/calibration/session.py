@@ -18,7 +18,7 @@ from neurotouch_hid.profile.calibration.tremor import Tremor, find_tremor, propo
 from neurotouch_hid.profile.engine.input_conditioner import InputConditioner
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.timing import FilterName
-from neurotouch_hid.profile.schema.user import Range, Ranges, UserSettings
+from neurotouch_hid.profile.schema.user import MovementRange, Ranges, UserSettings
 from neurotouch_hid.vocabulary import GestureKind
 
 NEUTRAL: Final = "neutral"
@@ -149,7 +149,7 @@ class CalibrationSession:
         return measure_rest(self._measured.resting_mm)
 
     @property
-    def ranges(self) -> dict[str, Range | None]:
+    def ranges(self) -> dict[str, MovementRange | None]:
         """The range of each movement made often enough; None for one that was skipped.
 
         All others are left out: no movement is switched off unless a person says so.
@@ -177,7 +177,7 @@ class CalibrationSession:
             return 0
         return max(LEAST_PEAKS - len(self._measured.peaks_mm.get(self.step, ())), 0)
 
-    def _measure(self, name: str) -> Range | None:
+    def _measure(self, name: str) -> MovementRange | None:
         return measure_range(self._measured.peaks_mm.get(name, ()), self.rest_mm)
 
     @property

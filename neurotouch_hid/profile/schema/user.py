@@ -13,7 +13,7 @@ from neurotouch_hid.profile.schema.timing import FilterName, TimingSetting, reso
 from neurotouch_hid.vocabulary import NAME_PATTERN
 
 
-class Range(Strict):
+class MovementRange(Strict):
     """The comfortable range of one movement, as calibration measures it."""
 
     rest: Annotated[float, Field(ge=0.0, le=5.0)] = Field(
@@ -46,14 +46,14 @@ def _range(movement: str) -> Any:
 class Ranges(Strict):
     """The range of each movement; a diagonal push blends the two beside it."""
 
-    push_left: Range | None = _range("a push to the left")
-    push_right: Range | None = _range("a push to the right")
-    push_up: Range | None = _range("a push away from the user")
-    push_down: Range | None = _range("a push towards the user")
-    pinch: Range | None = _range("a pinch")
-    zoom: Range | None = _range("a zoom")
-    twist_cw: Range | None = _range("a clockwise twist")
-    twist_ccw: Range | None = _range("a counter-clockwise twist")
+    push_left: MovementRange | None = _range("a push to the left")
+    push_right: MovementRange | None = _range("a push to the right")
+    push_up: MovementRange | None = _range("a push away from the user")
+    push_down: MovementRange | None = _range("a push towards the user")
+    pinch: MovementRange | None = _range("a pinch")
+    zoom: MovementRange | None = _range("a zoom")
+    twist_cw: MovementRange | None = _range("a clockwise twist")
+    twist_ccw: MovementRange | None = _range("a counter-clockwise twist")
 
 
 class UserSettings(Strict):

@@ -18,7 +18,7 @@ from neurotouch_hid.profile.calibration.tremor import find_tremor, propose_filte
 from neurotouch_hid.profile.editing import ProfileText
 from neurotouch_hid.profile.engine.one_euro import FILTERS
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
-from neurotouch_hid.profile.schema.user import Range, UserSettings
+from neurotouch_hid.profile.schema.user import MovementRange, UserSettings
 
 STEP_US = 10_000
 
@@ -184,11 +184,11 @@ def test_full_is_four_fifths_of_a_comfortable_movement(peaks, full):
 
 def test_a_side_below_half_of_its_partner_is_weak():
     ranges = {
-        "pinch": Range(rest=0.6, full=6.0),
-        "zoom": Range(rest=0.6, full=2.9),
-        "push_left": Range(rest=0.6, full=5.0),
-        "push_right": Range(rest=0.6, full=3.0),
-        "twist_cw": Range(rest=0.6, full=5.0),
+        "pinch": MovementRange(rest=0.6, full=6.0),
+        "zoom": MovementRange(rest=0.6, full=2.9),
+        "push_left": MovementRange(rest=0.6, full=5.0),
+        "push_right": MovementRange(rest=0.6, full=3.0),
+        "twist_cw": MovementRange(rest=0.6, full=5.0),
         "twist_ccw": None,
         "push_up": None,
         "push_down": None,
@@ -232,8 +232,8 @@ def test_the_weakest_calm_filter_is_chosen():
 
 
 RANGES = {
-    "pinch": Range(rest=0.6, full=6.0),
-    "zoom": Range(rest=0.7, full=2.9),
+    "pinch": MovementRange(rest=0.6, full=6.0),
+    "zoom": MovementRange(rest=0.7, full=2.9),
     "twist_cw": None,
 }
 
@@ -246,7 +246,7 @@ def test_the_users_file_gets_what_was_measured_and_the_date():
     assert settings.range.twist_cw is None
     assert (settings.filter, settings.handedness) == ("medium", "left")
     assert "# Calibrated 2026-11-21." in text.text
-    again = write_ranges(text, {"zoom": Range(rest=0.6, full=3.0)}, "2027-01-02")
+    again = write_ranges(text, {"zoom": MovementRange(rest=0.6, full=3.0)}, "2027-01-02")
     assert "# Calibrated 2027-01-02." in again.text
     assert "2026" not in again.text
     now = check_user(again.encode(), "user.yaml").require()
