@@ -18,7 +18,7 @@ if TYPE_CHECKING:
         load_user,
     )
     from neurotouch_hid.profile.rehearsal.script import rehearse
-    from neurotouch_hid.profile.rehearsal.timeline import Moment, perform
+    from neurotouch_hid.profile.rehearsal.timeline import TimelineEntry, perform
     from neurotouch_hid.profile.schema.profile import Profile, profile_schema
     from neurotouch_hid.profile.schema.user import UserSettings, user_schema
 
@@ -26,8 +26,8 @@ __all__ = [
     "Checked",
     "Mapping",
     "MappingDecision",
-    "Moment",
     "Profile",
+    "TimelineEntry",
     "UserSettings",
     "check_content",
     "check_profile",
@@ -47,7 +47,7 @@ _MODULES = {
     "Checked": "reading.load",
     "MappingDecision": "decision_log",
     "Mapping": "mapping",
-    "Moment": "rehearsal.timeline",
+    "TimelineEntry": "rehearsal.timeline",
     "Profile": "schema.profile",
     "UserSettings": "schema.user",
     "check_content": "reading.load",
