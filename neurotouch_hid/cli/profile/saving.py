@@ -12,15 +12,15 @@ if TYPE_CHECKING:
     from neurotouch_hid.profile.faults import Fault
 
 
-class Effect(NamedTuple):
-    """What a saved file does now: a status, a sentence, and the way out if it does nothing."""
+class HandoverResult(NamedTuple):
+    """The result of handing a saved file to the driver: a status, a sentence, and a fix if it failed."""
 
     status: Literal["OK", "WARNING"]
     text: str
     fix: str
 
 
-def hand_over_saved(name: str) -> Effect:
+def hand_over_saved(name: str) -> HandoverResult:
     """Gives what has been saved to the running driver.
 
     Args:
@@ -31,11 +31,11 @@ def hand_over_saved(name: str) -> Effect:
 
     done = hand_over()
     if done.status == "refused":
-        return Effect("WARNING", done.text, done.fix)
+        return HandoverResult("WARNING", done.text, done.fix)
     text = done.text
     if name != OWN_VALUES and done.status == "plays" and name not in done.profiles:
         text = f"It is not the active profile. To play it: neurotouch profile use {name}"
-    return Effect("OK", text, "")
+    return HandoverResult("OK", text, "")
 
 
 def _find_new_error(edited: "EditedFile", checked: "Checked[Any]") -> "Fault | None":
