@@ -35,14 +35,14 @@ _MISSING: Final[dict[SoundName, str]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class Playback:
     """How playing went: whether it was heard, as far as anybody knows, and a sentence."""
 
     played: bool
     sentence: str
 
 
-def play_cue(cue: Cue, mode: SoundName, volume: int) -> Outcome:
+def play_cue(cue: Cue, mode: SoundName, volume: int) -> Playback:
     """Plays or speaks a cue with the first program that can; returns when it ends.
 
     Args:
@@ -59,9 +59,9 @@ def play_cue(cue: Cue, mode: SoundName, volume: int) -> Outcome:
         spoken = [] if mode == "tones" else [f"--volume={2 * volume - 100}", "--", cue.words]
         fault = _run([found, *arguments, *spoken], content, PATIENCE_S[mode])
         if not fault:
-            return Outcome(True, f"{mode} through {program}")
+            return Playback(True, f"{mode} through {program}")
         failed.append(f"{program} {fault}")
-    return Outcome(False, f"no {mode}: {', '.join(failed)}" if failed else _MISSING[mode])
+    return Playback(False, f"no {mode}: {', '.join(failed)}" if failed else _MISSING[mode])
 
 
 def _run(command: Sequence[str], content: bytes, patience_s: float) -> str:
