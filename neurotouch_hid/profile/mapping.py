@@ -149,7 +149,7 @@ class Mapping:
         elif self._state == "paused" and not wanted:
             self._layers.listen(reading, wanted)
         for command in wanted:
-            self._obey(command)
+            self._apply(command)
         return outputs if self._state == "running" else Outputs()
 
     def _hear_safety(self, reading: ConditionedGesture) -> list[str]:
@@ -166,7 +166,7 @@ class Mapping:
                 heard.append(command)
         return heard
 
-    def _obey(self, command: str) -> None:
+    def _apply(self, command: str) -> None:
         match command:
             case "pause" if self._state == "paused":
                 self.resume()
