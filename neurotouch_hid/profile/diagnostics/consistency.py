@@ -12,7 +12,7 @@ MAX_LAYERS = 8
 MAX_BINDINGS = 256
 
 
-def find_bindings(profile: Profile) -> Iterator[tuple[Keys, Layer, Binding]]:
+def list_bindings(profile: Profile) -> Iterator[tuple[Keys, Layer, Binding]]:
     """Gives every binding as it is in the file, with the way to it and its layer."""
     own = [("bindings",), *(("layers", i, "bindings") for i in range(len(profile.layers or ())))]
     if profile.bindings is None:
@@ -50,7 +50,7 @@ def _find_twins(profile: Profile, root: Node) -> Iterator[Fault]:
 
 def _find_unknown(profile: Profile, whole: Profile, root: Node) -> Iterator[Fault]:
     names = [layer.name for layer in whole.all_layers]
-    for keys, _, binding in find_bindings(profile):
+    for keys, _, binding in list_bindings(profile):
         if isinstance(binding.do, LayerTarget) and binding.do.layer not in names:
             place: Keys = (*keys, "do", "layer")
             sentence = f"there is no layer '{binding.do.layer}'; layers: {', '.join(names)}"

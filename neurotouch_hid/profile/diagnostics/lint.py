@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Final
 
-from neurotouch_hid.profile.diagnostics.consistency import find_bindings
+from neurotouch_hid.profile.diagnostics.consistency import list_bindings
 from neurotouch_hid.profile.faults import Fault, Keys, format_path
 from neurotouch_hid.profile.schema.conditions import Sequence
 from neurotouch_hid.profile.schema.keyboard_keys import is_order_to_kernel
@@ -49,7 +49,7 @@ def find_warnings(profile: Profile, whole: Profile, root: Node) -> list[Fault]:
     if profile.bindings is not None:  # they belong to the first layer, whatever its name
         merged[profile.all_layers[0].name] = merged[layers[0].name]
     findings = list(_check_whole(profile, whole))
-    for keys, layer, binding in find_bindings(profile):
+    for keys, layer, binding in list_bindings(profile):
         beside = [other for other in merged[layer.name] if other is not binding]
         for code, place, sentence in (
             *_check_binding(binding),
