@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class HandoverResult(NamedTuple):
-    """The result of handing a saved file to the driver: a status, a sentence, and a fix if it failed."""
+    """The result of giving a saved file to the driver: a status, a sentence, and a fix."""
 
     status: Literal["OK", "WARNING"]
     text: str

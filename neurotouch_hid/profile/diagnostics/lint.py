@@ -33,7 +33,7 @@ REACH_MM: Final = {
 }
 """How far people go: the paper's figure for push and zoom, a cautious reading for the others."""
 
-Finding = tuple[str, Keys, str]
+_Remark = tuple[str, Keys, str]
 
 
 def find_warnings(profile: Profile, whole: Profile, root: Node) -> list[Fault]:
@@ -63,7 +63,7 @@ def find_warnings(profile: Profile, whole: Profile, root: Node) -> list[Fault]:
     ]
 
 
-def _check_whole(profile: Profile, whole: Profile) -> Iterator[Finding]:
+def _check_whole(profile: Profile, whole: Profile) -> Iterator[_Remark]:
     if profile.safety.panic is not None and whole.safety.pause is None:
         yield "NT211", ("safety", "panic"), "a panic gesture, but no pause gesture"
     reached = {
@@ -77,7 +77,7 @@ def _check_whole(profile: Profile, whole: Profile) -> Iterator[Finding]:
             yield "NT209", ("layers", i, "name"), f"nothing leads to the layer '{layer.name}'"
 
 
-def _check_binding(binding: Binding) -> Iterator[Finding]:
+def _check_binding(binding: Binding) -> Iterator[_Remark]:
     if isinstance(binding.do, LayerTarget) and binding.do.mode == "hold":
         yield "NT206", ("do", "mode"), "no other gesture can be made while one holds this layer"
     if isinstance(binding.do, KeyTarget) and is_order_to_kernel(binding.do.kernel_names):
@@ -113,7 +113,7 @@ def _check_binding(binding: Binding) -> Iterator[Finding]:
         yield "NT205", ("when", "hold_ms"), "a hold of more than 5 s tires"
 
 
-def _check_beside(binding: Binding, beside: list[Binding]) -> Iterator[Finding]:
+def _check_beside(binding: Binding, beside: list[Binding]) -> Iterator[_Remark]:
     """Gives what two bindings of one gesture do to each other."""
     if binding.is_followed or isinstance(binding.when, Sequence):
         return
@@ -138,7 +138,7 @@ def _check_beside(binding: Binding, beside: list[Binding]) -> Iterator[Finding]:
             yield "NT207", ("when", "level"), "less than 3 mm above the soft level"
 
 
-def _check_twin(binding: Binding, bindings: list[Binding], keys: Keys) -> Iterator[Finding]:
+def _check_twin(binding: Binding, bindings: list[Binding], keys: Keys) -> Iterator[_Remark]:
     before = bindings[: int(keys[-1])]
     if any(other.when == binding.when and other.do == binding.do for other in before):
         yield "NT204", ("when",), "an earlier binding does the same"

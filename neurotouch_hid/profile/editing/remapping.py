@@ -13,7 +13,7 @@ from neurotouch_hid.profile.schema.conditions import Condition
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.profile import FIRST_LAYER, Binding
 
-When = dict[str, Any]
+WrittenWhen = dict[str, Any]
 """A condition as a profile writes it: ``{"gesture": "pinch", "press": "long"}``."""
 
 _PRESSES: Final = ("long", "double", "hold", "tap")
@@ -34,7 +34,7 @@ class Remapping:
     left: tuple[str, ...] = ()
 
 
-def remap(text: ProfileText, weak: str, substitutes: Sequence[When]) -> Remapping:
+def remap(text: ProfileText, weak: str, substitutes: Sequence[WrittenWhen]) -> Remapping:
     """Returns the profile with everything a movement does given to other conditions.
 
     What is pressed is pressed by a substitute instead. A trigger or an axis that followed the
@@ -99,7 +99,7 @@ def remap_unused(text: ProfileText, unused: Sequence[str]) -> Remapping:
     return Remapping(text, tuple(moved), tuple(left))
 
 
-def list_substitutes(weak: str, unused: Sequence[str] = ()) -> list[When]:
+def list_substitutes(weak: str, unused: Sequence[str] = ()) -> list[WrittenWhen]:
     """Returns what may replace a movement: its partner in every way, then the others."""
     partner = MOVEMENTS[weak].partner
     others = [name for name in MOVEMENTS if name not in (weak, partner)]
@@ -108,7 +108,7 @@ def list_substitutes(weak: str, unused: Sequence[str] = ()) -> list[When]:
     return [make_when(name, press) for name, press in ways if name not in unused]
 
 
-def make_when(movement: str, press: str) -> When:
+def make_when(movement: str, press: str) -> WrittenWhen:
     """Returns a movement's condition: ``push_left`` and ``tap`` is a short push to the left."""
     gesture, _, way = movement.partition("_")
     if gesture == "push":
@@ -185,8 +185,8 @@ def _press(do: Any) -> Any:
 
 
 def _choose(
-    substitutes: Sequence[When], taken: Sequence[Any], turning: Sequence[Any] = ()
-) -> When | None:
+    substitutes: Sequence[WrittenWhen], taken: Sequence[Any], turning: Sequence[Any] = ()
+) -> WrittenWhen | None:
     """Returns the first substitute that nothing else reacts to; None if there is none.
 
     What steers is held all the time anyway, so only a quick press of it is a substitute.
@@ -207,7 +207,7 @@ def _is_planar(do: Any) -> bool:
     return "stick" in do or do.get("mouse") == "motion"
 
 
-def _is_heard(substitute: When, binding: Any) -> bool:
+def _is_heard(substitute: WrittenWhen, binding: Any) -> bool:
     """Returns True if a binding would react to the substitute too."""
     model = Binding.model_validate(binding)
     if model.is_followed or "sequence" in binding["when"]:
@@ -225,7 +225,7 @@ def _is_heard(substitute: When, binding: Any) -> bool:
 
 
 def _add_turned_layer(
-    text: ProfileText, keys: Keys, name: str, layer: Any, bindings: list[Any], when: When
+    text: ProfileText, keys: Keys, name: str, layer: Any, bindings: list[Any], when: WrittenWhen
 ) -> ProfileText:
     """Returns the text with a layer that reverses some bindings, and the way there and back."""
     new = f"{name[:57]}-turned"

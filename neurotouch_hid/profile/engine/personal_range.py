@@ -4,10 +4,10 @@ import math
 from collections.abc import Callable
 
 from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.profile.engine.regions import Vector
 from neurotouch_hid.profile.schema.profile import DEFAULT_FULL_MM, DEFAULT_REST_MM
 from neurotouch_hid.profile.schema.user import MovementRange, Ranges
 
-Vector = tuple[float, float]
 Convert = Callable[[GestureKind, float, Vector | None], float]
 
 
