@@ -5,7 +5,7 @@ from contextlib import suppress
 import click
 
 from neurotouch_hid.cli.profile.saving import hand_over_saved, save_edited
-from neurotouch_hid.cli.ui.completing import complete_key, complete_paper, complete_profile
+from neurotouch_hid.cli.ui.completing import complete_file, complete_key, complete_profile
 from neurotouch_hid.cli.ui.outcome import Outcome
 from neurotouch_hid.cli.ui.output import json_option, make_stamp, plain_option
 from neurotouch_hid.cli.ui.usage_errors import SignedCommand, WrongUsage
@@ -68,7 +68,7 @@ def new(name: str, template: str, as_json: bool, plain: bool) -> None:
     "  neurotouch profile set mine push.gain --default\n"
     "  neurotouch profile set user filter strong",
 )
-@click.argument("name", shell_complete=complete_paper)
+@click.argument("name", shell_complete=complete_file)
 @click.argument("key", shell_complete=complete_key)
 @click.argument("value", required=False)
 @click.option(

@@ -9,7 +9,7 @@ from neurotouch_hid.cli.profile.drafts import find_draft, save_draft
 from neurotouch_hid.cli.profile.guide import Guide
 from neurotouch_hid.cli.profile.saving import save_edited
 from neurotouch_hid.cli.profile.values import ask_values
-from neurotouch_hid.cli.ui.completing import complete_paper
+from neurotouch_hid.cli.ui.completing import complete_file
 from neurotouch_hid.cli.ui.outcome import show_faults
 from neurotouch_hid.cli.ui.output import choose, make_stamp, plain_option, say
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     "  neurotouch profile edit mine --editor    the file itself, in $EDITOR\n"
     "  neurotouch profile edit user             your own values: filter, timing, sound and others"
 )
-@click.argument("name", shell_complete=complete_paper)
+@click.argument("name", shell_complete=complete_file)
 @click.option("--editor", is_flag=True, help="Open the file in $VISUAL or $EDITOR; check it after.")
 @click.option(
     "--source",

@@ -12,8 +12,8 @@ def complete_profile(_ctx: click.Context, _param: click.Parameter, incomplete: s
     return [name for name in list_profiles() if name.startswith(incomplete)]
 
 
-def complete_paper(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
-    """Names of profiles, and the one of the person's own values."""
+def complete_file(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Completes names of files that can be edited: profiles, and the person's own values."""
     from neurotouch_hid.profile.reading.library import OWN_VALUES, list_profiles
 
     return [name for name in (*list_profiles(), OWN_VALUES) if name.startswith(incomplete)]
@@ -24,8 +24,8 @@ def complete_key(ctx: click.Context, _param: click.Parameter, incomplete: str) -
     from neurotouch_hid.profile.editing import list_key_paths, take_file
 
     try:
-        draft = take_file(ctx.params.get("name") or "default", str)
-        paths = list_key_paths(draft.text.document, draft.model)
+        edited = take_file(ctx.params.get("name") or "default", str)
+        paths = list_key_paths(edited.text.document, edited.model)
         return [path for path in paths if path.startswith(incomplete)]
     except NeuroTouchError:
         return []
