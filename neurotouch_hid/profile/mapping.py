@@ -158,11 +158,11 @@ class Mapping:
         They work in every state.
         """
         heard = []
-        for channel, command in self._safety:
-            before = channel.down
-            if channel.busy or reading.kind in channel.kinds:
-                channel.update(reading)
-            if channel.down and not before:
+        for runner, command in self._safety:
+            before = runner.down
+            if runner.busy or reading.kind in runner.kinds:
+                runner.update(reading)
+            if runner.down and not before:
                 heard.append(command)
         return heard
 
@@ -190,7 +190,7 @@ class Mapping:
         times = resolve_times(profile.timing, self._user.timing)
         self._layers = LayerStack(profile, times, self._log)
         self._safety = self._make_safety(profile)
-        kinds = self._layers.kinds.union(*(channel.kinds for channel, _ in self._safety))
+        kinds = self._layers.kinds.union(*(runner.kinds for runner, _ in self._safety))
         latch = profile.latch is not False
         self._conditioner = InputConditioner(
             self._user, choose_filter(profile, self._user), kinds, latch=latch

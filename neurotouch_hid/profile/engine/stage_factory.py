@@ -28,7 +28,7 @@ WEAK_DROP: Final = 0.35
 
 
 class StageFactory:
-    """The stages of a channel, to be made new at every reset."""
+    """Makes the stages of a binding runner, new at every reset."""
 
     def __init__(
         self,
@@ -48,7 +48,7 @@ class StageFactory:
             for other in siblings
             if other is not binding and binding.condition.has_gesture_of(other.condition)
         ]
-        self.make_mode = self._plan_mode()
+        self.make_mode = self._choose_mode()
 
     def make_threshold(self) -> Threshold:
         """Returns where it presses and releases."""
@@ -65,7 +65,7 @@ class StageFactory:
         when = self._binding.when
         return SequenceSteps(when, self._say, self._accept) if isinstance(when, Sequence) else None
 
-    def make_gate(self) -> Debounce | None:
+    def make_debounce(self) -> Debounce | None:
         """Returns what it takes to be accepted; None for what follows a measure."""
         if self._binding.is_followed:
             return None
@@ -136,7 +136,7 @@ class StageFactory:
             return False
         return self._times.choose_trigger(self._condition.trigger) == "release"
 
-    def _plan_mode(self) -> Callable[[], Mode] | None:
+    def _choose_mode(self) -> Callable[[], Mode] | None:
         target = self._binding.do
         if not isinstance(target, Acting) or self._binding.is_followed:
             return None
