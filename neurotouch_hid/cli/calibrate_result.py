@@ -15,15 +15,14 @@ from neurotouch_hid.cli.ui.output import (
     show_changes,
 )
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.calibration.result import LEAST_PEAKS
-from neurotouch_hid.profile.schema.movements import MOVEMENTS
+from neurotouch_hid.profile.calibration import LEAST_PEAKS
+from neurotouch_hid.profile.schema import MOVEMENTS
 
 if TYPE_CHECKING:
     from neurotouch_hid.cli.ui.keyboard import Keyboard
     from neurotouch_hid.profile import UserSettings
     from neurotouch_hid.profile.calibration import CalibrationSession, WeakSide
-    from neurotouch_hid.profile.schema.timing import FilterName
-    from neurotouch_hid.profile.schema.user import MovementRange
+    from neurotouch_hid.profile.schema import FilterName, MovementRange
 
 _SIDES = ["left", "right", "up", "down"]
 

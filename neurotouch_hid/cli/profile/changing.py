@@ -195,9 +195,8 @@ def upgrade(name: str, as_json: bool, plain: bool) -> None:
 
     The old one stays in the history of NAME.
     """
-    from neurotouch_hid.profile.editing import take_profile
+    from neurotouch_hid.profile.editing import find_schema, take_profile
     from neurotouch_hid.profile.editing import upgrade as upgrade_text
-    from neurotouch_hid.profile.editing.edited_file import find_schema
 
     edited = take_profile(name, make_stamp)
     text = upgrade_text(edited.text, find_schema(edited.store.path))
@@ -219,9 +218,8 @@ def use(name: str, as_json: bool, plain: bool) -> None:
     """
     from neurotouch_hid.client import ask
     from neurotouch_hid.errors import NotRunningError
-    from neurotouch_hid.profile.editing import compare
-    from neurotouch_hid.profile.editing.favourites import make_favourite
-    from neurotouch_hid.profile.reading.library import OWN_VALUES
+    from neurotouch_hid.profile.editing import compare, make_favourite
+    from neurotouch_hid.profile.reading import OWN_VALUES
 
     stem, edited, text = make_favourite(name, make_stamp)
     effect = hand_over_saved(OWN_VALUES)

@@ -34,7 +34,7 @@ def check(names: tuple[str, ...], as_json: bool, plain: bool) -> None:
     """
     from neurotouch_hid.players import find_user_file
     from neurotouch_hid.profile import check_profile, list_profiles, load_unused
-    from neurotouch_hid.profile.reading.library import OWN_VALUES
+    from neurotouch_hid.profile.reading import OWN_VALUES
 
     found: list[Checked[Any]] = []
     failures: list[NeuroTouchError] = []
@@ -102,8 +102,7 @@ def test(
     [tremor HZ MM], or rest TIME.
     """
     from neurotouch_hid.profile import Mapping, load_profile, load_user, perform, rehearse
-    from neurotouch_hid.profile.editing import read_text
-    from neurotouch_hid.profile.editing.summary import TOUR
+    from neurotouch_hid.profile.editing import TOUR, read_text
 
     if script is not None and script_path is not None:
         raise WrongUsage(

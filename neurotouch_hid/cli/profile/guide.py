@@ -15,7 +15,7 @@ from neurotouch_hid.errors import ProfileError
 if TYPE_CHECKING:
     from neurotouch_hid.profile import Profile
     from neurotouch_hid.profile.editing import EditedFile, ProfileText
-    from neurotouch_hid.profile.schema.profile import Binding
+    from neurotouch_hid.profile.schema import Binding
 
 
 class Guide:
@@ -70,8 +70,8 @@ class Guide:
         return written
 
     def _ask_what(self) -> bool:
-        from neurotouch_hid.profile.editing.summary import summarize_binding
-        from neurotouch_hid.profile.schema.profile import FIRST_LAYER
+        from neurotouch_hid.profile.editing import summarize_binding
+        from neurotouch_hid.profile.schema import FIRST_LAYER
 
         profile = self._load()
         layers = list(profile.all_layers)
@@ -103,7 +103,7 @@ class Guide:
         return timing if isinstance(timing, str) else "the default" if timing is None else "own"
 
     def _change_binding(self, layer: str, at: int, binding: "Binding") -> None:
-        from neurotouch_hid.profile.editing.summary import summarize_binding
+        from neurotouch_hid.profile.editing import summarize_binding
 
         self._show_response(binding)
         answer = choose(
@@ -126,8 +126,7 @@ class Guide:
             self._try(self._text.remove((*self._find(layer), at)))
 
     def _adjust(self, layer: str, at: int, binding: "Binding") -> None:
-        from neurotouch_hid.profile.editing.questions import list_questions
-        from neurotouch_hid.profile.editing.yaml_values import format_value
+        from neurotouch_hid.profile.editing import format_value, list_questions
 
         questions = list(list_questions(binding))
         shown = [
@@ -185,8 +184,7 @@ class Guide:
         return format_path(self._find(layer))
 
     def _ask_when(self) -> object:
-        from neurotouch_hid.profile.editing import parse_when
-        from neurotouch_hid.profile.editing.questions import GESTURES, PRESSES
+        from neurotouch_hid.profile.editing import GESTURES, PRESSES, parse_when
 
         gestures = list(GESTURES)
         if self._source is not None:
@@ -202,8 +200,7 @@ class Guide:
         return parse_when(f"{gesture} {list(PRESSES.values())[press]}")
 
     def _ask_do(self) -> object:
-        from neurotouch_hid.profile.editing import parse_do
-        from neurotouch_hid.profile.editing.questions import OUTPUTS
+        from neurotouch_hid.profile.editing import OUTPUTS, parse_do
 
         kinds = list(OUTPUTS)
         kind = kinds[choose("What shall it do?", kinds)]
@@ -246,7 +243,7 @@ class Guide:
 
     def _show_response(self, binding: "Binding") -> None:
         """Shows the value moving through the curve, from rest to beyond the end."""
-        from neurotouch_hid.profile.editing.questions import sample_response
+        from neurotouch_hid.profile.editing import sample_response
 
         for measure, value in sample_response(binding):
             bar = "" if self._plain or is_plain() else " " + "#" * round(40 * value)

@@ -33,9 +33,8 @@ def diff(name: str, other: str | None, last: bool, as_json: bool, plain: bool) -
 
     Without OTHER, your own NAME is compared with the shipped one.
     """
-    from neurotouch_hid.profile.editing import Store, adopt, compare, read_text
-    from neurotouch_hid.profile.editing.edited_file import find_schema
-    from neurotouch_hid.profile.reading.library import find_profile, find_shipped_folder
+    from neurotouch_hid.profile.editing import Store, adopt, compare, find_schema, read_text
+    from neurotouch_hid.profile.reading import find_profile, find_shipped_folder
 
     path = find_profile(name)
     shipped = find_shipped_folder() / path.name

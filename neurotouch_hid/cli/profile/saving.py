@@ -27,7 +27,7 @@ def hand_over_saved(name: str) -> HandoverResult:
         name: the profile, or ``user`` for the person's own values.
     """
     from neurotouch_hid.handover import hand_over
-    from neurotouch_hid.profile.reading.library import OWN_VALUES
+    from neurotouch_hid.profile.reading import OWN_VALUES
 
     done = hand_over()
     if done.status == "refused":

@@ -50,7 +50,7 @@ def export(
     from neurotouch_hid.players import find_user_file
     from neurotouch_hid.profile import check_profile
     from neurotouch_hid.profile.editing import ProfileText, forget_schema, read_text
-    from neurotouch_hid.profile.reading.library import find_profile, find_shipped_folder
+    from neurotouch_hid.profile.reading import find_profile, find_shipped_folder
 
     path = find_profile(name)
     checked = check_profile(path)
@@ -84,7 +84,7 @@ def export(
 
 
 def _write(path: Path, text: "ProfileText", *, force: bool) -> None:
-    from neurotouch_hid.profile.editing.store import write_whole
+    from neurotouch_hid.profile.editing import write_whole
 
     if path.exists() and not force:
         raise ProfileError(f"'{path}' exists already.", hint="Add --force to overwrite it.")
@@ -137,11 +137,12 @@ def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, pla
         adopt,
         compare,
         find_own_path,
+        find_schema,
+        read_text,
+        summarize,
     )
-    from neurotouch_hid.profile.editing.edited_file import find_schema, read_text
-    from neurotouch_hid.profile.editing.summary import summarize
     from neurotouch_hid.profile.faults import make_printable
-    from neurotouch_hid.profile.reading.library import find_shipped_folder
+    from neurotouch_hid.profile.reading import find_shipped_folder
 
     text, content = read_text(file)
     checked = check_content(content, make_printable(str(file)), unused=load_unused())
@@ -193,8 +194,14 @@ def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, pla
 def _take_values(file: Path, *, yes: bool, as_json: bool, plain: bool) -> None:
     """Takes a person's values from a file that ``export --user`` wrote."""
     from neurotouch_hid.profile import check_user
-    from neurotouch_hid.profile.editing import ProfileText, adopt, compare, read_text, take_user
-    from neurotouch_hid.profile.editing.edited_file import find_schema
+    from neurotouch_hid.profile.editing import (
+        ProfileText,
+        adopt,
+        compare,
+        find_schema,
+        read_text,
+        take_user,
+    )
     from neurotouch_hid.profile.faults import make_printable
 
     text, content = read_text(file)

@@ -31,7 +31,7 @@ def ask_values(edited: "EditedFile", text: "ProfileText", *, plain: bool) -> boo
     Raises:
         ProfileError: there are errors already.
     """
-    from neurotouch_hid.profile.editing.yaml_values import format_value
+    from neurotouch_hid.profile.editing import format_value
 
     while True:
         settings = edited.check(text).require()
@@ -58,10 +58,14 @@ def ask_values(edited: "EditedFile", text: "ProfileText", *, plain: bool) -> boo
 def _ask(edited: "EditedFile", text: "ProfileText", key: str, *, plain: bool) -> "ProfileText":
     """Returns the text with another value; unchanged if the value does not fit."""
     from neurotouch_hid.profile import UserSettings
-    from neurotouch_hid.profile.editing import compare, parse_value, reset_value, set_value
-    from neurotouch_hid.profile.editing.questions import list_words
-    from neurotouch_hid.profile.schema.feedback import Feedback
-    from neurotouch_hid.profile.schema.timing import Timing
+    from neurotouch_hid.profile.editing import (
+        compare,
+        list_words,
+        parse_value,
+        reset_value,
+        set_value,
+    )
+    from neurotouch_hid.profile.schema import Feedback, Timing
 
     fields = {
         **UserSettings.model_fields,

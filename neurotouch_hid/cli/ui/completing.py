@@ -7,14 +7,14 @@ from neurotouch_hid.errors import NeuroTouchError
 
 def complete_profile(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Names of profiles."""
-    from neurotouch_hid.profile.reading.library import list_profiles
+    from neurotouch_hid.profile.reading import list_profiles
 
     return [name for name in list_profiles() if name.startswith(incomplete)]
 
 
 def complete_file(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Completes names of files that can be edited: profiles, and the person's own values."""
-    from neurotouch_hid.profile.reading.library import OWN_VALUES, list_profiles
+    from neurotouch_hid.profile.reading import OWN_VALUES, list_profiles
 
     return [name for name in (*list_profiles(), OWN_VALUES) if name.startswith(incomplete)]
 
@@ -33,6 +33,6 @@ def complete_key(ctx: click.Context, _param: click.Parameter, incomplete: str) -
 
 def complete_code(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Codes of faults."""
-    from neurotouch_hid.profile.diagnostics.codes import CODES
+    from neurotouch_hid.profile.diagnostics import CODES
 
     return [code for code in CODES if code.startswith(incomplete.upper())]
