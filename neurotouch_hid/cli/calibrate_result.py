@@ -1,4 +1,4 @@
-"""What a calibration ends with: said, saved if the person wants it, weak sides relieved."""
+"""Ends a calibration: says and saves the results, and offers help for weak sides."""
 
 import time
 from typing import TYPE_CHECKING, Any
@@ -36,11 +36,11 @@ def conclude(
     as_json: bool = False,
     is_simulated: bool = False,
 ) -> None:
-    """Says what came out, saves it, offers relief.
+    """Says the results, saves them, offers help for weak sides.
 
     Args:
         session: what was measured.
-        keyboard: who is asked; None if nobody can be.
+        keyboard: reads the person's answers; None if there is none.
         yes: save without asking.
         plain: one fact a line.
         as_json: print one JSON object; then nothing is asked.
@@ -240,7 +240,7 @@ def _relieve(side: "WeakSide", keyboard: "Keyboard | None", *, plain: bool) -> N
     if keyboard is None:
         click.echo(f"{weak} {size} {strong}.")
         return
-    choice = keyboard.choose(f"{weak} {size} {strong}. What shall be done?", ways)
+    choice = keyboard.choose(f"{weak} {size} {strong}. What do you want to do?", ways)
     if choice == 0:
         return
     substitutes = list_substitutes(side.weak, user.unused)

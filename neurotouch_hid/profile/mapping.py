@@ -1,4 +1,4 @@
-"""From gestures to the outputs: a pure function of the gesture stream.
+"""Maps gestures to outputs: a pure function of the gesture stream.
 
 Host time never enters, so the same gestures give the same outputs, whatever the speed.
 """
@@ -64,12 +64,12 @@ class Mapping:
 
     @property
     def state(self) -> State:
-        """Whether gestures act: running, paused (the same gesture goes on) or panic."""
+        """The state: running, paused (the same gesture resumes) or panic."""
         return self._state
 
     @property
     def reading(self) -> ConditionedGesture:
-        """What the bindings were last asked about, in millimetres of the reference hand."""
+        """The last conditioned gesture, in millimetres of the reference hand."""
         return self._reading
 
     def decisions(self) -> tuple[MappingDecision, ...]:
@@ -77,7 +77,7 @@ class Mapping:
         return self._log.read()
 
     def usages(self) -> tuple[MovementUsage, ...]:
-        """Returns what the movements have cost so far: which fade, which are held long."""
+        """Returns the usage of each movement so far: which fade, which are held long."""
         return self._fatigue.usages()
 
     def shares(self) -> dict[str, float]:
@@ -108,7 +108,7 @@ class Mapping:
             self._enter("panic", "panic")
 
     def resume(self) -> None:
-        """Goes on at the next gesture."""
+        """Resumes at the next gesture."""
         if self._state != "running":
             self._enter("running", "resume")
 
@@ -153,7 +153,7 @@ class Mapping:
         return outputs if self._state == "running" else Outputs()
 
     def _hear_safety(self, reading: ConditionedGesture) -> list[str]:
-        """Returns the safety gestures that have just been held long enough.
+        """Returns the commands of safety gestures that have just been held long enough.
 
         They work in every state.
         """

@@ -1,4 +1,4 @@
-"""What was begun and not saved, kept beside the profiles."""
+"""Drafts: texts that were begun and not saved, kept beside the profiles."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING

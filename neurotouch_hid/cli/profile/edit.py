@@ -58,9 +58,10 @@ def edit(name: str, editor: bool, source: str | None, plain: bool) -> None:
 
 
 def _edit_text(edited: "EditedFile", text: "ProfileText", draft: Path, *, plain: bool) -> bool:
-    """Opens the editor until the text is right, or until the person has had enough of it.
+    """Opens the editor until the text is right or the person stops.
 
-    Gives false if a draft is left.
+    Returns:
+        False if a draft is left.
     """
     newline = "\r\n" if "\r\n" in text.text else "\n"
     while True:

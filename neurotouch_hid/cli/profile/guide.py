@@ -133,7 +133,7 @@ class Guide:
             f"{q.key}: {'the default' if q.value is None else format_value(q.value)}"
             for q in questions
         ]
-        number = choose("What shall be adjusted?", [*shown, "Back"])
+        number = choose("What do you want to adjust?", [*shown, "Back"])
         if number < len(questions):
             question = questions[number]
             click.echo(question.description)
@@ -203,7 +203,7 @@ class Guide:
         from neurotouch_hid.profile.editing import OUTPUTS, parse_do
 
         kinds = list(OUTPUTS)
-        kind = kinds[choose("What shall it do?", kinds)]
+        kind = kinds[choose("What should it do?", kinds)]
         words = OUTPUTS[kind]
         chosen = (
             words[choose("Which one?", words)]

@@ -1,4 +1,4 @@
-"""What every change of a profile ends with: checked, saved, told."""
+"""Ends every change of a profile: checks it, saves it and says what has changed."""
 
 import sys
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
@@ -21,7 +21,7 @@ class HandoverResult(NamedTuple):
 
 
 def hand_over_saved(name: str) -> HandoverResult:
-    """Gives what has been saved to the running driver.
+    """Gives a saved file to the running driver.
 
     Args:
         name: the profile, or ``user`` for the person's own values.

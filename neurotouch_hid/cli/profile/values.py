@@ -26,7 +26,7 @@ _ASKED = (
 
 
 def ask_values(edited: "EditedFile", text: "ProfileText", *, plain: bool) -> bool:
-    """Asks for one value after the other until the person is done; gives true.
+    """Asks for one value after the other until the person is done, and returns True.
 
     Raises:
         ProfileError: there are errors already.

@@ -1,4 +1,4 @@
-"""Attack, hold and release found in a stream of readings, without asking when."""
+"""Finds the repetitions of a movement in a stream of readings: attack, hold, release."""
 
 from collections import deque
 from dataclasses import dataclass, field

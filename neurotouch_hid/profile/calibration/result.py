@@ -1,4 +1,4 @@
-"""What the measurements say: noise, range, weak sides, and all of it in the user's file."""
+"""Works out noise, ranges and weak sides, and writes them to the user's file."""
 
 import math
 import re

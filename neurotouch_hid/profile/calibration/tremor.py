@@ -1,4 +1,4 @@
-"""Which filter is calm enough for the way a hand trembles."""
+"""Proposes the weakest filter that is calm enough for a hand's tremor."""
 
 from typing import Final
 
@@ -31,7 +31,7 @@ def propose_filter(mm: NDArray[np.float64], step_us: int) -> FilterName:
 
 
 def smooth(mm: NDArray[np.float64], step_us: int, name: FilterName) -> NDArray[np.float64]:
-    """Returns what a filter makes of a hold, from where it has settled (0.5 s) on."""
+    """Returns a filtered hold, from 0.5 s on, where the filter has settled."""
     if name == "none":
         return mm
     one_euro = OneEuro(*FILTERS[name])

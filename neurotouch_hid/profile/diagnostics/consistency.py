@@ -1,4 +1,4 @@
-"""What only shows when a profile is whole: its layers exist, and each can be left again."""
+"""Checks a whole profile: its layers exist, and each can be left again."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ MAX_BINDINGS = 256
 
 
 def list_bindings(profile: Profile) -> Iterator[tuple[Keys, Layer, Binding]]:
-    """Gives every binding as it is in the file, with the way to it and its layer."""
+    """Gives every binding as it is in the file, with its path and its layer."""
     own = [("bindings",), *(("layers", i, "bindings") for i in range(len(profile.layers or ())))]
     if profile.bindings is None:
         own = own[1:]
@@ -23,7 +23,7 @@ def list_bindings(profile: Profile) -> Iterator[tuple[Keys, Layer, Binding]]:
 
 
 def check_layers(profile: Profile, whole: Profile, root: Node) -> list[Fault]:
-    """Faults of the layers.
+    """Returns the faults of the layers.
 
     Args:
         profile: as it is in the file.
@@ -78,7 +78,7 @@ def _find_dead_ends(profile: Profile, whole: Profile, root: Node) -> Iterator[Fa
 
 
 def _find_ways(layer: Layer, layers: tuple[Layer, ...]) -> set[str]:
-    """Returns where one can go from a layer.
+    """Returns the layers that a layer leads to.
 
     A held layer, and one for one action, end by themselves.
     """

@@ -37,7 +37,7 @@ _Remark = tuple[str, Keys, str]
 
 
 def find_warnings(profile: Profile, whole: Profile, root: Node) -> list[Fault]:
-    """Warnings about what is in the file.
+    """Returns the warnings about what is in the file.
 
     Args:
         profile: as it is in the file.
@@ -79,7 +79,11 @@ def _check_whole(profile: Profile, whole: Profile) -> Iterator[_Remark]:
 
 def _check_binding(binding: Binding) -> Iterator[_Remark]:
     if isinstance(binding.do, LayerTarget) and binding.do.mode == "hold":
-        yield "NT206", ("do", "mode"), "no other gesture can be made while one holds this layer"
+        yield (
+            "NT206",
+            ("do", "mode"),
+            "while a gesture holds this layer, no other gesture can be made",
+        )
     if isinstance(binding.do, KeyTarget) and is_order_to_kernel(binding.do.kernel_names):
         yield "NT213", ("do", "key"), "Linux takes Alt+Print for itself, so Print is left out"
     if isinstance(binding.when, Sequence):
@@ -114,7 +118,7 @@ def _check_binding(binding: Binding) -> Iterator[_Remark]:
 
 
 def _check_beside(binding: Binding, beside: list[Binding]) -> Iterator[_Remark]:
-    """Gives what two bindings of one gesture do to each other."""
+    """Gives the remarks about bindings of one gesture that affect each other."""
     if binding.is_followed or isinstance(binding.when, Sequence):
         return
     condition = binding.condition

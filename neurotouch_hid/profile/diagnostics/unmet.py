@@ -1,4 +1,4 @@
-"""What a profile asks of movements that a person does not make."""
+"""Warns of bindings that need movements a person does not make."""
 
 from collections.abc import Collection, Iterator
 from typing import Final
@@ -17,7 +17,7 @@ _PUSHES: Final = tuple(name for name in MOVEMENTS if name.startswith("push_"))
 def find_unmet(
     profile: Profile, whole: Profile, root: Node, unused: Collection[str]
 ) -> list[Fault]:
-    """Warnings about what a person cannot do.
+    """Returns the warnings about movements a person does not make.
 
     Args:
         profile: as it is in the file.

@@ -54,7 +54,7 @@ _LONG: Final = {
 
 
 def parse_when(words: str) -> Any:
-    """Returns what a profile writes after ``when:``.
+    """Returns the value of ``when`` as a profile writes it.
 
     Raises:
         ProfileError: the words mean no gesture.
@@ -86,7 +86,7 @@ def parse_when(words: str) -> Any:
 
 
 def parse_do(words: str) -> dict[str, Any]:
-    """Returns what a profile writes after ``do:``.
+    """Returns the value of ``do`` as a profile writes it.
 
     Raises:
         ProfileError: the words mean no output.

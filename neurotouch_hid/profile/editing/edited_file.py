@@ -1,4 +1,4 @@
-"""A profile or the user's file taken out to be edited, and put back only when it is right."""
+"""Opens a profile or the user's file to be edited, and saves it only if it is right."""
 
 import os
 import re
@@ -74,7 +74,7 @@ class EditedFile:
         return check_content(content, name, path, load_unused())
 
     def save(self, text: ProfileText, *, keep: bool = True) -> None:
-        """Saves the text if it is right; what stood there becomes a version unless ``keep`` is not.
+        """Saves the text if it is right; the old one becomes a version unless ``keep`` is False.
 
         Raises:
             ProfileError: there are errors, or it cannot be written; nothing has changed.

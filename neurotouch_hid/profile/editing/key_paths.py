@@ -50,7 +50,7 @@ def find_key_path(document: Any, path: str, model: type[BaseModel] = Profile) ->
         model: what the document is.
 
     Raises:
-        ProfileError: it leads nowhere, or a part could mean several things.
+        ProfileError: there is no such key, or a part could mean several things.
     """
     if not _PATH.fullmatch(path):
         raise _refuse(path, "")
@@ -104,7 +104,7 @@ def name_bindings(bindings: Any) -> list[str]:
 
 
 def _hop(value: Any, part: str, keys: Keys) -> Keys | None:
-    """Returns the keys a part leads over, or None if it leads nowhere."""
+    """Returns the keys that a part means, or None if there are none."""
     if isinstance(value, list):
         names = _name_items(value, keys)
         if part.isdecimal() and int(part) < len(value):

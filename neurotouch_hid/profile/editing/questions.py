@@ -1,4 +1,4 @@
-"""What the guided editor can ask: the choices for gestures, outputs and the keys of a binding."""
+"""Choices of the guided editor: gestures, outputs and the keys of a binding."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What a movement does, given to another one: for people who cannot make it, or only just."""
+"""Gives the bindings of one movement to others, for people who can hardly make it."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ _PRESSES: Final = ("long", "double", "hold", "tap")
 
 @dataclass(frozen=True, slots=True)
 class Remapping:
-    """What has become of a profile.
+    """The result of a remapping.
 
     Attributes:
         text: the profile now.
@@ -100,7 +100,7 @@ def remap_unused(text: ProfileText, unused: Sequence[str]) -> Remapping:
 
 
 def list_substitutes(weak: str, unused: Sequence[str] = ()) -> list[WrittenWhen]:
-    """Returns what may replace a movement: its partner in every way, then the others."""
+    """Returns the substitutes of a movement: its partner in every press, then the others."""
     partner = MOVEMENTS[weak].partner
     others = [name for name in MOVEMENTS if name not in (weak, partner)]
     ways: list[tuple[str, str]] = [(partner, press) for press in _PRESSES]
@@ -117,7 +117,7 @@ def make_when(movement: str, press: str) -> WrittenWhen:
 
 
 def _list_layers(document: Any) -> Iterator[tuple[Keys, str, Any]]:
-    """Gives the way to each layer's bindings, its name, and the layer."""
+    """Gives the path of each layer's bindings, its name, and the layer."""
     if "bindings" in document:
         yield ("bindings",), FIRST_LAYER, {"bindings": document["bindings"]}
     for i, layer in enumerate(document.get("layers", [])):

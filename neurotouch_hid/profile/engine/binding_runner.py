@@ -1,4 +1,4 @@
-"""One binding at work: does its gesture hold, is it pressed, what does it put out."""
+"""Runs one binding: checks its gesture, decides whether it is pressed, moves its output."""
 
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture

@@ -1,4 +1,4 @@
-"""What is done about a hand that tires: nothing, a suggestion, or less is asked of it."""
+"""Watches for a hand that tires; suggests smaller ranges, or applies them."""
 
 from dataclasses import replace
 
@@ -27,7 +27,7 @@ class FatigueMonitor:
         self._used_us: int | None = None
 
     def usages(self) -> tuple[MovementUsage, ...]:
-        """Returns what the movements have cost so far; without suggestions if none are wanted."""
+        """Returns the usage of each movement so far; without suggestions if none are wanted."""
         report = self._effort.report()
         if self._setting != "none":
             return report

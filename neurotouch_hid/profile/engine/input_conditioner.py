@@ -1,4 +1,4 @@
-"""From a gesture to a reading.
+"""Conditions each gesture for the bindings.
 
 orientation ─ unused ─ notch ─ filter ─ range ─ onset and latch ─ direction, zone, ...
 
@@ -47,7 +47,7 @@ _MIRRORED: Final = {
 
 @dataclass(slots=True)
 class _Memory:
-    """What is remembered of a gesture until it ends; the names are those of the reading."""
+    """Memory of one gesture until it ends; the names are those of the conditioned gesture."""
 
     kind: GestureKind | None = None  # the latched one
     onset_us: int | None = None
@@ -63,7 +63,7 @@ class _Memory:
 
 
 class InputConditioner:
-    """Makes readings from gestures; what it remembers ends with each gesture.
+    """Conditions gestures; its memory ends with each of them.
 
     Args:
         user: the person's own values.
@@ -113,7 +113,7 @@ class InputConditioner:
             self._watch.reset()
 
     def read(self, gesture: Gesture) -> ConditionedGesture:
-        """Returns what the hand does now; at rest if a measurement is not a number."""
+        """Returns the conditioned gesture; at rest if a measurement is not a number."""
         step_us = 0 if self._t_us is None else gesture.t_us - self._t_us
         self._t_us = gesture.t_us
         kind, mm = gesture.kind, float(gesture.intensity_mm)

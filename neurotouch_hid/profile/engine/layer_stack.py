@@ -52,7 +52,7 @@ class LayerStack:
         self._enter(0)
 
     def run(self, reading: ConditionedGesture, commands: list[str]) -> Outputs:
-        """Returns what the bindings put out; commands they give are added to ``commands``."""
+        """Returns the outputs of the bindings; commands they give are added to ``commands``."""
         if self._holder is not None:
             self._holder.update(reading)
             if not self._holder.down:

@@ -1,4 +1,4 @@
-"""Notes gestures that nearly did something, so that nobody has to guess why nothing happened."""
+"""Logs gestures that ended just below a threshold, so that people see why nothing happened."""
 
 from collections.abc import Iterable
 from typing import Final

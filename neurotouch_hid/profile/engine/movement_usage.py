@@ -1,4 +1,4 @@
-"""What the movements cost a person: peaks that fade, and holds that last.
+"""Tracks the cost of each movement for the hand: peaks that fade, and long holds.
 
 It only watches; a suggestion changes nothing by itself.
 """

@@ -1,4 +1,4 @@
-"""What a press does to its output: held, toggled, kept for the next action, repeated."""
+"""Modes of a press: held, toggled, kept for the next action, repeated."""
 
 from collections.abc import Callable
 from typing import Final, Protocol
@@ -8,7 +8,7 @@ PAUSE_US: Final = 20_000
 
 
 class Mode(Protocol):
-    """What comes after a press.
+    """The stage after a press.
 
     Attributes:
         busy: it is down although nothing is pressed.
@@ -104,7 +104,7 @@ def make_mode(
     repeat_us: tuple[int, int] | None,
     turbo_us: tuple[int, int],
 ) -> Callable[[], Mode] | None:
-    """Returns how to make a new mode for a binding; None where the output simply follows the press.
+    """Returns a maker of modes for a binding; None where the output simply follows the press.
 
     Args:
         name: the mode's name in the profile.

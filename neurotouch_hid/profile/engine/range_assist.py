@@ -1,4 +1,4 @@
-"""Less is asked of a hand that tires: full output comes sooner, and as before after a pause."""
+"""Lets a tiring hand reach full output sooner; after a pause the ranges are as before."""
 
 import math
 from collections.abc import Iterable

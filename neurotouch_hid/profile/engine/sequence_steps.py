@@ -54,7 +54,7 @@ class SequenceSteps:
         return self._complete
 
     def _count(self) -> int:
-        """Returns how many of its first gestures have just been made."""
+        """Returns the number of its first gestures that have just been made."""
         done = list(self._done)
         for n in range(min(len(done), len(self._steps) - 1), 0, -1):
             if all(_fits(step, one) for step, one in zip(self._steps, done[-n:], strict=False)):

@@ -51,7 +51,7 @@ class StageFactory:
         self.make_mode = self._choose_mode()
 
     def make_threshold(self) -> Threshold:
-        """Returns where it presses and releases."""
+        """Returns the stage that presses and releases by intensity."""
         on_mm, off_mm = self._binding.thresholds_mm
         release = self._condition.release
         if release is not None:
@@ -66,7 +66,7 @@ class StageFactory:
         return SequenceSteps(when, self._say, self._accept) if isinstance(when, Sequence) else None
 
     def make_debounce(self) -> Debounce | None:
-        """Returns what it takes to be accepted; None for what follows a measure."""
+        """Returns the stage that accepts a press; None for an output that follows a measure."""
         if self._binding.is_followed:
             return None
         condition, times = self._condition, self._times
@@ -161,7 +161,7 @@ def make_direction_test(condition: Condition) -> Test | None:
 
 
 def make_tests(condition: Condition) -> tuple[Test, ...]:
-    """Returns what must be true beside kind, direction and intensity."""
+    """Returns the tests of a condition beside kind, direction and intensity."""
     tests: list[Test] = []
     if (zone := condition.zone) is not None:
         tests.append(lambda reading: reading.zone == zone)

@@ -1,4 +1,4 @@
-"""What a profile does with a stream of gestures, moment by moment, in words."""
+"""Timeline of a profile's outputs for a stream of gestures, in words."""
 
 import math
 from collections.abc import Iterable, Iterator

@@ -1,4 +1,4 @@
-"""When a binding acts: a gesture, narrowed as far as the keys say, or several one after another."""
+"""Conditions of a binding: a gesture, perhaps narrowed, or several one after another."""
 
 from typing import Annotated, Final, Literal, Self
 
@@ -74,7 +74,7 @@ class WeakRelease(Strict):
 
 
 class Condition(Strict):
-    """When a binding acts: a gesture, narrowed as far as the keys say."""
+    """The condition of a binding: a gesture, narrowed by the other keys."""
 
     gesture: GestureName = Field(
         description="The gesture. Clockwise and counter-clockwise are as seen by the user. twist "
@@ -182,7 +182,7 @@ class Condition(Strict):
 
     @property
     def thresholds_mm(self) -> tuple[float, float]:
-        """Where it acts and where it releases, in mm, defaults filled in."""
+        """The thresholds to act and to release, in mm, with defaults filled in."""
         usual = HARD_ON_MM if self.level == "hard" else DEFAULT_ON_MM
         on_mm = usual if self.on_mm is None else self.on_mm
         return on_mm, OFF_SHARE * on_mm if self.off_mm is None else self.off_mm

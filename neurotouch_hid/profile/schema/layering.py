@@ -1,4 +1,4 @@
-"""Which bindings hold in a layer: its own, and those of the first that it does not cover."""
+"""Merges the bindings of a layer with those of the first layer that it does not cover."""
 
 from neurotouch_hid.profile.schema.conditions import CONDITION_KEYS, Sequence
 from neurotouch_hid.profile.schema.profile import Binding, Layer

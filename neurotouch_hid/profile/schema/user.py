@@ -1,4 +1,4 @@
-"""What belongs to the person, not to the game: ranges, filter, patience, how the gel is mounted."""
+"""Model of the user's file: ranges, filter, timing, and the way the gel is mounted."""
 
 from typing import Annotated, Any, Literal, Self
 
@@ -57,7 +57,7 @@ class Ranges(Strict):
 
 
 class UserSettings(Strict):
-    """What belongs to the person; it applies in every profile and is never exported with one."""
+    """A person's own values; they apply in every profile and are never exported with one."""
 
     version: Annotated[int, AfterValidator(check_version)] = Field(
         default=1,
