@@ -12,9 +12,11 @@ from neurotouch_hid.errors import DriverError, NotRunningError, ProfileError
 from neurotouch_hid.handover import hand_over
 from neurotouch_hid.page.profile_view import Place, is_editable, list_places
 from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_unused
-from neurotouch_hid.profile.diagnostics.description import describe_target, describe_when
+from neurotouch_hid.profile.diagnostics import describe_target, describe_when
 from neurotouch_hid.profile.editing import (
     EditedFile,
+    ProfileText,
+    make_favourite,
     make_profile,
     parse_do,
     parse_when,
@@ -24,9 +26,7 @@ from neurotouch_hid.profile.editing import (
     set_value,
     take_profile,
 )
-from neurotouch_hid.profile.editing.favourites import make_favourite
-from neurotouch_hid.profile.schema.movements import MOVEMENTS
-from neurotouch_hid.profile.schema.profile import Binding
+from neurotouch_hid.profile.schema import MOVEMENTS, Binding
 
 MARKS: Final = {
     "on_mm": "acts from {} mm",
@@ -204,7 +204,7 @@ def _find_place(path: Path, key: str) -> Place:
     return found
 
 
-def _write(text: str, place: Place, mark: str, value: Any) -> str:
+def _write(text: ProfileText, place: Place, mark: str, value: Any) -> ProfileText:
     if mark not in MARKS:
         raise ProfileError("There is no such mark.")
     if mark == "points":
