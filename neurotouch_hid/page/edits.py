@@ -84,13 +84,13 @@ class Changes:
             ProfileError: there is no such mark, or the value cannot be; nothing has changed.
             DriverError: it is saved, and the running driver does not play it.
         """
-        paper = self._take(path)
+        edited = self._take(path)
         place = _find_place(path, key)
-        text = _write(paper.text, place, mark, value)
-        if text == paper.text:
-            return f"{paper.name} says so already."
-        paper.save(text)
-        return f"Saved in {paper.name}: {_describe(place.binding, mark, value)}. {_hand_over()}"
+        text = _write(edited.text, place, mark, value)
+        if text == edited.text:
+            return f"{edited.name} says so already."
+        edited.save(text)
+        return f"Saved in {edited.name}: {_describe(place.binding, mark, value)}. {_hand_over()}"
 
     def bind(self, path: Path, wish: "Wish") -> str:
         """Lets a movement do something and tells in a sentence what has been saved.
@@ -99,17 +99,17 @@ class Changes:
             ProfileError: there is no such movement, output or binding; nothing has changed.
             DriverError: it is saved, and the running driver does not play it.
         """
-        paper = self._take(path)
+        edited = self._take(path)
         text = rebind(
-            paper.text,
+            edited.text,
             parse_when(f"{wish.movement.replace('_', ' ')} {wish.press}".strip()),
             parse_do(f"{wish.mode} {wish.do}".strip()),
             wish.layer or None,
             instead=wish.instead or None,
         )
-        paper.save(text)
+        edited.save(text)
         words = MOVEMENTS[wish.movement].words if wish.movement in MOVEMENTS else wish.movement
-        return f"Saved in {paper.name}: {words} {wish.press} → {wish.do}. {_hand_over()}"
+        return f"Saved in {edited.name}: {words} {wish.press} → {wish.do}. {_hand_over()}"
 
     def unbind(self, path: Path, key: str) -> str:
         """Lets a movement no longer do something.
@@ -118,9 +118,9 @@ class Changes:
             ProfileError: there is no such binding, or it is the last one; nothing has changed.
             DriverError: as ``bind``.
         """
-        paper = self._take(path)
-        paper.save(remove_binding(paper.text, key))
-        return f"Removed from {paper.name}. {_hand_over()}"
+        edited = self._take(path)
+        edited.save(remove_binding(edited.text, key))
+        return f"Removed from {edited.name}. {_hand_over()}"
 
     def use(self, name: str) -> str:
         """Plays with a profile from now on.
@@ -147,8 +147,8 @@ class Changes:
         known = list_profiles()
         names = ("mine", *(f"mine-{number}" for number in range(2, len(known) + 3)))
         name = next(name for name in names if name not in known)
-        paper = make_profile(name, template, self._stamp)
-        paper.save(remap_unused(paper.text, load_unused()).text)
+        edited = make_profile(name, template, self._stamp)
+        edited.save(remap_unused(edited.text, load_unused()).text)
         return f"'{name}' is your own copy of {template}. {self.use(name)}"
 
     def undo(self, path: Path) -> str:
@@ -158,9 +158,9 @@ class Changes:
             ProfileError: there is none.
             DriverError: as ``set``.
         """
-        paper = self._take(path)
-        version = paper.store.undo()
-        return f"{paper.name} is as in version {version.number} again. {_hand_over()}"
+        edited = self._take(path)
+        version = edited.store.undo()
+        return f"{edited.name} is as in version {version.number} again. {_hand_over()}"
 
     def _take(self, path: Path) -> EditedFile:
         if not is_editable(path):
