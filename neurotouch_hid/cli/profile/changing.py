@@ -37,7 +37,7 @@ def new(name: str, template: str, as_json: bool, plain: bool) -> None:
     edited = make_profile(name, template, make_stamp)
     edited.check(edited.text).require()
     mine = remap_unused(edited.text, load_unused())
-    edited.save(mine.text)
+    checked = edited.save(mine.text)
     effect = hand_over_saved(name)
     path = edited.store.path
     outcome = Outcome(
@@ -46,7 +46,7 @@ def new(name: str, template: str, as_json: bool, plain: bool) -> None:
         fix=effect.fix,
         file=path,
         changed=True,
-        checked=edited.check(mine.text),
+        checked=checked,
         notes=(
             effect.text,
             *(f"For you: {what}" for what in mine.moved),
@@ -106,7 +106,7 @@ def set_command(
         if value is None
         else set_value(edited.text, key, parse_value(value), edited.model)
     )
-    own, *others = list_namesakes(text, key, edited.model) or ("",)
+    own, *others = list_namesakes(edited.text, key, edited.model) or ("",)
     note = f"This was {own}. The same gesture has more bindings: {', '.join(others)}."
     refused = f"'{key}' was not changed"
     notes = (note,) if others else ()

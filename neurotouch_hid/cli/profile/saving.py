@@ -94,10 +94,12 @@ def save_edited(
         message = f"{edited.name} says so already, nothing has changed."
         Outcome(message, file=path).tell(plain=plain, as_json=as_json)
         return
-    checked = edited.check(text)
     try:
-        checked.require()
+        checked = edited.save(text)
     except ProfileError as error:
+        checked = edited.check(text)
+        if checked.whole is not None:  # right, but it cannot be written
+            raise
         fault = _find_new_error(edited, checked) if refused else None
         told = ProfileError(f"{error.message}\nNothing was saved.", hint=error.hint)
         if fault is not None:
@@ -108,7 +110,6 @@ def save_edited(
         fix = told.hint or "Nothing was saved."
         Outcome(message, "FAILED", path, checked=checked, fix=fix).tell(plain=plain, as_json=True)
         sys.exit(error.exit_code)
-    edited.save(text)
     effect = hand_over_saved(edited.name)
     if edited.shipped:
         notes = ("This is your own copy; the shipped profile stays as it is.", *notes)

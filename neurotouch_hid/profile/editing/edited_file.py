@@ -73,16 +73,23 @@ class EditedFile:
             path = list_profiles().get(path.stem, path)
         return check_content(content, name, path, load_unused())
 
-    def save(self, text: ProfileText, *, keep: bool = True) -> None:
+    def save(
+        self, text: ProfileText, *, keep: bool = True
+    ) -> Checked[Profile] | Checked[UserSettings]:
         """Saves the text if it is right; the old one becomes a version unless ``keep`` is False.
+
+        Returns:
+            The text as it was checked, with its warnings.
 
         Raises:
             ProfileError: there are errors, or it cannot be written; nothing has changed.
         """
-        self.check(text).require()
+        checked = self.check(text)
+        checked.require()
         if self.content is None and self.text.text:
             self.store.keep(self.text.encode())
         self.store.save(text.encode(), over=self.content, keep=keep)
+        return checked
 
 
 def take_profile(name_or_path: str, stamp: Stamp) -> EditedFile:
