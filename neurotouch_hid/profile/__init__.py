@@ -28,21 +28,13 @@ else:
     __getattr__ = load_lazily(
         __name__,
         {
-            "decision_log": ("MappingDecision",),
-            "diagnostics": ("explain",),
-            "mapping": ("Mapping",),
-            "reading": (
-                "Checked",
-                "check_content",
-                "check_profile",
-                "check_user",
-                "list_profiles",
-                "load_profile",
-                "load_unused",
-                "load_user",
-            ),
-            "rehearsal": ("TimelineEntry", "perform", "rehearse"),
-            "schema": ("Profile", "UserSettings", "profile_schema", "user_schema"),
+            "decision_log": "MappingDecision",
+            "diagnostics": "explain",
+            "mapping": "Mapping",
+            "reading": "Checked check_content check_profile check_user list_profiles "
+            "load_profile load_unused load_user",
+            "rehearsal": "TimelineEntry perform rehearse",
+            "schema": "Profile UserSettings profile_schema user_schema",
         },
     )
 

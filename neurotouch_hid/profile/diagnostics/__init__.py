@@ -18,8 +18,8 @@ else:
     __getattr__ = load_lazily(
         __name__,
         {
-            "codes": ("CODES", "explain"),
-            "description": ("describe_binding", "describe_target", "describe_when"),
+            "codes": "CODES explain",
+            "description": "describe_binding describe_target describe_when",
         },
     )
 

@@ -20,10 +20,10 @@ else:
     __getattr__ = load_lazily(
         __name__,
         {
-            "conditioned_gesture": ("ConditionedGesture",),
-            "notch": ("Notch",),
-            "one_euro": ("FILTERS", "OneEuro"),
-            "response": ("make_response",),
+            "conditioned_gesture": "ConditionedGesture",
+            "notch": "Notch",
+            "one_euro": "FILTERS OneEuro",
+            "response": "make_response",
         },
     )
 

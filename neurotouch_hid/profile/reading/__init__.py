@@ -33,27 +33,10 @@ else:
     __getattr__ = load_lazily(
         __name__,
         {
-            "library": (
-                "OWN_VALUES",
-                "find_profile",
-                "find_shipped_folder",
-                "find_user_folder",
-                "list_profile_folders",
-                "list_profiles",
-            ),
-            "load": (
-                "MAX_BYTES",
-                "Checked",
-                "check_content",
-                "check_profile",
-                "check_user",
-                "find_values",
-                "load_profile",
-                "load_settings",
-                "load_unused",
-                "load_user",
-                "parse_profile",
-            ),
+            "library": "OWN_VALUES find_profile find_shipped_folder find_user_folder "
+            "list_profile_folders list_profiles",
+            "load": "MAX_BYTES Checked check_content check_profile check_user find_values "
+            "load_profile load_settings load_unused load_user parse_profile",
         },
     )
 

@@ -39,17 +39,17 @@ else:
     __getattr__ = load_lazily(
         __name__,
         {
-            "conditions": ("Condition",),
-            "feedback": ("Feedback", "SoundName", "Volumes"),
-            "keyboard_keys": ("KEYS", "parse_chord"),
-            "layering": ("merge_bindings",),
-            "movements": ("MOVEMENTS", "MovementName"),
-            "profile": ("FIRST_LAYER", "Binding", "Profile", "check_version", "profile_schema"),
-            "shaping": ("Expo", "Points", "Power", "Shaped"),
-            "strict": ("Strict", "give_unit", "make_optional"),
-            "targets": ("KeyTarget", "MouseButtonTarget", "MouseMotionTarget", "MouseWheelTarget"),
-            "timing": ("FilterName", "Timing", "resolve_times"),
-            "user": ("MovementRange", "UserSettings", "choose_filter", "user_schema"),
+            "conditions": "Condition",
+            "feedback": "Feedback SoundName Volumes",
+            "keyboard_keys": "KEYS parse_chord",
+            "layering": "merge_bindings",
+            "movements": "MOVEMENTS MovementName",
+            "profile": "FIRST_LAYER Binding Profile check_version profile_schema",
+            "shaping": "Expo Points Power Shaped",
+            "strict": "Strict give_unit make_optional",
+            "targets": "KeyTarget MouseButtonTarget MouseMotionTarget MouseWheelTarget",
+            "timing": "FilterName Timing resolve_times",
+            "user": "MovementRange UserSettings choose_filter user_schema",
         },
     )
 
