@@ -1,4 +1,4 @@
-"""What a calibration ends with: said, saved if the person wants it, weak sides relieved."""
+"""Ends a calibration: says and saves the results, and offers help for weak sides."""
 
 import time
 from typing import TYPE_CHECKING, Any
@@ -15,15 +15,14 @@ from neurotouch_hid.cli.ui.output import (
     show_changes,
 )
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.calibration.result import LEAST_PEAKS
-from neurotouch_hid.profile.schema.movements import MOVEMENTS
+from neurotouch_hid.profile.calibration import LEAST_PEAKS
+from neurotouch_hid.profile.schema import MOVEMENTS
 
 if TYPE_CHECKING:
     from neurotouch_hid.cli.ui.keyboard import Keyboard
     from neurotouch_hid.profile import UserSettings
     from neurotouch_hid.profile.calibration import CalibrationSession, WeakSide
-    from neurotouch_hid.profile.schema.timing import FilterName
-    from neurotouch_hid.profile.schema.user import Range
+    from neurotouch_hid.profile.schema import FilterName, MovementRange
 
 _SIDES = ["left", "right", "up", "down"]
 
@@ -37,11 +36,11 @@ def conclude(
     as_json: bool = False,
     is_simulated: bool = False,
 ) -> None:
-    """Says what came out, saves it, offers relief.
+    """Says the results, saves them, offers help for weak sides.
 
     Args:
         session: what was measured.
-        keyboard: who is asked; None if nobody can be.
+        keyboard: reads the person's answers; None if there is none.
         yes: save without asking.
         plain: one fact a line.
         as_json: print one JSON object; then nothing is asked.
@@ -49,7 +48,7 @@ def conclude(
     """
     from neurotouch_hid.profile import load_user
     from neurotouch_hid.profile.calibration import find_weak_sides, write_ranges
-    from neurotouch_hid.profile.editing import compare, take_user
+    from neurotouch_hid.profile.editing import ProfileText, compare, take_user
 
     before, calm, edited = load_user(), session.tremor_filter, take_user(make_calibration_stamp)
     asks = keyboard is not None and not yes and not as_json
@@ -67,7 +66,7 @@ def conclude(
         wanted, tremor_hz = _ask_filter(session, before, keyboard)
     date = time.strftime("%Y-%m-%d")
     text = write_ranges(edited.text, session.ranges, date, wanted, tremor_hz)
-    lines = compare(edited.text if edited.content is not None else "", text)
+    lines = compare(edited.text if edited.content is not None else ProfileText(""), text)
     path = edited.store.path
     if not as_json:
         show_changes(lines, plain=plain)
@@ -103,11 +102,11 @@ def undo_calibration(*, plain: bool, as_json: bool) -> None:
         ProfileError: there is none to take back, or it cannot be saved.
     """
     from neurotouch_hid.profile.calibration import undo_ranges
-    from neurotouch_hid.profile.editing import compare, take_user
+    from neurotouch_hid.profile.editing import ProfileText, compare, take_user
 
     edited = take_user(make_stamp)
     for before, after in edited.store.changes("calibration"):
-        text = undo_ranges(edited.text, before.decode(), after.decode())
+        text = undo_ranges(edited.text, ProfileText(before.decode()), ProfileText(after.decode()))
         if text != edited.text:
             edited.save(text)
             break
@@ -195,7 +194,7 @@ def _report(session: "CalibrationSession", before: "UserSettings") -> dict[str, 
     }
 
 
-def _report_range(range_: "Range | None") -> dict[str, float] | None:
+def _report_range(range_: "MovementRange | None") -> dict[str, float] | None:
     return None if range_ is None else {"rest": range_.rest, "full": range_.full}
 
 
@@ -241,7 +240,7 @@ def _relieve(side: "WeakSide", keyboard: "Keyboard | None", *, plain: bool) -> N
     if keyboard is None:
         click.echo(f"{weak} {size} {strong}.")
         return
-    choice = keyboard.choose(f"{weak} {size} {strong}. What shall be done?", ways)
+    choice = keyboard.choose(f"{weak} {size} {strong}. What do you want to do?", ways)
     if choice == 0:
         return
     substitutes = list_substitutes(side.weak, user.unused)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from neurotouch_hid.cli.ui.options import seconds_option
-from neurotouch_hid.cli.ui.usage import WrongUsage
+from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 
 if TYPE_CHECKING:
     from neurotouch_hid.source import Source

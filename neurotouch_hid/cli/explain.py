@@ -13,7 +13,7 @@ from neurotouch_hid.cli.ui.output import json_option, print_json
 @json_option
 def command(code: str | None, as_json: bool) -> None:
     """Explain the CODE of a fault and how to fix it; without one, list them all."""
-    from neurotouch_hid.profile.diagnostics.codes import CODES, explain
+    from neurotouch_hid.profile.diagnostics import CODES, explain
 
     if as_json:
         chosen = {code.upper(): explain(code)} if code is not None else CODES

@@ -99,7 +99,7 @@ def main() -> None:
         error.show()
         code = error.exit_code
     except click.UsageError as error:
-        from neurotouch_hid.cli.ui.usage import explain_usage
+        from neurotouch_hid.cli.ui.usage_errors import explain_usage
 
         error.ctx = error.ctx or _find_context(sys.argv[1:])
         code = _tell(*explain_usage(error), error.exit_code)

@@ -16,7 +16,7 @@ from neurotouch_hid.cli.ui.options import (
     source_option,
     speed_option,
 )
-from neurotouch_hid.cli.ui.usage import WrongUsage
+from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
 if TYPE_CHECKING:

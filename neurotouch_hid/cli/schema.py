@@ -17,9 +17,8 @@ def command(what: str, line: bool) -> None:
     """Print the JSON Schema of a profile, or of your own values (user)."""
     from neurotouch_hid.players import find_user_file
     from neurotouch_hid.profile import profile_schema, user_schema
-    from neurotouch_hid.profile.editing.edited_file import find_schema
-    from neurotouch_hid.profile.editing.revision import MODELINE
-    from neurotouch_hid.profile.reading.library import find_user_folder
+    from neurotouch_hid.profile.editing import MODELINE, find_schema
+    from neurotouch_hid.profile.reading import find_user_folder
 
     if line:
         path = find_user_file() if what == "user" else find_user_folder() / "any.yaml"

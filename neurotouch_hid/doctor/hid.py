@@ -11,7 +11,7 @@ from typing import Final
 from neurotouch_hid.doctor.finding import Finding, approve, fail, skip
 from neurotouch_hid.doctor.rights import SERVICE_RULE, install_rule
 from neurotouch_hid.driver.service_settings import ServiceSettings, find_service_file
-from neurotouch_hid.profile.reading.load import load_settings
+from neurotouch_hid.profile.reading import load_settings
 
 _NODE: Final = Path("/dev/uhid")
 _LOADED: Final = Path("/sys/class/misc/uhid")

@@ -15,7 +15,7 @@ from neurotouch_hid.driver.settings import load_driver_settings
 from neurotouch_hid.monitor.sound_programs import SOUND_PROGRAMS
 from neurotouch_hid.players import find_user_file
 from neurotouch_hid.profile import list_profiles, load_profile, load_user
-from neurotouch_hid.profile.reading.library import find_user_folder
+from neurotouch_hid.profile.reading import find_user_folder
 
 _CALIBRATED: Final = re.compile(r"^# Calibrated (\d{4}-\d{2}-\d{2})\.", re.MULTILINE)
 _OLD_DAYS: Final = 180

@@ -7,9 +7,8 @@ from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
 from neurotouch_hid.players import find_user_file
-from neurotouch_hid.profile.reading.load import load_settings
-from neurotouch_hid.profile.schema.profile import check_version
-from neurotouch_hid.profile.schema.strict import Strict, give_unit
+from neurotouch_hid.profile.reading import load_settings
+from neurotouch_hid.profile.schema import Strict, check_version, give_unit
 from neurotouch_hid.source.davis.config import Biases, DavisConfig
 from neurotouch_hid.source.davis.registers import CoarseFine
 

@@ -2,7 +2,7 @@
 
 from neurotouch_hid.device import ExtraDevice
 from neurotouch_hid.profile import Profile
-from neurotouch_hid.profile.schema.targets import (
+from neurotouch_hid.profile.schema import (
     KeyTarget,
     MouseButtonTarget,
     MouseMotionTarget,

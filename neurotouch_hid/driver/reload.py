@@ -14,12 +14,12 @@ from neurotouch_hid.driver.chosen import Chosen, load_chosen
 from neurotouch_hid.driver.people import People, Person
 from neurotouch_hid.errors import NeuroTouchError, ProfileError
 from neurotouch_hid.profile import Profile, UserSettings, load_profile, load_user
-from neurotouch_hid.profile.reading.library import (
+from neurotouch_hid.profile.reading import (
     find_profile,
     find_shipped_folder,
+    find_values,
     list_profile_folders,
 )
-from neurotouch_hid.profile.reading.load import find_values
 from neurotouch_hid.runtime.session import Session
 
 POLL_S: Final = 0.25

@@ -6,9 +6,8 @@ from typing import Annotated, Final, Literal
 from pydantic import AfterValidator, Field
 
 from neurotouch_hid.players import find_user_file
-from neurotouch_hid.profile.reading.load import load_settings
-from neurotouch_hid.profile.schema.profile import check_version
-from neurotouch_hid.profile.schema.strict import Strict, make_optional
+from neurotouch_hid.profile.reading import load_settings
+from neurotouch_hid.profile.schema import Strict, check_version, make_optional
 from neurotouch_hid.vocabulary import NAME_PATTERN
 
 FILE: Final = "service.yaml"

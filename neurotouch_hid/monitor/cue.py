@@ -9,7 +9,7 @@ import numpy as np
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import GestureKind, Step
 from neurotouch_hid.profile.decision_log import MappingDecision
-from neurotouch_hid.profile.schema.feedback import Volumes
+from neurotouch_hid.profile.schema import Volumes
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile import Mapping

@@ -9,8 +9,8 @@ from typing import Any, Final, cast
 from neurotouch_hid.messages import GamepadState, GestureKind, Step
 from neurotouch_hid.monitor.summary import describe_step
 from neurotouch_hid.profile import MappingDecision
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
-from neurotouch_hid.profile.schema.timing import resolve_times
+from neurotouch_hid.profile.engine import ConditionedGesture
+from neurotouch_hid.profile.schema import resolve_times
 from neurotouch_hid.runtime import Session
 from neurotouch_hid.snapshot import GestureState, Health, MarkerWriter, PadState, State, pack
 

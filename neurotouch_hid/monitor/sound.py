@@ -5,7 +5,7 @@ from collections.abc import Callable
 from neurotouch_hid.messages import Step
 from neurotouch_hid.monitor.cue import CueFinder, choose_volume, take_facts
 from neurotouch_hid.monitor.speaker import Speaker
-from neurotouch_hid.profile.schema.timing import resolve_times
+from neurotouch_hid.profile.schema import resolve_times
 from neurotouch_hid.runtime import Session
 
 

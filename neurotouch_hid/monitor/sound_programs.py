@@ -11,7 +11,7 @@ from typing import Final
 
 from neurotouch_hid.monitor.cue import Cue
 from neurotouch_hid.monitor.tone import make_wave
-from neurotouch_hid.profile.schema.feedback import SoundName
+from neurotouch_hid.profile.schema import SoundName
 
 SOUND_PROGRAMS: Final[dict[SoundName, tuple[tuple[str, ...], ...]]] = {
     "tones": (

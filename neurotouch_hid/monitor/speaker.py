@@ -8,7 +8,7 @@ from typing import Final
 
 from neurotouch_hid.monitor.cue import Cue
 from neurotouch_hid.monitor.sound_programs import play_cue
-from neurotouch_hid.profile.schema.feedback import SoundName
+from neurotouch_hid.profile.schema import SoundName
 
 GAP_S: Final = 0.12
 """Shortest time between the starts of two sounds: closer ones blur, and each costs a process."""

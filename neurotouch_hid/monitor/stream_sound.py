@@ -6,7 +6,7 @@ from neurotouch_hid.closing import Closing
 from neurotouch_hid.monitor.cue import CueFacts, CueFinder, choose_volume
 from neurotouch_hid.monitor.speaker import Speaker
 from neurotouch_hid.profile.decision_log import MappingDecision
-from neurotouch_hid.profile.schema.feedback import Feedback
+from neurotouch_hid.profile.schema import Feedback
 from neurotouch_hid.snapshot import read_head, read_markers
 
 

@@ -12,9 +12,11 @@ from neurotouch_hid.errors import DriverError, NotRunningError, ProfileError
 from neurotouch_hid.handover import hand_over
 from neurotouch_hid.page.profile_view import Place, is_editable, list_places
 from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_unused
-from neurotouch_hid.profile.diagnostics.description import describe_target, describe_when
+from neurotouch_hid.profile.diagnostics import describe_target, describe_when
 from neurotouch_hid.profile.editing import (
     EditedFile,
+    ProfileText,
+    make_favourite,
     make_profile,
     parse_do,
     parse_when,
@@ -24,9 +26,7 @@ from neurotouch_hid.profile.editing import (
     set_value,
     take_profile,
 )
-from neurotouch_hid.profile.editing.favourites import make_favourite
-from neurotouch_hid.profile.schema.movements import MOVEMENTS
-from neurotouch_hid.profile.schema.profile import Binding
+from neurotouch_hid.profile.schema import MOVEMENTS, Binding
 
 MARKS: Final = {
     "on_mm": "acts from {} mm",
@@ -84,13 +84,13 @@ class Changes:
             ProfileError: there is no such mark, or the value is not possible; nothing has changed.
             DriverError: it is saved, but the running driver does not use it.
         """
-        paper = self._take(path)
+        edited = self._take(path)
         place = _find_place(path, key)
-        text = _write(paper.text, place, mark, value)
-        if text == paper.text:
-            return f"{paper.name} has this value already."
-        paper.save(text)
-        return f"Saved in {paper.name}: {_describe(place.binding, mark, value)}. {_hand_over()}"
+        text = _write(edited.text, place, mark, value)
+        if text == edited.text:
+            return f"{edited.name} has this value already."
+        edited.save(text)
+        return f"Saved in {edited.name}: {_describe(place.binding, mark, value)}. {_hand_over()}"
 
     def bind(self, path: Path, wish: "Wish") -> str:
         """Binds a movement to an output; returns a sentence about the saved change.
@@ -99,17 +99,17 @@ class Changes:
             ProfileError: there is no such movement, output or binding; nothing has changed.
             DriverError: it is saved, but the running driver does not use it.
         """
-        paper = self._take(path)
+        edited = self._take(path)
         text = rebind(
-            paper.text,
+            edited.text,
             parse_when(f"{wish.movement.replace('_', ' ')} {wish.press}".strip()),
             parse_do(f"{wish.mode} {wish.do}".strip()),
             wish.layer or None,
             instead=wish.instead or None,
         )
-        paper.save(text)
+        edited.save(text)
         words = MOVEMENTS[wish.movement].words if wish.movement in MOVEMENTS else wish.movement
-        return f"Saved in {paper.name}: {words} {wish.press} → {wish.do}. {_hand_over()}"
+        return f"Saved in {edited.name}: {words} {wish.press} → {wish.do}. {_hand_over()}"
 
     def unbind(self, path: Path, key: str) -> str:
         """Removes a binding.
@@ -118,9 +118,9 @@ class Changes:
             ProfileError: there is no such binding, or it is the last one; nothing has changed.
             DriverError: as ``bind``.
         """
-        paper = self._take(path)
-        paper.save(remove_binding(paper.text, key))
-        return f"Removed from {paper.name}. {_hand_over()}"
+        edited = self._take(path)
+        edited.save(remove_binding(edited.text, key))
+        return f"Removed from {edited.name}. {_hand_over()}"
 
     def use(self, name: str) -> str:
         """Switches to a profile.
@@ -147,8 +147,8 @@ class Changes:
         known = list_profiles()
         names = ("mine", *(f"mine-{number}" for number in range(2, len(known) + 3)))
         name = next(name for name in names if name not in known)
-        paper = make_profile(name, template, self._stamp)
-        paper.save(remap_unused(paper.text, load_unused()).text)
+        edited = make_profile(name, template, self._stamp)
+        edited.save(remap_unused(edited.text, load_unused()).text)
         return f"'{name}' is your own copy of {template}. {self.use(name)}"
 
     def undo(self, path: Path) -> str:
@@ -158,9 +158,9 @@ class Changes:
             ProfileError: there is none.
             DriverError: as ``set``.
         """
-        paper = self._take(path)
-        version = paper.store.undo()
-        return f"{paper.name} is as in version {version.number} again. {_hand_over()}"
+        edited = self._take(path)
+        version = edited.store.undo()
+        return f"{edited.name} is as in version {version.number} again. {_hand_over()}"
 
     def _take(self, path: Path) -> EditedFile:
         if not is_editable(path):
@@ -204,7 +204,7 @@ def _find_place(path: Path, key: str) -> Place:
     return found
 
 
-def _write(text: str, place: Place, mark: str, value: Any) -> str:
+def _write(text: ProfileText, place: Place, mark: str, value: Any) -> ProfileText:
     if mark not in MARKS:
         raise ProfileError("There is no such mark.")
     if mark == "points":

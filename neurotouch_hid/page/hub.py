@@ -21,7 +21,7 @@ from neurotouch_hid.page.requests import Requests
 from neurotouch_hid.page.situation import find_situation
 from neurotouch_hid.players import find_runtime_folder, find_user_file
 from neurotouch_hid.profile import load_user
-from neurotouch_hid.profile.reading.library import find_profile
+from neurotouch_hid.profile.reading import find_profile
 from neurotouch_hid.snapshot import read_head
 from neurotouch_hid.subscriber import Subscriber
 

@@ -2,8 +2,7 @@
 
 from typing import Final, TypedDict
 
-from neurotouch_hid.profile.schema.keyboard_keys import KEYS
-from neurotouch_hid.profile.schema.profile import Profile
+from neurotouch_hid.profile.schema import KEYS, Profile
 from neurotouch_hid.vocabulary import Button
 
 

@@ -6,17 +6,23 @@ from pathlib import Path
 from typing import Final, NotRequired, TypedDict, get_args
 
 from neurotouch_hid.profile import check_profile, load_user
-from neurotouch_hid.profile.diagnostics.description import describe_target, describe_when
+from neurotouch_hid.profile.diagnostics import describe_target, describe_when
 from neurotouch_hid.profile.editing import name_bindings
-from neurotouch_hid.profile.engine.one_euro import FILTERS, OneEuro
-from neurotouch_hid.profile.engine.response import make_response
-from neurotouch_hid.profile.mapping import choose_filter
-from neurotouch_hid.profile.reading.library import find_shipped_folder, list_profile_folders
-from neurotouch_hid.profile.schema.layering import merge_bindings
-from neurotouch_hid.profile.schema.movements import MovementName
-from neurotouch_hid.profile.schema.profile import FIRST_LAYER, Binding, Profile
-from neurotouch_hid.profile.schema.shaping import Expo, Points, Power, Shaped
-from neurotouch_hid.profile.schema.timing import FilterName
+from neurotouch_hid.profile.engine import FILTERS, OneEuro, make_response
+from neurotouch_hid.profile.reading import find_shipped_folder, list_profile_folders
+from neurotouch_hid.profile.schema import (
+    FIRST_LAYER,
+    Binding,
+    Expo,
+    FilterName,
+    MovementName,
+    Points,
+    Power,
+    Profile,
+    Shaped,
+    choose_filter,
+    merge_bindings,
+)
 from neurotouch_hid.vocabulary import GestureKind
 
 MOVEMENTS: Final = get_args(MovementName)

@@ -16,7 +16,7 @@ from neurotouch_hid.page.pictures import draw_code, take_picture
 from neurotouch_hid.page.programs import COMMANDS, Programs
 from neurotouch_hid.players import find_runtime_folder
 from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_user
-from neurotouch_hid.profile.reading.library import find_user_folder
+from neurotouch_hid.profile.reading import find_user_folder
 
 Request = dict[str, Any]
 Reply = dict[str, Any]

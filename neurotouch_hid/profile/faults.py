@@ -11,7 +11,7 @@ SHOWN_COLUMNS: Final = 100
 _LINE_BREAK: Final = re.compile("\r\n|[\r\n\x85\u2028\u2029]")  # what the YAML reader counts
 
 Keys = tuple[str | int, ...]
-"""The way to a place in a document: keys of mappings, indices of lists."""
+"""The path of a place in a document: keys of mappings, indices of lists."""
 
 
 @dataclass(frozen=True, slots=True, order=True)

@@ -1,4 +1,4 @@
-"""From gestures to the outputs: a pure function of the gesture stream.
+"""Maps gestures to outputs: a pure function of the gesture stream.
 
 Host time never enters, so the same gestures give the same outputs, whatever the speed.
 """
@@ -8,16 +8,16 @@ from typing import Final, Literal
 from neurotouch_hid.messages import Button, GamepadState, Gesture
 from neurotouch_hid.profile.decision_log import DecisionLog, MappingDecision
 from neurotouch_hid.profile.engine.binding_runner import BindingRunner
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
-from neurotouch_hid.profile.engine.conditioner import InputConditioner
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
 from neurotouch_hid.profile.engine.fatigue import FatigueMonitor
+from neurotouch_hid.profile.engine.input_conditioner import InputConditioner
 from neurotouch_hid.profile.engine.layer_stack import LayerStack, make_runner
+from neurotouch_hid.profile.engine.movement_usage import MovementUsage
 from neurotouch_hid.profile.engine.output import Outputs
-from neurotouch_hid.profile.engine.usage import MovementUsage
 from neurotouch_hid.profile.schema.profile import Binding, Profile, SafetyGesture
 from neurotouch_hid.profile.schema.targets import CommandName, CommandTarget
-from neurotouch_hid.profile.schema.timing import PRESETS, FilterName, resolve_times
-from neurotouch_hid.profile.schema.user import UserSettings
+from neurotouch_hid.profile.schema.timing import PRESETS, resolve_times
+from neurotouch_hid.profile.schema.user import UserSettings, choose_filter
 
 State = Literal["running", "paused", "panic"]
 
@@ -64,12 +64,12 @@ class Mapping:
 
     @property
     def state(self) -> State:
-        """Whether gestures act: running, paused (the same gesture goes on) or panic."""
+        """The state: running, paused (the same gesture resumes) or panic."""
         return self._state
 
     @property
     def reading(self) -> ConditionedGesture:
-        """What the bindings were last asked about, in millimetres of the reference hand."""
+        """The last conditioned gesture, in millimetres of the reference hand."""
         return self._reading
 
     def decisions(self) -> tuple[MappingDecision, ...]:
@@ -77,7 +77,7 @@ class Mapping:
         return self._log.read()
 
     def usages(self) -> tuple[MovementUsage, ...]:
-        """Returns what the movements have cost so far: which fade, which are held long."""
+        """Returns the usage of each movement so far: which fade, which are held long."""
         return self._fatigue.usages()
 
     def shares(self) -> dict[str, float]:
@@ -108,7 +108,7 @@ class Mapping:
             self._enter("panic", "panic")
 
     def resume(self) -> None:
-        """Goes on at the next gesture."""
+        """Resumes at the next gesture."""
         if self._state != "running":
             self._enter("running", "resume")
 
@@ -149,24 +149,24 @@ class Mapping:
         elif self._state == "paused" and not wanted:
             self._layers.listen(reading, wanted)
         for command in wanted:
-            self._obey(command)
+            self._apply(command)
         return outputs if self._state == "running" else Outputs()
 
     def _hear_safety(self, reading: ConditionedGesture) -> list[str]:
-        """Returns the safety gestures that have just been held long enough.
+        """Returns the commands of safety gestures that have just been held long enough.
 
         They work in every state.
         """
         heard = []
-        for channel, command in self._safety:
-            before = channel.down
-            if channel.busy or reading.kind in channel.kinds:
-                channel.update(reading)
-            if channel.down and not before:
+        for runner, command in self._safety:
+            before = runner.down
+            if runner.busy or reading.kind in runner.kinds:
+                runner.update(reading)
+            if runner.down and not before:
                 heard.append(command)
         return heard
 
-    def _obey(self, command: str) -> None:
+    def _apply(self, command: str) -> None:
         match command:
             case "pause" if self._state == "paused":
                 self.resume()
@@ -190,7 +190,7 @@ class Mapping:
         times = resolve_times(profile.timing, self._user.timing)
         self._layers = LayerStack(profile, times, self._log)
         self._safety = self._make_safety(profile)
-        kinds = self._layers.kinds.union(*(channel.kinds for channel, _ in self._safety))
+        kinds = self._layers.kinds.union(*(runner.kinds for runner, _ in self._safety))
         latch = profile.latch is not False
         self._conditioner = InputConditioner(
             self._user, choose_filter(profile, self._user), kinds, latch=latch
@@ -214,11 +214,3 @@ class Mapping:
             for name, gesture in gestures
             if gesture is not None
         ]
-
-
-def choose_filter(profile: Profile, user: UserSettings) -> FilterName:
-    """Returns the tremor filter: the person's own, that of their patience, or the profile's."""
-    own = user.filter
-    if own is None and user.timing is None:
-        own = profile.filter
-    return own or resolve_times(profile.timing, user.timing).filter

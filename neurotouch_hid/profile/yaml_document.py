@@ -148,7 +148,7 @@ class _Builder:
         return Fault(mark, format_path(self._path), sentence, hint, code)
 
     def take(self, event: Event) -> None:
-        """Goes one event further.
+        """Processes one event.
 
         Raises:
             _RefusalError: the text goes beyond what a profile may be.
@@ -270,7 +270,7 @@ def find_mark(root: Node, keys: Keys) -> Mark:
 
 
 def find_key_mark(root: Node, keys: Keys) -> Mark:
-    """Returns where the last key is, or as much of the way to it as there is."""
+    """Returns the place of the last key, or of the last one on its path that is there."""
     while keys:
         parent, _ = find_node(root, keys[:-1])
         if isinstance(keys[-1], str) and keys[-1] in parent.keys:

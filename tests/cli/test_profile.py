@@ -7,6 +7,7 @@ import sys
 import click
 import pytest
 from click.testing import CliRunner
+from ruamel.yaml import YAML
 
 from neurotouch_hid.cli.main import cli
 from neurotouch_hid.errors import NeuroTouchError
@@ -90,6 +91,27 @@ def test_what_is_wrong_is_refused_with_its_place_and_nothing_changes(home):
         assert code == 6, arguments
         assert words in output, output
     assert not (home / "profiles").exists()
+
+
+def test_a_key_that_changes_the_name_of_its_binding_can_be_set(home):
+    run("profile", "new", "mine", "--template", "spacecraft")
+    run("profile", "bind", "mine", "twist cw", "button x")
+    output, code = run("profile", "set", "mine", "twist_cw.press", "tap")
+    assert (code, "No such key" in output) == (0, False), output
+    assert "{gesture: twist_cw, press: tap}" in own(home, "mine")
+
+
+def test_setting_a_value_parses_the_old_and_the_new_text_once(home, monkeypatch):
+    run("profile", "new", "mine", "--template", "racing")
+    before, parsed = own(home, "mine"), []
+    for name in ("parse", "compose"):
+        real = getattr(YAML, name)
+        monkeypatch.setattr(
+            YAML, name, lambda self, text, real=real: (parsed.append(text), real(self, text))[1]
+        )
+    assert run("profile", "set", "mine", "description", "Mine.")[1] == 0
+    after = own(home, "mine")
+    assert [parsed.count(text) for text in (before, after)] == [2, 1]  # values and places; values
 
 
 def test_binding_and_unbinding_in_words(home):

@@ -39,6 +39,7 @@ PINCH = "when: {gesture: pinch, %s}, do: {button: a}"
         (one(PINCH % "on_mm: 3, off_mm: 2.5"), ["NT202"]),
         (one(PINCH % "on_mm: 2"), ["NT210", "NT202"]),
         (several(PINCH % "press: tap", PINCH % "press: double"), ["NT203"]),
+        (several(PINCH % "press: tap, phase: hold", PINCH % "press: double"), []),
         (several(PINCH % "press: tap", PINCH % "press: tap"), ["NT204"]),
         (one("when: {gesture: zoom, on_mm: 7.5}, do: {button: a}"), ["NT204"]),
         (one(PINCH % "press: hold, hold_ms: 6000"), ["NT205"]),

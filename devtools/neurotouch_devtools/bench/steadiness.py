@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.profile import Mapping, rehearse
-from neurotouch_hid.profile.engine.notch import Notch
-from neurotouch_hid.profile.engine.one_euro import FILTERS, OneEuro
-from neurotouch_hid.profile.reading.load import parse_profile
+from neurotouch_hid.profile.engine import FILTERS, Notch, OneEuro
+from neurotouch_hid.profile.reading import parse_profile
 
 STEP_US: Final = 10_000
 HOLD_MM: Final = 5.0

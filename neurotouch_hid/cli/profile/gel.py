@@ -30,7 +30,7 @@ def see_gesture(source: str) -> str | None:
 
 
 def try_on_gel(source: str, profile: "Profile") -> None:
-    """Shows one gesture and what the draft makes of it, ten times a second."""
+    """Shows one gesture and the draft's outputs for it, ten times a second."""
     from neurotouch_hid.messages import GestureKind
     from neurotouch_hid.monitor import describe_gesture, describe_pad
     from neurotouch_hid.profile import Mapping, load_user

@@ -33,9 +33,8 @@ def diff(name: str, other: str | None, last: bool, as_json: bool, plain: bool) -
 
     Without OTHER, your own NAME is compared with the shipped one.
     """
-    from neurotouch_hid.profile.editing import Store, adopt, compare, read_text
-    from neurotouch_hid.profile.editing.edited_file import find_schema
-    from neurotouch_hid.profile.reading.library import find_profile, find_shipped_folder
+    from neurotouch_hid.profile.editing import Store, adopt, compare, find_schema, read_text
+    from neurotouch_hid.profile.reading import find_profile, find_shipped_folder
 
     path = find_profile(name)
     shipped = find_shipped_folder() / path.name
@@ -133,7 +132,7 @@ def undo(name: str, number: int | None, as_json: bool, plain: bool) -> None:
     version = edited.store.undo() if number is None else edited.store.restore(number)
     lines = compare(edited.text, read_text(edited.store.path)[0])
     effect = hand_over_saved(edited.name)
-    was_deleted = edited.content is None and not edited.text
+    was_deleted = edited.content is None and not edited.text.text
     outcome = Outcome(
         f"{edited.name} is back, as in version {version.number}."
         if was_deleted

@@ -18,7 +18,7 @@ from neurotouch_hid.cli.ui.output import json_option, plain_option, print_json
 def list_command(as_json: bool, plain: bool) -> None:
     """Print every profile: yours and those shipped."""
     from neurotouch_hid.profile import check_profile, list_profiles, load_user
-    from neurotouch_hid.profile.reading.library import find_shipped_folder
+    from neurotouch_hid.profile.reading import find_shipped_folder
 
     shipped = find_shipped_folder()
     favourites = load_user().slots
@@ -68,8 +68,8 @@ def list_command(as_json: bool, plain: bool) -> None:
 def show(name: str, effective: bool, as_json: bool, plain: bool) -> None:
     """Say in words what the profile NAME does."""
     from neurotouch_hid.profile import check_profile, load_user
-    from neurotouch_hid.profile.editing.summary import summarize
-    from neurotouch_hid.profile.reading.library import OWN_VALUES, find_profile
+    from neurotouch_hid.profile.editing import summarize
+    from neurotouch_hid.profile.reading import OWN_VALUES, find_profile
 
     if name == OWN_VALUES:
         _show_values(as_json=as_json)
@@ -92,7 +92,7 @@ def show(name: str, effective: bool, as_json: bool, plain: bool) -> None:
 def _show_values(*, as_json: bool) -> None:
     from neurotouch_hid.players import find_user_file
     from neurotouch_hid.profile import load_user
-    from neurotouch_hid.profile.editing.values import format_value
+    from neurotouch_hid.profile.editing import format_value
 
     path = find_user_file()
     values = load_user().model_dump(mode="json", exclude_none=True)

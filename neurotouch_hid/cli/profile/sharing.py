@@ -1,6 +1,7 @@
 """Commands that give profiles to others and take theirs."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -14,8 +15,11 @@ from neurotouch_hid.cli.ui.output import (
     print_json,
     show_changes,
 )
-from neurotouch_hid.cli.ui.usage import WrongUsage
+from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 from neurotouch_hid.errors import ProfileError
+
+if TYPE_CHECKING:
+    from neurotouch_hid.profile.editing import ProfileText
 
 
 @click.command(
@@ -45,13 +49,13 @@ def export(
     """
     from neurotouch_hid.players import find_user_file
     from neurotouch_hid.profile import check_profile
-    from neurotouch_hid.profile.editing import forget_schema, read_text
-    from neurotouch_hid.profile.reading.library import find_profile, find_shipped_folder
+    from neurotouch_hid.profile.editing import ProfileText, forget_schema, read_text
+    from neurotouch_hid.profile.reading import find_profile, find_shipped_folder
 
     path = find_profile(name)
     checked = check_profile(path)
     profile = checked.require()
-    shared = forget_schema(checked.text)
+    shared = forget_schema(ProfileText(checked.text))
     files = {} if output is None else {output: shared}
     if user_path is not None:
         if not find_user_file().exists():
@@ -68,24 +72,24 @@ def export(
     )
     if as_json:
         written = [str(target) for target in files]
-        content = shared if output is None else None
+        content = shared.text if output is None else None
         print_json({"status": "OK", "files": written, "content": content, "notes": list(notes)})
         return
     if output is None:
-        click.echo(shared, nl=False)
+        click.echo(shared.text, nl=False)
     for target in files:
         click.echo(f"OK Saved {target}", err=True)
     for note in notes:
         click.echo(f"WARNING {note}", err=True)
 
 
-def _write(path: Path, text: str, *, force: bool) -> None:
-    from neurotouch_hid.profile.editing.store import write_whole
+def _write(path: Path, text: "ProfileText", *, force: bool) -> None:
+    from neurotouch_hid.profile.editing import write_whole
 
     if path.exists() and not force:
         raise ProfileError(f"'{path}' exists already.", hint="Add --force to overwrite it.")
     try:
-        write_whole(path, text.encode("utf-8"))
+        write_whole(path, text.encode())
     except OSError as error:
         raise ProfileError(
             f"'{path}' cannot be written: {error.strerror}.", hint="Choose another folder."
@@ -126,11 +130,19 @@ def import_command(
 
 def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, plain: bool) -> None:
     from neurotouch_hid.profile import check_content, load_unused
-    from neurotouch_hid.profile.editing import EditedFile, Store, adopt, compare, find_own_path
-    from neurotouch_hid.profile.editing.edited_file import find_schema, read_text
-    from neurotouch_hid.profile.editing.summary import summarize
+    from neurotouch_hid.profile.editing import (
+        EditedFile,
+        ProfileText,
+        Store,
+        adopt,
+        compare,
+        find_own_path,
+        find_schema,
+        read_text,
+        summarize,
+    )
     from neurotouch_hid.profile.faults import make_printable
-    from neurotouch_hid.profile.reading.library import find_shipped_folder
+    from neurotouch_hid.profile.reading import find_shipped_folder
 
     text, content = read_text(file)
     checked = check_content(content, make_printable(str(file)), unused=load_unused())
@@ -139,7 +151,7 @@ def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, pla
     own = find_own_path(stem)
     schema = find_schema(own)
     text = adopt(text, stem, schema)
-    old_text, old = read_text(own) if own.exists() else ("", None)
+    old_text, old = read_text(own) if own.exists() else (ProfileText(""), None)
     shipped = find_shipped_folder() / own.name
     if old is None and shipped.exists():
         lines = compare(adopt(read_text(shipped)[0], stem, schema), text)
@@ -182,8 +194,14 @@ def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, pla
 def _take_values(file: Path, *, yes: bool, as_json: bool, plain: bool) -> None:
     """Takes a person's values from a file that ``export --user`` wrote."""
     from neurotouch_hid.profile import check_user
-    from neurotouch_hid.profile.editing import adopt, compare, read_text, take_user
-    from neurotouch_hid.profile.editing.edited_file import find_schema
+    from neurotouch_hid.profile.editing import (
+        ProfileText,
+        adopt,
+        compare,
+        find_schema,
+        read_text,
+        take_user,
+    )
     from neurotouch_hid.profile.faults import make_printable
 
     text, content = read_text(file)
@@ -191,7 +209,7 @@ def _take_values(file: Path, *, yes: bool, as_json: bool, plain: bool) -> None:
     edited = take_user(make_stamp)
     path = edited.store.path
     text = adopt(text, "user", find_schema(path, "user-1.json"))
-    lines = compare(edited.text if edited.content is not None else "", text)
+    lines = compare(edited.text if edited.content is not None else ProfileText(""), text)
     if lines and not as_json:
         click.echo("Your own values would change:")
         show_changes(lines, plain=plain)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import click
 
-from neurotouch_hid.cli.ui.usage import WrongUsage
+from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 from neurotouch_hid.errors import NeuroTouchError
 
 _OTHER_WORDS = {

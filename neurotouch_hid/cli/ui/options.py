@@ -8,7 +8,7 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from neurotouch_hid.cli.ui.usage import WrongUsage
+from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 
 _METHODS = ("neurotouch", "paper")  # gesture.method.BUILT_IN, without loading its kernels
 

@@ -6,7 +6,7 @@ from typing import Self
 import click
 
 from neurotouch_hid.monitor import Cue, CueKind, Speaker
-from neurotouch_hid.profile.schema.feedback import Feedback
+from neurotouch_hid.profile.schema import Feedback
 
 
 class Voice:

@@ -1,4 +1,4 @@
-"""A profile or the user's file taken out to be edited, and put back only when it is right."""
+"""Opens a profile or the user's file to be edited, and saves it only if it is right."""
 
 import os
 import re
@@ -14,7 +14,9 @@ from pydantic import BaseModel
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.players import find_machine_folder, find_user_file
-from neurotouch_hid.profile.editing.revision import MODELINE, adopt, reset_value
+from neurotouch_hid.profile.editing.edit_values import reset_value
+from neurotouch_hid.profile.editing.file_header import MODELINE, adopt
+from neurotouch_hid.profile.editing.profile_text import ProfileText
 from neurotouch_hid.profile.editing.store import Store
 from neurotouch_hid.profile.faults import make_printable
 from neurotouch_hid.profile.reading.library import (
@@ -57,13 +59,13 @@ class EditedFile:
     name: str
     store: Store
     content: bytes | None
-    text: str
+    text: ProfileText
     model: type[BaseModel] = Profile
     shipped: bool = False
 
-    def check(self, text: str) -> Checked[Profile] | Checked[UserSettings]:
+    def check(self, text: ProfileText) -> Checked[Profile] | Checked[UserSettings]:
         """Returns the text with all its faults, as it would be there."""
-        content, name = encode(text), make_printable(str(self.store.path))
+        content, name = text.encode(), make_printable(str(self.store.path))
         if self.model is UserSettings:
             return check_user(content, name)
         path = self.store.path
@@ -71,21 +73,23 @@ class EditedFile:
             path = list_profiles().get(path.stem, path)
         return check_content(content, name, path, load_unused())
 
-    def save(self, text: str, *, keep: bool = True) -> None:
-        """Saves the text if it is right; what stood there becomes a version unless ``keep`` is not.
+    def save(
+        self, text: ProfileText, *, keep: bool = True
+    ) -> Checked[Profile] | Checked[UserSettings]:
+        """Saves the text if it is right; the old one becomes a version unless ``keep`` is False.
+
+        Returns:
+            The text as it was checked, with its warnings.
 
         Raises:
             ProfileError: there are errors, or it cannot be written; nothing has changed.
         """
-        self.check(text).require()
-        if self.content is None and self.text:
-            self.store.keep(encode(self.text))
-        self.store.save(encode(text), over=self.content, keep=keep)
-
-
-def encode(text: str) -> bytes:
-    """Returns the text as it is in a file."""
-    return text.encode("utf-8", "surrogatepass")
+        checked = self.check(text)
+        checked.require()
+        if self.content is None and self.text.text:
+            self.store.keep(self.text.encode())
+        self.store.save(text.encode(), over=self.content, keep=keep)
+        return checked
 
 
 def take_profile(name_or_path: str, stamp: Stamp) -> EditedFile:
@@ -154,9 +158,8 @@ def take_user(stamp: Stamp) -> EditedFile:
             with suppress(ProfileError):
                 text = reset_value(text, "slots", UserSettings)
         return EditedFile("user", store, None, text, UserSettings)
-    text = (
-        f"{MODELINE}{schema}\n#\n# What belongs to you and applies in every profile.\nversion: 1\n"
-    )
+    begin = "# What belongs to you and applies in every profile.\nversion: 1\n"
+    text = ProfileText(f"{MODELINE}{schema}\n#\n{begin}", str(path))
     return EditedFile("user", store, None, text, UserSettings)
 
 
@@ -195,7 +198,7 @@ def find_schema(path: Path, schema: str = "profile-1.json") -> str:
     return str(shipped)
 
 
-def read_text(path: Path) -> tuple[str, bytes]:
+def read_text(path: Path) -> tuple[ProfileText, bytes]:
     """Returns the text of a file, with its own ends of lines, and its bytes.
 
     Raises:
@@ -214,16 +217,17 @@ def read_text(path: Path) -> tuple[str, bytes]:
     if len(content) > MAX_BYTES:
         raise ProfileError(f"'{make_printable(str(path))}' is larger than {MAX_BYTES // 1024} kB.")
     try:
-        return content.decode("utf-8"), content
+        return ProfileText(content.decode("utf-8"), make_printable(str(path))), content
     except UnicodeDecodeError:
         raise ProfileError(f"'{make_printable(str(path))}' is not UTF-8 text.") from None
 
 
-def compare(before: str, after: str) -> list[tuple[str, int, str]]:
+def compare(before: ProfileText, after: ProfileText) -> list[tuple[str, int, str]]:
     """Returns the lines that differ: ``removed`` or ``added``, the line's number, its text."""
     found = []
     old_line = new_line = 0
-    for line in unified_diff(before.splitlines(), after.splitlines(), n=0, lineterm=""):
+    lines = before.text.splitlines(), after.text.splitlines()
+    for line in unified_diff(*lines, n=0, lineterm=""):
         hunk = re.match(r"@@ -(\d+)(?:,(\d+))? \+(\d+)(?:,(\d+))? @@", line)
         if hunk is not None:
             # a hunk of no lines is named by the line before it

@@ -3,8 +3,9 @@
 from collections.abc import Callable
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.profile.editing.edit_values import set_value
 from neurotouch_hid.profile.editing.edited_file import EditedFile, take_user
-from neurotouch_hid.profile.editing.revision import set_value
+from neurotouch_hid.profile.editing.profile_text import ProfileText
 from neurotouch_hid.profile.reading.library import find_profile, list_profiles
 from neurotouch_hid.profile.reading.load import load_profile, load_user
 from neurotouch_hid.profile.schema.user import UserSettings
@@ -12,7 +13,7 @@ from neurotouch_hid.profile.schema.user import UserSettings
 MOST_FAVOURITES = 8
 
 
-def make_favourite(name: str, stamp: Callable[[], str]) -> tuple[str, EditedFile, str]:
+def make_favourite(name: str, stamp: Callable[[], str]) -> tuple[str, EditedFile, ProfileText]:
     """Makes a profile the first of the person's favourites, and saves that.
 
     No version is kept: to take it back is to use another profile.

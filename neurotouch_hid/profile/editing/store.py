@@ -17,7 +17,7 @@ _VERSION_FILE: Final = re.compile(r"(\d{6})-([\w-]+)\.yaml")
 
 @dataclass(frozen=True, slots=True)
 class Version:
-    """What a file was once.
+    """An earlier version of a file.
 
     Attributes:
         number: counts up from 1.
@@ -46,7 +46,7 @@ class Store:
         self._folder = path.parent / ".history" / path.stem
 
     def read(self) -> bytes | None:
-        """Returns what is there now, or None."""
+        """Returns the content of the file, or None if there is none."""
         try:
             return self.path.read_bytes()
         except FileNotFoundError:

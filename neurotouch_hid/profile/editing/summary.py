@@ -4,13 +4,15 @@ from collections.abc import Iterator
 from typing import Final
 
 from neurotouch_hid.profile.diagnostics.description import describe_binding, describe_condition
-from neurotouch_hid.profile.editing.paths import name_bindings
-from neurotouch_hid.profile.editing.values import format_value
+from neurotouch_hid.profile.editing.key_paths import name_bindings
+from neurotouch_hid.profile.editing.yaml_values import format_value
+from neurotouch_hid.profile.schema.conditions import CONDITION_KEYS
 from neurotouch_hid.profile.schema.layering import merge_bindings
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.profile import Binding, Layer, Profile
+from neurotouch_hid.profile.schema.targets import TARGETS
 from neurotouch_hid.profile.schema.timing import resolve_times
-from neurotouch_hid.profile.schema.user import UserSettings
+from neurotouch_hid.profile.schema.user import UserSettings, choose_filter
 
 TOUR: Final = "\n".join(
     f"{gesture} {amount} {way}; rest 1500ms"
@@ -28,9 +30,9 @@ TOUR: Final = "\n".join(
 )
 """Every movement once quickly and once held, as far as people go."""
 
-_SAID: Final = frozenset(
-    ("gesture", "direction", "zone", "contacts", "level", "press", "phase", "on_mm", "sequence")
-) | frozenset(("stick", "axis", "sign", "trigger", "button", "dpad", "key", "mouse", "layer"))
+_SAID_OF_WHEN: Final = ("sequence", *CONDITION_KEYS)
+_SAID_OF_DO: Final = (*TARGETS, "sign", "mode")
+"""The keys that are in a binding's words already."""
 
 
 def summarize(profile: Profile, user: UserSettings | None = None) -> Iterator[str]:
@@ -63,13 +65,11 @@ def summarize(profile: Profile, user: UserSettings | None = None) -> Iterator[st
 def summarize_binding(binding: Binding) -> str:
     """Returns a binding with everything it sets, ``push -> stick left, range_mm [1.0, 8.0]``."""
     words = [describe_binding(binding)]
-    for part in (binding.when, binding.do):
+    for part, said in ((binding.when, _SAID_OF_WHEN), (binding.do, _SAID_OF_DO)):
         if not isinstance(part, str):
             written = part.model_dump(mode="json", exclude_unset=True)
             words += [
-                f"{key} {format_value(value)}"
-                for key, value in written.items()
-                if key not in _SAID and key not in ("mode", "command")
+                f"{key} {format_value(value)}" for key, value in written.items() if key not in said
             ]
     return ", ".join(words)
 
@@ -88,7 +88,7 @@ def _summarize_times(profile: Profile, user: UserSettings | None) -> Iterator[st
     for key in times.__slots__:
         value = getattr(times, key)
         if key == "filter":
-            value = user.filter or (profile.filter if user.timing is None else None) or value
+            value = choose_filter(profile, user)
         yield f"{key}: {format_value(value)}"
     for movement, range_ in user.range:
         if range_ is not None:

@@ -1,4 +1,4 @@
-"""Where profiles are: the person's own folder first, then the machine's, then the shipped ones.
+"""Finds profiles: in the person's own folder first, then the machine's, then the shipped.
 
 ``folder`` is always the folder of a person's settings; None means those of this process's user.
 """
@@ -28,7 +28,7 @@ def find_user_folder(folder: Path | None = None) -> Path:
 
 
 def list_profile_folders(folder: Path | None = None) -> list[Path]:
-    """Returns where profiles are looked for, first found first; they need not exist."""
+    """Returns the folders of profiles, the first one searched first; they need not exist."""
     own, machine = find_user_folder(folder), find_machine_folder() / "profiles"
     return list(dict.fromkeys([own, machine, find_shipped_folder()]))
 
@@ -60,7 +60,7 @@ def find_profile(name_or_path: str | Path, folder: Path | None = None) -> Path:
         folder: the person's settings.
 
     Raises:
-        ProfileError: no profile has this name, or nobody can know.
+        ProfileError: no profile has this name, or the folders cannot be read.
     """
     if isinstance(name_or_path, Path):
         return name_or_path

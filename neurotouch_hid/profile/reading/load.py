@@ -1,4 +1,4 @@
-"""Reads profiles and the user's file: every mistake at once, with line, column and a way out."""
+"""Reads profiles and the user's file: every mistake at once, with line, column and a fix."""
 
 import stat
 from collections.abc import Callable, Collection
@@ -12,8 +12,8 @@ from pydantic import BaseModel, ValidationError
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.players import find_machine_folder, find_user_file
 from neurotouch_hid.profile.diagnostics.consistency import check_layers
-from neurotouch_hid.profile.diagnostics.error_sentences import locate_faults
 from neurotouch_hid.profile.diagnostics.lint import find_warnings
+from neurotouch_hid.profile.diagnostics.schema_errors import locate_faults
 from neurotouch_hid.profile.diagnostics.unmet import find_unmet
 from neurotouch_hid.profile.faults import (
     Fault,
@@ -59,7 +59,7 @@ class Checked(Generic[Model]):
         return format_faults(self.faults, self.name, self.text)
 
     def require(self) -> Model:
-        """Returns what the file says.
+        """Returns the content of the file.
 
         Raises:
             ProfileError: there are errors; the message holds them all.
@@ -167,7 +167,7 @@ def load_unused() -> tuple[str, ...]:
 
 
 def load_settings(path: Path, model: type[Model]) -> Model:
-    """Returns what a file of settings says; the model's defaults if there is no file.
+    """Returns the content of a settings file; the model's defaults if there is none.
 
     Raises:
         ProfileError: as ``load_profile``.

@@ -66,7 +66,7 @@ class ScriptStep:
 
     @property
     def length_us(self) -> int:
-        """How long it takes."""
+        """The duration of the step."""
         return self.rise_us + self.hold_us + self.fall_us
 
     def measure_mm(self, t_us: int) -> float:

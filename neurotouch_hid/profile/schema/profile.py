@@ -1,4 +1,4 @@
-"""What a profile may say: version 1 of the file format, strict, bounded and self-describing.
+"""Model of a profile: version 1 of the file format, strict, bounded and self-describing.
 
 A profile is a list of bindings, or several lists, its layers. Each binding says *when* (a gesture,
 perhaps narrowed) and what to *do* (exactly one output, perhaps shaped).
@@ -83,14 +83,14 @@ class Binding(Strict):
 
     @property
     def thresholds_mm(self) -> tuple[float, float]:
-        """Where it acts and where it releases, in mm; 0 where only its range decides."""
+        """The thresholds to act and to release, in mm; 0 where only its range decides."""
         condition = self.condition
         if self.is_followed and condition.on_mm is None and condition.level is None:
             return 0.0, 0.0
         return condition.thresholds_mm
 
     def range_for(self, kind: GestureKind) -> tuple[float, float]:
-        """Returns where the output begins to move and where it ends, in mm, or mm/s for a speed."""
+        """Returns the range in which the output moves, in mm, or mm/s for a speed."""
         if isinstance(self.do, Linear) and self.do.follow == "speed":
             return self.do.range_mm_s or SPEED_RANGE_MM_S
         if isinstance(self.do, Shaped) and self.do.range_mm is not None:
@@ -154,7 +154,7 @@ Bindings = Annotated[list[Binding], Field(min_length=1, max_length=256)]
 
 
 class Layer(Strict):
-    """A set of bindings that hold together."""
+    """A set of bindings that are active together."""
 
     name: str = Field(
         pattern=LAYER_PATTERN,
@@ -226,7 +226,7 @@ class Safety(Strict):
 
 
 class Profile(Strict):
-    """How gestures on the gel become a game controller."""
+    """A profile: turns gestures on the gel into a game controller."""
 
     version: Annotated[int, AfterValidator(check_version)] = Field(
         description="The version of this format: 1. No default.", json_schema_extra={"const": 1}

@@ -1,4 +1,4 @@
-"""From a gesture to a reading.
+"""Conditions each gesture for the bindings.
 
 orientation ─ unused ─ notch ─ filter ─ range ─ onset and latch ─ direction, zone, ...
 
@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from typing import Final
 
 from neurotouch_hid.messages import Gesture, GestureKind
-from neurotouch_hid.profile.engine.calibration import make_conversion
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture, Phase
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture, Phase
 from neurotouch_hid.profile.engine.notch import Notch, TremorWatch
 from neurotouch_hid.profile.engine.one_euro import FILTERS, OneEuro
+from neurotouch_hid.profile.engine.personal_range import make_conversion
 from neurotouch_hid.profile.engine.regions import Vector, choose_direction, find_zone
 from neurotouch_hid.profile.schema.conditions import Zone
 from neurotouch_hid.profile.schema.targets import EightWay
@@ -47,7 +47,7 @@ _MIRRORED: Final = {
 
 @dataclass(slots=True)
 class _Memory:
-    """What is remembered of a gesture until it ends; the names are those of the reading."""
+    """Memory of one gesture until it ends; the names are those of the conditioned gesture."""
 
     kind: GestureKind | None = None  # the latched one
     onset_us: int | None = None
@@ -63,7 +63,7 @@ class _Memory:
 
 
 class InputConditioner:
-    """Makes readings from gestures; what it remembers ends with each gesture.
+    """Conditions gestures; its memory ends with each of them.
 
     Args:
         user: the person's own values.
@@ -113,7 +113,7 @@ class InputConditioner:
             self._watch.reset()
 
     def read(self, gesture: Gesture) -> ConditionedGesture:
-        """Returns what the hand does now; at rest if a measurement is not a number."""
+        """Returns the conditioned gesture; at rest if a measurement is not a number."""
         step_us = 0 if self._t_us is None else gesture.t_us - self._t_us
         self._t_us = gesture.t_us
         kind, mm = gesture.kind, float(gesture.intensity_mm)

@@ -1,30 +1,36 @@
 """Values, bindings and versions as people ask for them."""
 
 import pytest
+from ruamel.yaml import YAML
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.profile import check_content, check_profile
 from neurotouch_hid.profile.diagnostics.description import describe_target, describe_when
 from neurotouch_hid.profile.editing import (
+    ProfileText,
     adopt,
     bind,
     compare,
-    list_ways,
+    list_key_paths,
     parse_do,
     parse_when,
     reset_value,
     set_value,
+    take_profile,
     unbind,
     upgrade,
 )
-from neurotouch_hid.profile.editing.paths import find_way
+from neurotouch_hid.profile.editing.key_paths import find_key_path
+from neurotouch_hid.profile.editing.questions import list_questions
+from neurotouch_hid.profile.editing.summary import summarize_binding
 from neurotouch_hid.profile.reading.library import find_shipped_folder
+from neurotouch_hid.profile.schema.profile import Binding
 from neurotouch_hid.profile.schema.user import UserSettings
 from neurotouch_hid.profile.yaml_document import parse_document
 
 NAMES = sorted(path.stem for path in find_shipped_folder().glob("*.yaml"))
 
-TEXT = """\
+TEXT = ProfileText("""\
 # mine
 version: 1
 name: mine
@@ -45,11 +51,11 @@ layers:
         do: {dpad: left}
       - when: zoom
         do: {layer: menu}
-"""
+""")
 
 
 def load(text):
-    return parse_document(text)[0].value
+    return parse_document(text.text)[0].value
 
 
 def added(before, after):
@@ -79,6 +85,23 @@ def test_setting_a_value_changes_one_line(path, value, line):
     assert len(compare(TEXT, changed)) <= 2
 
 
+@pytest.mark.parametrize(
+    ("path", "value"), [("pinch.button", "b"), ("push.gain", 2.0), ("push.on_mm", 3.0)]
+)
+def test_a_text_is_parsed_once_to_set_a_value_in_it(path, value, monkeypatch):
+    parsed = []
+    for name in ("parse", "compose"):
+        real = getattr(YAML, name)
+        monkeypatch.setattr(
+            YAML, name, lambda self, text, real=real: (parsed.append(text), real(self, text))[1]
+        )
+    text = ProfileText(TEXT.text)
+    set_value(text, path, value)
+    assert parsed == [text.text, text.text]  # its values, then their places; the new text waits
+    set_value(text, "timing", "slow")
+    assert len(parsed) == 2
+
+
 def test_a_word_becomes_keys_where_they_are_needed():
     changed = set_value(set_value(TEXT, "timing", "steady"), "timing.hold_ms", 900)
     assert load(changed)["timing"] == {"preset": "steady", "hold_ms": 900}
@@ -86,7 +109,7 @@ def test_a_word_becomes_keys_where_they_are_needed():
 
 def test_new_keys_stand_where_keys_of_their_kind_stand():
     changed = set_value(TEXT, "timing", "slow")
-    assert changed.index("timing") < changed.index("bindings")
+    assert changed.text.index("timing") < changed.text.index("bindings")
 
 
 @pytest.mark.parametrize("path", ["psh.gain", "push.gian", "layers.x.zoom", "a..b", "", "[0]", "."])
@@ -104,7 +127,7 @@ def test_a_default_comes_back():
 
 
 def test_the_users_own_values_are_set_in_the_same_way():
-    text = "version: 1\n"
+    text = ProfileText("version: 1\n")
     text = set_value(text, "range.zoom", {"rest": 0.6, "full": 3.0}, UserSettings)
     text = set_value(text, "range.pinch.full", 5.0, UserSettings)
     text = set_value(text, "filter", "medium", UserSettings)
@@ -116,13 +139,12 @@ def test_the_users_own_values_are_set_in_the_same_way():
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_every_way_that_completion_offers_leads_somewhere(name):
-    text = (find_shipped_folder() / f"{name}.yaml").read_text(encoding="utf-8")
-    document = load(text)
-    ways = list(list_ways(document))
-    assert len(ways) > 20
-    for way in ways:
-        find_way(document, way)
+def test_every_path_that_completion_offers_leads_somewhere(name):
+    document = take_profile(name, str).text.document
+    paths = list(list_key_paths(document))
+    assert len(paths) > 20
+    for path in paths:
+        find_key_path(document, path)
 
 
 def test_a_binding_for_the_same_gesture_does_something_else():
@@ -141,7 +163,7 @@ def test_another_gesture_is_a_further_binding():
 
 
 def test_a_profile_without_bindings_gets_some():
-    text = "version: 1\nname: mine\nextends: [racing]\n"
+    text = ProfileText("version: 1\nname: mine\nextends: [racing]\n")
     assert load(bind(text, "pinch", {"button": "a"}))["bindings"] == [
         {"when": "pinch", "do": {"button": "a"}}
     ]
@@ -157,7 +179,7 @@ def test_unbinding_takes_what_was_named():
         unbind(TEXT, parse_when("pinch"), parse_do("button b"))
     with pytest.raises(ProfileError, match="no layer"):
         unbind(TEXT, "pinch", layer="other")
-    only = "bindings:\n  - when: push\n    do: {stick: left}\n"
+    only = ProfileText("bindings:\n  - when: push\n    do: {stick: left}\n")
     with pytest.raises(ProfileError, match="last binding"):
         unbind(only, "push")
 
@@ -194,15 +216,27 @@ def test_words_that_are_no_output_are_refused(words):
 
 
 def test_an_old_file_is_brought_up_to_date():
-    old = "name: mine\nbindings:\n  - when: push\n    do: {stick: left}\n"
+    old = ProfileText("name: mine\nbindings:\n  - when: push\n    do: {stick: left}\n")
     new = upgrade(old, "schema/profile-1.json")
-    assert new.startswith("# yaml-language-server: $schema=schema/profile-1.json\nversion: 1\nname")
+    assert new.text.startswith(
+        "# yaml-language-server: $schema=schema/profile-1.json\nversion: 1\nname"
+    )
     assert check_content(new.encode(), "x").whole is not None
     assert upgrade(new, "schema/profile-1.json") == new
     with pytest.raises(ProfileError, match="version 2"):
-        upgrade(new.replace("version: 1", "version: 2"), "x")
+        upgrade(new.replace(("version",), 2), "x")
 
 
 def test_a_copy_gets_its_own_name_and_schema_line():
     text = "# yaml-language-server: $schema=a.json\r\nversion: 1\r\nname: a\r\n"
-    assert adopt(text, "b", "c.json") == text.replace("a.json", "c.json").replace(": a", ": b")
+    copied = text.replace("a.json", "c.json").replace(": a", ": b")
+    assert adopt(ProfileText(text), "b", "c.json").text == copied
+
+
+def test_a_summary_says_every_key_of_a_binding_once():
+    when = {"gesture": "pinch", "with_button": "x", "trigger": "release"}
+    binding = Binding.model_validate({"when": when, "do": {"trigger": "left", "value": 1.0}})
+    assert summarize_binding(binding) == (
+        "pinch while x is held -> trigger left, trigger release, value 1.0"
+    )
+    assert "trigger" in [question.key for question in list_questions(binding)]

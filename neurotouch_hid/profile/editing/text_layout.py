@@ -1,4 +1,4 @@
-"""Where every value is in a text, by character, so that an edit touches nothing else."""
+"""Finds the characters of every value in a text, so that an edit touches nothing else."""
 
 from dataclasses import dataclass
 from typing import Any, Final, Literal
@@ -7,8 +7,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.nodes import MappingNode, SequenceNode
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.faults import Keys, format_faults, format_path
-from neurotouch_hid.profile.yaml_document import parse_document
+from neurotouch_hid.profile.faults import Keys, format_path
 
 Style = Literal["plain", "'", '"', "flow", "block"]
 _QUOTES: Final[dict[str | None, Style]] = {"'": "'", '"': '"'}
@@ -52,27 +51,16 @@ class Entry:
     part: Part
 
 
-def read_layout(text: str, name: str) -> tuple[Part, Any]:
-    """Returns the layout of a document and its plain value.
-
-    Args:
-        text: the document.
-        name: what it is called in messages.
-
-    Raises:
-        ProfileError: it is not YAML that a profile may be made of.
-    """
-    root, faults = parse_document(text)
-    if root is None or any(fault.code in ("NT104", "NT105") for fault in faults):
-        raise ProfileError(format_faults(faults, name, text))
-    return _make_part(YAML(typ="safe", pure=True).compose(text), text), root.value
+def read_layout(text: str) -> Part:
+    """Returns the layout of a text that ``parse_document`` has accepted."""
+    return _make_part(YAML(typ="safe", pure=True).compose(text), text)
 
 
 def find_entry(root: Part, keys: Keys) -> Entry:
-    """Returns the entry at the end of the way.
+    """Returns the entry at the end of a path of keys.
 
     Raises:
-        ProfileError: the way leads nowhere.
+        ProfileError: there is none.
     """
     part, entry = root, None
     for i, key in enumerate(keys):
@@ -81,7 +69,7 @@ def find_entry(root: Part, keys: Keys) -> Entry:
             raise ProfileError(f"There is no '{format_path(keys[: i + 1])}'.")
         part = entry.part
     if entry is None:
-        raise ProfileError("The way to a value has at least one key.")
+        raise ProfileError("The path of a value has at least one key.")
     return entry
 
 
@@ -89,7 +77,7 @@ def find_part(root: Part, keys: Keys) -> Part:
     """Returns the value at the end of the way; the whole document for an empty one.
 
     Raises:
-        ProfileError: the way leads nowhere.
+        ProfileError: there is none.
     """
     return find_entry(root, keys).part if keys else root
 

@@ -1,4 +1,4 @@
-"""What pydantic found in a profile, put in plain words and in its place."""
+"""Puts the errors that pydantic finds into plain words, each at its place."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -192,6 +192,6 @@ def _unit(keys: Keys) -> str:
 
 
 def _pair(keys: Keys) -> str:
-    """Returns what the two numbers of a list are."""
+    """Names the two numbers of a list."""
     names = [key for key in keys if isinstance(key, str)]
     return "[rest, full]" if names and names[-1].startswith("range") else "[x, y]"

@@ -1,4 +1,4 @@
-"""Notes gestures that nearly did something, so that nobody has to guess why nothing happened."""
+"""Logs gestures that ended just below a threshold, so that people see why nothing happened."""
 
 from collections.abc import Iterable
 from typing import Final
@@ -6,7 +6,7 @@ from typing import Final
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.decision_log import DecisionLog
 from neurotouch_hid.profile.engine.binding_runner import BindingRunner
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
 
 NEAR: Final = 0.5
 """A gesture that stays below this share of a threshold was not meant for it."""

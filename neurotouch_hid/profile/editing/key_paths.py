@@ -1,4 +1,4 @@
-"""Ways to a value as people write them: ``push.curve.expo``, ``layers.fly.pinch.on_mm``.
+"""Paths to a value as people write them: ``push.curve.expo``, ``layers.fly.pinch.on_mm``.
 
 A part is a key, a number in a list (``bindings[0]`` or ``bindings.0``), the name of a layer, or the
 gesture of a binding in one word (``push_left_tap``; with ``#2`` the second of that kind). A binding
@@ -14,22 +14,23 @@ from pydantic import BaseModel
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.profile.faults import Keys, format_path, make_printable, suggest
-from neurotouch_hid.profile.schema.conditions import Condition
+from neurotouch_hid.profile.schema.conditions import CONDITION_KEYS, Condition
 from neurotouch_hid.profile.schema.profile import Binding, Profile
 from neurotouch_hid.profile.schema.timing import Timing
 from neurotouch_hid.profile.schema.tree import find_model
 
 _PART: Final = re.compile(r"\[(\d+)\]|([^.\[\]]+)")
 _MOST_PATHS: Final = 3
+_UNNAMED: Final = ("contacts", "with_button", "on_mm")
 _PATH: Final = re.compile(r"[^.\[\]]+(\.[^.\[\]]+|\[\d+\])*")
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
-    """A way to a value.
+class KeyPath:
+    """The path to a value.
 
     Attributes:
-        keys: the whole way.
+        keys: every key on it.
         exists: whether the value is there.
         widen: keys whose value is a word and must become keys of its own, and the key of that word:
             ``when: push`` becomes ``when: {gesture: push}``.
@@ -40,8 +41,8 @@ class Way:
     widen: tuple[Keys, str] | None = None
 
 
-def find_way(document: Any, path: str, model: type[BaseModel] = Profile) -> Way:
-    """Returns the way a person means.
+def find_key_path(document: Any, path: str, model: type[BaseModel] = Profile) -> KeyPath:
+    """Returns the path a person means.
 
     Args:
         document: the plain value of the document.
@@ -49,7 +50,7 @@ def find_way(document: Any, path: str, model: type[BaseModel] = Profile) -> Way:
         model: what the document is.
 
     Raises:
-        ProfileError: it leads nowhere, or a part could mean several things.
+        ProfileError: there is no such key, or a part could mean several things.
     """
     if not _PATH.fullmatch(path):
         raise _refuse(path, "")
@@ -63,10 +64,10 @@ def find_way(document: Any, path: str, model: type[BaseModel] = Profile) -> Way:
         for key in hop:
             value = value[key]
         keys = (*keys, *hop)
-    return Way(keys, True)
+    return KeyPath(keys, True)
 
 
-def list_ways(document: Any, model: type[BaseModel] = Profile) -> Iterator[str]:
+def list_key_paths(document: Any, model: type[BaseModel] = Profile) -> Iterator[str]:
     """Returns every path that people may write, the shortest form of each, in the text's order."""
     for key, value in document.items() if isinstance(document, dict) else ():
         if key == "bindings":
@@ -88,7 +89,7 @@ def name_binding(binding: Any) -> str:
         return "-".join(map(str, when["sequence"]))
     if not isinstance(when, dict):
         return str(when)
-    keys = ("gesture", "direction", "zone", "level", "press", "phase")
+    keys = (key for key in CONDITION_KEYS if key not in _UNNAMED)
     return "_".join(str(when[key]) for key in keys if key in when)
 
 
@@ -103,7 +104,7 @@ def name_bindings(bindings: Any) -> list[str]:
 
 
 def _hop(value: Any, part: str, keys: Keys) -> Keys | None:
-    """Returns the keys a part leads over, or None if it leads nowhere."""
+    """Returns the keys that a part means, or None if there are none."""
     if isinstance(value, list):
         names = _name_items(value, keys)
         if part.isdecimal() and int(part) < len(value):
@@ -124,8 +125,10 @@ def _name_items(items: Any, keys: Keys) -> list[str]:
     return name_bindings(items) if keys[-1:] == ("bindings",) else []
 
 
-def _find_new(value: Any, keys: Keys, rest: list[str], path: str, model: type[BaseModel]) -> Way:
-    """Returns the way to a key that is not there yet."""
+def _find_new(
+    value: Any, keys: Keys, rest: list[str], path: str, model: type[BaseModel]
+) -> KeyPath:
+    """Returns the path to a key that is not there yet."""
     part = rest[0]
     if isinstance(value, dict) and len(rest) == 1:
         if "when" in value and "do" in value:
@@ -133,15 +136,19 @@ def _find_new(value: Any, keys: Keys, rest: list[str], path: str, model: type[Ba
             if part in Condition.model_fields and (do is None or part not in do.model_fields):
                 when = value["when"]
                 if part == "gesture" and isinstance(when, str):
-                    return Way((*keys, "when"), True)
+                    return KeyPath((*keys, "when"), True)
                 widen = None if isinstance(when, dict) else ((*keys, "when"), "gesture")
-                return Way((*keys, "when", part), False, widen)
+                return KeyPath((*keys, "when", part), False, widen)
             if do is not None and part in do.model_fields:
-                return Way((*keys, "do", part), False)
+                return KeyPath((*keys, "do", part), False)
         if part in list_known(value, keys, model):
-            return Way((*keys, part), False)
+            return KeyPath((*keys, part), False)
     if keys[-1:] == ("timing",) and part in Timing.model_fields and len(rest) == 1:
-        return Way(keys, True) if part == "preset" else Way((*keys, part), False, (keys, "preset"))
+        return (
+            KeyPath(keys, True)
+            if part == "preset"
+            else KeyPath((*keys, part), False, (keys, "preset"))
+        )
     if isinstance(value, dict) and len(rest) > 1:
         do = _find_target(value["do"]) if "when" in value and "do" in value else None
         inner = (*keys, "do", part) if do is not None and part in do.model_fields else (*keys, part)
@@ -165,7 +172,7 @@ def _find_deeper(value: Any, rest: list[str], keys: Keys, model: type[BaseModel]
     if keys:
         return ""
     end = "." + ".".join(rest)
-    found = [f"'{way}'" for way in list_ways(value, model) if way.endswith(end)]
+    found = [f"'{path}'" for path in list_key_paths(value, model) if path.endswith(end)]
     return f"Did you mean {' or '.join(found[:_MOST_PATHS])}?" if found else ""
 
 

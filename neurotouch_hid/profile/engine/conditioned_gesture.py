@@ -1,4 +1,4 @@
-"""What the hand does at one moment, as the bindings ask for it."""
+"""The gesture at one moment, made ready for the bindings."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -13,7 +13,7 @@ Phase = Literal["attack", "hold", "release"]
 
 @dataclass(slots=True)
 class ConditionedGesture:
-    """What the hand does at one moment.
+    """The gesture at one moment.
 
     Attributes:
         t_us: the moment.

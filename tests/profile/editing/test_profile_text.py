@@ -6,14 +6,9 @@ import pytest
 from ruamel.yaml import YAML
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.editing.changes import (
-    append_item,
-    insert_key,
-    remove_value,
-    replace_value,
-)
 from neurotouch_hid.profile.editing.edited_file import compare
-from neurotouch_hid.profile.editing.values import format_value, parse_value
+from neurotouch_hid.profile.editing.profile_text import ProfileText
+from neurotouch_hid.profile.editing.yaml_values import format_value, parse_value
 from neurotouch_hid.profile.reading.library import find_shipped_folder
 from neurotouch_hid.profile.yaml_document import parse_document
 
@@ -69,11 +64,14 @@ def put(document, keys, value):
 def test_every_single_value_can_be_replaced_by_a_one_line_change(name, layout):
     text = LAYOUTS[layout](SHIPPED[name])
     for keys in list_scalars(load(text)):
-        changed = replace_value(text, keys, "other-word")
+        changed = ProfileText(text).replace(keys, "other-word").text
         expected = load(text)
         put(expected, keys, "other-word")
         assert load(changed) == expected
-        assert [verb for verb, _, _ in compare(text, changed)] == ["removed", "added"]
+        assert [verb for verb, _, _ in compare(ProfileText(text), ProfileText(changed))] == [
+            "removed",
+            "added",
+        ]
         assert changed.count("\n") == text.count("\n")
         assert changed.count("\r") == text.count("\r")
 
@@ -82,22 +80,23 @@ def test_every_single_value_can_be_replaced_by_a_one_line_change(name, layout):
 @pytest.mark.parametrize("name", SHIPPED)
 def test_what_is_inserted_and_removed_again_leaves_no_trace(name, layout):
     text = LAYOUTS[layout](SHIPPED[name])
+    before = ProfileText(text)
     bindings = ("bindings",) if "bindings" in load(text) else ("layers", 0, "bindings")
     for keys in ((), (*bindings, 0, "do"), (*bindings, 0)):
-        longer = insert_key(text, keys, "extra", [1.0, 2.0])
-        assert len([1 for verb, _, _ in compare(text, longer) if verb == "added"]) == 1
-        assert remove_value(longer, (*keys, "extra")).rstrip("\r\n") == text.rstrip("\r\n")
+        longer = before.insert(keys, "extra", [1.0, 2.0])
+        assert len([1 for verb, _, _ in compare(before, longer) if verb == "added"]) == 1
+        assert longer.remove((*keys, "extra")).text.rstrip("\r\n") == text.rstrip("\r\n")
     item = {"when": "pinch", "do": {"button": "y"}}
-    longer = append_item(text, bindings, item)
+    longer = before.append(bindings, item)
     n = len(load(text)[bindings[0]]) if len(bindings) == 1 else None
     expected = load(text)
     target = expected
     for key in bindings:
         target = target[key]
     target.append(item)
-    assert load(longer) == expected
+    assert longer.document == expected
     if n is not None:
-        assert remove_value(longer, (*bindings, n)).rstrip("\r\n") == text.rstrip("\r\n")
+        assert longer.remove((*bindings, n)).text.rstrip("\r\n") == text.rstrip("\r\n")
 
 
 @pytest.mark.parametrize("name", SHIPPED)
@@ -114,47 +113,47 @@ def test_every_key_and_item_can_be_removed(name):
                 target = target[key]
             for i in reversed(range(1, len(target))):
                 del target[i]
-                text = remove_value(text, (*keys, i))
+                text = ProfileText(text).remove((*keys, i)).text
                 assert load(text) == expected
 
 
 def test_quotes_and_comments_stay():
     text = "a: 'one'  # first\nb: \"two\"\n# between\nc: [1, 2]  # last\n"
-    assert replace_value(text, ("a",), "it's") == text.replace("'one'", "'it''s'")
-    assert replace_value(text, ("b",), "x") == text.replace('"two"', '"x"')
-    assert replace_value(text, ("c", 1), 3) == text.replace("[1, 2]", "[1, 3]")
-    assert remove_value(text, ("b",)) == text.replace('b: "two"\n', "")
-    assert insert_key(text, (), "d", 4, order=("a", "d")) == text.replace(
+    assert ProfileText(text).replace(("a",), "it's").text == text.replace("'one'", "'it''s'")
+    assert ProfileText(text).replace(("b",), "x").text == text.replace('"two"', '"x"')
+    assert ProfileText(text).replace(("c", 1), 3).text == text.replace("[1, 2]", "[1, 3]")
+    assert ProfileText(text).remove(("b",)).text == text.replace('b: "two"\n', "")
+    assert ProfileText(text).insert((), "d", 4, order=("a", "d")).text == text.replace(
         "first\n", "first\nd: 4\n"
     )
 
 
 def test_a_comment_goes_only_with_the_one_item_it_stands_above():
     text = "list:\n  # for both\n  - a: 1\n  - a: 2\n\n  # for one\n  - a: 3\n"
-    assert "for both" in remove_value(text, ("list", 0))
-    assert "for one" not in remove_value(text, ("list", 2))
-    assert "for both" in remove_value(text, ("list", 1))
+    assert "for both" in ProfileText(text).remove(("list", 0)).text
+    assert "for one" not in ProfileText(text).remove(("list", 2)).text
+    assert "for both" in ProfileText(text).remove(("list", 1)).text
 
 
 def test_a_block_becomes_a_bracket_where_it_is_replaced():
     text = "do:\n  stick: left\n  gain: 2\nend: 1\n"
-    assert replace_value(text, ("do",), {"button": "a"}) == "do: {button: a}\nend: 1\n"
+    assert ProfileText(text).replace(("do",), {"button": "a"}).text == "do: {button: a}\nend: 1\n"
 
 
 def test_the_first_key_of_an_item_can_go():
     text = "list:\n- when: push\n  do: {button: a}\n"
-    assert remove_value(text, ("list", 0, "when")) == "list:\n- do: {button: a}\n"
+    assert ProfileText(text).remove(("list", 0, "when")).text == "list:\n- do: {button: a}\n"
 
 
 def test_what_would_be_empty_goes_too():
     text = "a: {b: {c: 1}}\nd: 2\n"
-    assert remove_value(text, ("a", "b", "c")) == "d: 2\n"
+    assert ProfileText(text).remove(("a", "b", "c")).text == "d: 2\n"
 
 
 @pytest.mark.parametrize("keys", [("x",), ("list", 5), ("list", 0, "a", "b"), ()])
 def test_a_place_that_is_not_there_is_refused(keys):
     with pytest.raises(ProfileError):
-        replace_value("list:\n  - a: 1\n", keys, 1)
+        ProfileText("list:\n  - a: 1\n").replace(keys, 1)
 
 
 WORDS = ("y", "on", "-", "+", "a: b", "{", "1", "1e5", "true", "it's", 'say "x"', "é\t\x07", " a ")

@@ -1,4 +1,4 @@
-"""What a press does to its output: held, toggled, kept for the next action, repeated."""
+"""Modes of a press: held, toggled, kept for the next action, repeated."""
 
 from collections.abc import Callable
 from typing import Final, Protocol
@@ -8,7 +8,7 @@ PAUSE_US: Final = 20_000
 
 
 class Mode(Protocol):
-    """What comes after a press.
+    """The stage after a press.
 
     Attributes:
         busy: it is down although nothing is pressed.
@@ -69,7 +69,7 @@ class Sticky:
         self.busy = self._locked
 
 
-class Repeat:
+class AutoRepeat:
     """Down with short pauses: the first after ``delay_us``, then one every ``every_us``.
 
     After ``most_us`` it stays up.
@@ -104,7 +104,7 @@ def make_mode(
     repeat_us: tuple[int, int] | None,
     turbo_us: tuple[int, int],
 ) -> Callable[[], Mode] | None:
-    """Returns how to make a new mode for a binding; None where the output simply follows the press.
+    """Returns a maker of modes for a binding; None where the output simply follows the press.
 
     Args:
         name: the mode's name in the profile.
@@ -113,7 +113,7 @@ def make_mode(
     """
     if repeat_us is not None:
         delay_us, every_us = repeat_us
-        return lambda: Repeat(max(delay_us, 2 * PAUSE_US), every_us, PAUSE_US, None)
+        return lambda: AutoRepeat(max(delay_us, 2 * PAUSE_US), every_us, PAUSE_US, None)
     match name:
         case "toggle":
             return Toggle
@@ -121,5 +121,5 @@ def make_mode(
             return lambda: Sticky(locks=name == "sticky")
         case "turbo":
             every_us, most_us = turbo_us
-            return lambda: Repeat(every_us, every_us, every_us // 2, most_us)
+            return lambda: AutoRepeat(every_us, every_us, every_us // 2, most_us)
     return None

@@ -3,7 +3,7 @@
 from collections import deque
 
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
 from neurotouch_hid.profile.engine.press import Say, Threshold
 from neurotouch_hid.profile.schema.conditions import DEFAULT_ON_MM, OFF_SHARE, Condition, Sequence
 from neurotouch_hid.profile.schema.profile import make_step
@@ -12,7 +12,7 @@ from neurotouch_hid.profile.schema.targets import EightWay
 Done = tuple[int, GestureKind, EightWay | None]
 
 
-class Steps:
+class SequenceSteps:
     """Pressed while the last gesture of the sequence is there, if those before it were its others.
 
     What counts is the latest gestures, so a wrong one costs nothing but itself.
@@ -54,7 +54,7 @@ class Steps:
         return self._complete
 
     def _count(self) -> int:
-        """Returns how many of its first gestures have just been made."""
+        """Returns the number of its first gestures that have just been made."""
         done = list(self._done)
         for n in range(min(len(done), len(self._steps) - 1), 0, -1):
             if all(_fits(step, one) for step, one in zip(self._steps, done[-n:], strict=False)):

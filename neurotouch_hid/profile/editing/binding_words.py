@@ -12,9 +12,9 @@ import re
 from typing import Any, Final, get_args
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.editing.values import parse_value
+from neurotouch_hid.profile.editing.yaml_values import parse_value
 from neurotouch_hid.profile.faults import make_printable, suggest
-from neurotouch_hid.profile.schema.conditions import GestureName, PressName, Zone
+from neurotouch_hid.profile.schema.conditions import CONDITION_KEYS, GestureName, PressName, Zone
 from neurotouch_hid.profile.schema.targets import TARGETS, CommandName, EightWay, ModeName
 
 _GESTURES: Final = sorted(get_args(GestureName), key=len, reverse=True)
@@ -54,7 +54,7 @@ _LONG: Final = {
 
 
 def parse_when(words: str) -> Any:
-    """Returns what a profile writes after ``when:``.
+    """Returns the value of ``when`` as a profile writes it.
 
     Raises:
         ProfileError: the words mean no gesture.
@@ -81,13 +81,12 @@ def parse_when(words: str) -> Any:
         if word not in _KEYS or _KEYS[word] in found:
             raise _refuse(words, word, list(_KEYS), _AFTER_GESTURE)
         found[_KEYS[word]] = word
-    order = ("direction", "zone", "contacts", "with_button", "level", "press", "phase", "on_mm")
-    narrowed = {key: found[key] for key in order if key in found}
+    narrowed = {key: found[key] for key in CONDITION_KEYS if key in found}
     return {"gesture": gesture, **narrowed} if narrowed else gesture
 
 
 def parse_do(words: str) -> dict[str, Any]:
-    """Returns what a profile writes after ``do:``.
+    """Returns the value of ``do`` as a profile writes it.
 
     Raises:
         ProfileError: the words mean no output.

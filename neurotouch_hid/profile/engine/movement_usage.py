@@ -1,4 +1,4 @@
-"""What the movements cost a person: peaks that fade, and holds that last.
+"""Tracks the cost of each movement for the hand: peaks that fade, and long holds.
 
 It only watches; a suggestion changes nothing by itself.
 """
@@ -9,7 +9,7 @@ from statistics import median
 from typing import Final
 
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
 from neurotouch_hid.profile.schema.movements import name_movement
 from neurotouch_hid.profile.schema.profile import DEFAULT_FULL_MM, DEFAULT_REST_MM
 from neurotouch_hid.profile.schema.user import Ranges

@@ -4,10 +4,10 @@ import math
 from collections.abc import Callable
 
 from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.profile.engine.regions import Vector
 from neurotouch_hid.profile.schema.profile import DEFAULT_FULL_MM, DEFAULT_REST_MM
-from neurotouch_hid.profile.schema.user import Range, Ranges
+from neurotouch_hid.profile.schema.user import MovementRange, Ranges
 
-Vector = tuple[float, float]
 Convert = Callable[[GestureKind, float, Vector | None], float]
 
 
@@ -21,7 +21,7 @@ def make_conversion(ranges: Ranges) -> Convert | None:
     """
     if not ranges.model_fields_set:
         return None
-    usual = Range(rest=DEFAULT_REST_MM, full=DEFAULT_FULL_MM[GestureKind.PUSH])
+    usual = MovementRange(rest=DEFAULT_REST_MM, full=DEFAULT_FULL_MM[GestureKind.PUSH])
     left, right, up, down = (
         ranges.push_left or usual,
         ranges.push_right or usual,
