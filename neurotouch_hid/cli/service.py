@@ -40,7 +40,7 @@ def command(source: str | None, only_compile: bool) -> None:
     from neurotouch_hid.cli.play import announce
     from neurotouch_hid.driver import Driver, DriverOptions
     from neurotouch_hid.driver.admission import find_seated_users
-    from neurotouch_hid.driver.blind_camera import CameraWatchdog
+    from neurotouch_hid.driver.camera_watchdog import CameraWatchdog
     from neurotouch_hid.driver.people import People, find_people_folder
     from neurotouch_hid.driver.service_settings import load_service_settings
     from neurotouch_hid.driver.systemd import ServiceManager

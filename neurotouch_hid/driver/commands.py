@@ -10,12 +10,12 @@ from neurotouch_hid.client import LOADING_S, REQUEST_S, Answer
 from neurotouch_hid.driver.broadcast import Broadcast
 from neurotouch_hid.driver.control_socket import STREAM
 from neurotouch_hid.driver.people import People
-from neurotouch_hid.driver.reload import ProfileWatch
+from neurotouch_hid.driver.profile_watch import ProfileWatch
 from neurotouch_hid.errors import DriverError, NeuroTouchError
 from neurotouch_hid.profile.faults import make_printable
 from neurotouch_hid.profile.mapping import State
 from neurotouch_hid.runtime.command_queue import CommandName
-from neurotouch_hid.runtime.session import Session
+from neurotouch_hid.runtime.pipeline_control import PipelineControl
 from neurotouch_hid.vocabulary import NAME_PATTERN
 
 COMMANDS: Final = (
@@ -54,7 +54,7 @@ class Commands:
     """Answers the questions within ``REQUEST_S``, or ``LOADING_S`` where a profile is to be loaded.
 
     Args:
-        session: the running driver.
+        control: the running driver.
         profiles: what loads its profiles.
         facts: what else ``status`` tells, asked again each time.
         broadcast: hands out what the pipeline sees.
@@ -66,7 +66,7 @@ class Commands:
 
     def __init__(
         self,
-        session: Session,
+        control: PipelineControl,
         profiles: ProfileWatch,
         facts: Mapping[str, Callable[[], str]],
         broadcast: Broadcast | None = None,
@@ -75,7 +75,7 @@ class Commands:
         *,
         is_simulated: bool = False,
     ) -> None:
-        self._session = session
+        self._control = control
         self._profiles = profiles
         self._facts = facts
         self._broadcast = broadcast
@@ -102,7 +102,7 @@ class Commands:
                 return self._use(question.get("profile"))
             case "status":
                 facts = {name: tell() for name, tell in self._facts.items()}
-                return {"version": 1, **self._session.status(), **facts}
+                return {"version": 1, **self._control.status(), **facts}
             case "record" if self._broadcast is not None:
                 self._broadcast.require_place()
                 return {
@@ -118,8 +118,8 @@ class Commands:
                 )
 
     def _submit(self, order: CommandName) -> dict[str, Any]:
-        before = self._session.mapping.state
-        done = self._session.submit(order).done
+        before = self._control.mapping.state
+        done = self._control.submit(order).done
         if _is_done(done, _WAIT_S):
             after = done.result()
             said = _ALREADY if after == before else SAID

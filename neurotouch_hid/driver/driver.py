@@ -10,16 +10,16 @@ from neurotouch_hid.client import ask_status, is_service_running
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.device import Device, check_device, open_device
 from neurotouch_hid.driver.admission import Guests
+from neurotouch_hid.driver.attachments import Attachments
 from neurotouch_hid.driver.camera_settings import load_camera_config
 from neurotouch_hid.driver.check import check_copilot
 from neurotouch_hid.driver.chosen import load_chosen
 from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.driver.extra_devices import find_extra_devices
 from neurotouch_hid.driver.options import DriverOptions
-from neurotouch_hid.driver.pad import open_pad
+from neurotouch_hid.driver.pad_opening import open_pad
 from neurotouch_hid.driver.people import People, Person
 from neurotouch_hid.driver.settings import load_driver_settings
-from neurotouch_hid.driver.wiring import Wiring
 from neurotouch_hid.errors import (
     AlreadyRunningError,
     CameraError,
@@ -100,7 +100,7 @@ class Driver(Closing):
         self._facts = facts or {}
         self._people = people
         self._person: Person | None = None
-        self._wiring: Wiring | None = None
+        self._wiring: Attachments | None = None
         self._stop = Event()
         self._closing = ExitStack()
 
@@ -155,9 +155,9 @@ class Driver(Closing):
             stop.set()
         self._stop = stop
         timed = () if seconds is None else (_stop_after(seconds, stop),)
-        session = self._wiring.session if self._wiring is not None else None
+        control = self._wiring.control if self._wiring is not None else None
         with ExitStack() as stack:
-            if self.pipeline.has_frame_thread or session is not None:
+            if self.pipeline.has_frame_thread or control is not None:
                 stack.enter_context(realtime_priority())
             every = [*self.taps, *taps, *timed]
             return run_pipeline(
@@ -166,7 +166,7 @@ class Driver(Closing):
                 self.device,
                 every,
                 stop=stop,
-                session=session,
+                control=control,
                 on_round=on_round,
             )
 
@@ -228,7 +228,7 @@ class Driver(Closing):
         self.device = closing.enter_context(played.device)
         own: Facts = getattr(self.source, "facts", {})
         self._wiring = closing.enter_context(
-            Wiring(
+            Attachments(
                 control,
                 self.pipeline,
                 self.device,

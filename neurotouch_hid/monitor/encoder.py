@@ -11,7 +11,7 @@ from neurotouch_hid.monitor.summary import describe_step
 from neurotouch_hid.profile import MappingDecision
 from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
 from neurotouch_hid.profile.schema.timing import resolve_times
-from neurotouch_hid.runtime import Session
+from neurotouch_hid.runtime import PipelineControl
 from neurotouch_hid.snapshot import GestureState, Health, MarkerWriter, PadState, State, pack
 
 SLOW_S: Final = 0.5
@@ -39,13 +39,13 @@ class StateEncoder:
     other thread.
 
     Args:
-        session: the running pipeline.
+        control: the running pipeline.
         facts: what else is told, or told better, asked for again twice a second: ``source``,
             ``simulated``, ``device``, ``file``.
     """
 
-    def __init__(self, session: Session, facts: Facts) -> None:
-        self._session, self._facts = session, facts
+    def __init__(self, control: PipelineControl, facts: Facts) -> None:
+        self._control, self._facts = control, facts
         self._markers = MarkerWriter()
         self._n = 0
         self._health: Health | None = None
@@ -53,7 +53,7 @@ class StateEncoder:
 
     def take(self, step: Step) -> Sample:
         """Returns a sample of the step that has just been finished."""
-        mapping = self._session.mapping
+        mapping = self._control.mapping
         return Sample(
             step,
             mapping.reading,
@@ -86,7 +86,7 @@ class StateEncoder:
         return pack(state, self._markers.write(sample.step.markers))
 
     def _measure(self, step: Step) -> Health:
-        meter, mapping = self._session.meter, self._session.mapping
+        meter, mapping = self._control.meter, self._control.mapping
         counts, rates = meter.counts, meter.rates
         rest_us, packet = counts.rest_us, step.packet
         health: dict[str, Any] = {
@@ -97,11 +97,11 @@ class StateEncoder:
             "backlog_ms": round(1e3 * counts.late_s, 1),
             "tracked": int(step.markers.valid.sum()),
             "rezero_s": None if rest_us is None else round(1e-6 * (step.gesture.t_us - rest_us), 1),
-            "accept_ms": resolve_times(mapping.profile.timing, self._session.user.timing).accept_ms,
+            "accept_ms": resolve_times(mapping.profile.timing, self._control.user.timing).accept_ms,
             "window_ms": 1e-3 * (packet.t_end_us - packet.t_begin_us),
             "stages": {
                 name: _summarise(kept)
-                for name, kept in self._session.timings.recent_ns().items()
+                for name, kept in self._control.timings.recent_ns().items()
                 if kept
             },
             **{name: tell() for name, tell in self._facts.items()},

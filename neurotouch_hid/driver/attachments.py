@@ -13,7 +13,7 @@ from neurotouch_hid.driver.commands import SAID, Commands
 from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.driver.extra_devices import find_extra_devices
 from neurotouch_hid.driver.people import People, Person
-from neurotouch_hid.driver.reload import ProfileWatch
+from neurotouch_hid.driver.profile_watch import ProfileWatch
 from neurotouch_hid.driver.settings import DriverSettings
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.monitor import SoundMonitor
@@ -21,11 +21,11 @@ from neurotouch_hid.monitor.encoder import Facts, StateEncoder
 from neurotouch_hid.monitor.publisher import Publisher
 from neurotouch_hid.players import find_machine_folder, find_runtime_folder
 from neurotouch_hid.profile import Profile, UserSettings
-from neurotouch_hid.runtime import Pipeline, Session, Tap
+from neurotouch_hid.runtime import Pipeline, PipelineControl, Tap
 from neurotouch_hid.source import Source
 
 
-class Wiring(Closing):
+class Attachments(Closing):
     """Everything around a running pipeline: commands, profiles, hotkeys, desktop, sound, viewers.
 
     Args:
@@ -47,7 +47,7 @@ class Wiring(Closing):
         default: a service's profile for a person who has chosen none.
 
     Attributes:
-        session: takes commands for the pipeline.
+        control: takes commands for the pipeline.
         taps: what reads its Steps: sound, recorders, viewers.
     """
 
@@ -71,8 +71,8 @@ class Wiring(Closing):
         person: Person | None = None,
         default: str | None = None,
     ) -> None:
-        self.session = Session(pipeline, user)
-        self._control = control
+        self.control = PipelineControl(pipeline, user)
+        self._socket = control
         self._end = end
         self._people = people
         self._is_simulated = source.is_simulated
@@ -83,7 +83,7 @@ class Wiring(Closing):
             name,
             profile,
             user,
-            self.session,
+            self.control,
             announce=announce,
             prepare=lambda new: device.prepare(find_extra_devices(new)),
             player=player,
@@ -92,18 +92,18 @@ class Wiring(Closing):
             default=default,
         )
         self._closing.callback(self._profiles.close)
-        self.session.on_command(self._hear)
+        self.control.on_command(self._hear)
         chords = ChordReader(self._press, settings.keys_of)
         self._closing.callback(chords.close)
         if copilot is not None:  # nobody else can read it
             copilot.listen(settings.keys_of, self._press)
-            self.session.set_helper(lambda: copilot.share.buttons)
+            self.control.set_helper(lambda: copilot.share.buttons)
         self._broadcast = Broadcast()
         self._closing.callback(self._broadcast.close)
         self.taps: list[Tap] = [self._broadcast]
         describe_sound = _describe_sound_of_service
         if people is None:
-            sound = SoundMonitor(self.session, announce)
+            sound = SoundMonitor(self.control, announce)
             self._closing.callback(sound.close)
             self.taps.append(sound)
             describe_sound = sound.describe
@@ -115,7 +115,7 @@ class Wiring(Closing):
                 "file": lambda: self._profiles.file,
                 "plays_sound": lambda: people is None,
             }
-            encoder = StateEncoder(self.session, {**looks, **(facts or {})})
+            encoder = StateEncoder(self.control, {**looks, **(facts or {})})
             self._open_feed(encoder, control)
         self._facts: dict[str, Callable[[], str]] = {
             "source": lambda: source.name,
@@ -138,9 +138,9 @@ class Wiring(Closing):
         self._profiles.reload()
 
     def __enter__(self) -> Self:
-        if self._control is not None:
+        if self._socket is not None:
             commands = Commands(
-                self.session,
+                self.control,
                 self._profiles,
                 self._facts,
                 self._broadcast,
@@ -148,7 +148,7 @@ class Wiring(Closing):
                 self._people,
                 is_simulated=self._is_simulated,
             )
-            self._control.serve(commands.answer)
+            self._socket.serve(commands.answer)
         return self
 
     def close(self) -> None:
@@ -174,7 +174,7 @@ class Wiring(Closing):
     def _press(self, chord: str) -> None:
         """Acts on a hotkey: panic, or pause and its end."""
         with suppress(DriverError):  # the pipeline has stopped, so everything is released
-            self.session.submit("panic" if chord == "panic" else "toggle")
+            self.control.submit("panic" if chord == "panic" else "toggle")
 
     def _hear(self, command: str) -> None:
         """Handles what the gel asks for: a command took effect, or another profile is wanted."""

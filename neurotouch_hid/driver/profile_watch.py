@@ -20,7 +20,7 @@ from neurotouch_hid.profile.reading.library import (
     list_profile_folders,
 )
 from neurotouch_hid.profile.reading.load import find_values
-from neurotouch_hid.runtime.session import Session
+from neurotouch_hid.runtime.pipeline_control import PipelineControl
 
 POLL_S: Final = 0.25
 """A saved file is noticed, and left alone for one poll more because an editor may still be writing:
@@ -51,7 +51,7 @@ class ProfileWatch:
         name: the active profile at the start, by name or path.
         profile: what it says.
         user: the person's values at the start.
-        session: the running driver.
+        control: the running driver.
         announce: tells the person a sentence; called in the thread of the watch.
         prepare: is given each profile before the pipeline gets it.
         player: the player number; None means the one of the environment.
@@ -66,7 +66,7 @@ class ProfileWatch:
         name: str,
         profile: Profile,
         user: UserSettings,
-        session: Session,
+        control: PipelineControl,
         announce: Callable[[str], object],
         prepare: Callable[[Profile], None],
         player: int | None = None,
@@ -79,7 +79,7 @@ class ProfileWatch:
         self._chosen = self._name = name
         self._is_substitute = False
         self._held = profile, user
-        self._session = session
+        self._control = control
         self._announce = announce
         self._prepare = prepare
         self._requests: queue.SimpleQueue[_Request] = queue.SimpleQueue()
@@ -274,9 +274,9 @@ class ProfileWatch:
             if only_if_changed and held == self._held:
                 return  # another file, or a comment: no reason to release anything
             self._prepare(chosen.profile)
-            self._session.switch(*held)
+            self._control.switch(*held)
         except NeuroTouchError as error:
-            self._session.note_error(error.message.split("\n", 1)[0])
+            self._control.note_error(error.message.split("\n", 1)[0])
             self._announce(f"The profile '{self._held[0].name}' goes on as it was: {error.message}")
             raise
         self._held, self._name = held, chosen.name

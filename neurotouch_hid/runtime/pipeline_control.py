@@ -18,7 +18,7 @@ from neurotouch_hid.runtime.stall_guard import STALL_S
 KEPT_ERRORS: Final = 5
 
 
-class Session:
+class PipelineControl:
     """Connects the pipeline's thread with all others; neither side waits for the other.
 
     The pipeline's thread calls ``apply_commands`` before a slice and ``record`` after it. All other

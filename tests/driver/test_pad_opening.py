@@ -3,7 +3,7 @@
 import pytest
 
 from neurotouch_hid.device import ExtraDevice
-from neurotouch_hid.driver.pad import open_pad
+from neurotouch_hid.driver.pad_opening import open_pad
 from neurotouch_hid.driver.settings import DriverSettings
 from neurotouch_hid.errors import DeviceError, ProfileError
 from neurotouch_hid.messages import Button
