@@ -244,7 +244,7 @@ def test_status_tells_counts_times_and_errors(push):
     assert empty["gel"] != "found"
     for n in range(7):
         line.control.note_error(f"error {n}")
-    status = line.play().session.status()
+    status = line.play().control.status()
     assert status["slices"] == len(push.packets)
     assert status["markers_tracked"] == 177
     assert (status["layer"], status["gel"]) == ("base", "found")
@@ -256,7 +256,7 @@ def test_status_names_what_was_held_for_long(push, monkeypatch):
     line = Line(push)
     for gesture in rehearse("push left 6mm 200ms hold 6s; rest 500ms"):
         line.control.mapping.update(gesture)
-    assert line.play().session.status()["long_holds"] == {"push_left": 1}
+    assert line.play().control.status()["long_holds"] == {"push_left": 1}
 
 
 def test_every_stage_is_timed_where_it_runs(push):
