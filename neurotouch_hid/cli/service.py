@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from neurotouch_hid.device.outputs.identity import PadKind
     from neurotouch_hid.device.outputs.rumble import HearRumble
     from neurotouch_hid.driver.systemd import ServiceManager
-    from neurotouch_hid.source import Source
 
 
 @click.command(
@@ -63,10 +62,6 @@ def command(source: str | None, only_compile: bool) -> None:
         make_device=partial(_make_pad, manager),
         guests=find_seated_users,
         people=People(find_people_folder(), options.player),
-        facts={
-            "source": lambda: _describe(driver.source),
-            "keyboard": lambda: "the service may not read keyboards, so none stops it",
-        },
     )
     if only_compile:
         driver.compile()
@@ -86,14 +81,6 @@ def command(source: str | None, only_compile: bool) -> None:
 
         driver.run(stop=stop, on_round=on_round)
         manager.report_stopping()
-
-
-def _describe(source: "Source") -> str:
-    """Returns the source, and why nothing comes from it."""
-    from neurotouch_hid.source.davis import DavisSource
-
-    trouble = source.stats().trouble if isinstance(source, DavisSource) else ""
-    return f"{source.name}. {trouble}" if trouble else source.name
 
 
 def _make_pad(

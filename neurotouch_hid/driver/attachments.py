@@ -1,173 +1,182 @@
-"""Connects a running pipeline with the world around it."""
+"""Everything around a running pipeline: sockets, profiles, hotkeys, desktop, sounds, viewers."""
 
 import os
-from collections.abc import Callable
 from contextlib import ExitStack, suppress
-from typing import Self
+from typing import Final, Self
 
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.desktop import Follower, open_window
-from neurotouch_hid.device import ChordReader, Copilot, Device
+from neurotouch_hid.device import ChordReader
 from neurotouch_hid.driver.broadcast import Broadcast
-from neurotouch_hid.driver.commands import SAID, Commands
+from neurotouch_hid.driver.chosen import Chosen
+from neurotouch_hid.driver.commands import SAID, Commands, Described
 from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.driver.extra_devices import find_extra_devices
-from neurotouch_hid.driver.people import People, Person
+from neurotouch_hid.driver.pad_opening import DriverPad
 from neurotouch_hid.driver.profile_watch import ProfileWatch
-from neurotouch_hid.driver.settings import DriverSettings
+from neurotouch_hid.driver.source_opening import describe_source
+from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.monitor import SoundMonitor
-from neurotouch_hid.monitor.encoder import Facts, StateEncoder
+from neurotouch_hid.monitor.encoder import StateEncoder
 from neurotouch_hid.monitor.publisher import Publisher
 from neurotouch_hid.players import find_machine_folder, find_runtime_folder
-from neurotouch_hid.profile import Profile, UserSettings
 from neurotouch_hid.runtime import Pipeline, PipelineControl, Tap
-from neurotouch_hid.source import Source
+from neurotouch_hid.snapshot import Facts, SourceFacts
+from neurotouch_hid.source import FactTelling, Source
+
+_KEYBOARD_OF_SERVICE: Final = "the service may not read keyboards, so none stops it"
+_SOUND_OF_SERVICE: Final = (
+    "played in the session of the person at the machine, by 'neurotouch session'"
+)
+_NO_APPLICATIONS: Final = "none has a profile of its own"
 
 
 class Attachments(Closing):
-    """Everything around a running pipeline: commands, profiles, hotkeys, desktop, sound, viewers.
+    """Opens everything around a running pipeline when the block is entered, and closes it.
 
     Args:
-        control: where commands come in, if anywhere.
+        socket: the control socket, if there is one.
         pipeline: the stages.
-        device: the pad.
-        name: the profile as the person asked for it.
-        profile: the profile at the start.
-        user: the person's values.
-        settings: hotkeys and applications.
         source: the source.
-        player: the player number; None means the one of the environment.
-        announce: is told sentences for the person, from several threads.
-        facts: what ``status`` and the page are told beside the state of the pipeline.
-        copilot: a device that plays along; hotkeys work on it too.
-        end: ends the driver; None if only systemd may.
-        people: a service's settings of the people at the machine.
-        person: the one at the machine at the start.
-        default: a service's profile for a person who has chosen none.
+        pad: the pad, and who plays on it.
+        chosen: the profile and the values at the start.
+        surroundings: the people, files and callbacks around the pipeline.
 
     Attributes:
         control: takes commands for the pipeline.
-        taps: what reads its Steps: sound, recorders, viewers.
+        taps: what reads its Steps: recorders, sound, viewers.
     """
 
     def __init__(
         self,
-        control: ControlSocket | None,
+        socket: ControlSocket | None,
         pipeline: Pipeline,
-        device: Device,
-        *,
-        name: str,
-        profile: Profile,
-        user: UserSettings,
-        settings: DriverSettings,
         source: Source,
-        player: int | None = None,
-        announce: Callable[[str], object] = str,  # says nothing
-        facts: Facts | None = None,
-        copilot: Copilot | None = None,
-        end: Callable[[], object] | None = None,
-        people: People | None = None,
-        person: Person | None = None,
-        default: str | None = None,
+        pad: DriverPad,
+        chosen: Chosen,
+        surroundings: Surroundings,
     ) -> None:
-        self.control = PipelineControl(pipeline, user)
-        self._socket = control
-        self._end = end
-        self._people = people
-        self._is_simulated = source.is_simulated
-        self._player = player
-        self._announce = announce
+        self.control = PipelineControl(pipeline, chosen.user)
+        self.taps: list[Tap] = []
+        self._socket = socket
+        self._source = source
+        self._pad = pad
+        self._chosen = chosen
+        self._surroundings = surroundings
+        self._sound: SoundMonitor | None = None
+        self._follower: Follower | None = None
         self._closing = ExitStack()
-        self._profiles = ProfileWatch(
-            name,
-            profile,
-            user,
-            self.control,
-            announce=announce,
-            prepare=lambda new: device.prepare(find_extra_devices(new)),
-            player=player,
-            people=people,
-            person=person,
-            default=default,
-        )
-        self._closing.callback(self._profiles.close)
-        self.control.on_command(self._hear)
-        chords = ChordReader(self._press, settings.keys_of)
-        self._closing.callback(chords.close)
-        if copilot is not None:  # nobody else can read it
-            copilot.listen(settings.keys_of, self._press)
-            self.control.set_helper(lambda: copilot.share.buttons)
-        self._broadcast = Broadcast()
-        self._closing.callback(self._broadcast.close)
-        self.taps: list[Tap] = [self._broadcast]
-        describe_sound = _describe_sound_of_service
-        if people is None:
-            sound = SoundMonitor(self.control, announce)
-            self._closing.callback(sound.close)
-            self.taps.append(sound)
-            describe_sound = sound.describe
-        if control is not None:
-            looks: Facts = {
-                "source": lambda: source.name,
-                "simulated": lambda: source.is_simulated,
-                "device": lambda: device.name,
-                "file": lambda: self._profiles.file,
-                "plays_sound": lambda: people is None,
-            }
-            encoder = StateEncoder(self.control, {**looks, **(facts or {})})
-            self._open_feed(encoder, control)
-        self._facts: dict[str, Callable[[], str]] = {
-            "source": lambda: source.name,
-            "device": lambda: device.name,
-            "keyboard": chords.describe,
-            "desktop": lambda: "none has a profile of its own",
-            "sound": describe_sound,
-            "settings": self._describe_settings,
-            **(facts or {}),
-        }
-        if settings.applications:
-            follower = Follower(
-                settings.profile_of, lambda: open_window(os.environ), self._profiles.follow
-            )
-            self._closing.callback(follower.close)
-            self._facts["desktop"] = follower.describe
-
-    def reload(self) -> None:
-        """Loads the profile again; safe in a signal handler."""
-        self._profiles.reload()
 
     def __enter__(self) -> Self:
-        if self._socket is not None:
-            commands = Commands(
-                self.control,
-                self._profiles,
-                self._facts,
-                self._broadcast,
-                self._end,
-                self._people,
-                is_simulated=self._is_simulated,
-            )
-            self._socket.serve(commands.answer)
+        try:
+            self._open()
+        except BaseException:
+            self.close()
+            raise
         return self
 
     def close(self) -> None:
         """Ends all threads and sockets."""
         self._closing.close()
 
-    def _open_feed(self, encoder: StateEncoder, control: ControlSocket) -> None:
-        admits = control.admits if control.has_guests else None
+    def reload(self) -> None:
+        """Loads the profile again; safe in a signal handler."""
+        self._profiles.reload()
+
+    def _open(self) -> None:
+        surroundings, closing = self._surroundings, self._closing
+        self._profiles = ProfileWatch(
+            self._chosen,
+            self.control,
+            surroundings,
+            prepare=lambda new: self._pad.device.prepare(find_extra_devices(new)),
+        )
+        closing.callback(self._profiles.close)
+        self.control.on_command(self._hear)
+        self._open_hotkeys()
+        broadcast = Broadcast()
+        closing.callback(broadcast.close)
+        self.taps.append(broadcast)
+        if not surroundings.is_service:  # which has no right to anybody's audio
+            self._sound = SoundMonitor(self.control, surroundings.announce)
+            closing.callback(self._sound.close)
+            self.taps.append(self._sound)
+        if self._socket is not None:
+            self._open_feed(self._socket)
+        if surroundings.settings.applications:
+            self._follower = Follower(
+                surroundings.settings.profile_of,
+                lambda: open_window(os.environ),
+                self._profiles.follow,
+            )
+            closing.callback(self._follower.close)
+        if self._socket is not None:
+            commands = Commands(
+                self.control,
+                self._profiles,
+                broadcast,
+                self._source,
+                surroundings,
+                self._describe,
+            )
+            self._socket.serve(commands.answer, {"record": broadcast.serve})
+
+    def _open_hotkeys(self) -> None:
+        keys, copilot = self._surroundings.settings.keys_of, self._pad.copilot
+        self._chords = ChordReader(self._press, keys)
+        self._closing.callback(self._chords.close)
+        if copilot is not None:  # nobody else can read it
+            copilot.listen(keys, self._press)
+            self.control.set_helper(lambda: copilot.share.buttons)
+
+    def _open_feed(self, socket: ControlSocket) -> None:
+        encoder = StateEncoder(self.control, self._tell_facts, self._tell_source)
+        admits = socket.admits if socket.has_guests else None
         try:
-            feed = Publisher(find_runtime_folder(self._player), encoder, admits)
+            feed = Publisher(find_runtime_folder(self._surroundings.player), encoder, admits)
             self.taps.append(self._closing.enter_context(feed))
         except DriverError as error:
-            self._announce(f"Warning: {error.message} 'neurotouch view' will not work.")
+            self._surroundings.announce(
+                f"Warning: {error.message} 'neurotouch view' will not work."
+            )
+
+    def _tell_facts(self) -> Facts:
+        return {
+            "source": describe_source(self._source),
+            "simulated": self._source.is_simulated,
+            "device": self._pad.device.name,
+            "file": self._profiles.file,
+            "plays_sound": self._sound is not None,
+            **self._pad.tell_facts(),
+        }
+
+    def _tell_source(self) -> SourceFacts:
+        return self._source.tell_facts() if isinstance(self._source, FactTelling) else {}
+
+    def _describe(self) -> Described:
+        keyboard, sound, desktop = _KEYBOARD_OF_SERVICE, _SOUND_OF_SERVICE, _NO_APPLICATIONS
+        if not self._surroundings.is_service:
+            keyboard = self._chords.describe()
+        if self._sound is not None:
+            sound = self._sound.describe()
+        if self._follower is not None:
+            desktop = self._follower.describe()
+        return {
+            "source": describe_source(self._source),
+            "device": self._pad.device.name,
+            "keyboard": keyboard,
+            "desktop": desktop,
+            "sound": sound,
+            "settings": self._describe_settings(),
+            **self._pad.tell_facts(),
+        }
 
     def _describe_settings(self) -> str:
         person = self._profiles.person
         if person is not None:
             return f"those of the person at the machine, from {person.origin}"
-        if self._people is None:
+        if not self._surroundings.is_service:
             return "this user's own"
         return f"the machine's, {find_machine_folder()}"
 
@@ -182,8 +191,3 @@ class Attachments(Closing):
             self._profiles.next()
         elif command in SAID:
             self._profiles.say(SAID[command])
-
-
-def _describe_sound_of_service() -> str:
-    """Returns where the sounds of a service are played: it has no right to anybody's audio."""
-    return "played in the session of the person at the machine, by 'neurotouch session'"

@@ -1,9 +1,8 @@
-"""The pad of a running driver: what games see, and everybody who plays on it."""
+"""Opens the pad of a driver, the co-pilot who plays on it, and the rumble that games send."""
 
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import Any
 
 from neurotouch_hid.device import (
     Copilot,
@@ -13,7 +12,12 @@ from neurotouch_hid.device import (
     SharedDevice,
     open_device,
 )
+from neurotouch_hid.driver.extra_devices import find_extra_devices
+from neurotouch_hid.driver.options import DriverOptions
 from neurotouch_hid.driver.settings import DriverSettings
+from neurotouch_hid.errors import DeviceError
+from neurotouch_hid.profile import Profile
+from neurotouch_hid.snapshot import PadFacts
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,15 +34,64 @@ class DriverPad:
     copilot: Copilot | None
     rumble: RumbleRouter
 
-    @property
-    def facts(self) -> dict[str, Callable[[], Any]]:
-        """What viewers are told."""
-        copilot = self.copilot
+    def tell_facts(self) -> PadFacts:
+        """Returns the facts for ``status`` and viewers."""
         return {
-            "copilot": copilot.describe if copilot else lambda: "none",
-            "mouse": self.device.describe_mouse,
-            "rumble": self.rumble.describe,
+            "copilot": self.copilot.describe() if self.copilot else "none",
+            "mouse": self.device.describe_mouse(),
+            "rumble": self.rumble.describe(),
         }
+
+
+def open_driver_pad(
+    options: DriverOptions,
+    profile: Profile,
+    settings: DriverSettings,
+    *,
+    announce: Callable[[str], object],
+    make: Callable[..., Device] = open_device,
+) -> DriverPad:
+    """Returns the pad of the options; one in memory if another is not needed and cannot be made.
+
+    Args:
+        options: of the driver.
+        profile: the profile at the start.
+        settings: of the driver on this machine.
+        announce: is told why there is only one in memory.
+        make: makes the device; called as ``open_device`` is.
+
+    Raises:
+        DeviceError: the pad is needed and cannot be made, or the co-pilot's device cannot be taken.
+    """
+    try:
+        return open_pad(
+            options.device,
+            find_extra_devices(profile),
+            settings,
+            identity=options.identity,
+            player=options.player,
+            copilot=options.copilot,
+            shows_rumble=options.shows_rumble,
+            wait=options.wait,
+            make=make,
+        )
+    except DeviceError as error:
+        if options.needs_device:
+            raise
+        announce(f"No real controller this time: {error.message} Going on without.")
+        return open_pad("memory", (), settings, player=options.player, copilot="")
+
+
+def open_bare_pad(
+    options: DriverOptions, profile: Profile, make: Callable[..., Device] = open_device
+) -> Device:
+    """Returns the pad of the options, on which nobody but the gel plays."""
+    return make(
+        options.device,
+        find_extra_devices(profile),
+        identity=options.identity,
+        player=options.player,
+    )
 
 
 def open_pad(
@@ -55,8 +108,8 @@ def open_pad(
 ) -> DriverPad:
     """Returns a new, neutral pad on which the gel plays, and a co-pilot if one is wanted.
 
-    Games may shake it only if something can rumble: the co-pilot's device, or a viewer who watches
-    on. A pad that claims to rumble and does not would keep games from saying so.
+    Games may shake it only if something can rumble: the co-pilot's device, or a viewer that
+    shows it. A pad that claims to rumble and does not would keep games from saying so.
 
     Args:
         kind: ``uinput``, ``hid`` or ``memory``.

@@ -1,10 +1,10 @@
-"""What viewers are told of the pipeline: a sample taken in its thread, put in words in another."""
+"""Encodes the state of the pipeline for viewers: a sample taken in its thread, bytes in another."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from statistics import median
-from typing import Any, Final, cast
+from typing import Final
 
 from neurotouch_hid.messages import GamepadState, GestureKind, Step
 from neurotouch_hid.monitor.summary import describe_step
@@ -12,12 +12,20 @@ from neurotouch_hid.profile import MappingDecision
 from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
 from neurotouch_hid.profile.schema.timing import resolve_times
 from neurotouch_hid.runtime import PipelineControl
-from neurotouch_hid.snapshot import GestureState, Health, MarkerWriter, PadState, State, pack
+from neurotouch_hid.snapshot import (
+    Facts,
+    GestureState,
+    Health,
+    MarkerWriter,
+    PadState,
+    SourceFacts,
+    State,
+    pack,
+)
+from neurotouch_hid.vocabulary import PipelineState
 
 SLOW_S: Final = 0.5
 """How often facts, rates and times are worked out: nobody reads faster."""
-
-Facts = Mapping[str, Callable[[], Any]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,7 +35,7 @@ class Sample:
     step: Step
     reading: ConditionedGesture
     decisions: tuple[MappingDecision, ...]
-    state: str
+    state: PipelineState
     profile: str
     layer: str
 
@@ -40,12 +48,18 @@ class StateEncoder:
 
     Args:
         control: the running pipeline.
-        facts: what else is told, or told better, asked for again twice a second: ``source``,
-            ``simulated``, ``device``, ``file``.
+        tell_facts: returns the facts about what surrounds it; called twice a second.
+        tell_source: returns the facts that only some sources know; called as often.
     """
 
-    def __init__(self, control: PipelineControl, facts: Facts) -> None:
-        self._control, self._facts = control, facts
+    def __init__(
+        self,
+        control: PipelineControl,
+        tell_facts: Callable[[], Facts],
+        tell_source: Callable[[], SourceFacts] = SourceFacts,
+    ) -> None:
+        self._control = control
+        self._tell_facts, self._tell_source = tell_facts, tell_source
         self._markers = MarkerWriter()
         self._n = 0
         self._health: Health | None = None
@@ -89,7 +103,7 @@ class StateEncoder:
         meter, mapping = self._control.meter, self._control.mapping
         counts, rates = meter.counts, meter.rates
         rest_us, packet = counts.rest_us, step.packet
-        health: dict[str, Any] = {
+        return {
             "events_hz": round(rates.events_hz),
             "slices_hz": round(rates.slices_hz),
             "frames_hz": round(rates.frames_hz, 1),
@@ -104,9 +118,9 @@ class StateEncoder:
                 for name, kept in self._control.timings.recent_ns().items()
                 if kept
             },
-            **{name: tell() for name, tell in self._facts.items()},
+            **self._tell_facts(),
+            **self._tell_source(),
         }
-        return cast(Health, health)
 
 
 def _describe_gesture(sample: Sample) -> GestureState:

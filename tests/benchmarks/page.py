@@ -46,8 +46,8 @@ def main() -> None:
         control = PipelineControl(pipeline, UserSettings())
         packets = Simulator(find_scene("tour"), seed=1)
         steps = [pipeline.advance(packet) for packet, _ in zip(packets, range(600), strict=False)]
-        facts = {"source": lambda: "sim:tour", "file": lambda: "", "device": lambda: "memory"}
-        with Publisher(Path(folder), StateEncoder(control, facts)) as feed:
+        facts = {"source": "sim:tour", "file": "", "device": "memory"}
+        with Publisher(Path(folder), StateEncoder(control, lambda: facts)) as feed:
             alone = _play(feed, steps, seconds)
             print(f"the line's process, nobody looks: {alone:.2%} of a core")
             for hz in (30, 60):

@@ -7,14 +7,30 @@ from threading import Event
 
 import pytest
 
+from neurotouch_hid.driver.broadcast import Broadcast
+from neurotouch_hid.driver.chosen import Chosen
 from neurotouch_hid.driver.commands import Commands
 from neurotouch_hid.driver.profile_watch import ProfileWatch
+from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.profile import UserSettings, load_profile
 from neurotouch_hid.runtime import Pipeline, PipelineControl
+from neurotouch_hid.source import open_source
 
 PROFILE, USER = load_profile("default"), UserSettings()
+CHOSEN = Chosen("default", PROFILE, USER)
+
+
+def make_commands(control, profiles, **surroundings):
+    return Commands(
+        control,
+        profiles,
+        Broadcast(),
+        open_source("sim:tour", speed="max"),
+        Surroundings(**surroundings),
+        lambda: {"source": "sim:tour"},
+    )
 
 
 @pytest.fixture
@@ -25,8 +41,8 @@ def control():
 
 @pytest.fixture
 def commands(control):
-    watch = ProfileWatch("default", PROFILE, USER, control, lambda said: None, lambda new: None)
-    yield Commands(control, watch, {"source": lambda: "sim:tour"})
+    watch = ProfileWatch(CHOSEN, control, Surroundings(), lambda new: None)
+    yield make_commands(control, watch)
     watch.close()
 
 
@@ -38,7 +54,7 @@ def patient(monkeypatch):
 
 def test_stop_ends_the_driver_but_not_the_service(control, commands):
     ended = []
-    mine = Commands(control, commands._profiles, {}, end=lambda: ended.append(1))
+    mine = make_commands(control, commands._profiles, end=lambda: ended.append(1))
     assert mine.answer({"command": "stop"}, os.getuid())["ok"]
     assert ended == [1]
     refused = commands.answer({"command": "stop"}, os.getuid())
@@ -132,8 +148,8 @@ def load_through(control, gate):
             if fault is not None:
                 raise fault
 
-        watches.append(ProfileWatch("default", PROFILE, USER, control, lambda said: None, prepare))
-        return Commands(control, watches[-1], {})
+        watches.append(ProfileWatch(CHOSEN, control, Surroundings(), prepare))
+        return make_commands(control, watches[-1])
 
     yield make
     gate.set()

@@ -34,7 +34,7 @@ def test_without_a_copilot_the_gel_plays_alone():
     with played.device as pad:
         assert played.copilot is None
         assert pad.name == "memory"
-        told = {name: tell() for name, tell in played.facts.items()}
+        told = played.tell_facts()
     assert told == {
         "copilot": "none",
         "mouse": "nothing moves the pointer",

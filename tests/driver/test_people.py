@@ -9,13 +9,14 @@ from pathlib import Path
 
 import pytest
 
-from neurotouch_hid.driver.chosen import load_chosen
-from neurotouch_hid.driver.commands import Commands
+from neurotouch_hid.driver.chosen import Chosen, load_chosen
 from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.driver.people import MAX_PROFILES, People
 from neurotouch_hid.driver.profile_watch import ProfileWatch
+from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.players import find_machine_folder
+from tests.driver.test_commands import make_commands
 from tests.driver.test_profile_watch import LIMIT_S, Driver
 
 ANNA, BEN = 61001, 61002
@@ -61,18 +62,10 @@ class Service(Driver):
     def __init__(self, people: People, default: str) -> None:
         super().__init__(default)
         self.watch.close()
-        profile, user = self.pipeline.mapping.profile, self.control.user
-        self.watch = ProfileWatch(
-            default,
-            profile,
-            user,
-            self.control,
-            self.said.append,
-            lambda new: None,
-            people=people,
-            default=default,
-        )
-        self._commands = Commands(self.control, self.watch, {}, people=people)
+        chosen = Chosen(default, self.pipeline.mapping.profile, self.control.user)
+        surroundings = Surroundings(announce=self.said.append, people=people, default=default)
+        self.watch = ProfileWatch(chosen, self.control, surroundings, lambda new: None)
+        self._commands = make_commands(self.control, self.watch, people=people)
 
     def ask(self, uid: int, **question) -> dict:
         return self._commands.answer(question, uid)

@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from neurotouch_hid.driver.chosen import Chosen
 from neurotouch_hid.driver.profile_watch import ProfileWatch
+from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import no_gesture
@@ -38,11 +40,9 @@ class Driver:
         self._line = threading.Thread(target=self._turn)
         self._line.start()
         self.watch = ProfileWatch(
-            name,
-            profile,
-            user,
+            Chosen(name, profile, user),
             self.control,
-            self.said.append,
+            Surroundings(announce=self.said.append),
             lambda new: self.prepared.append(new.name),
         )
 

@@ -44,8 +44,7 @@ class Stage:
         self.mapping = pipeline.mapping
         self.control = PipelineControl(pipeline, self.user)
         self.plays_sound = False
-        facts = {"plays_sound": lambda: self.plays_sound}
-        self.encoder = StateEncoder(self.control, facts)
+        self.encoder = StateEncoder(self.control, lambda: {"plays_sound": self.plays_sound})
         self.near = SoundMonitor(self.control, str)
         self.far = StreamSound(str)
         self.far.feedback = self.user.feedback

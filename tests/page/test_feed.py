@@ -38,8 +38,8 @@ class Line:
         profile = parse_profile(PROFILE, "mine.yaml")
         self.pipeline = Pipeline.build(profile, GestureConfig())
         self.control = PipelineControl(self.pipeline, UserSettings())
-        facts = {"source": lambda: "sim:push", "simulated": lambda: True}
-        self.observer = StateEncoder(self.control, facts)
+        facts = {"source": "sim:push", "simulated": True}
+        self.observer = StateEncoder(self.control, lambda: facts)
         self.feed = Publisher(folder, self.observer)
 
     def play(self, n=None, pace_s=0.0):

@@ -157,6 +157,11 @@ class DavisSource(Closing):
         """Linux showed a camera at the last attempt, and opening it found nothing there."""
         return self._vanished
 
+    @property
+    def trouble(self) -> str:
+        """The reason why it does not stream, in a sentence; empty while it does."""
+        return self._trouble
+
     def stats(self) -> DavisStats:
         """Returns counts of what happened so far."""
         stream = self._stream
