@@ -1,7 +1,7 @@
 """Everything around a pipeline is opened on entry, and closed again if that fails half way."""
 
-import os
 import threading
+from pathlib import Path
 
 import pytest
 
@@ -45,7 +45,7 @@ def socket():
 
 def list_open() -> tuple[set[str], int]:
     """Returns the names of the threads, and how many descriptors are open."""
-    return {each.name for each in threading.enumerate()}, len(os.listdir("/proc/self/fd"))
+    return {each.name for each in threading.enumerate()}, len(list(Path("/proc/self/fd").iterdir()))
 
 
 def test_nothing_is_opened_before_the_block_is_entered(make, socket):

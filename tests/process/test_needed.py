@@ -80,7 +80,11 @@ def test_isolated_python_finds_no_package_beside_it(tmp_path):
     (package / "__main__.py").write_text("print('started')\n")
     isolated = (sys.executable, "-I", "-S")
     plain = subprocess.run(
-        [*isolated, "-m", "neurotouch_hid"], cwd=tmp_path, capture_output=True, text=True
+        [*isolated, "-m", "neurotouch_hid"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert "No module named neurotouch_hid" in plain.stderr, "own_command may go"
     launcher = (
