@@ -11,7 +11,8 @@ from neurotouch_hid.client import ask
 from neurotouch_hid.errors import PageError, ProfileError
 from neurotouch_hid.page.edits import Changes, Wish
 from neurotouch_hid.page.guard import make_token
-from neurotouch_hid.page.outputs import list_outputs
+from neurotouch_hid.page.messages import PageMessage, ProfileRow, ProgramNews, Remote
+from neurotouch_hid.page.outputs import OutputGroup, list_outputs
 from neurotouch_hid.page.pictures import draw_code, take_picture
 from neurotouch_hid.page.programs import COMMANDS, Programs
 from neurotouch_hid.players import find_runtime_folder
@@ -19,8 +20,9 @@ from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_u
 from neurotouch_hid.profile.reading.library import find_user_folder
 
 Request = dict[str, Any]
-Reply = dict[str, Any]
-Handler = Callable[[Request, Path], Awaitable[Reply]]
+"""The message of a browser, which may hold anything: each value is checked where it is read."""
+
+Handler = Callable[[Request, Path], Awaitable[PageMessage]]
 
 REMOTE_S: Final = 3600.0
 """The right of another device to this page ends by itself."""
@@ -45,14 +47,14 @@ class Requests:
         edit: bool,
         is_far: bool,
         changes: Changes,
-        tell_all: Callable[[Reply], object],
+        tell_all: Callable[[PageMessage], object],
     ) -> None:
         self._edit, self._is_far = edit, is_far
         self._changes = changes
         self._tell_all = tell_all
         self._programs = Programs(self._hear_program)
         self._token = ""
-        self._remote: Reply | None = None
+        self._remote: Remote | None = None
         self._looks: dict[str, Handler] = {
             "outputs": self._list_outputs,
             "profiles": self._list_profiles,
@@ -74,12 +76,12 @@ class Requests:
         }
 
     @property
-    def news(self) -> list[Reply]:
+    def news(self) -> list[PageMessage]:
         """What a browser that comes later needs to be told."""
-        remote = [] if self._remote is None else [{"remote": self._remote}]
-        return [{"program": each} for each in self._programs.news] + remote
+        news: list[PageMessage] = [{"program": each} for each in self._programs.news]
+        return news if self._remote is None else [*news, {"remote": self._remote}]
 
-    async def carry_out(self, request: Request, file: Path) -> Reply:
+    async def carry_out(self, request: Request, file: Path) -> PageMessage:
         """Returns the answer to a request.
 
         Args:
@@ -104,44 +106,44 @@ class Requests:
         """Ends everything that was started."""
         await self._programs.close()
 
-    async def _set(self, request: Request, file: Path) -> Reply:
+    async def _set(self, request: Request, file: Path) -> PageMessage:
         key, mark = str(request.get("key")), str(request.get("mark"))
         said = await asyncio.to_thread(self._changes.set, file, key, mark, request.get("value"))
         return {"saved": said}
 
-    async def _undo(self, _request: Request, file: Path) -> Reply:
+    async def _undo(self, _request: Request, file: Path) -> PageMessage:
         return {"saved": await asyncio.to_thread(self._changes.undo, file)}
 
-    async def _bind(self, request: Request, file: Path) -> Reply:
+    async def _bind(self, request: Request, file: Path) -> PageMessage:
         parts = ("movement", "press", "mode", "do_this", "layer", "instead")
         wish = Wish(*(str(request.get(part) or "")[:80] for part in parts))
         return {"saved": await asyncio.to_thread(self._changes.bind, file, wish)}
 
-    async def _unbind(self, request: Request, file: Path) -> Reply:
+    async def _unbind(self, request: Request, file: Path) -> PageMessage:
         key = str(request.get("key"))
         return {"saved": await asyncio.to_thread(self._changes.unbind, file, key)}
 
-    async def _use(self, request: Request, _file: Path) -> Reply:
+    async def _use(self, request: Request, _file: Path) -> PageMessage:
         name = str(request.get("profile"))
         return {"saved": await asyncio.to_thread(self._changes.use, _take_name(name))}
 
-    async def _copy(self, request: Request, _file: Path) -> Reply:
+    async def _copy(self, request: Request, _file: Path) -> PageMessage:
         name = str(request.get("profile"))
         return {"saved": await asyncio.to_thread(self._changes.copy, _take_name(name))}
 
-    async def _command(self, request: Request, _file: Path) -> Reply:
+    async def _command(self, request: Request, _file: Path) -> PageMessage:
         answer = await asyncio.to_thread(ask, request["do"])
         # The next state says what is done, beside the button that takes it back.
         return {"saved": "" if answer.get("done") else str(answer.get("text"))}
 
-    async def _start(self, request: Request, _file: Path) -> Reply:
+    async def _start(self, request: Request, _file: Path) -> PageMessage:
         name = str(request.get("what"))
         if name not in COMMANDS:
             raise PageError("There is no such program.")
         await self._programs.start(name)
         return {"started": name}
 
-    async def _stop(self, request: Request, _file: Path) -> Reply:
+    async def _stop(self, request: Request, _file: Path) -> PageMessage:
         name = str(request.get("what"))
         if name == "driver":  # whoever has started it
             answer = await asyncio.to_thread(ask, "stop")
@@ -149,24 +151,24 @@ class Requests:
         await self._programs.stop(name)
         return {"stopped": name}
 
-    async def _answer(self, request: Request, _file: Path) -> Reply:
+    async def _answer(self, request: Request, _file: Path) -> PageMessage:
         self._programs.answer(str(request.get("what")), str(request.get("text"))[:80])
         return {}
 
-    async def _list_outputs(self, _request: Request, file: Path) -> Reply:
-        def look() -> Any:
+    async def _list_outputs(self, _request: Request, file: Path) -> PageMessage:
+        def look() -> list[OutputGroup]:
             whole = check_profile(file).whole if file.is_file() else None
             return list_outputs(whole if isinstance(whole, Profile) else None)
 
         return {"outputs": await asyncio.to_thread(look)}
 
-    async def _list_profiles(self, _request: Request, _file: Path) -> Reply:
+    async def _list_profiles(self, _request: Request, _file: Path) -> PageMessage:
         return {"profiles": await asyncio.to_thread(_describe_profiles)}
 
-    async def _take_picture(self, _request: Request, _file: Path) -> Reply:
+    async def _take_picture(self, _request: Request, _file: Path) -> PageMessage:
         return {"picture": await asyncio.to_thread(take_picture)}
 
-    async def _let_in(self, _request: Request, _file: Path) -> Reply:
+    async def _let_in(self, _request: Request, _file: Path) -> PageMessage:
         """Serves the page to other devices, from a process of its own, until it is stopped."""
         if self._is_far:
             raise PageError("Only the machine itself may let in another device.")
@@ -186,11 +188,11 @@ class Requests:
         if self._remote is not None:
             self._ending = asyncio.create_task(self._programs.stop("remote"))
 
-    def _hear_program(self, news: Reply) -> None:
+    def _hear_program(self, news: ProgramNews) -> None:
         """Passes on what a program says; of a remote, the link to photograph."""
         if news["name"] != "remote":
             self._tell_all({"program": news})
-        elif "code" in news:
+        elif "line" not in news:
             self._remote = None
             self._tell_all({"remote": None})
         elif news["line"].startswith(("Error: ", "Fix: ")):
@@ -213,9 +215,9 @@ def _take_name(name: str) -> str:
     return name
 
 
-def _describe_profiles() -> list[Reply]:
+def _describe_profiles() -> list[ProfileRow]:
     favourites, own = load_user().slots, find_user_folder()
-    rows = []
+    rows: list[ProfileRow] = []
     for name, path in list_profiles().items():
         written = check_profile(path).written
         rows.append(
