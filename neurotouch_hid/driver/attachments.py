@@ -45,7 +45,7 @@ class Attachments(Closing):
 
     Attributes:
         control: takes commands for the pipeline.
-        taps: what reads its Steps: recorders, sound, viewers.
+        taps: read its Steps: recorders, sound, viewers.
     """
 
     def __init__(
@@ -186,7 +186,7 @@ class Attachments(Closing):
             self.control.submit("panic" if chord == "panic" else "toggle")
 
     def _hear(self, command: str) -> None:
-        """Handles what the gel asks for: a command took effect, or another profile is wanted."""
+        """Handles a command of the gel that took effect, or its request for another profile."""
         if command == "next_profile":
             self._profiles.next()
         elif command in SAID:

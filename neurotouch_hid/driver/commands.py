@@ -60,10 +60,10 @@ class Described(PadFacts):
     Attributes:
         source: the source, and why nothing comes from it.
         device: the virtual gamepad.
-        keyboard: which keyboards can stop the driver.
-        desktop: which window has chosen the profile.
-        sound: how the driver is heard.
-        settings: whose settings apply.
+        keyboard: the keyboards that can stop the driver.
+        desktop: the window that has chosen the profile.
+        sound: the way in which the driver is heard.
+        settings: the owner of the settings that apply.
     """
 
     source: str

@@ -1,4 +1,4 @@
-"""The control socket: other processes tell the running driver what to do, if they may."""
+"""The control socket: other processes send commands to the running driver, if they may."""
 
 import errno
 import fcntl
@@ -140,7 +140,7 @@ class ControlSocket(Closing):
                 if stream is not None:
                     stream(client)
         except OSError:
-            pass  # the client is gone; what it asked for has been done
+            pass  # the client is gone; its command has been carried out
         finally:
             self._places.release()
 
@@ -216,7 +216,7 @@ def _take_lock(path: Path) -> int:
 
 
 def _read_question(client: socket.socket) -> dict[str, Any] | str:
-    """Returns what is asked, or what is wrong with it."""
+    """Returns the question, or a sentence about its fault."""
     deadline = time.monotonic() + REQUEST_S
     text = b""
     while b"\n" not in text:

@@ -40,12 +40,12 @@ class Driver(Closing):
     pad. Everything is released when the block ends, the pad first.
 
     Args:
-        options: what to play, how, and into which pad.
+        options: the source, the profile and the pad.
         announce: is told sentences for the person; called from several threads.
         make_source: opens the source instead of ``options.source``, once the control socket is
             there.
         make_device: makes the pad; called as ``open_device`` is.
-        guests: says who else may give commands; nobody but the user and root without.
+        guests: looks up the other users who may give commands; without, only this user and root.
         people: a service's settings of the people at the machine.
 
     Attributes:

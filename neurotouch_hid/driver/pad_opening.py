@@ -22,12 +22,12 @@ from neurotouch_hid.snapshot import PadFacts
 
 @dataclass(frozen=True, slots=True)
 class DriverPad:
-    """A pad and who plays on it.
+    """A pad and all who play on it.
 
     Attributes:
-        device: what the pipeline writes to.
+        device: the pipeline writes to it.
         copilot: the physical device that plays along, if there is one.
-        rumble: how games shake it.
+        rumble: passes on how games shake it.
     """
 
     device: SharedDevice
@@ -85,7 +85,7 @@ def open_driver_pad(
 def open_bare_pad(
     options: DriverOptions, profile: Profile, make: Callable[..., Device] = open_device
 ) -> Device:
-    """Returns the pad of the options, on which nobody but the gel plays."""
+    """Returns the pad of the options, on which only the gel plays."""
     return make(
         options.device,
         find_extra_devices(profile),
@@ -113,11 +113,11 @@ def open_pad(
 
     Args:
         kind: ``uinput``, ``hid`` or ``memory``.
-        extra_devices: what is needed beside the pad.
+        extra_devices: the devices that are needed beside the pad.
         settings: of the driver on this machine.
-        identity: what the pad claims to be.
-        player: whose pad it is, from 1 on.
-        copilot: which device plays along; None means as the settings say, an empty text none.
+        identity: the controller model that the pad claims to be.
+        player: the player number, from 1 on.
+        copilot: the device that plays along; None means as the settings say, an empty text none.
         shows_rumble: a viewer wants to see the rumble.
         wait: the co-pilot's device need not be there yet.
         make: makes the device; called as ``open_device`` is.

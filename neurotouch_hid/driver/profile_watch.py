@@ -51,8 +51,8 @@ class ProfileWatch:
     Args:
         chosen: the profile and the values at the start.
         control: takes the loaded profiles for the pipeline.
-        surroundings: whose files are watched, and who is told; ``announce`` is called in the thread
-            of the watch.
+        surroundings: the people whose files are watched; ``announce`` is called in the watch's
+            thread.
         prepare: is given each profile before the pipeline gets it.
     """
 
@@ -99,7 +99,7 @@ class ProfileWatch:
         return self._ask("reload")
 
     def refresh(self) -> Future[str]:
-        """Loads the files again and goes on with what has changed; else nothing is released."""
+        """Loads the files again; unless they have changed, nothing is released."""
         return self._ask("refresh")
 
     def use(self, name: str) -> Future[str]:
@@ -150,7 +150,7 @@ class ProfileWatch:
                 request.done.set_exception(error)
 
     def _look(self) -> None:
-        """Reloads what has changed since it was loaded and has then been quiet for one poll."""
+        """Reloads files that have changed since they were loaded, and then not for one poll."""
         if self._follow_person():
             return
         stamps = self._read_stamps(self._name)
@@ -179,9 +179,9 @@ class ProfileWatch:
         return True
 
     def _choose(self) -> None:
-        """Goes on with what the person at the machine has chosen.
+        """Goes on with the choice of the person at the machine.
 
-        What the person before had chosen never goes on: where the new settings cannot be used, the
+        The choice of the person before never goes on: where the new settings cannot be used, the
         machine's apply, and where these cannot be used either, the shipped default.
         """
         choices = (

@@ -1,4 +1,4 @@
-"""Opens the source of a driver and says what it is."""
+"""Opens and describes the source of a driver."""
 
 from neurotouch_hid.client import is_service_running
 from neurotouch_hid.driver.camera_settings import load_camera_config

@@ -30,5 +30,5 @@ class Surroundings:
 
     @property
     def is_service(self) -> bool:
-        """True for the driver of everybody at the machine, which may use nobody's session."""
+        """True for the driver of all people at the machine, which may not use their sessions."""
         return self.people is not None

@@ -22,7 +22,7 @@ class Command:
     """One command.
 
     Attributes:
-        name: what to do.
+        name: of the command.
         profile: the new profile, for ``switch``.
         user: the person's values from then on, for ``switch``.
         done: gets the state of the mapping once the command has been applied; a command may leave

@@ -19,7 +19,7 @@ Tap = Callable[[Step], None]
 
 @dataclass(frozen=True, slots=True)
 class LoopStats:
-    """What a run did: slices, events and sensor time that it processed, and its host time."""
+    """The slices, events and sensor time that a run has processed, and its host time."""
 
     slices: int
     events: int
@@ -43,7 +43,7 @@ def run_pipeline(
     loop goes round all the same, so that it takes commands and can end.
 
     Args:
-        source: what to play.
+        source: gives the packets.
         pipeline: the stages.
         device: the pad.
         taps: read every Step.

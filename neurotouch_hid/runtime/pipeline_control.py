@@ -29,7 +29,7 @@ class PipelineControl:
         user: the person's values at the start.
 
     Attributes:
-        meter: counts what has gone through.
+        meter: counts the steps.
     """
 
     def __init__(self, pipeline: Pipeline, user: UserSettings) -> None:
