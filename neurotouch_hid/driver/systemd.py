@@ -11,7 +11,7 @@ _FIRST_DESCRIPTOR: Final = 3
 
 
 class ServiceManager:
-    """Reports the state of the service to systemd and takes its descriptors; silent without systemd.
+    """Reports the state of the service to systemd and takes its descriptors, if systemd is there.
 
     Args:
         environment: of the process; systemd's variables are taken out, so that no child process
