@@ -22,7 +22,8 @@ from neurotouch_hid.profile.reading.library import find_user_folder
 Request = dict[str, Any]
 """The message of a browser, which may hold anything: each value is checked where it is read."""
 
-Handler = Callable[[Request, Path], Awaitable[PageMessage]]
+Reply = PageMessage
+Handler = Callable[[Request, Path], Awaitable[Reply]]
 
 REMOTE_S: Final = 3600.0
 """The right of another device to this page ends by itself."""
@@ -47,7 +48,7 @@ class Requests:
         edit: bool,
         is_far: bool,
         changes: Changes,
-        tell_all: Callable[[PageMessage], object],
+        tell_all: Callable[[Reply], object],
     ) -> None:
         self._edit, self._is_far = edit, is_far
         self._changes = changes
@@ -76,12 +77,12 @@ class Requests:
         }
 
     @property
-    def news(self) -> list[PageMessage]:
+    def news(self) -> list[Reply]:
         """What a browser that comes later needs to be told."""
-        news: list[PageMessage] = [{"program": each} for each in self._programs.news]
+        news: list[Reply] = [{"program": each} for each in self._programs.news]
         return news if self._remote is None else [*news, {"remote": self._remote}]
 
-    async def carry_out(self, request: Request, file: Path) -> PageMessage:
+    async def carry_out(self, request: Request, file: Path) -> Reply:
         """Returns the answer to a request.
 
         Args:
@@ -106,44 +107,44 @@ class Requests:
         """Ends everything that was started."""
         await self._programs.close()
 
-    async def _set(self, request: Request, file: Path) -> PageMessage:
+    async def _set(self, request: Request, file: Path) -> Reply:
         key, mark = str(request.get("key")), str(request.get("mark"))
         said = await asyncio.to_thread(self._changes.set, file, key, mark, request.get("value"))
         return {"saved": said}
 
-    async def _undo(self, _request: Request, file: Path) -> PageMessage:
+    async def _undo(self, _request: Request, file: Path) -> Reply:
         return {"saved": await asyncio.to_thread(self._changes.undo, file)}
 
-    async def _bind(self, request: Request, file: Path) -> PageMessage:
+    async def _bind(self, request: Request, file: Path) -> Reply:
         parts = ("movement", "press", "mode", "do_this", "layer", "instead")
         wish = Wish(*(str(request.get(part) or "")[:80] for part in parts))
         return {"saved": await asyncio.to_thread(self._changes.bind, file, wish)}
 
-    async def _unbind(self, request: Request, file: Path) -> PageMessage:
+    async def _unbind(self, request: Request, file: Path) -> Reply:
         key = str(request.get("key"))
         return {"saved": await asyncio.to_thread(self._changes.unbind, file, key)}
 
-    async def _use(self, request: Request, _file: Path) -> PageMessage:
+    async def _use(self, request: Request, _file: Path) -> Reply:
         name = str(request.get("profile"))
         return {"saved": await asyncio.to_thread(self._changes.use, _take_name(name))}
 
-    async def _copy(self, request: Request, _file: Path) -> PageMessage:
+    async def _copy(self, request: Request, _file: Path) -> Reply:
         name = str(request.get("profile"))
         return {"saved": await asyncio.to_thread(self._changes.copy, _take_name(name))}
 
-    async def _command(self, request: Request, _file: Path) -> PageMessage:
+    async def _command(self, request: Request, _file: Path) -> Reply:
         answer = await asyncio.to_thread(ask, request["do"])
         # The next state says what is done, beside the button that takes it back.
         return {"saved": "" if answer.get("done") else str(answer.get("text"))}
 
-    async def _start(self, request: Request, _file: Path) -> PageMessage:
+    async def _start(self, request: Request, _file: Path) -> Reply:
         name = str(request.get("what"))
         if name not in COMMANDS:
             raise PageError("There is no such program.")
         await self._programs.start(name)
         return {"started": name}
 
-    async def _stop(self, request: Request, _file: Path) -> PageMessage:
+    async def _stop(self, request: Request, _file: Path) -> Reply:
         name = str(request.get("what"))
         if name == "driver":  # whoever has started it
             answer = await asyncio.to_thread(ask, "stop")
@@ -151,24 +152,24 @@ class Requests:
         await self._programs.stop(name)
         return {"stopped": name}
 
-    async def _answer(self, request: Request, _file: Path) -> PageMessage:
+    async def _answer(self, request: Request, _file: Path) -> Reply:
         self._programs.answer(str(request.get("what")), str(request.get("text"))[:80])
         return {}
 
-    async def _list_outputs(self, _request: Request, file: Path) -> PageMessage:
+    async def _list_outputs(self, _request: Request, file: Path) -> Reply:
         def look() -> list[OutputGroup]:
             whole = check_profile(file).whole if file.is_file() else None
             return list_outputs(whole if isinstance(whole, Profile) else None)
 
         return {"outputs": await asyncio.to_thread(look)}
 
-    async def _list_profiles(self, _request: Request, _file: Path) -> PageMessage:
+    async def _list_profiles(self, _request: Request, _file: Path) -> Reply:
         return {"profiles": await asyncio.to_thread(_describe_profiles)}
 
-    async def _take_picture(self, _request: Request, _file: Path) -> PageMessage:
+    async def _take_picture(self, _request: Request, _file: Path) -> Reply:
         return {"picture": await asyncio.to_thread(take_picture)}
 
-    async def _let_in(self, _request: Request, _file: Path) -> PageMessage:
+    async def _let_in(self, _request: Request, _file: Path) -> Reply:
         """Serves the page to other devices, from a process of its own, until it is stopped."""
         if self._is_far:
             raise PageError("Only the machine itself may let in another device.")
