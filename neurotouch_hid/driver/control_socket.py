@@ -133,7 +133,7 @@ class ControlSocket(Closing):
                     answer = _fail(question)
                 else:
                     answer = self._answer(question, uid)
-                    if answer["ok"]:
+                    if answer.get("ok"):
                         stream = self._streams.get(question["command"])
                 client.settimeout(REQUEST_S)
                 client.sendall(_encode(answer))

@@ -46,7 +46,7 @@ class Line:
         return [step.gesture.t_us // 1000 for step in self.steps if not step.pad.is_neutral]
 
 
-def test_line_without_orders_is_the_same_with_a_session(push):
+def test_line_without_orders_is_the_same_with_a_control(push):
     bare = []
     line = Pipeline.build(load_profile("spacecraft"), GestureConfig())
     run_pipeline(push.packets, line, MemoryDevice(), [bare.append])
