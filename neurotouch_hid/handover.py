@@ -15,11 +15,11 @@ from neurotouch_hid.players import find_config_folder, find_user_file, list_play
 
 @dataclass(frozen=True, slots=True)
 class Handover:
-    """What became of saved settings.
+    """The result of handing saved settings over.
 
     Attributes:
-        status: ``plays``: a driver has them; ``waits``: none runs; ``refused``: it goes on with
-            what it had.
+        status: ``plays``: a driver has them; ``waits``: none runs; ``refused``: the driver keeps
+            its settings.
         text: the same in a sentence.
         fix: the way out of a refusal.
         profiles: the active profiles of the drivers that have them.
@@ -35,7 +35,7 @@ def hand_over(player: int | None = None) -> Handover:
     """Hands this person's settings to the running driver, or to those of all players.
 
     Args:
-        player: whose driver; None: of every player, for profiles are for all.
+        player: the player number; None: every player, because profiles are for all.
     """
     active: list[str] = []
     for number in list_players() if player is None else [player]:
@@ -56,7 +56,8 @@ def hand_over(player: int | None = None) -> Handover:
 def collect_settings(player: int) -> dict[str, Any]:
     """Returns a player's settings as the question ``settings`` takes them.
 
-    Files that are no text are left out: they cannot be played, and whoever names them is told.
+    Files that are no text are left out: they cannot be played, and a command that names them says
+    so.
     """
     folder = find_config_folder()
     texts = {path.stem: _read(path) for path in sorted(folder.glob("profiles/*.yaml"))}

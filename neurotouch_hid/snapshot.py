@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import N_MARKERS, fit_rig
 from neurotouch_hid.messages import MarkerField
+from neurotouch_hid.vocabulary import Phase, PipelineState
 
 STEP_MM: Final = 0.01
 
@@ -31,7 +32,7 @@ class GestureState(TypedDict):
         mm: intensity.
         movement: the movement for the bindings: ``push_left``, ``pinch``, ``none``.
         felt_mm: its intensity after the tremor filter.
-        phase: ``begin``, ``hold``, ``release`` or ``idle``.
+        phase: whether the intensity rises, stays or falls; ``hold`` at rest.
         contacts: contact points [x, y] in mm.
         confidence: 0 to 1.
         moved_mm: the common motion [x, y] of the markers around the contacts.
@@ -43,7 +44,7 @@ class GestureState(TypedDict):
     mm: float
     movement: str
     felt_mm: float
-    phase: str
+    phase: Phase
     contacts: list[list[float]]
     confidence: float
     moved_mm: list[float]
@@ -69,6 +70,57 @@ class PadState(TypedDict):
     mouse: list[str]
     pointer: list[float]
     wheel: float
+
+
+class RumbleState(TypedDict):
+    """How strongly a game shakes the pad, 0 to 1."""
+
+    strong: float
+    weak: float
+
+
+class PadFacts(TypedDict):
+    """Facts about a pad and the devices that play along.
+
+    Attributes:
+        copilot: the physical device that plays along.
+        mouse: which mice are watched.
+        rumble: how games shake the pad.
+    """
+
+    copilot: str
+    mouse: str
+    rumble: RumbleState
+
+
+class SourceFacts(TypedDict, total=False):
+    """Facts that only some sources know.
+
+    Attributes:
+        hand_ms: median and 95 % from the mouse to the pad in ms; of the mouse gel only.
+        backlog_ms: how late the newest slice was begun, where the source knows better.
+    """
+
+    hand_ms: list[float] | None
+    backlog_ms: float
+
+
+class Facts(PadFacts):
+    """Facts about what surrounds the pipeline.
+
+    Attributes:
+        source: the source.
+        simulated: no sensor has seen it.
+        device: the virtual gamepad.
+        file: the file of the active profile, empty if it has gone.
+        plays_sound: whether the driver plays sounds itself; a service cannot.
+    """
+
+    source: str
+    simulated: bool
+    device: str
+    file: str
+    plays_sound: bool
 
 
 class Health(TypedDict):
@@ -113,7 +165,7 @@ class Health(TypedDict):
     plays_sound: NotRequired[bool]
     copilot: NotRequired[str]
     mouse: NotRequired[str]
-    rumble: NotRequired[str]
+    rumble: NotRequired[RumbleState]
     hand_ms: NotRequired[list[float] | None]
 
 
@@ -136,7 +188,7 @@ class State(TypedDict):
     n: int
     t_us: int
     say: str
-    state: str
+    state: PipelineState
     profile: str
     layer: str
     gesture: GestureState

@@ -4,10 +4,16 @@ Separate from the records, so that a profile can be checked without loading nump
 """
 
 from enum import IntEnum, StrEnum
-from typing import Final
+from typing import Final, Literal
 
 NAME_PATTERN: Final = r"^[a-z0-9_-]{1,64}$"
 """The name of a profile; never a path."""
+
+PipelineState = Literal["running", "paused", "panic"]
+"""Whether gestures act. Only ``resume`` ends a panic."""
+
+Phase = Literal["attack", "hold", "release"]
+"""Whether the intensity of a gesture rises, stays or falls."""
 
 # The members are looked up in sets and dicts a hundred times a slice, and ``Enum`` works out their
 # hash in Python; their values have the same equality and a hash in C.

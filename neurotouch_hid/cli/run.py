@@ -1,4 +1,4 @@
-"""``neurotouch run``: drives the gamepad from a source."""
+"""``neurotouch run``: drives the gamepad from a source, by ``driver/driver.py``."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal

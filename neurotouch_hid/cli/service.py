@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from neurotouch_hid.device.outputs.identity import PadKind
     from neurotouch_hid.device.outputs.rumble import HearRumble
     from neurotouch_hid.driver.systemd import ServiceManager
-    from neurotouch_hid.source import Source
 
 
 @click.command(
@@ -40,7 +39,7 @@ def command(source: str | None, only_compile: bool) -> None:
     from neurotouch_hid.cli.shared.play import announce
     from neurotouch_hid.driver import Driver, DriverOptions
     from neurotouch_hid.driver.admission import find_seated_users
-    from neurotouch_hid.driver.blind_camera import CameraWatchdog
+    from neurotouch_hid.driver.camera_watchdog import CameraWatchdog
     from neurotouch_hid.driver.people import People, find_people_folder
     from neurotouch_hid.driver.service_settings import load_service_settings
     from neurotouch_hid.driver.systemd import ServiceManager
@@ -63,10 +62,6 @@ def command(source: str | None, only_compile: bool) -> None:
         make_device=partial(_make_pad, manager),
         guests=find_seated_users,
         people=People(find_people_folder(), options.player),
-        facts={
-            "source": lambda: _describe(driver.source),
-            "keyboard": lambda: "the service may not read keyboards, so chords do not work",
-        },
     )
     if only_compile:
         driver.compile()
@@ -86,14 +81,6 @@ def command(source: str | None, only_compile: bool) -> None:
 
         driver.run(stop=stop, on_round=on_round)
         manager.report_stopping()
-
-
-def _describe(source: "Source") -> str:
-    """Returns the source, and why it sends no data."""
-    from neurotouch_hid.source.davis import DavisSource
-
-    trouble = source.stats().trouble if isinstance(source, DavisSource) else ""
-    return f"{source.name}. {trouble}" if trouble else source.name
 
 
 def _make_pad(

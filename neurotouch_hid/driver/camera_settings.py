@@ -1,4 +1,4 @@
-"""How a person's camera is set up: the file ``camera.yaml`` beside the person's own values."""
+"""The settings of a person's camera: the file ``camera.yaml`` beside the person's own values."""
 
 from pathlib import Path
 from typing import Annotated, Any, Final

@@ -1,4 +1,4 @@
-"""The control socket: other processes tell the running driver what to do, if they may."""
+"""The control socket: other processes send commands to the running driver, if they may."""
 
 import errno
 import fcntl
@@ -8,7 +8,7 @@ import socket
 import stat
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
@@ -25,11 +25,12 @@ MAX_CLIENTS: Final = 8
 _BACKLOG: Final = 64
 
 Answerer = Callable[[dict[str, Any], int], Answer]
-"""Answers a question of a user in the time that ``driver`` promises; may be called from several
-threads at once. What goes on after the answer is a function under ``STREAM``, which gets the socket
-and may take its time."""
+"""Answers a question of a user in the time that ``client`` promises; may be called from several
+threads at once."""
 
-STREAM: Final = "stream"
+Streams = Mapping[str, Callable[[socket.socket], object]]
+"""Functions that go on sending after the answer, by command; each gets the socket and may take its
+time. After a refusal none is called."""
 
 
 class ControlSocket(Closing):
@@ -79,11 +80,10 @@ class ControlSocket(Closing):
         """Returns True if a user may ask, see ``is_admitted``."""
         return is_admitted(uid, self._find_guests)
 
-    def serve(self, answer: Answerer) -> None:
+    def serve(self, answer: Answerer, streams: Streams | None = None) -> None:
         """Starts to answer questions, each in a thread of its own."""
-        threading.Thread(
-            target=self._accept, args=(answer,), name="control socket", daemon=True
-        ).start()
+        self._answer, self._streams = answer, streams or {}
+        threading.Thread(target=self._accept, name="control socket", daemon=True).start()
 
     def close(self) -> None:
         """Takes the socket away. Harmless when repeated."""
@@ -96,7 +96,7 @@ class ControlSocket(Closing):
         self._listener.close()
         os.close(self._lock)
 
-    def _accept(self, answer: Answerer) -> None:
+    def _accept(self) -> None:
         while not self._closed:
             try:
                 client, _ = self._listener.accept()
@@ -108,34 +108,39 @@ class ControlSocket(Closing):
             uid = find_peer(client)
             if not self.admits(uid):
                 _refuse(client, _fail("This driver belongs to another user."))
-            elif not self._begin(client, uid, answer):
+            elif not self._begin(client, uid):
                 _refuse(client, _fail("The driver is busy with other questions.", busy=True))
 
-    def _begin(self, client: socket.socket, uid: int, answer: Answerer) -> bool:
+    def _begin(self, client: socket.socket, uid: int) -> bool:
         """Talks to a client in a thread; False if there is no place for it, or no thread."""
         if not self._places.acquire(blocking=False):
             return False
         try:
             threading.Thread(
-                target=self._talk, args=(client, uid, answer), name="control client", daemon=True
+                target=self._talk, args=(client, uid), name="control client", daemon=True
             ).start()
         except RuntimeError:  # this machine gives no more of them just now
             self._places.release()
             return False
         return True
 
-    def _talk(self, client: socket.socket, uid: int, answer: Answerer) -> None:
+    def _talk(self, client: socket.socket, uid: int) -> None:
         try:
             with client:
-                said = _read_question(client)
-                reply = answer(said, uid) if isinstance(said, dict) else _fail(said)
-                stream = reply.pop(STREAM, None)
+                question = _read_question(client)
+                stream = None
+                if isinstance(question, str):
+                    answer = _fail(question)
+                else:
+                    answer = self._answer(question, uid)
+                    if answer.get("ok"):
+                        stream = self._streams.get(question["command"])
                 client.settimeout(REQUEST_S)
-                client.sendall(_encode(reply))
+                client.sendall(_encode(answer))
                 if stream is not None:
                     stream(client)
         except OSError:
-            pass  # the client is gone; what it asked for has been done
+            pass  # the client is gone; its command has been carried out
         finally:
             self._places.release()
 
@@ -211,7 +216,7 @@ def _take_lock(path: Path) -> int:
 
 
 def _read_question(client: socket.socket) -> dict[str, Any] | str:
-    """Returns what is asked, or what is wrong with it."""
+    """Returns the question, or a sentence about its fault."""
     deadline = time.monotonic() + REQUEST_S
     text = b""
     while b"\n" not in text:

@@ -1,4 +1,4 @@
-"""What a profile needs beside the pad."""
+"""Finds the virtual keyboard and mouse that a profile needs beside the pad."""
 
 from neurotouch_hid.device import ExtraDevice
 from neurotouch_hid.profile import Profile

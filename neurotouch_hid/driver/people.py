@@ -1,7 +1,7 @@
 """The settings of the people at a machine, as they have handed them over to its service.
 
-A service may not read anybody's home folder. Each person's commands send it a copy of what they
-saved; the copy applies while that person is at the machine, and to nobody else.
+A service may not read home folders. Each person's commands send it a copy of the saved settings.
+The copy applies while that person is at the machine, and to no other person.
 """
 
 import os
@@ -46,11 +46,11 @@ class Person:
 
 
 class People:
-    """A folder for each person, which nobody but the service reads.
+    """A folder for each person, which only the service reads.
 
     Args:
-        folder: where they are kept.
-        player: whose values they are; None means the one of the environment.
+        folder: the settings are kept in it.
+        player: the player number; None means the one of the environment.
         find_seated: finds the users at the machine, the one at the first seat first.
     """
 

@@ -1,4 +1,4 @@
-"""What an administrator chooses for the service: the file ``/etc/neurotouch/service.yaml``."""
+"""An administrator's choices for the service: the file ``/etc/neurotouch/service.yaml``."""
 
 from pathlib import Path
 from typing import Annotated, Final, Literal

@@ -1,4 +1,4 @@
-"""What belongs to the driver on this machine: profiles of applications, chords of the keyboard."""
+"""The settings of the driver on this machine: profiles of applications, chords of the keyboard."""
 
 from pathlib import Path
 from typing import Annotated, Final, Literal

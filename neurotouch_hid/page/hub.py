@@ -4,9 +4,8 @@ import asyncio
 import json
 import time
 from contextlib import suppress
-from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Final, Literal, TypedDict, Unpack
+from typing import TYPE_CHECKING, Any, Final, Unpack
 
 from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
@@ -15,7 +14,7 @@ from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.ipc import HAND, connect_to
 from neurotouch_hid.page.edits import Changes
 from neurotouch_hid.page.guard import Rate
-from neurotouch_hid.page.output_choices import OutputGroup
+from neurotouch_hid.page.messages import PageMessage, SituationState
 from neurotouch_hid.page.profile_view import ProfileFault, ProfileView, describe_profile
 from neurotouch_hid.page.requests import Requests
 from neurotouch_hid.page.situation import find_situation
@@ -25,51 +24,14 @@ from neurotouch_hid.profile.reading import find_profile
 from neurotouch_hid.snapshot import read_head
 from neurotouch_hid.subscriber import Subscriber
 
+if TYPE_CHECKING:
+    from neurotouch_hid.evaluation.people.throughput import Figures
+
 LOOK_S: Final = 0.5
 """Interval at which it looks for a driver, and for changes of the profile's file."""
 
 MOST_HZ: Final = 60
 MOST_TRIALS: Final = 500
-
-
-class PageMessage(TypedDict, total=False):
-    """Messages to a browser beside the states; each message has some of these keys.
-
-    Attributes:
-        hello: the browser may stay.
-        edit: the browser may change profiles and pause the driver; comes with ``hello``.
-        driver: a driver runs.
-        about: the active profile; while no driver runs, the one that it would use.
-        saved: a sentence about the change; empty if the next state shows it.
-        refused: a sentence that says why a change was refused.
-        throughput: the figures of a game.
-        situation: why the gamepad does not work while no driver runs.
-        outputs: the outputs that a movement can have.
-        profiles: all profiles.
-        picture: the camera's picture, as the address of a picture.
-        program: output or end of a program that the page has started.
-        started: such a program, by name.
-        stopped: the same.
-        remote: the link for another device; None when its access has ended.
-        n: the number of the browser's message that this answers.
-    """
-
-    hello: Literal[True]
-    edit: bool
-    driver: bool
-    about: ProfileView | ProfileFault | None
-    saved: str
-    refused: str
-    throughput: dict[str, Any]
-    situation: dict[str, str]
-    outputs: list[OutputGroup]
-    profiles: list[dict[str, Any]]
-    picture: str
-    program: dict[str, Any]
-    started: str
-    stopped: str
-    remote: dict[str, Any] | None
-    n: int | None
 
 
 class Client:
@@ -129,7 +91,7 @@ class Hub:
         self._requests = Requests(
             edit=edit, is_far=is_far, changes=Changes(stamp), tell_all=self._tell_all
         )
-        self._situation: dict[str, str] | None = None
+        self._situation: SituationState | None = None
         self._listener = Subscriber()
         self._clients: set[Client] = set()
         self._came = asyncio.Event()  # a browser, which waits for nothing
@@ -166,12 +128,17 @@ class Hub:
         if self._newest is not None:
             self._situation = None
             return
-        found = asdict(await asyncio.to_thread(find_situation))
+        situation = await asyncio.to_thread(find_situation)
+        found: SituationState = {
+            "kind": situation.kind,
+            "text": situation.text,
+            "next": situation.next,
+        }
         if found != self._situation:
             self._situation = found
             self._tell_all({"situation": found})
 
-    def _tell_all(self, message: dict[str, Any]) -> None:
+    def _tell_all(self, message: PageMessage) -> None:
         for client in self._clients:
             client.tell(**message)
 
@@ -279,7 +246,8 @@ class Hub:
                     client.tell(throughput=await asyncio.to_thread(_measure, request.get("trials")))
                 case _:
                     reply = await self._requests.carry_out(request, self._path)
-                    client.tell(**reply, n=request.get("n"))
+                    answer: PageMessage = {**reply, "n": request.get("n")}
+                    client.tell(**answer)
                     self._look_at_profile()
         except NeuroTouchError as error:
             hint = f" {error.hint}" if error.hint else ""
@@ -322,7 +290,7 @@ def _read_stamp(path: Path) -> tuple[int, ...]:
     return ()
 
 
-def _measure(trials: Any) -> dict[str, Any]:
+def _measure(trials: Any) -> "Figures":
     """Returns the figures of ISO 9241-411 for the trials of a game.
 
     Raises:

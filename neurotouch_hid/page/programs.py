@@ -6,9 +6,10 @@ Each is the command that a terminal would run, with pipes instead of the termina
 import asyncio
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any, Final
+from typing import Final
 
 from neurotouch_hid.errors import PageError
+from neurotouch_hid.page.messages import ProgramNews
 from neurotouch_hid.process.own_command import make_own_command
 
 COMMANDS: Final = {
@@ -30,18 +31,17 @@ class Programs:
     """At most one driver and one other program at a time.
 
     Args:
-        tell: called with keys and values for the browsers: ``program`` with its ``name`` and a
-            ``line`` of output, or its ``code`` when it has ended.
+        tell: called with each line of output, and with the end of each program.
     """
 
-    def __init__(self, tell: Callable[[dict[str, Any]], object]) -> None:
+    def __init__(self, tell: Callable[[ProgramNews], object]) -> None:
         self._tell = tell
         self._running: dict[str, asyncio.subprocess.Process] = {}
         self._lines: dict[str, list[str]] = {}
         self._readers: set[asyncio.Task[None]] = set()
 
     @property
-    def news(self) -> list[dict[str, Any]]:
+    def news(self) -> list[ProgramNews]:
         """The messages for a browser that connects later: the output of running programs."""
         return [
             {"name": name, "line": line} for name in self._running for line in self._lines[name]

@@ -11,7 +11,8 @@ from neurotouch_hid.client import ask
 from neurotouch_hid.errors import PageError, ProfileError
 from neurotouch_hid.page.edits import Changes, Wish
 from neurotouch_hid.page.guard import make_token
-from neurotouch_hid.page.output_choices import list_outputs
+from neurotouch_hid.page.messages import PageMessage, ProfileRow, ProgramNews, Remote
+from neurotouch_hid.page.output_choices import OutputGroup, list_outputs
 from neurotouch_hid.page.pictures import draw_code, take_picture
 from neurotouch_hid.page.programs import COMMANDS, Programs
 from neurotouch_hid.players import find_runtime_folder
@@ -19,7 +20,9 @@ from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_u
 from neurotouch_hid.profile.reading import find_user_folder
 
 Request = dict[str, Any]
-Reply = dict[str, Any]
+"""The message of a browser, which may hold anything: each value is checked where it is read."""
+
+Reply = PageMessage
 Handler = Callable[[Request, Path], Awaitable[Reply]]
 
 REMOTE_S: Final = 3600.0
@@ -52,7 +55,7 @@ class Requests:
         self._tell_all = tell_all
         self._programs = Programs(self._hear_program)
         self._token = ""
-        self._remote: Reply | None = None
+        self._remote: Remote | None = None
         self._looks: dict[str, Handler] = {
             "outputs": self._list_outputs,
             "profiles": self._list_profiles,
@@ -76,8 +79,8 @@ class Requests:
     @property
     def news(self) -> list[Reply]:
         """The messages for a browser that connects later."""
-        remote = [] if self._remote is None else [{"remote": self._remote}]
-        return [{"program": each} for each in self._programs.news] + remote
+        news: list[Reply] = [{"program": each} for each in self._programs.news]
+        return news if self._remote is None else [*news, {"remote": self._remote}]
 
     async def carry_out(self, request: Request, file: Path) -> Reply:
         """Returns the answer to a request.
@@ -154,7 +157,7 @@ class Requests:
         return {}
 
     async def _list_outputs(self, _request: Request, file: Path) -> Reply:
-        def look() -> Any:
+        def look() -> list[OutputGroup]:
             whole = check_profile(file).whole if file.is_file() else None
             return list_outputs(whole if isinstance(whole, Profile) else None)
 
@@ -186,11 +189,11 @@ class Requests:
         if self._remote is not None:
             self._ending = asyncio.create_task(self._programs.stop("remote"))
 
-    def _hear_program(self, news: Reply) -> None:
+    def _hear_program(self, news: ProgramNews) -> None:
         """Forwards the output of a program; of a remote page, its link as a QR code."""
         if news["name"] != "remote":
             self._tell_all({"program": news})
-        elif "code" in news:
+        elif "line" not in news:
             self._remote = None
             self._tell_all({"remote": None})
         elif news["line"].startswith(("Error: ", "Fix: ")):
@@ -213,9 +216,9 @@ def _take_name(name: str) -> str:
     return name
 
 
-def _describe_profiles() -> list[Reply]:
+def _describe_profiles() -> list[ProfileRow]:
     favourites, own = load_user().slots, find_user_folder()
-    rows = []
+    rows: list[ProfileRow] = []
     for name, path in list_profiles().items():
         written = check_profile(path).written
         rows.append(

@@ -1,4 +1,4 @@
-"""How this program starts itself again, however it was installed.
+"""Makes the command that starts this program again, however it was installed.
 
 ``python -m neurotouch_hid`` finds the package only where Python looks by itself. The Debian package
 keeps its libraries in a folder of their own, which only its launcher knows.
@@ -20,7 +20,7 @@ def make_own_command(*arguments: str, module: str = "neurotouch_hid.__main__") -
 
     Args:
         arguments: of the command line, such as ``view``.
-        module: what runs; by default the ``neurotouch`` command.
+        module: the module that runs; by default the ``neurotouch`` command.
     """
     isolated = ["-I"] if sys.flags.isolated else []
     start = _START.format(module)

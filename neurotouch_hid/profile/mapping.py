@@ -3,7 +3,7 @@
 Host time never enters, so the same gestures give the same outputs, whatever the speed.
 """
 
-from typing import Final, Literal
+from typing import Final
 
 from neurotouch_hid.messages import Button, GamepadState, Gesture
 from neurotouch_hid.profile.decision_log import DecisionLog, MappingDecision
@@ -18,8 +18,7 @@ from neurotouch_hid.profile.schema.profile import Binding, Profile, SafetyGestur
 from neurotouch_hid.profile.schema.targets import CommandName, CommandTarget
 from neurotouch_hid.profile.schema.timing import PRESETS, resolve_times
 from neurotouch_hid.profile.schema.user import UserSettings, choose_filter
-
-State = Literal["running", "paused", "panic"]
+from neurotouch_hid.vocabulary import PipelineState
 
 SILENCE_US: Final = 200_000
 """After a gap of this length in the stream everything is released: the hand may have left."""
@@ -44,7 +43,7 @@ class Mapping:
     def __init__(self, profile: Profile, user: UserSettings | None = None) -> None:
         self._user = user or UserSettings()
         self._log = DecisionLog()
-        self._state: State = "running"
+        self._state: PipelineState = "running"
         self._commands: list[str] = []
         self._t_us: int | None = None
         self._helper: frozenset[Button] = frozenset()
@@ -63,7 +62,7 @@ class Mapping:
         return self._layers.name
 
     @property
-    def state(self) -> State:
+    def state(self) -> PipelineState:
         """The state: running, paused (the same gesture resumes) or panic."""
         return self._state
 
@@ -178,7 +177,7 @@ class Mapping:
                 self._commands.append(command)
                 self._log.note("command", command)
 
-    def _enter(self, state: State, command: str) -> None:
+    def _enter(self, state: PipelineState, command: str) -> None:
         self._fatigue.rest()
         self._state = state
         self._layers.release()

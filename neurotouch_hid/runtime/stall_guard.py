@@ -20,7 +20,7 @@ class StallGuard(Closing):
 
     Args:
         device: the pad.
-        stall_s: how long a step may take, waiting for the source included.
+        stall_s: the longest time of a step, waiting for the source included.
     """
 
     def __init__(self, device: Device, stall_s: float) -> None:

@@ -2,16 +2,18 @@
 
 from neurotouch_hid.source.check import FORMS, check_source
 from neurotouch_hid.source.opening import Speed, open_source
-from neurotouch_hid.source.protocol import ActivityAware, LiveSource, Source
+from neurotouch_hid.source.protocol import ActivityAware, FactTelling, LiveSource, Source, Troubled
 from neurotouch_hid.source.slicer import Slicer, slice_stream
 
 __all__ = [
     "FORMS",
     "ActivityAware",
+    "FactTelling",
     "LiveSource",
     "Slicer",
     "Source",
     "Speed",
+    "Troubled",
     "check_source",
     "open_source",
     "slice_stream",

@@ -3,16 +3,17 @@
 import socket
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import SourceError
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.ipc import HAND, is_own_peer, listen_at
 from neurotouch_hid.messages import EventPacket, Step
+from neurotouch_hid.snapshot import SourceFacts
 from neurotouch_hid.source.simulator.hand_model import GuidedHand, HandCommand, read_hand_command
 from neurotouch_hid.source.simulator.simulator import Simulator
 
@@ -90,10 +91,9 @@ class MouseSource(Closing):
             return None
         return [round(lags[len(lags) // 2], 1), round(lags[int(0.95 * len(lags))], 1)]
 
-    @property
-    def facts(self) -> dict[str, Callable[[], Any]]:
-        """Functions that return facts about this source, by name, for viewers."""
-        return {"hand_ms": self.measure_lag, "backlog_ms": self.measure_backlog}
+    def tell_facts(self) -> SourceFacts:
+        """Returns its delays, for viewers."""
+        return {"hand_ms": self.measure_lag(), "backlog_ms": self.measure_backlog()}
 
     def measure_backlog(self) -> float:
         """Returns the delay with which the newest slice began, in ms.

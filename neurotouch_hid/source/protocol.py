@@ -6,6 +6,7 @@ from typing import Protocol, Self, runtime_checkable
 
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EventPacket
+from neurotouch_hid.snapshot import SourceFacts
 
 
 class Source(Protocol):
@@ -56,6 +57,25 @@ class ActivityAware(Protocol):
         it does not want them. Otherwise a partial slice (``EventPacket.is_partial``) may come
         shortly before the end of the slice.
         """
+        ...
+
+
+@runtime_checkable
+class FactTelling(Protocol):
+    """A source that knows facts about itself that viewers are shown."""
+
+    def tell_facts(self) -> SourceFacts:
+        """Returns the facts; from any thread."""
+        ...
+
+
+@runtime_checkable
+class Troubled(Protocol):
+    """A source that may be unable to give packets for a while."""
+
+    @property
+    def trouble(self) -> str:
+        """The reason why no packets come, in a sentence; empty while they come."""
         ...
 
 

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from neurotouch_hid.driver.control_socket import STREAM, ControlSocket
+from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.recording import Recording, RecordingWriter
 from neurotouch_hid.recording.wire import send_packet
 from neurotouch_hid.source.idle import LONGEST_US
@@ -324,7 +324,7 @@ def standing_in(tmp_path):
                     time.sleep(wait_s)
                 send_packet(line, packet)
 
-        control.serve(lambda _question, _uid: {"ok": True, "source": "camera", STREAM: feed})
+        control.serve(lambda _question, _uid: {"ok": True, "source": "camera"}, {"record": feed})
 
     with ControlSocket(tmp_path / "run") as control:
         yield serve

@@ -7,6 +7,7 @@ from typing import Final
 
 from neurotouch_hid.device.outputs.effects import STILL, Rumble
 from neurotouch_hid.device.outputs.rumble import HearRumble
+from neurotouch_hid.snapshot import RumbleState
 
 _SHOWN_S: Final = 0.6
 """A viewer reads twice a second, and must not miss a short knock."""
@@ -31,7 +32,7 @@ class RumbleRouter:
         for listener in self._listeners:
             listener(rumble)
 
-    def describe(self) -> dict[str, float]:
+    def describe(self) -> RumbleState:
         """Returns the strongest recent rumble, ready for JSON."""
         since = self._now() - _SHOWN_S
         latest = list(self._latest)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import fmean, stdev
-from typing import Any, Final
+from typing import Any, Final, TypedDict
 
 from neurotouch_hid.errors import NeuroTouchError
 
@@ -86,6 +86,36 @@ class Block:
     throughput_bit_s: float
 
 
+class BlockFigures(TypedDict):
+    """A ``Block``, ready for JSON."""
+
+    width_px: float
+    trials: int
+    effective_width_px: float
+    effective_distance_px: float
+    movement_s: float
+    error_rate: float
+    throughput_bit_s: float
+
+
+class Figures(TypedDict):
+    """The figures of a test, ready for JSON: means over its blocks.
+
+    Attributes:
+        throughput_bit_s: throughput.
+        movement_s: movement time.
+        error_rate: share of the selections outside the target.
+        trials: how many there were, also in blocks that are too small.
+        blocks: the figures of each width.
+    """
+
+    throughput_bit_s: float
+    movement_s: float
+    error_rate: float
+    trials: int
+    blocks: list[BlockFigures]
+
+
 def measure_block(trials: Sequence[Trial]) -> Block:
     """Returns the figures of the trials with one width; at least three of them."""
     overshoots = [trial.overshoot_px for trial in trials]
@@ -103,7 +133,7 @@ def measure_block(trials: Sequence[Trial]) -> Block:
     )
 
 
-def measure_pointing(trials: Sequence[Trial]) -> dict[str, Any]:
+def measure_pointing(trials: Sequence[Trial]) -> Figures:
     """Returns the figures of a test, ready for JSON: the means over its blocks, and the blocks.
 
     Raises:
@@ -118,10 +148,25 @@ def measure_pointing(trials: Sequence[Trial]) -> dict[str, Any]:
             f"There were {len(trials)} selections, too few to measure anything.",
             hint=f"At least {LEAST_TRIALS} targets of one width must be selected.",
         )
-    keys = [key for key, *_ in COMPARED]
-    means = {key: fmean(getattr(block, key) for block in blocks) for key in keys}
-    shown = [{key: getattr(block, key) for key in block.__slots__} for block in blocks]
-    return {**means, "trials": len(trials), "blocks": shown}
+    return {
+        "throughput_bit_s": fmean(block.throughput_bit_s for block in blocks),
+        "movement_s": fmean(block.movement_s for block in blocks),
+        "error_rate": fmean(block.error_rate for block in blocks),
+        "trials": len(trials),
+        "blocks": [_describe(block) for block in blocks],
+    }
+
+
+def _describe(block: Block) -> BlockFigures:
+    return {
+        "width_px": block.width_px,
+        "trials": block.trials,
+        "effective_width_px": block.effective_width_px,
+        "effective_distance_px": block.effective_distance_px,
+        "movement_s": block.movement_s,
+        "error_rate": block.error_rate,
+        "throughput_bit_s": block.throughput_bit_s,
+    }
 
 
 def read_result(path: Path) -> dict[str, Any]:

@@ -21,6 +21,7 @@ from neurotouch_hid.evaluation.speed.decoding import measure_decoding
 from neurotouch_hid.evaluation.speed.pace import run_live_benchmark
 from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
 from neurotouch_hid.messages import EventPacket, GestureKind, Truth
+from neurotouch_hid.process.gc_freeze import freeze_gc
 from neurotouch_hid.process.own_command import make_own_command
 from neurotouch_hid.profile import Mapping, load_profile
 from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
@@ -84,13 +85,13 @@ def run_benchmark(
     fast = _simulate(FAST_SCENE)
     Driver(options).compile()
     gc.collect()
-    gc.freeze()  # as ``run`` does it
     progress("Measuring the stages")
-    result: dict[str, Any] = {
-        "davis_decode_events_per_s": Spread.of(measure_decoding(), rate=True).as_json(),
-        **_measure_tracker(fast),
-        **_measure_stages(packets, options),
-    }
+    with freeze_gc():  # as ``run`` does it
+        result: dict[str, Any] = {
+            "davis_decode_events_per_s": Spread.of(measure_decoding(), rate=True).as_json(),
+            **_measure_tracker(fast),
+            **_measure_stages(packets, options),
+        }
     progress("Measuring the whole pipeline")
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "bench.aedat4"

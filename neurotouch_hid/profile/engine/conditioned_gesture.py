@@ -1,14 +1,12 @@
 """The gesture at one moment, made ready for the bindings."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 from neurotouch_hid.messages import Button, GestureKind
 from neurotouch_hid.profile.engine.regions import Vector
 from neurotouch_hid.profile.schema.conditions import Zone
 from neurotouch_hid.profile.schema.targets import EightWay
-
-Phase = Literal["attack", "hold", "release"]
+from neurotouch_hid.vocabulary import Phase
 
 
 @dataclass(slots=True)

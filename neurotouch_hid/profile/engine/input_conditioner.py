@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from neurotouch_hid.messages import Gesture, GestureKind
-from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture, Phase
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
 from neurotouch_hid.profile.engine.notch import Notch, TremorWatch
 from neurotouch_hid.profile.engine.one_euro import FILTERS, OneEuro
 from neurotouch_hid.profile.engine.personal_range import make_conversion
@@ -20,6 +20,7 @@ from neurotouch_hid.profile.schema.conditions import Zone
 from neurotouch_hid.profile.schema.targets import EightWay
 from neurotouch_hid.profile.schema.timing import FilterName
 from neurotouch_hid.profile.schema.user import UserSettings
+from neurotouch_hid.vocabulary import Phase
 
 MOST_MM: Final = 60.0
 """No displacement is larger than the gel; what claims to be is cut, so that sums stay finite."""

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from neurotouch_hid.events import copy_events
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
 from neurotouch_hid.source.davis.kernels.decode import (
+    BETWEEN_COLUMNS,
     COUNTERS_DTYPE,
     STATE_DTYPE,
     AddressLayout,
@@ -54,7 +55,7 @@ class Decoder:
         self._state = np.zeros(1, STATE_DTYPE)
         self._state["is_synced"] = synced
         self._state["origin_us"] = self._state["now_us"] = origin_us
-        self._state["y"] = self._state["kind"] = -1
+        self._state["y"], self._state["kind"] = -1, BETWEEN_COLUMNS
         self._counters = np.zeros(1, COUNTERS_DTYPE)
         shape = (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
         self._reset = np.zeros(shape, np.int16)

@@ -157,6 +157,11 @@ class DavisSource(Closing):
         """True if Linux listed a camera at the last attempt, but opening it found none."""
         return self._vanished
 
+    @property
+    def trouble(self) -> str:
+        """The reason why it does not stream, in a sentence; empty while it does."""
+        return self._trouble
+
     def stats(self) -> DavisStats:
         """Returns counts of what happened so far."""
         stream = self._stream

@@ -13,6 +13,11 @@ POISSON_RATIO = 0.49  # silicone is nearly incompressible
 VIEW_MM = 100.0  # from the lens to the gel: what sinks grows
 CLAMP_MM = 31.0  # radius at which the rim clamps the gel, just outside the last markers
 
+N_ROWS = 7
+XX, XY, YY, TURN_X, TURN_Y, RATIO, ARC = range(N_ROWS)
+"""The rows that ``respond_along`` writes: the numbers of ``respond``, then radius over distance, at
+most 1, and its arc sine."""
+
 
 @njit(cache=True, nogil=True)
 def rim_window(r2: float) -> float:
@@ -72,11 +77,10 @@ def respond_along(
         cx: of the patch's centre, mm.
         cy: of the patch's centre, mm.
         a: its radius, mm.
-        answer: (7, n) float64, written: the five numbers of ``respond``, then radius over
-            distance, at most 1, and its arc sine.
+        answer: (N_ROWS, n) float64, written, row by row.
     """
     n = len(x)
-    ratios, arcs = answer[5], answer[6]
+    ratios, arcs = answer[RATIO], answer[ARC]
     for i in range(n):
         dx, dy = x[i] - cx, y[i] - cy
         ratio = a / math.sqrt(dx * dx + dy * dy)
@@ -94,11 +98,11 @@ def respond_along(
         spin = gain * (arc - b)
         cos2, sin2 = (dx * dx - dy * dy) * shear, 2.0 * dx * dy * shear
         is_under = r2 <= a * a
-        answer[0, i] = 1.0 if is_under else along + cos2
-        answer[1, i] = 0.0 if is_under else sin2
-        answer[2, i] = 1.0 if is_under else along - cos2
-        answer[3, i] = -dy if is_under else -spin * dy
-        answer[4, i] = dx if is_under else spin * dx
+        answer[XX, i] = 1.0 if is_under else along + cos2
+        answer[XY, i] = 0.0 if is_under else sin2
+        answer[YY, i] = 1.0 if is_under else along - cos2
+        answer[TURN_X, i] = -dy if is_under else -spin * dy
+        answer[TURN_Y, i] = dx if is_under else spin * dx
 
 
 @njit(cache=True, nogil=True)

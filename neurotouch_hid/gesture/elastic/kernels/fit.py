@@ -7,8 +7,19 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from neurotouch_hid.gesture.elastic.kernels.field import VIEW_MM, build_compliance, respond_along
-from neurotouch_hid.gesture.elastic.kernels.motion import measure_size
+from neurotouch_hid.gesture.elastic.kernels.field import (
+    N_ROWS,
+    RATIO,
+    TURN_X,
+    TURN_Y,
+    VIEW_MM,
+    XX,
+    XY,
+    YY,
+    build_compliance,
+    respond_along,
+)
+from neurotouch_hid.gesture.elastic.kernels.motion import DRAG_X, DRAG_Y, TURN, measure_size
 
 Floats = NDArray[np.float64]
 
@@ -124,7 +135,7 @@ def build_columns(
     k, n = len(centres), len(window)
     x, y = points[0], points[1]
     owner = np.empty(n, np.int64)
-    alone, answer = np.empty((3 * k, 2, n)), np.empty((7, n))
+    alone, answer = np.empty((3 * k, 2, n)), np.empty((N_ROWS, n))
     for i in range(n):
         owner[i] = -1
         bent[0, i] = bent[1, i] = 0.0
@@ -135,11 +146,11 @@ def build_columns(
         cx, cy, a = centres[j, 0], centres[j, 1], radii[j]
         respond_along(x, y, window, cx, cy, a, answer)
         for i in range(n):
-            alone[3 * j, 0, i], alone[3 * j, 1, i] = answer[0, i], answer[1, i]
-            alone[3 * j + 1, 0, i], alone[3 * j + 1, 1, i] = answer[1, i], answer[2, i]
-            alone[3 * j + 2, 0, i], alone[3 * j + 2, 1, i] = answer[3, i], answer[4, i]
-        tx, ty, ratio = answer[3], answer[4], answer[5]
-        bend = math.sqrt(max(1.0 - motions[j, 2] ** 2, 0.0)) - 1.0
+            alone[3 * j, 0, i], alone[3 * j, 1, i] = answer[XX, i], answer[XY, i]
+            alone[3 * j + 1, 0, i], alone[3 * j + 1, 1, i] = answer[XY, i], answer[YY, i]
+            alone[3 * j + 2, 0, i], alone[3 * j + 2, 1, i] = answer[TURN_X, i], answer[TURN_Y, i]
+        tx, ty, ratio = answer[TURN_X], answer[TURN_Y], answer[RATIO]
+        bend = math.sqrt(max(1.0 - motions[j, TURN] ** 2, 0.0)) - 1.0
         press = columns[3 * k + j]
         for i in range(n):
             dx, dy = x[i] - cx, y[i] - cy
@@ -196,7 +207,7 @@ def build_slopes(
     """
     k, n = len(centres), len(window)
     near, place = np.empty(n, np.int64), np.empty((3, n))
-    more, less = np.empty((7, n)), np.empty((7, n))
+    more, less = np.empty((N_ROWS, n)), np.empty((N_ROWS, n))
     h = 0.5 / GRADIENT_MM
     for b in range(3 * k):
         for i in range(n):
@@ -222,12 +233,9 @@ def build_slopes(
                 sx, sy, sa = step * (p == 0), step * (p == 1), step * (p == 2)
                 respond_along(xs, ys, free, cx + sx, cy + sy, a + sa, answer)
             for i in range(m):
-                xx, xy = more[0, i] - less[0, i], more[1, i] - less[1, i]
-                yy, tx, ty = (
-                    more[2, i] - less[2, i],
-                    more[3, i] - less[3, i],
-                    more[4, i] - less[4, i],
-                )
+                xx, xy = more[XX, i] - less[XX, i], more[XY, i] - less[XY, i]
+                yy = more[YY, i] - less[YY, i]
+                tx, ty = more[TURN_X, i] - less[TURN_X, i], more[TURN_Y, i] - less[TURN_Y, i]
                 column[0, near[i]] = h * (xx * qx + xy * qy + tx * qt)
                 column[1, near[i]] = h * (xy * qx + yy * qy + ty * qt)
 
@@ -299,7 +307,7 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
         accumulate(columns, target, weight[:], normal, right)
         largest2 = 0.0
         for j in range(k):
-            largest2 = max(largest2, motions[j, 0] ** 2 + motions[j, 1] ** 2)
+            largest2 = max(largest2, motions[j, DRAG_X] ** 2 + motions[j, DRAG_Y] ** 2)
         variance = noise_mm * noise_mm + model_error * model_error * largest2
         for j in range(k):
             normal[3 * j, 3 * j] += variance / DRAG_MM**2
@@ -324,7 +332,7 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
         for j in range(k):
             for p in range(3):
                 motions[j, p] = right[3 * j + p, 0]
-            motions[j, 2] = min(max(motions[j, 2], -0.95), 0.95)
+            motions[j, TURN] = min(max(motions[j, TURN], -0.95), 0.95)
             fit.press[j] = right[3 * k + j, 0]
         fit.offset_x_mm, fit.offset_y_mm = right[4 * k, 0], right[4 * k + 1, 0]
         fit.offset_rad = right[4 * k + 2, 0]

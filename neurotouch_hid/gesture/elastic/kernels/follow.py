@@ -15,6 +15,9 @@ from neurotouch_hid.gesture.elastic.kernels.field import bound_gain, find_site
 from neurotouch_hid.gesture.elastic.kernels.fit import refine
 from neurotouch_hid.gesture.elastic.kernels.markers import find_common, measure_sway, weigh_markers
 from neurotouch_hid.gesture.elastic.kernels.motion import (
+    DRAG_X,
+    DRAG_Y,
+    TURN,
     choose_shown,
     locate,
     measure_motion,
@@ -247,7 +250,7 @@ def _add(fit: Any, fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any, s
     j = fit.count
     fit.centres[j, 0], fit.centres[j, 1] = gel.sites[site, 0], gel.sites[site, 1]
     fit.radii[j] = rules.radius_mm
-    fit.motions[j, 0] = fit.motions[j, 1] = fit.motions[j, 2] = 0.0
+    fit.motions[j, DRAG_X] = fit.motions[j, DRAG_Y] = fit.motions[j, TURN] = 0.0
     fit.count += 1
     _fit(fit, fits, fingers, gel, rules, STEPS_NONE)
     _fit(fit, fits, fingers, gel, rules, STEPS_MORE)

@@ -19,6 +19,9 @@ SQUEEZE_SWEEPS = 6  # per step; a push travels one marker a sweep, and a long dr
 STEP_MM = 1.5  # longest step of a drag, so that the field can follow the patch
 STEP_RAD = 0.08  # longest step of a turn
 
+DRAG_X, DRAG_Y, TURN = range(3)
+"""The columns of a motion and of a load: drag in mm, turn in rad."""
+
 
 @nb.njit(cache=True, nogil=True)
 def clamp_window(x: float, y: float) -> float:
@@ -101,9 +104,9 @@ def solve_loads(centres: Floats, radii: Floats, motions: Floats, loads: Floats) 
         own = max(clamp_window(centres[j, 0], centres[j, 1]), 1e-3)
         for axis in range(3):
             vector[3 * j + axis] = motions[j, axis]
-            dx = 1.0 if axis == 0 else 0.0
-            dy = 1.0 if axis == 1 else 0.0
-            turn = 1.0 if axis == 2 else 0.0
+            dx = 1.0 if axis == DRAG_X else 0.0
+            dy = 1.0 if axis == DRAG_Y else 0.0
+            turn = 1.0 if axis == TURN else 0.0
             for i in range(n):
                 arm = 0.6 * radii[i]
                 for sample in range(5):
@@ -191,8 +194,8 @@ def move_points(
     n_patches = len(centres)
     steps = 1
     for k in range(n_patches):
-        length = math.hypot(motions[k, 0], motions[k, 1])
-        steps = max(steps, math.ceil(length / STEP_MM), math.ceil(abs(motions[k, 2]) / STEP_RAD))
+        length = math.hypot(motions[k, DRAG_X], motions[k, DRAG_Y])
+        steps = max(steps, math.ceil(length / STEP_MM), math.ceil(abs(motions[k, TURN]) / STEP_RAD))
     centre = centres.copy()
     part, loads = np.empty((n_patches, 3)), np.empty((n_patches, 3))
     for k in range(n_patches):
@@ -215,17 +218,17 @@ def move_points(
                     x - centre[k, 0],
                     y - centre[k, 1],
                     radii[k],
-                    loads[k, 0],
-                    loads[k, 1],
-                    loads[k, 2],
+                    loads[k, DRAG_X],
+                    loads[k, DRAG_Y],
+                    loads[k, TURN],
                 )
                 ux += vx
                 uy += vy
             out[i, 0] += window * ux
             out[i, 1] += window * uy
         for k in range(n_patches):
-            centre[k, 0] += part[k, 0]
-            centre[k, 1] += part[k, 1]
+            centre[k, 0] += part[k, DRAG_X]
+            centre[k, 1] += part[k, DRAG_Y]
         resist_squeeze(points, neighbours, mobility, out)
     for k in range(n_patches):
         for i in range(len(points)):

@@ -7,12 +7,14 @@ from pathlib import Path
 
 import pytest
 
-from neurotouch_hid.driver.reload import ProfileWatch
+from neurotouch_hid.driver.chosen import Chosen
+from neurotouch_hid.driver.profile_watch import ProfileWatch
+from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import no_gesture
 from neurotouch_hid.profile import UserSettings, load_profile
-from neurotouch_hid.runtime import Pipeline, Session
+from neurotouch_hid.runtime import Pipeline, PipelineControl
 
 LIMIT_S = 60.0
 """Far more than the second that is promised: tests are not timed."""
@@ -31,25 +33,23 @@ class Driver:
         profile = load_profile(name)
         user = user or UserSettings()
         self.pipeline = Pipeline.build(profile, GestureConfig(), user=user)
-        self.session = Session(self.pipeline, user)
+        self.control = PipelineControl(self.pipeline, user)
         self.said: list[str] = []
         self.prepared: list[str] = []
         self._done = threading.Event()
         self._line = threading.Thread(target=self._turn)
         self._line.start()
         self.watch = ProfileWatch(
-            name,
-            profile,
-            user,
-            self.session,
-            self.said.append,
+            Chosen(name, profile, user),
+            self.control,
+            Surroundings(announce=self.said.append),
             lambda new: self.prepared.append(new.name),
         )
 
     def _turn(self) -> None:
         t_us = 0
         while not self._done.wait(0.01):
-            self.session.apply_commands()
+            self.control.apply_commands()
             t_us += 10_000
             self.pipeline.mapping.update(no_gesture(t_us))
 
@@ -157,7 +157,7 @@ def test_spoiled_file_keeps_the_old_profile_and_says_why_once(driver, file, spoi
     spoil(file)
     driver.until(lambda: driver.said)
     assert driver.said[0].startswith("The profile 'mine' goes on as it was: ")
-    assert len(driver.session.status()["errors"]) == 1
+    assert len(driver.control.status()["errors"]) == 1
     assert driver.buttons == {"a"}
     with pytest.raises(ProfileError):
         driver.watch.reload().result(LIMIT_S)  # the watch is alive, and the file still wrong

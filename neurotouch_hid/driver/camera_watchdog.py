@@ -1,4 +1,4 @@
-"""Notices that a driver has gone blind: Linux shows a camera, and libusb does not find it."""
+"""Ends a driver that no longer finds its camera: Linux shows it, and libusb does not."""
 
 import time
 from collections.abc import Callable
@@ -28,7 +28,7 @@ class CameraWatchdog:
     process does not inherit.
 
     Args:
-        source: what to watch; any but a camera never goes blind.
+        source: the source to watch; any but a camera never goes blind.
         clock_s: host time.
     """
 

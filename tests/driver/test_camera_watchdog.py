@@ -2,7 +2,7 @@
 
 import pytest
 
-from neurotouch_hid.driver.blind_camera import PATIENCE_S, CameraWatchdog
+from neurotouch_hid.driver.camera_watchdog import PATIENCE_S, CameraWatchdog
 from neurotouch_hid.errors import CameraError
 from neurotouch_hid.source import open_source
 

@@ -3,7 +3,7 @@
 import pytest
 
 from neurotouch_hid.device import ExtraDevice
-from neurotouch_hid.driver.pad import open_pad
+from neurotouch_hid.driver.pad_opening import open_pad
 from neurotouch_hid.driver.settings import DriverSettings
 from neurotouch_hid.errors import DeviceError, ProfileError
 from neurotouch_hid.messages import Button
@@ -34,7 +34,7 @@ def test_without_a_copilot_the_gel_plays_alone():
     with played.device as pad:
         assert played.copilot is None
         assert pad.name == "memory"
-        told = {name: tell() for name, tell in played.facts.items()}
+        told = played.tell_facts()
     assert told == {
         "copilot": "none",
         "mouse": "nothing moves the pointer",

@@ -1,4 +1,4 @@
-"""Loads profiles while the pipeline runs: what is saved, what is asked for; never in its thread."""
+"""Loads saved and requested profiles while the pipeline runs, in a thread beside it."""
 
 import queue
 import threading
@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Final, Literal
 
 from neurotouch_hid.driver.chosen import Chosen, load_chosen
-from neurotouch_hid.driver.people import People, Person
+from neurotouch_hid.driver.people import Person
+from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.errors import NeuroTouchError, ProfileError
 from neurotouch_hid.profile import Profile, UserSettings, load_profile, load_user
 from neurotouch_hid.profile.reading import (
@@ -20,7 +21,7 @@ from neurotouch_hid.profile.reading import (
     find_values,
     list_profile_folders,
 )
-from neurotouch_hid.runtime.session import Session
+from neurotouch_hid.runtime.pipeline_control import PipelineControl
 
 POLL_S: Final = 0.25
 """A saved file is noticed, and left alone for one poll more because an editor may still be writing:
@@ -34,7 +35,7 @@ Action = Literal["reload", "refresh", "use", "follow", "next", "say", "stop"]
 
 @dataclass(frozen=True, slots=True)
 class _Request:
-    """What a person wants to be loaded; ``done`` gets the name of the new profile."""
+    """A request to load something; ``done`` gets the name of the new profile."""
 
     action: Action
     name: str | None = None
@@ -48,43 +49,30 @@ class ProfileWatch:
     cannot be used changes nothing: the profile before goes on.
 
     Args:
-        name: the active profile at the start, by name or path.
-        profile: what it says.
-        user: the person's values at the start.
-        session: the running driver.
-        announce: tells the person a sentence; called in the thread of the watch.
+        chosen: the profile and the values at the start.
+        control: takes the loaded profiles for the pipeline.
+        surroundings: the people whose files are watched; ``announce`` is called in the watch's
+            thread.
         prepare: is given each profile before the pipeline gets it.
-        player: the player number; None means the one of the environment.
-        people: a service's settings of the people at the machine; without, only the files of this
-            process's user count.
-        person: the one at the machine at the start.
-        default: a service's profile for a person who has chosen none.
     """
 
     def __init__(
         self,
-        name: str,
-        profile: Profile,
-        user: UserSettings,
-        session: Session,
-        announce: Callable[[str], object],
-        prepare: Callable[[Profile], None],
-        player: int | None = None,
-        *,
-        people: People | None = None,
-        person: Person | None = None,
-        default: str | None = None,
+        chosen: Chosen,
+        control: PipelineControl,
+        surroundings: Surroundings,
+        prepare: Callable[[Profile], object],
     ) -> None:
-        self._people, self._person, self._default = people, person, default
-        self._chosen = self._name = name
+        self._name, self._chosen = chosen.name, chosen.name
+        self._person = chosen.person
         self._is_substitute = False
-        self._held = profile, user
-        self._session = session
-        self._announce = announce
+        self._held = chosen.profile, chosen.user
+        self._control = control
+        self._people, self._default = surroundings.people, surroundings.default
+        self._player, self._announce = surroundings.player, surroundings.announce
         self._prepare = prepare
         self._requests: queue.SimpleQueue[_Request] = queue.SimpleQueue()
-        self._player = player
-        self._loaded = self._seen = self._read_stamps(name)
+        self._loaded = self._seen = self._read_stamps(chosen.name)
         self._thread = threading.Thread(target=self._work, name="profiles", daemon=True)
         self._thread.start()
 
@@ -111,7 +99,7 @@ class ProfileWatch:
         return self._ask("reload")
 
     def refresh(self) -> Future[str]:
-        """Loads the files again and goes on with what has changed; else nothing is released."""
+        """Loads the files again; unless they have changed, nothing is released."""
         return self._ask("refresh")
 
     def use(self, name: str) -> Future[str]:
@@ -137,9 +125,7 @@ class ProfileWatch:
 
     def _ask(self, action: Action, name: str | None = None) -> Future[str]:
         request = _Request(action, name)
-        self._requests.put(
-            request
-        )  # SimpleQueue.put is reentrant, so signal handlers may come here
+        self._requests.put(request)  # reentrant, so signal handlers may come here
         return request.done
 
     def _work(self) -> None:
@@ -164,7 +150,7 @@ class ProfileWatch:
                 request.done.set_exception(error)
 
     def _look(self) -> None:
-        """Reloads what has changed since it was loaded and has then been quiet for one poll."""
+        """Reloads files that have changed since they were loaded, and then not for one poll."""
         if self._follow_person():
             return
         stamps = self._read_stamps(self._name)
@@ -193,9 +179,9 @@ class ProfileWatch:
         return True
 
     def _choose(self) -> None:
-        """Goes on with what the person at the machine has chosen.
+        """Goes on with the choice of the person at the machine.
 
-        What the person before had chosen never goes on: where the new settings cannot be used, the
+        The choice of the person before never goes on: where the new settings cannot be used, the
         machine's apply, and where these cannot be used either, the shipped default.
         """
         choices = (
@@ -263,8 +249,8 @@ class ProfileWatch:
             only_if_changed: do nothing if they are those that apply already.
 
         Raises:
-            NeuroTouchError: one of the files cannot be used, or the pipeline takes no orders. It
-                has been announced, and the active profile goes on.
+            NeuroTouchError: one of the files cannot be used, or the pipeline takes no commands.
+                It has been announced, and the active profile goes on.
         """
         # Before reading: what is saved meanwhile counts again.
         self._loaded = self._read_stamps(name or self._name)
@@ -274,9 +260,9 @@ class ProfileWatch:
             if only_if_changed and held == self._held:
                 return  # another file, or a comment: no reason to release anything
             self._prepare(chosen.profile)
-            self._session.switch(*held)
+            self._control.switch(*held)
         except NeuroTouchError as error:
-            self._session.note_error(error.message.split("\n", 1)[0])
+            self._control.note_error(error.message.split("\n", 1)[0])
             self._announce(f"The profile '{self._held[0].name}' goes on as it was: {error.message}")
             raise
         self._held, self._name = held, chosen.name

@@ -9,7 +9,7 @@ from neurotouch_hid.errors import DriverError
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import Button
 from neurotouch_hid.profile import UserSettings, load_profile, rehearse
-from neurotouch_hid.runtime import Pipeline, Session, run_pipeline
+from neurotouch_hid.runtime import Pipeline, PipelineControl, run_pipeline
 from neurotouch_hid.runtime.command_queue import CAPACITY, Command, CommandQueue
 from neurotouch_hid.runtime.stage_timing import KEPT
 
@@ -22,8 +22,8 @@ class Line:
         self.heard = []
         self.steps = []
         self.pipeline = Pipeline.build(load_profile(profile), GestureConfig(), user=user)
-        self.session = Session(self.pipeline, user or UserSettings())
-        self.session.on_command(self.heard.append)
+        self.control = PipelineControl(self.pipeline, user or UserSettings())
+        self.control.on_command(self.heard.append)
 
     def play(self, happenings=None):
         """Runs; ``happenings`` maps the time of a slice in ms to what happens before it."""
@@ -37,7 +37,7 @@ class Line:
                 yield packet
 
         device = MemoryDevice()
-        run_pipeline(packets(), self.pipeline, device, [self.steps.append], session=self.session)
+        run_pipeline(packets(), self.pipeline, device, [self.steps.append], control=self.control)
         assert not waiting
         assert not device.states or device.states[-1].is_neutral
         return self
@@ -46,7 +46,7 @@ class Line:
         return [step.gesture.t_us // 1000 for step in self.steps if not step.pad.is_neutral]
 
 
-def test_line_without_orders_is_the_same_with_a_session(push):
+def test_line_without_orders_is_the_same_with_a_control(push):
     bare = []
     line = Pipeline.build(load_profile("spacecraft"), GestureConfig())
     run_pipeline(push.packets, line, MemoryDevice(), [bare.append])
@@ -66,7 +66,7 @@ def test_a_button_of_who_plays_along_makes_a_chord_of_the_push(push, tmp_path):
     (tmp_path / "chord.yaml").write_text(CHORD)
     line = Line(push, profile=str(tmp_path / "chord.yaml"))
     held = set()
-    line.session.set_helper(lambda: frozenset(held))
+    line.control.set_helper(lambda: frozenset(held))
     line.play({1200: lambda: held.add(Button.X), 1400: held.clear})
     pressed = {step.gesture.t_us // 1000: step.pad.buttons for step in line.steps}
     assert pressed[1200] == {Button.B}
@@ -76,7 +76,7 @@ def test_a_button_of_who_plays_along_makes_a_chord_of_the_push(push, tmp_path):
 
 def test_pause_releases_in_the_same_slice_and_tracking_goes_on(push):
     line = Line(push)
-    line.play({1300: lambda: line.session.submit("pause")})
+    line.play({1300: lambda: line.control.submit("pause")})
     assert max(line.pressed_ms()) == 1300
     assert line.heard == ["pause"]
     after = [step for step in line.steps if step.gesture.t_us == 1_500_000]
@@ -87,10 +87,10 @@ def test_pause_releases_in_the_same_slice_and_tracking_goes_on(push):
 def test_resume_acts_at_the_next_gesture_not_in_the_middle_of_one(push):
     line = Line(push)
     line.play(
-        {1200: lambda: line.session.submit("pause"), 1300: lambda: line.session.submit("resume")}
+        {1200: lambda: line.control.submit("pause"), 1300: lambda: line.control.submit("resume")}
     )
     assert max(line.pressed_ms()) == 1200
-    assert line.session.status()["state"] == "running"
+    assert line.control.status()["state"] == "running"
 
 
 def test_toggle_pauses_and_resumes_but_does_not_end_a_panic(push):
@@ -98,16 +98,16 @@ def test_toggle_pauses_and_resumes_but_does_not_end_a_panic(push):
     states = []
 
     def toggle():
-        states.append(line.session.status()["state"])
-        line.session.submit("toggle")
+        states.append(line.control.status()["state"])
+        line.control.submit("toggle")
 
     line.play(dict.fromkeys((100, 200, 300), toggle))
     assert states == ["running", "paused", "running"]
     line = Line(push)
     line.play(
-        {100: lambda: line.session.submit("panic"), 200: lambda: line.session.submit("toggle")}
+        {100: lambda: line.control.submit("panic"), 200: lambda: line.control.submit("toggle")}
     )
-    assert line.session.status()["state"] == "panic"
+    assert line.control.status()["state"] == "panic"
     assert line.pressed_ms() == []
 
 
@@ -116,14 +116,14 @@ def test_panic_outlasts_pause_and_a_switch_of_profile_and_of_the_person(push):
     racing = load_profile("racing")
     line.play(
         {
-            100: lambda: line.session.submit("panic"),
-            200: lambda: line.session.submit("pause"),
-            300: lambda: line.session.switch(racing, UserSettings()),
-            400: lambda: line.session.switch(racing, UserSettings(mirror=True)),
-            500: lambda: line.session.switch(racing, UserSettings(mirror=True)),
+            100: lambda: line.control.submit("panic"),
+            200: lambda: line.control.submit("pause"),
+            300: lambda: line.control.switch(racing, UserSettings()),
+            400: lambda: line.control.switch(racing, UserSettings(mirror=True)),
+            500: lambda: line.control.switch(racing, UserSettings(mirror=True)),
         }
     )
-    status = line.session.status()
+    status = line.control.status()
     assert (status["state"], status["profile"]) == ("panic", "racing")
     assert line.pressed_ms() == []
 
@@ -133,11 +133,11 @@ def test_pause_outlasts_other_values_of_the_person(push):
     profile = load_profile("spacecraft")
     line.play(
         {
-            100: lambda: line.session.submit("pause"),
-            200: lambda: line.session.switch(profile, UserSettings(mirror=True)),
+            100: lambda: line.control.submit("pause"),
+            200: lambda: line.control.switch(profile, UserSettings(mirror=True)),
         }
     )
-    assert line.session.status()["state"] == "paused"
+    assert line.control.status()["state"] == "paused"
     assert line.pressed_ms() == []
 
 
@@ -146,7 +146,7 @@ def test_switch_in_mid_gesture_releases_and_waits_for_the_next_gesture(push, use
     line = Line(push)
     done = []
     spacecraft = load_profile("spacecraft")
-    line.play({1300: lambda: done.append(line.session.switch(spacecraft, user).done)})
+    line.play({1300: lambda: done.append(line.control.switch(spacecraft, user).done)})
     assert done[0].done()
     assert max(line.pressed_ms()) == 1300
 
@@ -154,7 +154,7 @@ def test_switch_in_mid_gesture_releases_and_waits_for_the_next_gesture(push, use
 def test_other_values_of_the_person_hold_from_the_next_gesture_on(push):
     line = Line(push)
     user = UserSettings(mirror=True)
-    line.play({100: lambda: line.session.switch(load_profile("spacecraft"), user)})
+    line.play({100: lambda: line.control.switch(load_profile("spacecraft"), user)})
     values = {step.pad.axes.get("left_x", 0.0) for step in line.steps}
     assert min(values) < -0.3
     assert max(values) <= 0.0
@@ -183,7 +183,7 @@ def test_panic_throws_no_switch_of_profile_away_for_it_has_been_told_as_done():
 
 def test_order_while_the_line_stands_still_holds_from_its_return(push):
     line = Line(push)
-    done = line.session.submit("panic").done
+    done = line.control.submit("panic").done
     assert not done.done()
     line.play()
     assert done.done()
@@ -195,7 +195,7 @@ def test_commands_from_the_gel_are_told(push):
     step = line.play().steps[0]
     commands = ("rezero", "next_profile")
     pad = dataclasses.replace(step.pad, commands=commands)
-    line.session.record(dataclasses.replace(step, pad=pad))
+    line.control.record(dataclasses.replace(step, pad=pad))
     assert line.heard == list(commands)
 
 
@@ -223,7 +223,7 @@ def test_another_neutral_pose_holds_from_the_next_slice_on(push, poses):
     line = Line(push, user=before)
     recognizer = line.pipeline.recognizer
     assert recognizer.neutral == poses[0]
-    line.play({1300: lambda: line.session.switch(load_profile("spacecraft"), after)})
+    line.play({1300: lambda: line.control.switch(load_profile("spacecraft"), after)})
     assert recognizer.neutral == poses[1]
 
 
@@ -232,19 +232,19 @@ def test_a_pose_that_holds_already_is_not_looked_for_anew(push):
     recognizer = line.pipeline.recognizer
     recognizer.choose_neutral("resting")
     user, spacecraft = UserSettings(neutral="resting", mirror=True), load_profile("spacecraft")
-    line.play({1300: recognizer.rezero, 1400: lambda: line.session.switch(spacecraft, user)})
+    line.play({1300: recognizer.rezero, 1400: lambda: line.control.switch(spacecraft, user)})
     held = [step for step in line.steps if 1_310_000 < step.gesture.t_us < 1_590_000]
     assert {step.gesture.kind.label for step in held} == {"none"}
 
 
 def test_status_tells_counts_times_and_errors(push):
     line = Line(push)
-    empty = line.session.status()
+    empty = line.control.status()
     assert (empty["slices"], empty["markers_tracked"], empty["errors"]) == (0, 0, [])
     assert empty["gel"] != "found"
     for n in range(7):
-        line.session.note_error(f"error {n}")
-    status = line.play().session.status()
+        line.control.note_error(f"error {n}")
+    status = line.play().control.status()
     assert status["slices"] == len(push.packets)
     assert status["markers_tracked"] == 177
     assert (status["layer"], status["gel"]) == ("base", "found")
@@ -255,8 +255,8 @@ def test_status_names_what_was_held_for_long(push, monkeypatch):
     monkeypatch.setattr("neurotouch_hid.runtime.rates.WINDOW_S", 1e-6)
     line = Line(push)
     for gesture in rehearse("push left 6mm 200ms hold 6s; rest 500ms"):
-        line.session.mapping.update(gesture)
-    assert line.play().session.status()["long_holds"] == {"push_left": 1}
+        line.control.mapping.update(gesture)
+    assert line.play().control.status()["long_holds"] == {"push_left": 1}
 
 
 def test_every_stage_is_timed_where_it_runs(push):

@@ -18,7 +18,7 @@ from neurotouch_hid.runtime.stall_guard import STALL_S
 KEPT_ERRORS: Final = 5
 
 
-class Session:
+class PipelineControl:
     """Connects the pipeline's thread with all others; neither side waits for the other.
 
     The pipeline's thread calls ``apply_commands`` before a slice and ``record`` after it. All other
@@ -29,7 +29,7 @@ class Session:
         user: the person's values at the start.
 
     Attributes:
-        meter: counts what has gone through.
+        meter: counts the steps.
     """
 
     def __init__(self, pipeline: Pipeline, user: UserSettings) -> None:
