@@ -21,8 +21,8 @@ def complete_paper(_ctx: click.Context, _param: click.Parameter, incomplete: str
 
 def complete_key(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Completes paths to values of the profile named before on the command line."""
+    from neurotouch_hid.files.yaml_document import parse_document
     from neurotouch_hid.profile.editing import list_ways, take_file
-    from neurotouch_hid.profile.yaml_document import parse_document
 
     try:
         paper = take_file(ctx.params.get("name") or "default", str)

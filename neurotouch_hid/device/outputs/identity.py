@@ -13,6 +13,7 @@ from evdev import ecodes
 from neurotouch_hid.device.outputs.gamepad import ControlLayout
 from neurotouch_hid.device.outputs.spec import DeviceSpec
 from neurotouch_hid.errors import DeviceError
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
 
 PadKind = Literal["uinput", "hid"]
 
@@ -175,10 +176,12 @@ def _read_shipped() -> dict[str, Any]:
 
 def _read_file(path: Path) -> Identity:
     try:
-        table = tomllib.loads(path.read_text("utf-8"))
+        table = tomllib.loads(read_text(path, MAX_SETTINGS_BYTES))
     except OSError as error:
         raise DeviceError(f"'{path}' cannot be read: {error.strerror}.") from None
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except RecursionError:
+        raise DeviceError(f"'{path}' has too many brackets in one another.") from None
+    except ValueError as error:  # a mistake in the TOML, or a number of thousands of digits
         raise DeviceError(f"'{path}' is no TOML: {error}.") from None
     for key in ("name", "layout"):
         if not isinstance(table.get(key), str):

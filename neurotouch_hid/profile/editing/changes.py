@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.faults import Keys, format_path
 from neurotouch_hid.profile.editing.layout import Entry, Part, find_entry, find_part, read_layout
 from neurotouch_hid.profile.editing.values import format_value
-from neurotouch_hid.profile.faults import Keys, format_path
 
 
 def replace_value(text: str, keys: Keys, value: Any) -> str:

@@ -1,8 +1,6 @@
 """A profile or the user's file taken out to be edited, and put back only when it is right."""
 
-import os
 import re
-import stat
 import unicodedata
 from collections.abc import Callable
 from contextlib import suppress
@@ -13,10 +11,11 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.faults import make_printable
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_bytes
 from neurotouch_hid.players import find_machine_folder, find_user_file
 from neurotouch_hid.profile.editing.revision import MODELINE, adopt, reset_value
 from neurotouch_hid.profile.editing.store import Store
-from neurotouch_hid.profile.faults import make_printable
 from neurotouch_hid.profile.reading.library import (
     OWN_VALUES,
     find_profile,
@@ -26,7 +25,6 @@ from neurotouch_hid.profile.reading.library import (
     list_profiles,
 )
 from neurotouch_hid.profile.reading.load import (
-    MAX_BYTES,
     Checked,
     check_content,
     check_user,
@@ -202,17 +200,12 @@ def read_text(path: Path) -> tuple[str, bytes]:
         ProfileError: it is not a file, too large, or not UTF-8.
     """
     try:
-        if not stat.S_ISREG(path.stat().st_mode):
-            raise ProfileError(f"'{make_printable(str(path))}' is not a file.")
-        with path.open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
+        content = read_bytes(path, MAX_SETTINGS_BYTES)
     except OSError as error:
-        reason = error.strerror or os.strerror(error.errno or 0)
         raise ProfileError(
-            f"'{make_printable(str(path))}' cannot be read: {reason}.", hint="Check the name."
+            f"'{make_printable(str(path))}' cannot be read: {error.strerror}.",
+            hint="Check the name.",
         ) from None
-    if len(content) > MAX_BYTES:
-        raise ProfileError(f"'{make_printable(str(path))}' is larger than {MAX_BYTES // 1024} kB.")
     try:
         return content.decode("utf-8"), content
     except UnicodeDecodeError:

@@ -7,8 +7,8 @@ from ruamel.yaml import YAML
 from ruamel.yaml.nodes import MappingNode, SequenceNode
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.faults import Keys, format_faults, format_path
-from neurotouch_hid.profile.yaml_document import parse_document
+from neurotouch_hid.files.faults import Keys, format_faults, format_path
+from neurotouch_hid.files.yaml_document import parse_document
 
 Style = Literal["plain", "'", '"', "flow", "block"]
 _QUOTES: Final[dict[str | None, Style]] = {"'": "'", '"': '"'}

@@ -5,6 +5,7 @@ from typing import Any, Final
 from pydantic import BaseModel
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.faults import Keys, suggest
 from neurotouch_hid.profile.editing.changes import (
     append_item,
     insert_key,
@@ -14,7 +15,6 @@ from neurotouch_hid.profile.editing.changes import (
 from neurotouch_hid.profile.editing.layout import read_layout
 from neurotouch_hid.profile.editing.paths import find_way, list_known, name_bindings
 from neurotouch_hid.profile.editing.values import parse_value
-from neurotouch_hid.profile.faults import Keys, suggest
 from neurotouch_hid.profile.schema.profile import Profile
 from neurotouch_hid.profile.schema.tree import takes_list
 

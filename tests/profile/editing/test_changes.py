@@ -6,6 +6,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.yaml_document import parse_document
 from neurotouch_hid.profile.editing.changes import (
     append_item,
     insert_key,
@@ -15,7 +16,6 @@ from neurotouch_hid.profile.editing.changes import (
 from neurotouch_hid.profile.editing.edited_file import compare
 from neurotouch_hid.profile.editing.values import format_value, parse_value
 from neurotouch_hid.profile.reading.library import find_shipped_folder
-from neurotouch_hid.profile.yaml_document import parse_document
 
 SHIPPED = {
     name: (find_shipped_folder() / f"{name}.yaml").read_text(encoding="utf-8")

@@ -3,6 +3,7 @@
 import pytest
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.yaml_document import parse_document
 from neurotouch_hid.profile import check_content, check_profile
 from neurotouch_hid.profile.diagnostics.description import describe_target, describe_when
 from neurotouch_hid.profile.editing import (
@@ -20,7 +21,6 @@ from neurotouch_hid.profile.editing import (
 from neurotouch_hid.profile.editing.paths import find_way
 from neurotouch_hid.profile.reading.library import find_shipped_folder
 from neurotouch_hid.profile.schema.user import UserSettings
-from neurotouch_hid.profile.yaml_document import parse_document
 
 NAMES = sorted(path.stem for path in find_shipped_folder().glob("*.yaml"))
 

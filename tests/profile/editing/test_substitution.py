@@ -2,11 +2,11 @@
 
 import pytest
 
+from neurotouch_hid.files.yaml_document import parse_document
 from neurotouch_hid.profile import Mapping, UserSettings, check_content, perform, rehearse
 from neurotouch_hid.profile.editing import list_substitutes, make_when, remap, remap_unused
 from neurotouch_hid.profile.reading.library import find_shipped_folder
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
-from neurotouch_hid.profile.yaml_document import parse_document
 
 SHIPPED = sorted(path.stem for path in find_shipped_folder().glob("*.yaml"))
 MINE = """\
