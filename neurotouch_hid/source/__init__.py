@@ -3,7 +3,7 @@
 from neurotouch_hid.source.check import FORMS, check_source
 from neurotouch_hid.source.opening import Speed, open_source
 from neurotouch_hid.source.protocol import ActivityAware, LiveSource, Source
-from neurotouch_hid.source.slicer import Slicer, slice_stream
+from neurotouch_hid.source.slicer import Slicer, slice_recording
 
 __all__ = [
     "FORMS",
@@ -14,5 +14,5 @@ __all__ = [
     "Speed",
     "check_source",
     "open_source",
-    "slice_stream",
+    "slice_recording",
 ]

@@ -3,6 +3,7 @@
 import errno
 import os
 import socket
+from pathlib import Path
 
 import pytest
 
@@ -10,7 +11,7 @@ from neurotouch_hid.files.small_file import read_bytes, read_text
 
 
 def refusal(path, most=100):
-    with pytest.raises(OSError) as caught:
+    with pytest.raises(OSError, match=r"^\[Errno \d+\] \S") as caught:
         read_text(path, most)
     return caught.value.strerror
 
@@ -52,7 +53,7 @@ def test_what_is_no_text(tmp_path):
 
 def test_no_descriptor_stays_open(tmp_path):
     (tmp_path / "a").write_bytes(bytes(1000))
-    before = len(os.listdir("/proc/self/fd"))
+    before = len(list(Path("/proc/self/fd").iterdir()))
     refusal(tmp_path / "a")
     read_bytes(tmp_path / "a", 1000)
-    assert len(os.listdir("/proc/self/fd")) == before
+    assert len(list(Path("/proc/self/fd").iterdir())) == before

@@ -67,7 +67,7 @@ def test_a_spreadsheet_may_have_saved_it(tmp_path):
          "twist_ccw (did you mean push?), found 'psuh'"),
         ("5,dance,1,1,1,2,,,,", "twist_ccw, found 'dance'"),
         ("5.5,push,1,1,1,2,,,,", "2: column timestamp_us: expected a whole number of microseconds"),
-        ("5,push,,1,1,2,,,,", "intensity_mm: expected a number of millimetres from 0 to 100, found no"),
+        ("5,push,,1,1,2,,,,", "expected a number of millimetres from 0 to 100, found nothing"),
         ("5,push,1e308,1,1,2,,,,", "millimetres from 0 to 100, found '1e308'"),
         ("5,push,1_0,1,1,2,,,,", "millimetres from 0 to 100, found '1_0'"),
         ("1_0,push,1,1,1,2,,,,", "whole number of microseconds, found '1_0'"),
