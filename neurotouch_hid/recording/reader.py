@@ -92,16 +92,16 @@ class Recording:
                         events = events[before:]
                         waiting = []
                 yield events, tuple(waiting)
-            if reading.first_us is None and reading.damage is None:
-                raise RecordingError(
+            if not reading.has_events:
+                raise reading.damage or RecordingError(
                     f"'{self.path}' has no events.",
                     hint="Check the camera's cable and event output.",
                 )
             while frame is not None:
                 yield np.empty(0, EVENT_DTYPE), (frame,)
                 frame = next(frames, None)
-            if reading.damage is not None:
-                raise reading.damage
+            if damage := reading.damage:
+                raise damage
 
 
 def _find(streams: dict[int, Stream], kind: str) -> int | None:
@@ -110,20 +110,15 @@ def _find(streams: dict[int, Stream], kind: str) -> int | None:
 
 
 class _Reading:
-    """One reading of a file: two walks, and the first damage that one of them meets.
-
-    Attributes:
-        first_us: the first event's stamp; None before it.
-        damage: what ended the walks; None so far.
-    """
+    """One reading of a file: two walks, and the first damage that one of them meets."""
 
     def __init__(self, path: Path, events: int | None, frames: int | None) -> None:
-        self.first_us: int | None = None
-        self.damage: RecordingError | None = None
         self._path = path
         self._events, self._frames = events, frames
         self._file = Container(path)
         self._end: float = float("inf")  # position of the damage: the other walk ends there, too
+        self._damage: RecordingError | str = ""
+        self._first_us: int | None = None
         self._last_us = -1
         self._frame_us = -MAX_STAMP_US
         # A DAVIS-346 gives at most 12 events/µs and 40 frames/s.
@@ -137,6 +132,23 @@ class _Reading:
     def frames(self) -> Iterator[Frame]:
         """Gives the frames."""
         return self._walk(self._frames, self._take_frame)
+
+    @property
+    def has_events(self) -> bool:
+        """Whether there has been an event."""
+        return self._first_us is not None
+
+    @property
+    def damage(self) -> RecordingError | None:
+        """What has ended the walks; None so far."""
+        if isinstance(self._damage, RecordingError) or not self._damage:
+            return self._damage or None
+        where = "before its first event"
+        if self._first_us is not None:
+            where = f"{(self._last_us - self._first_us) / 1e6:.3f} s after its first event"
+        return RecordingError(
+            f"'{self._path}' {self._damage} {where}.", hint="Copy it again from its origin."
+        )
 
     def __enter__(self) -> Self:
         return self
@@ -159,27 +171,17 @@ class _Reading:
                     return
                 yield from take(data)
         except DamageError as error:
-            self._stop(error.position, self._word(error.what))
+            self._stop(error.position, error.what)
         except UnfitError as error:
             self._stop(position, RecordingError(f"'{self._path}' has {error}."))
         except ValueError:
-            self._stop(position, self._word("is damaged"))
+            self._stop(position, "is damaged")
         except RecordingError as error:
             self._stop(position, error)
 
-    def _stop(self, position: int, damage: RecordingError) -> None:
+    def _stop(self, position: int, damage: RecordingError | str) -> None:
         if position < self._end:
-            self._end, self.damage = position, damage
-
-    def _word(self, what: str) -> RecordingError:
-        where = (
-            "before its first event"
-            if self.first_us is None
-            else f"{(self._last_us - self.first_us) / 1e6:.3f} s after its first event"
-        )
-        return RecordingError(
-            f"'{self._path}' {what} {where}.", hint="Copy it again from its origin."
-        )
+            self._end, self._damage = position, damage
 
     def _take_events(self, data: bytes | memoryview) -> Iterator[NDArray[np.void]]:
         packet = unpack_events(data)
@@ -205,7 +207,7 @@ class _Reading:
         if t[0] < self._last_us or (t[1:] < t[:-1]).any():
             t[:] = self._straighten(t)
         self._require(self._event_rate.allows(len(t), int(t[-1])), "events")
-        self.first_us = int(t[0]) if self.first_us is None else self.first_us
+        self._first_us = int(t[0]) if self._first_us is None else self._first_us
         self._last_us = int(t[-1])
         return events
 
