@@ -61,6 +61,14 @@ def read_bytes(path: Path, most: int) -> bytes:
     return bytes(content)
 
 
+def find_real_path(path: Path) -> Path:
+    """Returns a path without links; a link that leads to itself stays what it is.
+
+    ``Path.resolve`` ends in a ``RuntimeError`` there.
+    """
+    return Path(os.path.realpath(path))
+
+
 def open_regular(path: Path) -> int:
     """Returns a descriptor of a regular file, open for reading; the caller closes it.
 

@@ -29,6 +29,7 @@ MAX_DEPTH: Final = 16
 MAX_NODES: Final = 5_000
 MAX_NUMBER_CHARS: Final = 64
 
+_SURROGATE: Final = re.compile("[\ud800-\udfff]")
 _INT: Final = re.compile(r"[-+]?[0-9]+")
 _FLOAT: Final = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _SPECIAL: Final[dict[str, Any]] = {
@@ -177,6 +178,8 @@ class _Builder:
             raise _RefusalError(mark, "anchors (&) and aliases (*) are not allowed")
         if getattr(event, "tag", None) is not None:
             raise _RefusalError(mark, "tags (!) are not allowed")
+        if isinstance(event, ScalarEvent) and _SURROGATE.search(str(event.value)):
+            raise _RefusalError(mark, "this escape is half a character")
 
     def _expects_key(self) -> bool:
         return bool(self._stack) and isinstance(self._stack[-1].value, dict) and self._key is None

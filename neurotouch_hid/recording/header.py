@@ -16,7 +16,7 @@ from neurotouch_hid.recording.compression import COMPRESSIONS
 from neurotouch_hid.recording.flatbuffer import FlatTable
 
 MAGIC: Final = b"#!AER-DAT4.0\r\n"
-MAX_HEADER_BYTES: Final = 1 << 20
+MAX_HEADER_BYTES: Final = 1 << 18
 """Real ones have 2 to 10 kB."""
 
 _AEDAT: Final = b"#!AER-DAT"

@@ -274,6 +274,8 @@ HOSTILE = [
     ("a: " + "9" * 65, "1:4: error: a: a number has at most 64 characters"),
     ('a: "\\U99999999"\n', "1:1: error: a: this escape is no character"),
     ("name: x\nb: \x1b[31m\n", "2:4: error: the character U+001B is not allowed in YAML"),
+    ('a: "\\ud800+a"\n', "1:4: error: a: this escape is half a character"),
+    ('"\\udfff": 1\n', "1:1: error: this escape is half a character"),
     ("a:\n\tb: 1\n", "2:1: error: a: a tab cannot indent or begin a value"),
     ("a: {b: 1\n", "2:1: error: a: a '{' is opened and not closed before here"),
     (b"a: 1\nb: \xff\n", "2:4: error: byte 0xff is not UTF-8 text"),

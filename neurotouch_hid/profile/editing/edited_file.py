@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.files.faults import make_printable
-from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_bytes
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, find_real_path, read_bytes
 from neurotouch_hid.players import find_machine_folder, find_user_file
 from neurotouch_hid.profile.editing.revision import MODELINE, adopt, reset_value
 from neurotouch_hid.profile.editing.store import Store
@@ -94,7 +94,7 @@ def take_profile(name_or_path: str, stamp: Stamp) -> EditedFile:
     """
     path = find_profile(name_or_path)
     text, content = read_text(path)
-    if path.resolve().parent not in {each.resolve() for each in list_profile_folders()[1:]}:
+    if find_real_path(path).parent not in {each.resolve() for each in list_profile_folders()[1:]}:
         return EditedFile(path.stem, Store(path, stamp), content, text)
     own = find_user_folder() / path.name
     if own.exists():  # named by its path

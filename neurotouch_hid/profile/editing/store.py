@@ -10,7 +10,7 @@ from typing import Final
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.files.faults import make_printable
-from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_bytes
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, find_real_path, read_bytes
 
 KEPT: Final = 20
 _VERSION_FILE: Final = re.compile(r"(\d{6})-([\w-]+)\.yaml")
@@ -184,7 +184,7 @@ def write_whole(path: Path, content: bytes) -> None:
     Raises:
         OSError: it could not be written; the old file is still there.
     """
-    path = Path(os.path.realpath(path))  # Path.resolve ends in an error for a link to itself
+    path = find_real_path(path)
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         with part.open("wb") as file:

@@ -17,7 +17,7 @@ from neurotouch_hid.files.faults import (
     make_printable,
     suggest,
 )
-from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_bytes
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, find_real_path, read_bytes
 from neurotouch_hid.files.yaml_document import Node, find_mark, parse_document
 from neurotouch_hid.players import find_machine_folder, find_user_file
 from neurotouch_hid.profile.diagnostics.consistency import check_layers
@@ -98,7 +98,7 @@ def check_profile(
     """
     path = find_profile(name_or_path, folder)
     name = make_printable(str(path))
-    return _check_profile(_read(path), name, (path.resolve(),), unused, folder)
+    return _check_profile(_read(path), name, (find_real_path(path),), unused, folder)
 
 
 def parse_profile(content: bytes, name: str) -> Profile:
@@ -125,7 +125,7 @@ def check_content(
         path: the file it takes the place of; it must not be built on that.
         unused: as of ``check_profile``.
     """
-    return _check_profile(content, name, () if path is None else (path.resolve(),), unused)
+    return _check_profile(content, name, () if path is None else (find_real_path(path),), unused)
 
 
 def load_user(*, player: int | None = None, folder: Path | None = None) -> UserSettings:
@@ -249,7 +249,7 @@ def _load_base(
     """Returns the profile another one is built on, or the code of a fault and its sentence."""
     try:
         path = find_profile(name, folder)
-        if path.resolve() in chain:
+        if find_real_path(path) in chain:
             return None, "NT131", f"'{name}' is built on this profile itself"
         if len(chain) >= MAX_STEPS:
             return None, "NT131", f"'{name}' is built on too many others, one on the other"
@@ -260,7 +260,7 @@ def _load_base(
             told += f"; d{(error.hint or '')[1:].partition('? ')[0]}?"
         return None, "NT130", told
     printable = make_printable(str(path))
-    checked = _check_profile(content, printable, (*chain, path.resolve()), folder=folder)
+    checked = _check_profile(content, printable, (*chain, find_real_path(path)), folder=folder)
     if checked.whole is None:
         first = checked.format().split("\n", 1)[0]
         return None, "NT132", f"'{name}' has errors: {first}"
