@@ -13,6 +13,7 @@ from evdev import ecodes
 from neurotouch_hid.device.outputs.gamepad import ControlLayout
 from neurotouch_hid.device.outputs.spec import DeviceSpec
 from neurotouch_hid.errors import DeviceError
+from neurotouch_hid.files.faults import SHOWN_COLUMNS, make_printable
 from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
 
 PadKind = Literal["uinput", "hid"]
@@ -150,7 +151,7 @@ def check_identity(identity: Identity, kind: PadKind) -> None:
 def _check_name(name: str, kind: PadKind) -> None:
     if not name or not name.isprintable() or len(name.encode()) > _NAME_BYTES[kind]:
         raise DeviceError(
-            f"'{name}' is no name for a pad.",
+            f"'{make_printable(name[:SHOWN_COLUMNS])}' is no name for a pad.",
             hint=f"Use 1 to {_NAME_BYTES[kind]} bytes of printable characters.",
         )
     for what, reads in (
