@@ -82,7 +82,7 @@ class Container:
         while stream is not None and position + _PACKET_HEAD.size <= end:
             head = self._read(position, _PACKET_HEAD.size)
             if len(head) < _PACKET_HEAD.size:
-                break  # somebody has made the file shorter
+                break  # a program has made the file shorter
             number, size = _PACKET_HEAD.unpack(head)
             begin = position + _PACKET_HEAD.size
             if size <= 0 or number not in self.header.streams:

@@ -141,7 +141,7 @@ def _change_header(header: bytearray, chance: random.Random) -> None:
             header[_TEXT_AT:] = text
             header[_TEXT_AT - 4 : _TEXT_AT] = struct.pack("<I", len(text))
             begin = len(packing.MAGIC)
-            header[begin : begin + 4] = struct.pack("<I", len(header) - begin - 4)
+            header[begin : begin + 4] = struct.pack("<I", max(0, len(header) - begin - 4))
         case 2:
             del header[chance.randint(0, len(header)) :]
         case _:

@@ -34,7 +34,7 @@ class Version:
         """Returns its content.
 
         Raises:
-            ProfileError: somebody has put something else in its place.
+            ProfileError: something else has been put in its place.
         """
         try:
             return read_bytes(self.path, MAX_SETTINGS_BYTES)
