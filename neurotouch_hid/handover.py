@@ -10,6 +10,7 @@ from typing import Any
 
 from neurotouch_hid.client import ask
 from neurotouch_hid.errors import DriverError, NotRunningError
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
 from neurotouch_hid.players import find_config_folder, find_user_file, list_players
 
 
@@ -70,6 +71,6 @@ def collect_settings(player: int) -> dict[str, Any]:
 
 def _read(path: Path) -> str | None:
     try:
-        return path.read_text(encoding="utf-8")
-    except (OSError, ValueError):
+        return read_text(path, MAX_SETTINGS_BYTES)
+    except OSError:
         return None

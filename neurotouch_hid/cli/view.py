@@ -142,7 +142,10 @@ def _read_token(path: Path) -> str:
     Raises:
         PageError: it cannot be read, or others can read it too.
     """
+    import errno
+
     from neurotouch_hid.errors import PageError
+    from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
 
     try:
         if path.stat().st_mode & 0o077:
@@ -150,10 +153,12 @@ def _read_token(path: Path) -> str:
                 f"Other users can read {path}.",
                 hint=f"Make it readable for yourself only: chmod 600 {path}",
             )
-        return path.read_text(encoding="ascii").strip()
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is not plain ASCII"
+        token = read_text(path, MAX_SETTINGS_BYTES).strip()
+        if not token.isascii():
+            raise OSError(errno.EILSEQ, "it is not plain ASCII")
+    except OSError as error:
         raise PageError(
-            f"The token in {path} cannot be read: {reason}.",
+            f"The token in {path} cannot be read: {error.strerror}.",
             hint=f"Make one: (umask 077; head -c 24 /dev/urandom | base64 | tr +/ -_ > {path})",
         ) from None
+    return token

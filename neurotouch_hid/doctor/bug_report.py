@@ -52,7 +52,7 @@ _PRIVATE_FACTS: Final = ("desktop",)
 """Key of the driver's status that names the active window."""
 
 _PACKAGES: Final = (
-    *("click", "evdev-binary", "faery", "hidapi", "libusb1", "lz4", "numba", "numpy"),
+    *("backports.zstd", "click", "evdev-binary", "hidapi", "libusb1", "lz4", "numba", "numpy"),
     *("opencv-contrib-python-headless", "pydantic", "pyusb", "ruamel.yaml", "websockets"),
 )
 _MAC: Final = re.compile(r"\b(?:[0-9A-Fa-f]{2}[:-]){5}[0-9A-Fa-f]{2}\b")

@@ -12,6 +12,7 @@ from typing import Final
 from neurotouch_hid.device import ChordReader, explain_keyboards, find_keyboards
 from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
 from neurotouch_hid.driver.settings import load_driver_settings
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
 from neurotouch_hid.monitor.sound_programs import SOUND_PROGRAMS
 from neurotouch_hid.players import find_user_file
 from neurotouch_hid.profile import list_profiles, load_profile, load_user
@@ -54,7 +55,7 @@ def check_calibration(file: Path | None = None) -> Finding:
         return skip(
             "Not calibrated: the reference hand is assumed. To calibrate: neurotouch calibrate"
         )
-    found = _CALIBRATED.search(file.read_text(encoding="utf-8", errors="replace"))
+    found = _CALIBRATED.search(read_text(file, MAX_SETTINGS_BYTES))
     sentence = f"{len(measured)} of 8 movements are calibrated"
     if found is None:
         return approve(f"{sentence}, by hand.")

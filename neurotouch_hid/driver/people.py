@@ -15,9 +15,10 @@ from typing import Any, Final
 
 from neurotouch_hid.driver.admission import find_seated_users
 from neurotouch_hid.errors import DriverError
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
 from neurotouch_hid.players import find_runtime_folder, find_user_file
 from neurotouch_hid.profile.editing import write_whole
-from neurotouch_hid.profile.reading import MAX_BYTES, find_user_folder
+from neurotouch_hid.profile.reading import find_user_folder
 from neurotouch_hid.vocabulary import NAME_PATTERN
 
 MAX_PROFILES: Final = 100
@@ -74,8 +75,8 @@ class People:
             return None
         folder = self._folder / str(seated[0])
         try:
-            return Person(seated[0], folder, Path((folder / _ORIGIN).read_text()))
-        except (OSError, ValueError):
+            return Person(seated[0], folder, Path(read_text(folder / _ORIGIN, MAX_SETTINGS_BYTES)))
+        except OSError:
             return None
 
     def keep(self, uid: int, settings: dict[str, Any]) -> None:
@@ -143,8 +144,8 @@ def _read_settings(settings: dict[str, Any], player: int | None) -> tuple[str, d
             raise DriverError("One of the profiles has no name.")
         texts[str((find_user_folder(here) / f"{name}.yaml").relative_to(here))] = text
     for text in texts.values():
-        if not isinstance(text, str) or len(text) > MAX_BYTES:
-            raise DriverError(f"One of the files is larger than {MAX_BYTES // 1024} kB.")
+        if not isinstance(text, str) or len(text) > MAX_SETTINGS_BYTES:
+            raise DriverError(f"One of the files is larger than {MAX_SETTINGS_BYTES // 1024} kB.")
         with suppress(UnicodeEncodeError):
             text.encode()
             continue

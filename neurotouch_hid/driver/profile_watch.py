@@ -14,6 +14,7 @@ from neurotouch_hid.driver.chosen import Chosen, load_chosen
 from neurotouch_hid.driver.people import Person
 from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.errors import NeuroTouchError, ProfileError
+from neurotouch_hid.files.small_file import find_real_path
 from neurotouch_hid.profile import Profile, UserSettings, load_profile, load_user
 from neurotouch_hid.profile.reading import (
     find_profile,
@@ -90,7 +91,7 @@ class ProfileWatch:
     def file(self) -> str:
         """The file of the active profile, as its owner calls it; empty if it has gone."""
         with suppress(ProfileError, OSError, RuntimeError):  # the last: a link leads to itself
-            path = find_profile(self._name, self._folder).resolve()
+            path = find_real_path(find_profile(self._name, self._folder))
             return str(path if self._person is None else self._person.name_file(path))
         return ""
 

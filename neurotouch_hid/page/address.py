@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final
 
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
 from neurotouch_hid.players import find_runtime_folder
 
 FILE: Final = "page.json"
@@ -76,6 +77,6 @@ def _read_file() -> Address | None:
     with suppress(OSError, ValueError, KeyError, TypeError):
         path = find_address_file()
         if path.lstat().st_uid == os.geteuid():
-            said = json.loads(path.read_text())
+            said = json.loads(read_text(path, MAX_SETTINGS_BYTES))
             return Address(said["url"], said["token"], said["pid"], said.get("may_edit") is True)
     return None

@@ -11,6 +11,7 @@ from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 
 from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.files.small_file import find_real_path
 from neurotouch_hid.ipc import HAND, connect_to
 from neurotouch_hid.page.edits import Changes
 from neurotouch_hid.page.guard import Rate
@@ -278,7 +279,7 @@ class Hub:
 def _find_favourite() -> str:
     """Returns the profile that the next driver would use; empty if it is unknown."""
     try:
-        return str(find_profile(load_user().slots[0]).resolve())
+        return str(find_real_path(find_profile(load_user().slots[0])))
     except (NeuroTouchError, OSError):
         return ""
 

@@ -1,8 +1,10 @@
 """Finds out why the gamepad does not work while no driver runs, and the next step."""
 
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Literal
 
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
 from neurotouch_hid.players import SERVICE_UNIT, explain_start, find_user_file
 
 SituationKind = Literal["no_camera", "service_stopped", "no_right", "unusable", "ready"]
@@ -42,7 +44,8 @@ def find_situation() -> Situation:
             return Situation("no_right", "Camera found but not readable.", "Fix: neurotouch setup")
         text = f"Camera found but not usable: {reasons[0]}."
         return Situation("unusable", text, "Fix: neurotouch doctor")
-    user = find_user_file()
-    measured = user.exists() and "range:" in user.read_text(encoding="utf-8", errors="replace")
-    step = "run" if measured else "calibrate (about 3 minutes, no time limit)"
+    step = "calibrate (about 3 minutes, no time limit)"
+    with suppress(OSError):  # no values yet, or none that can be read
+        if "range:" in read_text(find_user_file(), MAX_SETTINGS_BYTES):
+            step = "run"
     return Situation("ready", "Ready.", f"Next: neurotouch {step}")

@@ -3,7 +3,7 @@
 from neurotouch_hid.source.check import FORMS, check_source
 from neurotouch_hid.source.opening import Speed, open_source
 from neurotouch_hid.source.protocol import ActivityAware, FactTelling, LiveSource, Source, Troubled
-from neurotouch_hid.source.slicer import Slicer, slice_stream
+from neurotouch_hid.source.slicer import Slicer, slice_recording
 
 __all__ = [
     "FORMS",
@@ -16,5 +16,5 @@ __all__ = [
     "Troubled",
     "check_source",
     "open_source",
-    "slice_stream",
+    "slice_recording",
 ]

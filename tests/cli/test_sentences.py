@@ -30,11 +30,11 @@ from neurotouch_hid.errors import (
     ProfileError,
     SourceError,
 )
+from neurotouch_hid.files.yaml_document import parse_document
 from neurotouch_hid.page.server import open_sockets
 from neurotouch_hid.players import find_runtime_folder
 from neurotouch_hid.profile.editing import find_own_path, locate_bindings
 from neurotouch_hid.profile.rehearsal.script import parse_script
-from neurotouch_hid.profile.yaml_document import parse_document
 from neurotouch_hid.source.simulator import find_scene
 
 

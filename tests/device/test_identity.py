@@ -1,5 +1,7 @@
 """Identities as data, and the refusal of those that programs would misread."""
 
+import os
+
 import pytest
 
 from neurotouch_hid.device.outputs.identity import (
@@ -158,3 +160,27 @@ def test_an_unknown_name():
     with pytest.raises(DeviceError, match="no identity called 'nes'") as caught:
         choose_identity("nes", "uinput")
     assert "xbox360, own, playstation" in caught.value.hint
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("a = " + "[" * 20_000, "has too many brackets in one another|is no TOML"),
+        ("a = " + "9" * 5_000, "is no TOML"),
+        ("# " + "x" * (1 << 20), "cannot be read: it is larger than 64 kB"),
+    ],
+    ids=["deep", "long", "large"],
+)
+def test_a_file_made_to_harm(tmp_path, text, says):
+    file = tmp_path / "mine.toml"
+    file.write_text(text)
+    with pytest.raises(DeviceError, match=says):
+        choose_identity(str(file), "uinput")
+
+
+def test_a_path_that_is_no_file(tmp_path):
+    with pytest.raises(DeviceError, match="cannot be read: no file can have this name"):
+        choose_identity("a\0.toml", "uinput")
+    os.mkfifo(tmp_path / "pipe.toml")
+    with pytest.raises(DeviceError, match="cannot be read: it is a pipe, not a file"):
+        choose_identity(str(tmp_path / "pipe.toml"), "uinput")

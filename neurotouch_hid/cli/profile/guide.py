@@ -179,7 +179,7 @@ class Guide:
         return locate_bindings(self._text.document, layer)
 
     def _path(self, layer: str) -> str:
-        from neurotouch_hid.profile.faults import format_path
+        from neurotouch_hid.files.faults import format_path
 
         return format_path(self._find(layer))
 

@@ -7,9 +7,9 @@ from neurotouch_hid.cli.ui.outcome import Outcome
 from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
+    from neurotouch_hid.files.faults import Fault
     from neurotouch_hid.profile import Checked
     from neurotouch_hid.profile.editing import EditedFile, ProfileText
-    from neurotouch_hid.profile.faults import Fault
 
 
 class HandoverResult(NamedTuple):

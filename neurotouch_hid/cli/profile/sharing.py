@@ -129,6 +129,7 @@ def import_command(
 
 
 def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, plain: bool) -> None:
+    from neurotouch_hid.files.faults import make_printable
     from neurotouch_hid.profile import check_content, load_unused
     from neurotouch_hid.profile.editing import (
         EditedFile,
@@ -141,7 +142,6 @@ def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, pla
         read_text,
         summarize,
     )
-    from neurotouch_hid.profile.faults import make_printable
     from neurotouch_hid.profile.reading import find_shipped_folder
 
     text, content = read_text(file)
@@ -193,6 +193,7 @@ def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, pla
 
 def _take_values(file: Path, *, yes: bool, as_json: bool, plain: bool) -> None:
     """Takes a person's values from a file that ``export --user`` wrote."""
+    from neurotouch_hid.files.faults import make_printable
     from neurotouch_hid.profile import check_user
     from neurotouch_hid.profile.editing import (
         ProfileText,
@@ -202,7 +203,6 @@ def _take_values(file: Path, *, yes: bool, as_json: bool, plain: bool) -> None:
         read_text,
         take_user,
     )
-    from neurotouch_hid.profile.faults import make_printable
 
     text, content = read_text(file)
     check_user(content, make_printable(str(file))).require()

@@ -10,8 +10,8 @@ import click
 from neurotouch_hid.cli.ui.output import print_json, say, show_changes
 
 if TYPE_CHECKING:
+    from neurotouch_hid.files.faults import Mark
     from neurotouch_hid.profile import Checked
-    from neurotouch_hid.profile.faults import Mark
 
 
 @dataclass(frozen=True, slots=True)

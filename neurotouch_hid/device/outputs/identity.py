@@ -13,6 +13,8 @@ from evdev import ecodes
 from neurotouch_hid.device.outputs.gamepad import ControlLayout
 from neurotouch_hid.device.outputs.spec import DeviceSpec
 from neurotouch_hid.errors import DeviceError
+from neurotouch_hid.files.faults import SHOWN_COLUMNS, make_printable
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
 
 PadKind = Literal["uinput", "hid"]
 
@@ -149,7 +151,7 @@ def check_identity(identity: Identity, kind: PadKind) -> None:
 def _check_name(name: str, kind: PadKind) -> None:
     if not name or not name.isprintable() or len(name.encode()) > _NAME_BYTES[kind]:
         raise DeviceError(
-            f"'{name}' is not a valid name for a pad.",
+            f"'{make_printable(name[:SHOWN_COLUMNS])}' is not a valid name for a pad.",
             hint=f"Use 1 to {_NAME_BYTES[kind]} bytes of printable characters.",
         )
     for what, reads in (
@@ -175,10 +177,12 @@ def _read_shipped() -> dict[str, Any]:
 
 def _read_file(path: Path) -> Identity:
     try:
-        table = tomllib.loads(path.read_text("utf-8"))
+        table = tomllib.loads(read_text(path, MAX_SETTINGS_BYTES))
     except OSError as error:
         raise DeviceError(f"'{path}' cannot be read: {error.strerror}.") from None
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except RecursionError:
+        raise DeviceError(f"'{path}' has too many brackets in one another.") from None
+    except ValueError as error:  # a mistake in the TOML, or a number of thousands of digits
         raise DeviceError(f"'{path}' is not valid TOML: {error}.") from None
     for key in ("name", "layout"):
         if not isinstance(table.get(key), str):

@@ -9,6 +9,7 @@ from statistics import fmean, stdev
 from typing import Any, Final, TypedDict
 
 from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
 
 Point = tuple[float, float]
 
@@ -177,10 +178,10 @@ def read_result(path: Path) -> dict[str, Any]:
     """
     hint = "Save one with: neurotouch bench pointing --json FILE"
     try:
-        result = json.loads(path.read_text(encoding="utf-8"))
+        result = json.loads(read_text(path, MAX_SETTINGS_BYTES))
     except OSError as error:
         raise NeuroTouchError(f"'{path}' cannot be read: {error.strerror}.", hint=hint) from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise NeuroTouchError(f"'{path}' is not valid JSON.", hint=hint) from error
     keys = [key for key, *_ in COMPARED]
     if not isinstance(result, dict) or not all(

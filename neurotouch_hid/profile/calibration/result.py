@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Final
 
+from neurotouch_hid.files.faults import format_path
 from neurotouch_hid.profile.editing.edit_values import reset_value, set_value
 from neurotouch_hid.profile.editing.profile_text import ProfileText
 from neurotouch_hid.profile.editing.yaml_values import format_value
-from neurotouch_hid.profile.faults import format_path
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.timing import FilterName
 from neurotouch_hid.profile.schema.user import MovementRange, Ranges, UserSettings

@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 
-from neurotouch_hid.profile.faults import Fault, Keys, format_path, suggest
+from neurotouch_hid.files.faults import Fault, Keys, format_path, suggest
+from neurotouch_hid.files.yaml_document import Node, find_key_mark, find_mark
 from neurotouch_hid.profile.schema.layering import merge_bindings
 from neurotouch_hid.profile.schema.profile import Binding, Layer, Profile
 from neurotouch_hid.profile.schema.targets import LayerTarget
-from neurotouch_hid.profile.yaml_document import Node, find_key_mark, find_mark
 
 MAX_LAYERS = 8
 MAX_BINDINGS = 256

@@ -3,15 +3,15 @@
 from collections.abc import Iterator
 from typing import Final
 
+from neurotouch_hid.files.faults import Fault, Keys, format_path
+from neurotouch_hid.files.yaml_document import Node, find_mark
 from neurotouch_hid.profile.diagnostics.consistency import list_bindings
-from neurotouch_hid.profile.faults import Fault, Keys, format_path
 from neurotouch_hid.profile.schema.conditions import Sequence
 from neurotouch_hid.profile.schema.keyboard_keys import is_order_to_kernel
 from neurotouch_hid.profile.schema.layering import merge_bindings
 from neurotouch_hid.profile.schema.profile import Binding, Profile
 from neurotouch_hid.profile.schema.targets import KeyTarget, LayerTarget
 from neurotouch_hid.profile.schema.timing import PRESETS
-from neurotouch_hid.profile.yaml_document import Node, find_mark
 from neurotouch_hid.vocabulary import GestureKind
 
 COUNTING_MM: Final = 7.0

@@ -6,7 +6,7 @@ from typing import Any, Final
 
 from pydantic import BaseModel, ValidationError
 
-from neurotouch_hid.profile.faults import (
+from neurotouch_hid.files.faults import (
     Fault,
     Keys,
     Mark,
@@ -14,9 +14,9 @@ from neurotouch_hid.profile.faults import (
     make_printable,
     suggest,
 )
+from neurotouch_hid.files.yaml_document import Node, find_key_mark, find_mark, find_node
 from neurotouch_hid.profile.schema.targets import MICE
 from neurotouch_hid.profile.schema.tree import find_model
-from neurotouch_hid.profile.yaml_document import Node, find_key_mark, find_mark, find_node
 
 _NEEDS: Final = {
     "float_type": "needs a number",

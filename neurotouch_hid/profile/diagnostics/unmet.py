@@ -3,12 +3,12 @@
 from collections.abc import Collection, Iterator
 from typing import Final
 
+from neurotouch_hid.files.faults import Fault, Keys, format_path
+from neurotouch_hid.files.yaml_document import Node, find_mark
 from neurotouch_hid.profile.diagnostics.consistency import list_bindings
-from neurotouch_hid.profile.faults import Fault, Keys, format_path
 from neurotouch_hid.profile.schema.conditions import Condition, Sequence
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.profile import Binding, Profile, make_step
-from neurotouch_hid.profile.yaml_document import Node, find_mark
 from neurotouch_hid.vocabulary import GestureKind
 
 _PUSHES: Final = tuple(name for name in MOVEMENTS if name.startswith("push_"))

@@ -5,10 +5,10 @@ from typing import Any, Final
 from pydantic import BaseModel
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.faults import Keys, suggest
 from neurotouch_hid.profile.editing.edit_values import insert_value
 from neurotouch_hid.profile.editing.key_paths import find_key_path, name_bindings
 from neurotouch_hid.profile.editing.profile_text import ProfileText
-from neurotouch_hid.profile.faults import Keys, suggest
 from neurotouch_hid.profile.schema.conditions import CONDITION_KEYS
 from neurotouch_hid.profile.schema.profile import Profile
 

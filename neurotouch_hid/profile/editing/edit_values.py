@@ -5,10 +5,10 @@ from typing import Any
 from pydantic import BaseModel
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.faults import Keys
 from neurotouch_hid.profile.editing.key_paths import find_key_path, list_known
 from neurotouch_hid.profile.editing.profile_text import ProfileText
 from neurotouch_hid.profile.editing.yaml_values import parse_value
-from neurotouch_hid.profile.faults import Keys
 from neurotouch_hid.profile.schema.profile import Profile
 from neurotouch_hid.profile.schema.tree import takes_list
 

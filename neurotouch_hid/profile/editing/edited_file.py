@@ -1,8 +1,6 @@
 """Opens a profile or the user's file to be edited, and saves it only if it is right."""
 
-import os
 import re
-import stat
 import unicodedata
 from collections.abc import Callable
 from contextlib import suppress
@@ -13,12 +11,13 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.faults import make_printable
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, find_real_path, read_bytes
 from neurotouch_hid.players import find_machine_folder, find_user_file
 from neurotouch_hid.profile.editing.edit_values import reset_value
 from neurotouch_hid.profile.editing.file_header import MODELINE, adopt
 from neurotouch_hid.profile.editing.profile_text import ProfileText
 from neurotouch_hid.profile.editing.store import Store
-from neurotouch_hid.profile.faults import make_printable
 from neurotouch_hid.profile.reading.library import (
     OWN_VALUES,
     find_profile,
@@ -28,7 +27,6 @@ from neurotouch_hid.profile.reading.library import (
     list_profiles,
 )
 from neurotouch_hid.profile.reading.load import (
-    MAX_BYTES,
     Checked,
     check_content,
     check_user,
@@ -100,7 +98,7 @@ def take_profile(name_or_path: str, stamp: Stamp) -> EditedFile:
     """
     path = find_profile(name_or_path)
     text, content = read_text(path)
-    if path.resolve().parent not in {each.resolve() for each in list_profile_folders()[1:]}:
+    if find_real_path(path).parent not in {each.resolve() for each in list_profile_folders()[1:]}:
         return EditedFile(path.stem, Store(path, stamp), content, text)
     own = find_user_folder() / path.name
     if own.exists():  # named by its path
@@ -205,17 +203,12 @@ def read_text(path: Path) -> tuple[ProfileText, bytes]:
         ProfileError: it is not a file, too large, or not UTF-8.
     """
     try:
-        if not stat.S_ISREG(path.stat().st_mode):
-            raise ProfileError(f"'{make_printable(str(path))}' is not a file.")
-        with path.open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
+        content = read_bytes(path, MAX_SETTINGS_BYTES)
     except OSError as error:
-        reason = error.strerror or os.strerror(error.errno or 0)
         raise ProfileError(
-            f"'{make_printable(str(path))}' cannot be read: {reason}.", hint="Check the name."
+            f"'{make_printable(str(path))}' cannot be read: {error.strerror}.",
+            hint="Check the name.",
         ) from None
-    if len(content) > MAX_BYTES:
-        raise ProfileError(f"'{make_printable(str(path))}' is larger than {MAX_BYTES // 1024} kB.")
     try:
         return ProfileText(content.decode("utf-8"), make_printable(str(path))), content
     except UnicodeDecodeError:

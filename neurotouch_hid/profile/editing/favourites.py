@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.small_file import find_real_path
 from neurotouch_hid.profile.editing.edit_values import set_value
 from neurotouch_hid.profile.editing.edited_file import EditedFile, take_user
 from neurotouch_hid.profile.editing.profile_text import ProfileText
@@ -32,7 +33,7 @@ def make_favourite(name: str, stamp: Callable[[], str]) -> tuple[str, EditedFile
     path = find_profile(name)
     stem = path.stem
     known = list_profiles().get(stem)
-    if known is None or known.resolve() != path.resolve():
+    if known is None or find_real_path(known) != find_real_path(path):
         raise ProfileError(
             f"'{path}' is not among your profiles.",
             hint=f"Import it first: neurotouch profile import {name}",

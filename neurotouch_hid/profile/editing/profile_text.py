@@ -6,6 +6,8 @@ from functools import cached_property
 from typing import Any
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.faults import Keys, format_faults, format_path
+from neurotouch_hid.files.yaml_document import parse_document
 from neurotouch_hid.profile.editing.text_layout import (
     Entry,
     Part,
@@ -14,8 +16,6 @@ from neurotouch_hid.profile.editing.text_layout import (
     read_layout,
 )
 from neurotouch_hid.profile.editing.yaml_values import format_value
-from neurotouch_hid.profile.faults import Keys, format_faults, format_path
-from neurotouch_hid.profile.yaml_document import parse_document
 
 
 @dataclass(frozen=True)

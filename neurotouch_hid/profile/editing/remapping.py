@@ -4,11 +4,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
+from neurotouch_hid.files.faults import Keys
 from neurotouch_hid.profile.diagnostics.description import describe_binding, describe_condition
 from neurotouch_hid.profile.editing.profile_text import ProfileText
 from neurotouch_hid.profile.editing.text_layout import find_part
 from neurotouch_hid.profile.editing.yaml_values import format_value
-from neurotouch_hid.profile.faults import Keys
 from neurotouch_hid.profile.schema.conditions import Condition
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.profile import FIRST_LAYER, Binding

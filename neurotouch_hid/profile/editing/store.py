@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Final
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.faults import make_printable
+from neurotouch_hid.files.faults import make_printable
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, find_real_path, read_bytes
 
 KEPT: Final = 20
 _VERSION_FILE: Final = re.compile(r"(\d{6})-([\w-]+)\.yaml")
@@ -28,6 +29,17 @@ class Version:
     number: int
     stamp: str
     path: Path
+
+    def read(self) -> bytes:
+        """Returns its content.
+
+        Raises:
+            ProfileError: something else has been put in its place.
+        """
+        try:
+            return read_bytes(self.path, MAX_SETTINGS_BYTES)
+        except OSError as error:
+            raise _fail(self.path, "read", error) from None
 
 
 class Store:
@@ -48,7 +60,7 @@ class Store:
     def read(self) -> bytes | None:
         """Returns the content of the file, or None if there is none."""
         try:
-            return self.path.read_bytes()
+            return read_bytes(self.path, MAX_SETTINGS_BYTES)
         except FileNotFoundError:
             return None
         except OSError as error:
@@ -81,7 +93,7 @@ class Store:
     def keep(self, content: bytes) -> None:
         """Keeps a content as the newest version, without touching the file."""
         versions = self.versions()
-        if versions and versions[0].path.read_bytes() == content:
+        if versions and versions[0].read() == content:
             return
         number = versions[0].number + 1 if versions else 1
         self._folder.mkdir(parents=True, exist_ok=True)
@@ -102,7 +114,7 @@ class Store:
         """Gives the content before and after each change whose stamp ends so, newest first."""
         after = self.read() or b""
         for version in self.versions():
-            before = version.path.read_bytes()
+            before = version.read()
             if version.stamp.endswith(kind):
                 yield before, after
             after = before
@@ -130,7 +142,7 @@ class Store:
             ProfileError: there is none, or it cannot be written.
         """
         content, versions = self.read(), self.versions()
-        known = [version.path.read_bytes() for version in versions]
+        known = [version.read() for version in versions]
         place = known.index(content) if content in known else -1
         if place + 1 >= len(versions):
             raise ProfileError(
@@ -154,7 +166,7 @@ class Store:
         return self._put_back(version, content, is_known=False)
 
     def _put_back(self, version: Version, content: bytes | None, *, is_known: bool) -> Version:
-        back = version.path.read_bytes()
+        back = version.read()
         try:
             if content is not None and not is_known:
                 self.keep(content)
@@ -172,7 +184,7 @@ def write_whole(path: Path, content: bytes) -> None:
     Raises:
         OSError: it could not be written; the old file is still there.
     """
-    path = path.resolve()
+    path = find_real_path(path)
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         with part.open("wb") as file:

@@ -7,7 +7,7 @@ from ruamel.yaml import YAML
 from ruamel.yaml.nodes import MappingNode, SequenceNode
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.faults import Keys, format_path
+from neurotouch_hid.files.faults import Keys, format_path
 
 Style = Literal["plain", "'", '"', "flow", "block"]
 _QUOTES: Final[dict[str | None, Style]] = {"'": "'", '"': '"'}

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
         list_profiles,
     )
     from neurotouch_hid.profile.reading.load import (
-        MAX_BYTES,
         Checked,
         check_content,
         check_profile,
@@ -35,13 +34,12 @@ else:
         {
             "library": "OWN_VALUES find_profile find_shipped_folder find_user_folder "
             "list_profile_folders list_profiles",
-            "load": "MAX_BYTES Checked check_content check_profile check_user find_values "
+            "load": "Checked check_content check_profile check_user find_values "
             "load_profile load_settings load_unused load_user parse_profile",
         },
     )
 
 __all__ = [
-    "MAX_BYTES",
     "OWN_VALUES",
     "Checked",
     "check_content",

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, Discriminator, Tag
 
-from neurotouch_hid.profile.faults import Keys
+from neurotouch_hid.files.faults import Keys
 
 
 @dataclass(slots=True)

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from neurotouch_hid.errors import RecordingError
+from neurotouch_hid.files.small_file import read_text
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
 from neurotouch_hid.source.simulator.gel import Elasticity
@@ -25,6 +26,7 @@ REST_US = 600_000  # at the start of each recording, so that the gel can be foun
 NONE_SHARE = 0.4  # [NT, figure of the labels]: 15,000 of 37,912 frames show no gesture
 HIDDEN_US = 350_000  # of each attack and release, below what is labelled
 MANIFEST = "dataset.json"
+MAX_MANIFEST_BYTES = 4 << 20  # some 10,000 recordings
 SLICE_US = 20_000
 
 
@@ -197,9 +199,9 @@ def _refuse_others(
 def read_manifest(folder: Path) -> dict[str, object]:
     """Returns the recipe of each simulated recording in a folder; empty if none is known."""
     try:
-        content = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}  # no set here yet, or a damaged one
+        content = json.loads(read_text(folder / MANIFEST, MAX_MANIFEST_BYTES))
+    except (OSError, ValueError, RecursionError):
+        return {}  # no set here yet, or one that nobody can trust
     return content if isinstance(content, dict) else {}
 
 

@@ -4,6 +4,7 @@ import pytest
 from ruamel.yaml import YAML
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.yaml_document import parse_document
 from neurotouch_hid.profile import check_content, check_profile
 from neurotouch_hid.profile.diagnostics.description import describe_target, describe_when
 from neurotouch_hid.profile.editing import (
@@ -26,7 +27,6 @@ from neurotouch_hid.profile.editing.summary import summarize_binding
 from neurotouch_hid.profile.reading.library import find_shipped_folder
 from neurotouch_hid.profile.schema.profile import Binding
 from neurotouch_hid.profile.schema.user import UserSettings
-from neurotouch_hid.profile.yaml_document import parse_document
 
 NAMES = sorted(path.stem for path in find_shipped_folder().glob("*.yaml"))
 

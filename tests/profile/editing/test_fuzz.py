@@ -8,6 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.faults import format_path
+from neurotouch_hid.files.yaml_document import parse_document
 from neurotouch_hid.profile import check_content
 from neurotouch_hid.profile.editing import (
     ProfileText,
@@ -21,8 +23,6 @@ from neurotouch_hid.profile.editing import (
     unbind,
 )
 from neurotouch_hid.profile.editing.key_paths import find_key_path
-from neurotouch_hid.profile.faults import format_path
-from neurotouch_hid.profile.yaml_document import parse_document
 
 TEXT = ProfileText("""\
 version: 1

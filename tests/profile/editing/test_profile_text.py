@@ -6,11 +6,11 @@ import pytest
 from ruamel.yaml import YAML
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.yaml_document import parse_document
 from neurotouch_hid.profile.editing.edited_file import compare
 from neurotouch_hid.profile.editing.profile_text import ProfileText
 from neurotouch_hid.profile.editing.yaml_values import format_value, parse_value
 from neurotouch_hid.profile.reading.library import find_shipped_folder
-from neurotouch_hid.profile.yaml_document import parse_document
 
 SHIPPED = {
     name: (find_shipped_folder() / f"{name}.yaml").read_text(encoding="utf-8")

@@ -140,3 +140,22 @@ def test_the_users_first_values_can_be_undone(stamp):
     edited.save(edited.text.rewrite(f"{edited.text}filter: strong\n"))
     take_user(stamp).store.undo()
     assert "filter" not in take_user(stamp).text.text
+
+
+def test_a_link_to_itself_is_explained(stamp):
+    own = find_user_folder() / "loop.yaml"
+    own.parent.mkdir(parents=True)
+    own.symlink_to("loop.yaml")
+    made = make_profile("loop", "racing", stamp)
+    made.check(made.text).require()
+    with pytest.raises(ProfileError, match="cannot be read: Too many levels of symbolic links"):
+        made.save(made.text)
+
+
+def test_a_version_that_is_no_file_is_explained(tmp_path, stamp):
+    store = make(tmp_path, stamp, 3)
+    kept = store.versions()[0].path
+    kept.unlink()
+    kept.symlink_to("/dev/zero")
+    with pytest.raises(ProfileError, match="cannot be read: it is a device, not a file"):
+        store.undo()

@@ -23,12 +23,13 @@ from ruamel.yaml.events import (
 )
 from ruamel.yaml.reader import ReaderError
 
-from neurotouch_hid.profile.faults import Fault, Keys, Mark, format_path
+from neurotouch_hid.files.faults import Fault, Keys, Mark, format_path
 
 MAX_DEPTH: Final = 16
 MAX_NODES: Final = 5_000
 MAX_NUMBER_CHARS: Final = 64
 
+_SURROGATE: Final = re.compile("[\ud800-\udfff]")
 _INT: Final = re.compile(r"[-+]?[0-9]+")
 _FLOAT: Final = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _SPECIAL: Final[dict[str, Any]] = {
@@ -117,7 +118,7 @@ def parse_document(text: str) -> tuple[Node | None, list[Fault]]:
         # ruamel.yaml hands a \U escape beyond Unicode to chr() unchecked.
         return None, [builder.blame(builder.last, "this escape is no character")]
     if builder.root is None and not builder.faults:
-        return None, [Fault(Mark(0, 0), "", "the profile is empty", code="NT101")]
+        return None, [Fault(Mark(0, 0), "", "the file is empty", code="NT101")]
     return builder.root, builder.faults
 
 
@@ -151,15 +152,15 @@ class _Builder:
         """Processes one event.
 
         Raises:
-            _RefusalError: the text goes beyond what a profile may be.
+            _RefusalError: the text goes beyond what a file of settings may be.
         """
         mark = self.last = _mark(event)
         if isinstance(event, DocumentStartEvent):
             self._n_documents += 1
             if self._n_documents > 1:
-                raise _RefusalError(mark, "a profile is one document, here a second one begins")
+                raise _RefusalError(mark, "a second document begins here, and only one is allowed")
             if event.version or event.tags:
-                raise _RefusalError(mark, "directives (%) are not allowed in a profile")
+                raise _RefusalError(mark, "directives (%) are not allowed")
         elif isinstance(event, MappingEndEvent | SequenceEndEvent):
             self._close()
         elif isinstance(event, NodeEvent):
@@ -172,11 +173,13 @@ class _Builder:
     def _check(self, event: NodeEvent, mark: Mark) -> None:
         self._n_nodes += 1
         if self._n_nodes > MAX_NODES:
-            raise _RefusalError(mark, f"a profile has at most {MAX_NODES} values")
+            raise _RefusalError(mark, f"more than {MAX_NODES} values are not allowed")
         if isinstance(event, AliasEvent) or event.anchor is not None:
-            raise _RefusalError(mark, "anchors (&) and aliases (*) are not allowed in a profile")
+            raise _RefusalError(mark, "anchors (&) and aliases (*) are not allowed")
         if getattr(event, "tag", None) is not None:
-            raise _RefusalError(mark, "tags (!) are not allowed in a profile")
+            raise _RefusalError(mark, "tags (!) are not allowed")
+        if isinstance(event, ScalarEvent) and _SURROGATE.search(str(event.value)):
+            raise _RefusalError(mark, "this escape is half a character")
 
     def _expects_key(self) -> bool:
         return bool(self._stack) and isinstance(self._stack[-1].value, dict) and self._key is None
@@ -212,7 +215,7 @@ class _Builder:
             return
         self._stack.append(node)
         if len(self._stack) > MAX_DEPTH:
-            raise _RefusalError(mark, f"a profile is nested at most {MAX_DEPTH} deep")
+            raise _RefusalError(mark, f"more than {MAX_DEPTH} levels are not allowed")
 
     def _make_value(self, event: NodeEvent, mark: Mark) -> Any:
         if isinstance(event, MappingStartEvent):

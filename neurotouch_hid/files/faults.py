@@ -1,4 +1,4 @@
-"""A mistake in a profile, with its place, and how a list of them is shown."""
+"""A mistake in a file of settings, with its place, and how a list of them is shown."""
 
 import re
 from collections.abc import Iterable, Sequence
