@@ -30,6 +30,7 @@ from neurotouch_hid.errors import (
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.players import find_runtime_folder
+from neurotouch_hid.process.kernel_cache import find_cache_trouble
 from neurotouch_hid.process.realtime import realtime_priority
 from neurotouch_hid.profile import Profile, UserSettings, load_profile
 from neurotouch_hid.runtime import LoopStats, Pipeline, Tap, run_pipeline, warm_up
@@ -353,6 +354,8 @@ class Driver(Closing):
                 with open_source(self.options.source, speed="max") as first_slices:
                     for _ in islice(first_slices, _WARM_SLICES):
                         pass
+        if trouble := find_cache_trouble():
+            self._announce(f"Warning: {trouble}")
 
 
 def _stop_after(seconds: float, stop: Event) -> Tap:

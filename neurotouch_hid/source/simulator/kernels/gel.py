@@ -2,9 +2,10 @@
 
 import math
 
-import numba as nb
 import numpy as np
 from numpy.typing import NDArray
+
+from neurotouch_hid.process.kernel_cache import kernel
 
 Floats = NDArray[np.float64]
 
@@ -20,14 +21,14 @@ STEP_MM = 1.5  # longest step of a drag, so that the field can follow the patch
 STEP_RAD = 0.08  # longest step of a turn
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def clamp_window(x: float, y: float) -> float:
     """Returns how freely the gel moves at (x, y) mm: 1 in the centre, 0 at the clamped rim."""
     w = 1.0 - (x * x + y * y) / (CLAMP_RADIUS_MM * CLAMP_RADIUS_MM)
     return w**CLAMP_EXPONENT if w > 0.0 else 0.0
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def patch_field(
     x: float, y: float, a: float, dx: float, dy: float, turn: float
 ) -> tuple[float, float]:
@@ -53,7 +54,7 @@ def patch_field(
     )
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def press_depth(r2: float, a: float) -> float:
     """Returns the depth at squared distance ``r2`` of a Hertz press of depth 1 and radius a."""
     q2 = r2 / (a * a)
@@ -63,7 +64,7 @@ def press_depth(r2: float, a: float) -> float:
     return ((2.0 - q2) * math.asin(1.0 / q) + math.sqrt(q2 - 1.0)) / math.pi
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def _solve(matrix: Floats, vector: Floats, n: int) -> None:
     """Solves the n x n system in place (Gauss with pivoting); the answer replaces ``vector``."""
     for i in range(n):
@@ -85,7 +86,7 @@ def _solve(matrix: Floats, vector: Floats, n: int) -> None:
         vector[i] /= matrix[i, i]
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def couple(centres: Floats, radii: Floats, motions: Floats, loads: Floats) -> None:
     """Loads with which every patch makes its prescribed motion although the others pull at it.
 
@@ -125,7 +126,7 @@ def couple(centres: Floats, radii: Floats, motions: Floats, loads: Floats) -> No
             loads[j, axis] = vector[3 * j + axis]
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def resist_squeeze(
     rest: Floats, neighbours: NDArray[np.intp], mobility: Floats, moved: Floats
 ) -> None:
@@ -162,7 +163,7 @@ def resist_squeeze(
             break
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def deform(
     points: Floats,
     centres: Floats,
