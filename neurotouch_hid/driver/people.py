@@ -15,8 +15,8 @@ from typing import Any, Final
 
 from neurotouch_hid.driver.admission import find_seated_users
 from neurotouch_hid.errors import DriverError
+from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.players import find_runtime_folder, find_user_file
-from neurotouch_hid.profile.editing.store import write_whole
 from neurotouch_hid.profile.reading.library import find_user_folder
 from neurotouch_hid.profile.reading.load import MAX_BYTES
 from neurotouch_hid.vocabulary import NAME_PATTERN

@@ -1,14 +1,13 @@
 """Saving: whole or not at all, with the versions before kept beside."""
 
-import os
 import re
-import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.profile.faults import make_printable
 
 KEPT: Final = 20
@@ -162,33 +161,6 @@ class Store:
         except OSError as error:
             raise _fail(self.path, "written; it is as it was", error) from None
         return version
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Writes a file so that at every moment the old or the new one is there, never a part.
-
-    A link stays a link, and the file's mode stays.
-
-    Raises:
-        OSError: it could not be written; the old file is still there.
-    """
-    path = path.resolve()
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with part.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        if path.exists():
-            shutil.copymode(path, part)
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
-    folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        os.fsync(folder)
-    finally:
-        os.close(folder)
 
 
 def _fail(path: Path, what: str, error: OSError) -> ProfileError:
