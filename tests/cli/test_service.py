@@ -4,6 +4,7 @@ import os
 import socket
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -78,3 +79,29 @@ def test_a_profile_that_is_not_there_ends_it(folders):
 def test_compiling_needs_neither_camera_nor_pad(folders):
     said = run(folders, "-m", "neurotouch_hid", "service", "--compile")
     assert said.returncode == 0, said.stderr
+
+
+IN_MEMORY = """\
+from neurotouch_hid.__main__ import main
+from neurotouch_hid.cli import service
+from neurotouch_hid.device import MemoryDevice
+service._make_pad = lambda *_, **__: MemoryDevice()  # only the kernel can make the true one
+main()
+"""
+
+
+def test_its_loop_feeds_the_watchdog_of_systemd(folders, tmp_path):
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as systemd:
+        systemd.bind(str(tmp_path / "notify"))
+        systemd.setblocking(False)
+        folders |= {"NOTIFY_SOCKET": str(tmp_path / "notify"), "WATCHDOG_USEC": "1000000"}
+        done = run(folders, "-c", IN_MEMORY, "service", "--source", "sim:press")
+        told = []
+        with suppress(BlockingIOError):
+            while True:
+                told.append(systemd.recv(1000).decode())
+    assert done.returncode == 0, done.stderr
+    told = [each for each in told if not each.startswith("STATUS=")]
+    assert told[0] == "READY=1"
+    assert told[-1] == "STOPPING=1"
+    assert set(told[1:-1]) == {"WATCHDOG=1"}
