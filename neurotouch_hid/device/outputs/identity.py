@@ -178,8 +178,8 @@ def _read_file(path: Path) -> Identity:
         table = tomllib.loads(path.read_text("utf-8"))
     except OSError as error:
         raise DeviceError(f"'{path}' cannot be read: {error.strerror}.") from None
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise DeviceError(f"'{path}' is no TOML: {error}.") from None
+    except (ValueError, RecursionError) as error:  # no text, no TOML, or no path at all
+        raise DeviceError(f"{str(path)!r} is no TOML: {error}.") from None
     for key in ("name", "layout"):
         if not isinstance(table.get(key), str):
             raise DeviceError(f"{path}: {key!r} must be there, text.")
