@@ -2,7 +2,6 @@
 
 import threading
 import time
-from collections.abc import Callable
 from contextlib import suppress
 
 from neurotouch_hid.closing import Closing
@@ -16,10 +15,6 @@ LIVE_STALL_S = 0.08
 within 100 ms. Recordings and simulations have no such beat."""
 
 
-def _boot_s() -> float:
-    return time.clock_gettime(time.CLOCK_BOOTTIME)
-
-
 class StallGuard(Closing):
     """Sends neutral when no step has been finished for too long.
 
@@ -29,19 +24,12 @@ class StallGuard(Closing):
     Args:
         device: the pad.
         stall_s: how long a step may take, waiting for the source included.
-        clock_s: host time that goes on while the machine sleeps.
     """
 
-    def __init__(
-        self,
-        device: Device,
-        stall_s: float,
-        clock_s: Callable[[], float] = _boot_s,
-    ) -> None:
+    def __init__(self, device: Device, stall_s: float) -> None:
         self._device = device
         self._stall_s = stall_s
-        self._clock_s = clock_s
-        self._fed_s = clock_s()
+        self._fed_s = _read_clock_s()
         self._has_stalled = False
         self._done = threading.Event()
         self._thread = threading.Thread(target=self._watch, name="stall guard", daemon=True)
@@ -55,7 +43,7 @@ class StallGuard(Closing):
     def feed(self) -> None:
         """Reports a finished step."""
         self._has_stalled |= self._left_s() <= 0
-        self._fed_s = self._clock_s()
+        self._fed_s = _read_clock_s()
 
     def take_stall(self) -> bool:
         """Returns whether a step took too long since this was last asked, the present one included.
@@ -77,4 +65,9 @@ class StallGuard(Closing):
             wait_s = left_s if left_s > 0 else self._stall_s
 
     def _left_s(self) -> float:
-        return self._fed_s + self._stall_s - self._clock_s()
+        return self._fed_s + self._stall_s - _read_clock_s()
+
+
+def _read_clock_s() -> float:
+    """Returns host time that goes on while the machine sleeps."""
+    return time.clock_gettime(time.CLOCK_BOOTTIME)
