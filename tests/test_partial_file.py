@@ -1,13 +1,38 @@
 """A file is whole or not there, a link in the way is not followed, and a device stays a device."""
 
 import os
+import re
 import stat
 import threading
 from pathlib import Path
 
 import pytest
 
+from neurotouch_hid.cli.ui.output import save_json
 from neurotouch_hid.partial_file import PartialFile, write_whole
+
+ROOT = Path(__file__).parents[1]
+WRITES = re.compile(r"\.write_(text|bytes)\(|\.open\([\"'][wxa]|O_CREAT|mkstemp|NamedTemporary")
+OTHERS = {
+    "page/address.py": "a secret, made with its owner's rights only",
+    "page/requests.py": "another secret",
+    "evaluation/accuracy/report/write.py": "a report, in a new folder that then takes its name",
+    "driver/control_socket.py": "a lock",
+    "cli/session.py": "a lock",
+    "recording/writer.py": "a recording that can be read while it is written",
+    "emulator/usbip.py": "a switch of the kernel",
+}
+
+
+def test_nothing_else_writes_a_file():
+    packages = ("neurotouch_hid", "devtools/neurotouch_devtools")
+    places = {
+        str(path.relative_to(ROOT / package))
+        for package in packages
+        for path in (ROOT / package).rglob("*.py")
+        if path.name != "partial_file.py" and WRITES.search(path.read_text())
+    }
+    assert places == set(OTHERS), "write it by partial_file.py"
 
 
 def test_the_old_file_is_there_until_the_new_one_is_whole(tmp_path):
@@ -86,3 +111,10 @@ def test_a_pipe_is_written_to(tmp_path):
 def test_a_full_device_is_an_error():
     with pytest.raises(OSError, match="No space left"):
         write_whole(Path("/dev/full"), b"too much")
+
+
+def test_the_json_of_a_command_may_go_to_a_device(tmp_path):
+    path = tmp_path / "nowhere"
+    path.symlink_to("/dev/null")
+    save_json(path, {"a": 1})
+    assert path.is_char_device()

@@ -1,4 +1,4 @@
-"""Text that is written while somebody plays, and must not end the game."""
+"""Text that is written during a game, and must not end it."""
 
 from collections.abc import Callable
 from typing import Protocol, TextIO
