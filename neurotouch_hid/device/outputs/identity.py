@@ -179,8 +179,7 @@ def _read_file(path: Path) -> Identity:
     except OSError as error:
         raise DeviceError(f"'{path}' cannot be read: {error.strerror}.") from None
     except (ValueError, RecursionError) as error:  # no text, no TOML, or no path at all
-        printable = str(path).encode("unicode_escape").decode()
-        raise DeviceError(f"'{printable}' is no TOML: {error}.") from None
+        raise DeviceError(f"'{path}' is no TOML: {error}.") from None
     for key in ("name", "layout"):
         if not isinstance(table.get(key), str):
             raise DeviceError(f"{path}: {key!r} must be there, text.")
