@@ -6,7 +6,9 @@ import sys
 
 sys.path.insert(0, "/usr/lib/neurotouch-hid")
 # Kernels compiled for this processor go into the cache of the user who runs it, never into /usr.
-cache = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")  # noqa: PTH111 -- sooner there
+cache = os.environ.get("XDG_CACHE_HOME", "")
+if not os.path.isabs(cache):  # noqa: PTH117 -- sooner there; a relative one is to be ignored
+    cache = os.path.expanduser("~/.cache")  # noqa: PTH111
 os.environ.setdefault("NUMBA_CACHE_DIR", f"{cache}/neurotouch")
 
 from neurotouch_hid.__main__ import main  # noqa: E402

@@ -1,6 +1,5 @@
 """``neurotouch bench``: measures the speed of this machine."""
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -9,6 +8,7 @@ import click
 
 from neurotouch_hid.cli.ui.group import LazyGroup
 from neurotouch_hid.cli.ui.options import OutFile, method_option
+from neurotouch_hid.cli.ui.output import save_json
 
 _SUMMARIES: Final = {
     "pointing": "Measure how well you point (ISO 9241-411).",
@@ -85,7 +85,7 @@ def command(ctx: click.Context, method: str, json_path: Path | None, long: bool)
     result = run_benchmark(method, lambda text: click.echo(f"{text} ...", err=True), long=long)
     click.echo(_format(result))
     if json_path is not None:
-        json_path.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+        save_json(json_path, result)
 
 
 def _format(result: dict[str, Any]) -> str:

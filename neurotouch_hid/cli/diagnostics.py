@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from neurotouch_hid.cli.ui.output import json_option
+from neurotouch_hid.cli.ui.output import json_option, save_text
 from neurotouch_hid.errors import NeuroTouchError
 
 
@@ -41,10 +41,5 @@ def command(out: Path | None, force: bool, as_json: bool) -> None:
     if out is None:
         click.echo(text, nl=False)
         return
-    try:
-        out.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise NeuroTouchError(
-            f"'{out}' cannot be written: {error.strerror}.", hint="Choose another folder."
-        ) from error
+    save_text(out, text)
     click.echo(f"OK the report is in {out}. Read it before you send it.", err=True)

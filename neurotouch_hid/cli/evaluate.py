@@ -1,16 +1,15 @@
 """``neurotouch evaluate``: measures the paper's metrics on labelled recordings."""
 
-import json
 import os
 import shlex
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import click
 
 from neurotouch_hid.cli.ui.options import MethodName, OutFile, rate_option
+from neurotouch_hid.cli.ui.output import save_json
 
 
 @click.command(
@@ -96,7 +95,7 @@ def command(
     reports = {method: evaluation.report() for method, evaluation in evaluations.items()}
     origin = trace_origin(files, shlex.join(["neurotouch", *sys.argv[1:]]))
     if json_path is not None:
-        _write_json(json_path, combine_reports(reports, origin))
+        save_json(json_path, combine_reports(reports, origin))
     if report_path is not None:
         write_report(report_path, evaluations, origin, lambda doing: click.echo(doing, err=True))
     click.echo(f"{origin} {origin.program}, {origin.date}.")
@@ -106,9 +105,3 @@ def command(
         click.echo(format_table(report))
     if report_path is not None:
         click.echo(f"\nThe report is in {report_path / 'report.html'}.")
-
-
-def _write_json(path: Path, report: dict[str, Any]) -> None:
-    part = path.with_name(path.name + ".part")
-    part.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-    part.replace(path)

@@ -4,6 +4,7 @@ Only ``click`` is imported before a sub-command is chosen, so that ``neurotouch 
 """
 
 import sys
+from typing import Any
 
 import click
 
@@ -91,7 +92,7 @@ def main() -> None:
     """Runs the command line and ends the process with the documented exit code."""
     try:
         handle_interrupts()
-        code = cli.main(prog_name="neurotouch", standalone_mode=False)
+        code = _run()
         sys.stdout.flush()
     except NeuroTouchError as error:
         code = _tell(error.message, error.hint, error.exit_code)
@@ -128,6 +129,20 @@ def main() -> None:
             raise
         code = _tell(fault.message, fault.hint, fault.exit_code)
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def _run() -> Any:
+    """Runs the command line and returns the exit code.
+
+    click takes every EOFError for Ctrl-D at one of its questions; but a question of its own ends in
+    an Abort without a cause.
+    """
+    try:
+        return cli.main(prog_name="neurotouch", standalone_mode=False)
+    except click.Abort as error:
+        if isinstance(error.__cause__, EOFError):
+            raise error.__cause__ from None
+        raise
 
 
 def _find_context(words: list[str]) -> click.Context:

@@ -1,6 +1,5 @@
 """``neurotouch bench pointing``: measures how well a person points, also after a change."""
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -16,6 +15,7 @@ from neurotouch_hid.cli.ui.options import (
     source_option,
     speed_option,
 )
+from neurotouch_hid.cli.ui.output import save_json
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
@@ -114,7 +114,7 @@ def command(
     result = {**head, "source": "subject" if simulated else source, **figures}
     click.echo("\n".join(_format(result, test.total)))
     if json_path is not None:
-        json_path.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+        save_json(json_path, result)
     if before is not None:
         for key in ("simulated", "select"):
             if before.get(key) != result[key]:

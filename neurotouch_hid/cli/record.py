@@ -17,6 +17,7 @@ import click
 from neurotouch_hid.cli.ui.options import Finite
 from neurotouch_hid.cli.ui.output import json_option, plain_option, print_json, say
 from neurotouch_hid.errors import NeuroTouchError, NotRunningError, RecordingError, SourceError
+from neurotouch_hid.partial_file import is_plain
 from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
 if TYPE_CHECKING:
@@ -107,7 +108,8 @@ def command(
                 recorder.close()
         stats, fault = recorder.stats(), recorder.error or fault
         if not stats.events and not stats.frames:
-            out.unlink(missing_ok=True)
+            if is_plain(out):
+                out.unlink(missing_ok=True)
             raise fault or RecordingError(
                 "Nothing was recorded, so no file was made.",
                 hint="Is the camera plugged in? Check: neurotouch doctor",

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     "  sudo systemctl start neurotouch          the usual way\n"
     "  neurotouch service --source sim:tour     try it without a camera\n"
     "  neurotouch service --compile             only compile for this processor\n\n"
-    "Exit codes: 0 ended by a signal, 3 source, 6 a file of settings, 7 virtual gamepad, 75 "
-    "another driver runs."
+    "Exit codes: 0 ended by a signal, 3 source, 6 a file of settings, 7 virtual gamepad, 8 no such "
+    "player or no control socket, 75 another driver runs."
 )
 @click.option(
     "--source",
@@ -41,13 +41,17 @@ def command(source: str | None, only_compile: bool) -> None:
     from neurotouch_hid.driver.admission import find_seated_users
     from neurotouch_hid.driver.camera_watchdog import CameraWatchdog
     from neurotouch_hid.driver.people import People, find_people_folder
-    from neurotouch_hid.driver.service_settings import load_service_settings
+    from neurotouch_hid.driver.service_settings import (
+        check_service_settings,
+        load_service_settings,
+    )
     from neurotouch_hid.driver.systemd import ServiceManager
     from neurotouch_hid.players import find_player
     from neurotouch_hid.process.signals import stop_on_signals
 
     manager = ServiceManager()
     choices = load_service_settings()
+    check_service_settings(choices)
     options = DriverOptions(
         source=source or choices.source,
         profile=choices.profile,

@@ -5,6 +5,7 @@ import shlex
 import shutil
 import subprocess
 from pathlib import Path
+from textwrap import indent
 from typing import Final
 
 import click
@@ -51,8 +52,7 @@ def command(dry_run: bool, uninstall: bool, yes: bool) -> None:
         click.echo(f"  {target}\n    {_MEANING[source.name]}")
     script = _remove(files) if uninstall else _install(files)
     click.echo("with these commands, as root:")
-    for line in script:
-        click.echo(f"  {line}")
+    click.echo(indent("\n".join(script), "  "))
     if dry_run:
         return
     if not yes:
@@ -76,8 +76,14 @@ def _list_files() -> dict[Path, Path]:
 
 
 def _install(files: dict[Path, Path]) -> list[str]:
+    """Gives the commands that install each file.
+
+    They hold its text: root must not read it from a folder that others can write, where it may
+    have changed since it was shown.
+    """
     copies = [
-        shlex.join(["install", "-D", "-m", "644", str(source), str(target)])
+        f"install -D -m 644 /dev/stdin {shlex.quote(str(target))} << 'END'\n"
+        f"{source.read_text(encoding='utf-8')}END"
         for source, target in files.items()
     ]
     # The module first: without it there is no device to trigger.

@@ -17,6 +17,7 @@ from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
 from neurotouch_hid.errors import NotRunningError
 from neurotouch_hid.geometry import N_MARKERS, fit_rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, EventPacket, Frame
+from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.recording.wire import receive_packets
 from neurotouch_hid.source import open_source
 from neurotouch_hid.source.davis import find_cameras
@@ -231,7 +232,7 @@ class GelView:
         done, encoded = cv2.imencode(".png", picture)
         if not done:
             return "the picture could not be made."
-        self._picture.write_bytes(encoded.tobytes())
+        write_whole(self._picture, encoded.tobytes())
         return f"the picture with boxes is {self._picture}."
 
 

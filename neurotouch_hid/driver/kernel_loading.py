@@ -8,6 +8,7 @@ from typing import Final
 
 from neurotouch_hid.driver.options import DriverOptions
 from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.process.kernel_cache import find_cache_trouble
 from neurotouch_hid.profile import Profile
 from neurotouch_hid.runtime import Pipeline, warm_up
 from neurotouch_hid.source import open_source
@@ -29,7 +30,7 @@ def load_kernels(
     Args:
         options: of the driver; its method and source decide which kernels.
         profile: the profile at the start.
-        announce: is told a sentence when loading takes long.
+        announce: is told when loading takes long, and when kernels cannot be kept.
     """
     text = "Loading (the first time compiles for this processor, half a minute) ..."
     with _notice(text, announce):
@@ -38,6 +39,8 @@ def load_kernels(
             with open_source(options.source, speed="max") as first_slices:
                 for _ in islice(first_slices, _WARM_SLICES):
                     pass
+    if trouble := find_cache_trouble():
+        announce(f"Warning: {trouble}")
 
 
 @contextmanager

@@ -4,6 +4,7 @@ import os
 import socket
 import time
 from collections.abc import Callable, MutableMapping
+from contextlib import suppress
 from typing import Final
 
 _FIRST_DESCRIPTOR: Final = 3
@@ -61,19 +62,20 @@ class ServiceManager:
         now_s = self._clock_s()
         if self._interval_s and now_s - self._fed_s >= self._interval_s:
             self._fed_s = now_s
-            self._tell("WATCHDOG=1")
+            with suppress(OSError):  # systemd starts over, or is slow: the loop does not wait
+                self._tell("WATCHDOG=1", socket.MSG_DONTWAIT)
 
     def report_stopping(self) -> None:
         """Reports that the service is about to end."""
         self._tell("STOPPING=1")
 
-    def _tell(self, state: str) -> None:
+    def _tell(self, state: str, flags: int = 0) -> None:
         if not self._address:
             return
         # An address with @ is in the abstract namespace, whose names begin with a NUL.
         address = self._address.replace("@", "\0", 1)
         with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC) as connection:
-            connection.sendto(state.encode(), address)
+            connection.sendto(state.encode(), flags, address)
 
 
 def _take_descriptors(environment: MutableMapping[str, str]) -> dict[int, str]:

@@ -3,12 +3,12 @@
 import shutil
 import threading
 from collections.abc import Callable, Sequence
-from typing import TextIO
 
 import numpy as np
 
 from neurotouch_hid.geometry import LATTICE_MM, PITCH_MM, fit_rig
 from neurotouch_hid.messages import Axis, Button, GamepadState, GestureKind, Step
+from neurotouch_hid.monitor.output import Writable
 from neurotouch_hid.monitor.sentence import describe_gesture, describe_pad
 from neurotouch_hid.profile import MappingDecision
 
@@ -32,7 +32,7 @@ class LinesMonitor:
     """
 
     def __init__(
-        self, out: TextIO, decisions: Callable[[], Sequence[MappingDecision]] = tuple
+        self, out: Writable, decisions: Callable[[], Sequence[MappingDecision]] = tuple
     ) -> None:
         self._out = out
         self._decisions = decisions
@@ -76,7 +76,7 @@ class PictureMonitor:
         title: first line of the picture.
     """
 
-    def __init__(self, out: TextIO, title: str) -> None:
+    def __init__(self, out: Writable, title: str) -> None:
         self._out = out
         self._title = title
         self._step: Step | None = None

@@ -111,6 +111,11 @@ class Mapping:
         if self._state != "running":
             self._enter("running", "resume")
 
+    def release(self) -> None:
+        """Releases everything; a gesture in progress is ignored, the next one counts."""
+        self._conditioner.forget()
+        self._layers.release()
+
     def set_helper_buttons(self, buttons: frozenset[Button]) -> None:
         """Sets the buttons that are down on the co-pilot's device."""
         self._helper = buttons
@@ -119,8 +124,7 @@ class Mapping:
         """Returns all outputs for this gesture, given what came before it."""
         t_us = self._log.t_us = gesture.t_us
         if self._t_us is not None and not 0 <= t_us - self._t_us <= SILENCE_US:
-            self._conditioner.forget()
-            self._layers.release()
+            self.release()
         self._t_us = t_us
         reading = self._reading = self._conditioner.read(gesture)
         reading.helper = self._helper

@@ -2,6 +2,7 @@
 
 import csv
 import difflib
+import io
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -15,8 +16,8 @@ from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.files.faults import SHOWN_COLUMNS, make_printable
 from neurotouch_hid.files.small_file import read_text
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, GestureKind, Truth
+from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.recording.container import check_recording
-from neurotouch_hid.recording.partial_file import PartialFile
 
 if TYPE_CHECKING:
     import _csv
@@ -51,18 +52,17 @@ def write_labels(path: Path | str, truths: Iterable[Truth]) -> None:
     Raises:
         RecordingError: the file cannot be written, or a truth cannot be said in a row.
     """
-    file = PartialFile(Path(path))
+    text = io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    writer.writerows(_row(truth) for truth in truths)
     try:
-        with file.partial.open("w", encoding="utf-8", newline="") as stream:
-            writer = csv.writer(stream, lineterminator="\n")
-            writer.writerow(COLUMNS)
-            writer.writerows(_row(truth) for truth in truths)
+        write_whole(Path(path), text.getvalue().encode())
     except OSError as error:
-        raise RecordingError(f"'{path}' cannot be written: {error.strerror}.") from error
-    else:
-        file.commit()
-    finally:
-        file.discard()
+        raise RecordingError(
+            f"'{path}' cannot be written: {error.strerror}.",
+            hint="Choose a folder that exists and that you may write to.",
+        ) from error
 
 
 def _row(truth: Truth) -> list[str]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.messages import EventPacket, Frame
+from neurotouch_hid.partial_file import PartialFile, is_plain
 from neurotouch_hid.recording.packing import (
     EVENTS,
     FRAMES,
@@ -21,7 +22,6 @@ from neurotouch_hid.recording.packing import (
     pack_header,
     pack_table,
 )
-from neurotouch_hid.recording.partial_file import PartialFile
 
 MIN_FREE_BYTES = 64 << 20
 """Space that a recording leaves free on the disk, for other programs."""
@@ -58,14 +58,13 @@ class RecordingWriter:
         self.path = Path(path)
         self.size_bytes = 0
         self._min_free_bytes = min_free_bytes
-        self._partial = None if in_place else PartialFile(self.path)
         self._table = array("q")
         self._last_us = 0  # the format's readers take no events before the origin
         self._frame_us = 0
         self._closed = False
         try:
-            name = self.path if self._partial is None else self._partial.partial
-            self._file = name.open("wb", buffering=0)
+            self._partial = None if in_place else PartialFile(self.path)
+            self._file = self._partial.file if self._partial else self.path.open("wb", buffering=0)
         except OSError as error:
             raise self._failure(error) from error
         try:
@@ -152,10 +151,14 @@ class RecordingWriter:
         if self._closed:
             return
         self._closed = True
-        with self._file:
-            self._write_table()
-        if self._partial is not None:
+        self._write_table()
+        if self._partial is None:
+            self._file.close()
+            return
+        try:
             self._partial.commit()
+        except OSError as error:
+            raise self._failure(error) from error
 
     def _write_table(self) -> None:
         """Writes the table, an index; without it, readers must read the file from start to end."""
@@ -175,7 +178,7 @@ class RecordingWriter:
         self._file.close()
         if self._partial is not None:
             self._partial.discard()
-        else:
+        elif is_plain(self.path):
             self.path.unlink(missing_ok=True)
 
     def __enter__(self) -> Self:

@@ -71,6 +71,9 @@ def run_pipeline(
                 if packet is not None and packet.is_partial:
                     pipeline.advance_partial(packet)
                 elif packet is not None:
+                    # A recording gives the same Steps, however slow this machine is.
+                    if guard.take_stall() and pipeline.has_frame_thread:
+                        pipeline.mapping.release()
                     step = pipeline.advance(packet)
                     with pipeline.timings.device:
                         device.write(step.pad)

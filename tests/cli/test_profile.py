@@ -275,6 +275,13 @@ def test_every_change_has_the_same_shape_for_programs(home, tmp_path):
     assert not (home / "profiles" / "c.yaml").exists()
 
 
+def test_a_device_that_a_profile_is_exported_to_stays_one(home, tmp_path):
+    nowhere = tmp_path / "nowhere"
+    nowhere.symlink_to("/dev/null")
+    assert run("profile", "export", "racing", "--output", nowhere, "--force")[1] == 0
+    assert nowhere.is_char_device()
+
+
 def test_a_persons_values_come_back_from_what_was_exported(home, tmp_path):
     mine = "version: 1\nfilter: strong\nunused: [zoom]\n"
     home.mkdir()

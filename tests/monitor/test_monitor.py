@@ -4,6 +4,7 @@ import io
 import json
 import os
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -28,6 +29,7 @@ from neurotouch_hid.monitor import (
     describe_gesture,
     describe_pad,
 )
+from neurotouch_hid.monitor.output import Output
 from neurotouch_hid.monitor.terminal import draw_step
 from neurotouch_hid.profile import MappingDecision
 
@@ -100,6 +102,55 @@ def test_trace_has_one_line_per_slice_with_every_control(tmp_path):
     assert second["direction_deg"] is None
     assert not any(second["pad"].values())
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_trace_that_finds_no_room_says_so_once_and_leaves_nothing(tmp_path):
+    full, told = tmp_path / "full", []
+    full.symlink_to("/dev/full")
+    trace = TraceWriter(full, told.append)
+    for _ in range(1000):
+        trace(PUSH)
+    trace.close()
+    assert len(told) == 1
+    assert "No space left on device" in told[0]
+    assert full.is_symlink()
+
+
+def test_a_link_in_the_way_of_a_trace_is_not_followed(tmp_path):
+    victim, path = tmp_path / "victim", tmp_path / "play.jsonl"
+    victim.write_text("precious")
+    for name in (f"{path.name}.part", f".{path.name}.{os.getpid()}.partial"):
+        (tmp_path / name).symlink_to(victim)
+    trace = TraceWriter(path)
+    trace(PUSH)
+    trace.close()
+    assert victim.read_text() == "precious"
+    assert path.read_text().count("\n") == 1
+
+
+def fill_disk():
+    return os.fdopen(os.open("/dev/full", os.O_WRONLY), "w")
+
+
+def lose_reader():
+    """The end of a pipe whose reader has gone."""
+    read, write = os.pipe()
+    os.close(read)
+    return os.fdopen(write, "w")
+
+
+@pytest.mark.parametrize("lost", [fill_disk, lose_reader])
+@pytest.mark.parametrize("make", [LinesMonitor, lambda out: PictureMonitor(out, "x")])
+def test_an_output_that_fails_is_told_once_and_dropped(lost, make):
+    told = []
+    with lost() as stream:  # to close it, and write what is left, fails no more
+        monitor = make(Output(stream, "the output", told.append))
+        for _ in range(3):
+            monitor(PUSH)
+            monitor(replace(REST, gesture=replace(REST.gesture, t_us=3_000_000)))
+        monitor.close()
+    assert len(told) == 1
+    assert "The game goes on without it." in told[0]
 
 
 def test_trace_into_a_missing_folder_is_one_sentence(tmp_path):

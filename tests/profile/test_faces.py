@@ -24,7 +24,7 @@ def test_every_name_that_is_offered_is_there(face):
         ("from neurotouch_hid.profile.reading import list_profiles", {"pydantic", "numpy"}),
         ("from neurotouch_hid.profile.schema import MOVEMENTS", {"pydantic", "numpy"}),
         ("from neurotouch_hid.profile.diagnostics import explain", {"pydantic", "numpy"}),
-        ("from neurotouch_hid.profile.editing import write_whole", {"pydantic", "ruamel", "numpy"}),
+        ("from neurotouch_hid.profile.editing import Store", {"pydantic", "ruamel", "numpy"}),
         ("from neurotouch_hid.profile.engine import make_response", {"numpy"}),
         ("from neurotouch_hid.profile.editing import set_value", {"numpy"}),
     ],

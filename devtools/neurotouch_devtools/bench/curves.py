@@ -23,6 +23,7 @@ from neurotouch_hid.evaluation.accuracy.report.style import (
 from neurotouch_hid.evaluation.speed.pace import choose_device, measure_live
 from neurotouch_hid.evaluation.speed.workload import SPREAD_PX, TOUR_US, DenseSource, load_scene
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.tracker import TrackerConfig
 from neurotouch_hid.tracker.kernels import filter as kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
@@ -54,7 +55,7 @@ def write_curves(
     with apply_style():
         pictures = {"latency.svg": _draw_rates(latency), "markers.svg": _draw_cost(cost)}
         for name, figure in pictures.items():
-            (folder / name).write_text(render_svg(figure), encoding="utf-8")
+            write_whole(folder / name, render_svg(figure).encode())
     return tuple(folder / name for name in pictures)
 
 

@@ -3,9 +3,7 @@
 import os
 import tempfile
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,6 +15,7 @@ from neurotouch_hid.evaluation.speed.workload import TOUR_US, load_scene, shift_
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.process.gc_freeze import freeze_gc
+from neurotouch_hid.process.own_pool import open_pool
 from neurotouch_hid.recording import RecordingWriter
 from neurotouch_hid.source import open_source
 
@@ -51,7 +50,7 @@ def measure_soak(
     options = replace(REFERENCE, method=method)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "soak.aedat4"
-        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        with open_pool(1) as pool:
             pool.submit(_prepare, path, length_us, options).result()
         scale = Scale(progress)
         with (

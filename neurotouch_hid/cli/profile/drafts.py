@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from neurotouch_hid.cli.ui.output import say
+from neurotouch_hid.partial_file import write_whole
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile.editing import EditedFile, ProfileText
@@ -19,6 +20,6 @@ def find_draft(edited: "EditedFile") -> Path:
 def save_draft(draft: Path, text: "ProfileText") -> None:
     """Keeps a text that was not saved, and says where."""
     draft.parent.mkdir(parents=True, exist_ok=True)
-    draft.write_text(text.text, encoding="utf-8")
+    write_whole(draft, text.text.encode())
     say("WARNING", f"Not saved; the draft is in {draft}")
     click.echo(f"Go on with it: neurotouch profile edit {draft.stem}")

@@ -84,7 +84,7 @@ def export(
 
 
 def _write(path: Path, text: "ProfileText", *, force: bool) -> None:
-    from neurotouch_hid.profile.editing import write_whole
+    from neurotouch_hid.partial_file import write_whole
 
     if path.exists() and not force:
         raise ProfileError(f"'{path}' exists already.", hint="Add --force to overwrite it.")

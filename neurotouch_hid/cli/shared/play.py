@@ -1,7 +1,7 @@
 """Runs a driver with monitors for ``run`` and ``demo``, and prints a summary at the end."""
 
 import sys
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,6 +9,8 @@ import click
 
 from neurotouch_hid.cli.ui.output import is_plain
 from neurotouch_hid.monitor import LinesMonitor, PictureMonitor, TraceWriter
+from neurotouch_hid.monitor.output import Output
+from neurotouch_hid.process.dead_output import silence
 from neurotouch_hid.process.signals import stop_on_signals
 
 if TYPE_CHECKING:
@@ -35,7 +37,7 @@ def play(
     title = f"{driver.source.name} -> {driver.device.name}, profile {driver.profile.name}"
     if driver.source.is_simulated:
         title = f"SIMULATED {title}"
-    click.echo(f"Gamepad ready: {title}. Ctrl-C ends.", err=True)
+    announce(f"Gamepad ready: {title}. Ctrl-C ends.")
 
     def read_decisions() -> "tuple[MappingDecision, ...]":
         return driver.pipeline.mapping.decisions()  # other values of the person: a new mapping
@@ -43,33 +45,33 @@ def play(
     with ExitStack() as stack:
         taps: list[Tap] = []
         if trace is not None:
-            writer = TraceWriter(trace)
+            writer = TraceWriter(trace, announce)
             stack.callback(writer.close)
             taps.append(writer)
         if show != "nothing":
+            out = Output(sys.stdout, "the output", announce)
             monitor = (
-                PictureMonitor(sys.stdout, title)
+                PictureMonitor(out, title)
                 if show == "picture"
-                else LinesMonitor(sys.stdout, read_decisions)
+                else LinesMonitor(out, read_decisions)
             )
             stack.callback(monitor.close)
             taps.append(monitor)
         stats = driver.run(taps, seconds=seconds, stop=stop)
     seen = driver.pipeline.rest.detector.stats()
     if stats.slices and not seen.n_references:
-        click.echo(f"Warning: no gel was found until the end: {seen.reason}.", err=True)
+        announce(f"Warning: no gel was found until the end: {seen.reason}.")
     elif seen.n_references and not seen.n_frames:
-        click.echo(f"Warning: the gel was {seen.reason}.", err=True)
+        announce(f"Warning: the gel was {seen.reason}.")
     speed = ""
     if stats.host_s and driver.options.speed == "max":
         speed = f", {stats.sensor_s / stats.host_s:.1f} times as fast as recorded"
-    click.echo(
-        f"Played {stats.sensor_s:.1f} s, {stats.events:,} events{speed}. The pad is neutral.",
-        err=True,
-    )
+    announce(f"Played {stats.sensor_s:.1f} s, {stats.events:,} events{speed}. The pad is neutral.")
 
 
 def announce(sentence: str) -> None:
-    """Prints a sentence for the person on the standard error."""
-    with suppress(OSError):  # the terminal has gone, or the disk that keeps it is full
+    """Prints a sentence for the person on the standard error, if it can still be written."""
+    try:
         click.echo(sentence, err=True)
+    except OSError:  # the terminal has gone, or the disk that keeps it is full
+        silence(sys.stderr)

@@ -6,11 +6,13 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from functools import wraps
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import click
 
 from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.partial_file import write_whole
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -85,6 +87,30 @@ def show_changes(lines: Sequence[tuple[str, int, str]], *, plain: bool) -> None:
 def print_json(value: Any) -> None:
     """Prints the value as JSON."""
     click.echo(json.dumps(value, indent=2, ensure_ascii=False, default=str))
+
+
+def save_json(path: Path, value: Any) -> None:
+    """Writes the value as JSON to a file that a person has named.
+
+    Raises:
+        NeuroTouchError: it cannot be written.
+    """
+    save_text(path, json.dumps(value, indent=2) + "\n")
+
+
+def save_text(path: Path, text: str) -> None:
+    """Writes a text to a file that a person has named.
+
+    Raises:
+        NeuroTouchError: it cannot be written.
+    """
+    try:
+        write_whole(path, text.encode())
+    except OSError as error:
+        raise NeuroTouchError(
+            f"'{path}' cannot be written: {error.strerror}.",
+            hint="Choose a folder that exists, with room, that you may write to.",
+        ) from error
 
 
 def make_stamp() -> str:

@@ -3,11 +3,10 @@
 import signal
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 from functools import reduce
-from multiprocessing import active_children, get_context
 from operator import add
 from pathlib import Path
 from typing import Any
@@ -21,6 +20,7 @@ from neurotouch_hid.evaluation.accuracy.metrics import summarise
 from neurotouch_hid.evaluation.accuracy.moments import WorstMoment
 from neurotouch_hid.evaluation.accuracy.origin import Origin
 from neurotouch_hid.evaluation.accuracy.tally import Tally
+from neurotouch_hid.process.own_pool import open_pool
 from neurotouch_hid.recording import check_labelled, labels_path, read_labels
 
 
@@ -117,20 +117,15 @@ def _play_all(
     if jobs <= 1:
         yield from ((path, evaluate_file(path, options)) for path in paths)
         return
-    # Fresh processes: forking one that has loaded kernels and OpenCV threads is not safe.
-    pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_die_silently)
     try:
-        futures = {pool.submit(evaluate_file, path, options): path for path in paths}
-        yield from ((futures[done], done.result()) for done in as_completed(futures))
+        with open_pool(jobs, _die_silently) as pool:
+            futures = {pool.submit(evaluate_file, path, options): path for path in paths}
+            yield from ((futures[done], done.result()) for done in as_completed(futures))
     except BrokenProcessPool as error:
         raise NeuroTouchError(
             "Another program ended a process of the evaluation.",
             hint="Too little memory? Play fewer recordings at once.",
         ) from error
-    finally:
-        for process in active_children():  # those that still play, after an error or Ctrl-C
-            process.terminate()
-        pool.shutdown()
 
 
 def _die_silently() -> None:

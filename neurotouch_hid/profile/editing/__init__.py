@@ -50,7 +50,7 @@ if TYPE_CHECKING:
         remap,
         remap_unused,
     )
-    from neurotouch_hid.profile.editing.store import Store, Version, write_whole
+    from neurotouch_hid.profile.editing.store import Store, Version
     from neurotouch_hid.profile.editing.summary import TOUR, summarize, summarize_binding
     from neurotouch_hid.profile.editing.yaml_values import format_value, parse_value
 else:
@@ -70,7 +70,7 @@ else:
             "profile_text": "ProfileText",
             "questions": "GESTURES OUTPUTS PRESSES list_questions list_words sample_response",
             "remapping": "Remapping list_substitutes make_when remap remap_unused",
-            "store": "Store Version write_whole",
+            "store": "Store Version",
             "summary": "TOUR summarize summarize_binding",
             "yaml_values": "format_value parse_value",
         },
@@ -125,5 +125,4 @@ __all__ = [
     "take_user",
     "unbind",
     "upgrade",
-    "write_whole",
 ]

@@ -1,8 +1,6 @@
 """Saving: whole or not at all, with the versions before kept beside."""
 
-import os
 import re
-import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +8,8 @@ from typing import Final
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.files.faults import make_printable
-from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, find_real_path, read_bytes
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_bytes
+from neurotouch_hid.partial_file import write_whole
 
 KEPT: Final = 20
 _VERSION_FILE: Final = re.compile(r"(\d{6})-([\w-]+)\.yaml")
@@ -174,33 +173,6 @@ class Store:
         except OSError as error:
             raise _fail(self.path, "written; it is as it was", error) from None
         return version
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Writes a file so that at every moment the old or the new one is there, never a part.
-
-    A link stays a link, and the file's mode stays.
-
-    Raises:
-        OSError: it could not be written; the old file is still there.
-    """
-    path = find_real_path(path)
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with part.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        if path.exists():
-            shutil.copymode(path, part)
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
-    folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        os.fsync(folder)
-    finally:
-        os.close(folder)
 
 
 def _fail(path: Path, what: str, error: OSError) -> ProfileError:

@@ -10,6 +10,7 @@ import numpy as np
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.files.small_file import read_text
 from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
 from neurotouch_hid.source.simulator.gel import Elasticity
 from neurotouch_hid.source.simulator.script import PRESS_US, Script, Stroke
@@ -207,9 +208,7 @@ def read_manifest(folder: Path) -> dict[str, object]:
 
 def _write_manifest(folder: Path, finished: dict[str, object]) -> None:
     path = folder / MANIFEST
-    partial = path.with_suffix(".partial")
     try:
-        partial.write_text(json.dumps(finished, indent=1) + "\n", encoding="utf-8")
-        partial.replace(path)
+        write_whole(path, f"{json.dumps(finished, indent=1)}\n".encode())
     except OSError as error:
         raise RecordingError(f"'{path}' cannot be written: {error.strerror}.") from error

@@ -6,9 +6,9 @@ Frames can do so too, see ``correction``.
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.tracker.kernels.neighbours import (
     expect,
     find_collisions,
@@ -22,7 +22,7 @@ SETTLED_PX = 1.5  # a lost marker so near to its expected place, among agreeing 
 FRAMELESS_US = 500_000  # without a frame for this time, events have to find lost markers
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def update_lost_markers(
     t_us: int, position_px: NDArray[np.float64], tracks: Tracks, tuning: Tuning
 ) -> None:

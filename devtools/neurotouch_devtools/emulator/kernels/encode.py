@@ -3,8 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from neurotouch_hid.process.kernel_cache import kernel
 
 STATE_DTYPE = np.dtype([("base_us", "<i8"), ("low", "<i8"), ("row", "<i8"), ("row_low", "<i8")])
 """State that the host knows: ``base_us`` that the wrap words add up to; ``low`` 15 bits of the
@@ -53,7 +54,7 @@ WRAP_CODE = 0x7000
 MAX_WRAPS = 0xFFF
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _put_time(t_us, state, out, n):  # type: ignore[no-untyped-def]
     """Appends the time words that the host needs to ``n`` words in ``out``; returns their number.
 
@@ -77,7 +78,7 @@ def _put_time(t_us, state, out, n):  # type: ignore[no-untyped-def]
     return n
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def encode_words(events, first, runs, run, until_us, carried, out):  # type: ignore[no-untyped-def]
     """Merges events and runs of a readout before ``until_us`` into words.
 
@@ -119,7 +120,7 @@ def encode_words(events, first, runs, run, until_us, carried, out):  # type: ign
         first += 1
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def catch_up(t_us, carried, out):  # type: ignore[no-untyped-def]
     """Puts the wrap words of a camera in which nothing happens; returns their number."""
     state = carried[0]

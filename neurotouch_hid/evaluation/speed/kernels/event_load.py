@@ -1,11 +1,12 @@
 """Compiled loop that adds events near markers to those of a scene."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from neurotouch_hid.process.kernel_cache import kernel
 
-@njit(cache=True, nogil=True)
+
+@kernel
 def fill_slice(
     own: NDArray[np.void],
     shift_us: int,

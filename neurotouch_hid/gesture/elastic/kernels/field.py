@@ -4,8 +4,9 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from neurotouch_hid.process.kernel_cache import kernel
 
 Floats = NDArray[np.float64]
 
@@ -19,14 +20,14 @@ XX, XY, YY, TURN_X, TURN_Y, RATIO, ARC = range(N_ROWS)
 most 1, and its arc sine."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def rim_window(r2: float) -> float:
     """Returns how freely the gel moves at squared distance ``r2`` from its centre, 0..1."""
     root = math.sqrt(math.sqrt(max(1.0 - r2 / (CLAMP_MM * CLAMP_MM), 1e-3)))
     return root * math.sqrt(root)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def respond(
     x: float, y: float, window: float, cx: float, cy: float, a: float
 ) -> tuple[float, float, float, float, float]:
@@ -62,7 +63,7 @@ def respond(
     return along + cos2, sin2, along - cos2, -spin * dy, spin * dx
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def respond_along(
     x: Floats, y: Floats, window: Floats, cx: float, cy: float, a: float, answer: Floats
 ) -> None:
@@ -105,7 +106,7 @@ def respond_along(
         answer[TURN_Y, i] = dx if is_under else spin * dx
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def build_compliance(centres: Floats, radii: Floats) -> Floats:
     """Returns the motions of all patches per unit of load on each patch.
 
@@ -141,7 +142,7 @@ def build_compliance(centres: Floats, radii: Floats) -> Floats:
     return matrix
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def fill_responses(points: Floats, sites: Floats, radius: float, atoms: Floats) -> None:
     """Writes the responses of all markers to a patch at each site.
 
@@ -163,7 +164,7 @@ def fill_responses(points: Floats, sites: Floats, radius: float, atoms: Floats) 
             atoms[2 * i, 3 * s + 2], atoms[2 * i + 1, 3 * s + 2] = tx, ty
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def measure_gains(
     atoms: NDArray[np.float32],
     inverse: Floats,
@@ -194,7 +195,7 @@ def measure_gains(
         gains[s] = gain
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def bound_gain(residual: Floats, weight: Floats) -> float:
     """Returns an upper bound for the gain of one more finger anywhere, mm².
 
@@ -212,7 +213,7 @@ def bound_gain(residual: Floats, weight: Floats) -> float:
     return most
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def find_site(
     gel: Any,
     residual: Floats,

@@ -4,7 +4,6 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from neurotouch_hid.gesture.elastic.kernels.field import (
@@ -20,6 +19,7 @@ from neurotouch_hid.gesture.elastic.kernels.field import (
     respond_along,
 )
 from neurotouch_hid.gesture.elastic.kernels.motion import DRAG_X, DRAG_Y, TURN, measure_size
+from neurotouch_hid.process.kernel_cache import kernel
 
 Floats = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ REACH_MM = 27.0  # no finger's centre is farther out
 NEAR_MM = 9.0  # farther from a patch's edge, a shift of the patch changes little
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def solve(matrix: Floats, vector: Floats) -> bool:
     """Solves the symmetric positive system in place (Cholesky); False if it is singular.
 
@@ -71,7 +71,7 @@ def solve(matrix: Floats, vector: Floats) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def invert(matrix: Floats) -> None:
     """Inverts a general matrix (n, n) with dominant diagonal in place (Gauss-Jordan, pivoting)."""
     n = len(matrix)
@@ -104,7 +104,7 @@ def invert(matrix: Floats) -> None:
             matrix[i, j] = work[i, n + j]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@kernel(error_model="numpy", inline="always")
 def build_columns(
     points: Floats,
     window: Floats,
@@ -184,7 +184,7 @@ def build_columns(
                     column[i] = own[i] if owner[i] == b // 3 else 0.0
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def build_slopes(
     points: Floats,
     window: Floats,
@@ -240,7 +240,7 @@ def build_slopes(
                 column[1, near[i]] = h * (xy * qx + yy * qy + ty * qt)
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+@kernel(fastmath={"reassoc", "contract"})
 def accumulate(
     columns: Floats, target: Floats, weight: Floats, normal: Floats, right: Floats
 ) -> None:
@@ -270,7 +270,7 @@ def accumulate(
             normal[a, b] = value
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps: int) -> None:
     """Fits fingers to displacements: Gauss-Newton, then one linear solve for the motions alone.
 

@@ -8,7 +8,6 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from neurotouch_hid.gesture.elastic.kernels.field import bound_gain, find_site
@@ -24,6 +23,7 @@ from neurotouch_hid.gesture.elastic.kernels.motion import (
     measure_size,
     subtract_landing,
 )
+from neurotouch_hid.process.kernel_cache import kernel
 
 Floats = NDArray[np.float64]
 
@@ -41,7 +41,7 @@ followed fingers; for one finger fewer; for one more. They are numpy's integers,
 compiles one kernel instead of four."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def follow(
     state: NDArray[np.void],
     fits: NDArray[np.void],
@@ -115,7 +115,7 @@ def follow(
     measure_motion(centres, radii, since, motion.parts_mm)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def locate_shown(
     fits: NDArray[np.void], gel: NDArray[np.void], config: NDArray[np.void], least: int
 ) -> tuple[Floats, Floats, float]:
@@ -151,7 +151,7 @@ def locate_shown(
     return mm, px, total_mm / count
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _leave_out_still(
     fit: Any, fingers: Any, rules: Any
 ) -> tuple[int, Floats, Floats, Floats, Floats]:
@@ -168,7 +168,7 @@ def _leave_out_still(
     return n, centres[:n], radii[:n], motions[:n], since[:n]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _to_mm(moved_px: Floats, gel: Any, moved: Floats) -> None:
     """Writes the displacements (n, 2) in mm of the gel."""
     c, s = gel.rig.along, gel.rig.across
@@ -178,7 +178,7 @@ def _to_mm(moved_px: Floats, gel: Any, moved: Floats) -> None:
         moved[i, 0], moved[i, 1] = (c * x + s * y) / square, (c * y - s * x) / square
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _weigh(fit: Any, fingers: Any, rules: Any, use: NDArray[np.bool_]) -> tuple[float, float]:
     """Updates the trust in each marker; returns its sum, and the field's weighted squares, mm²."""
     residual, limit2 = fingers.moved, math.inf
@@ -189,7 +189,7 @@ def _weigh(fit: Any, fingers: Any, rules: Any, use: NDArray[np.bool_]) -> tuple[
     return total, field
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _fit(
     fit: Any, fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any, n_steps: int
 ) -> None:
@@ -197,7 +197,7 @@ def _fit(
     refine(gel, fit, fingers, rules, fits[NOW].trust[:], n_steps)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _is_lost(fit: Any, fingers: Any, rules: Any, total: float, field: float) -> bool:
     """Returns True if the followed fingers overlap or explain too little of the field."""
     error = 2.0 * total * fingers.noise_mm**2
@@ -206,21 +206,21 @@ def _is_lost(fit: Any, fingers: Any, rules: Any, total: float, field: float) -> 
     return not (_are_apart(fit, rules) and fit.cost - error < most)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _required(fit: Any, fingers: Any, rules: Any) -> float:
     """Returns the sum of squares that a finger must explain, mm²."""
     required: float = rules.noise_gain * fingers.noise_mm**2 + rules.field_gain * fit.largest_mm**2
     return required
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _score(fit: Any, fingers: Any, rules: Any) -> float:
     """Returns what a fit leaves and what its fingers must explain, mm²: less is better."""
     sum_mm2: float = fit.cost + fit.count * _required(fit, fingers, rules)
     return sum_mm2
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _are_apart(fit: Any, rules: Any) -> bool:
     least_mm = 0.85 * rules.spacing_mm
     for i in range(fit.count):
@@ -232,7 +232,7 @@ def _are_apart(fit: Any, rules: Any) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _find(fit: Any, fingers: Any, gel: Any, rules: Any, least: float) -> tuple[int, float]:
     """Returns the site where one more finger explains most, and how much, mm².
 
@@ -244,7 +244,7 @@ def _find(fit: Any, fingers: Any, gel: Any, rules: Any, least: float) -> tuple[i
     return site, gain
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _add(fit: Any, fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any, site: int) -> None:
     """Adds a finger at a site."""
     j = fit.count
@@ -256,7 +256,7 @@ def _add(fit: Any, fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any, s
     _fit(fit, fits, fingers, gel, rules, STEPS_MORE)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _extend(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> None:
     """Adds a finger to those that are followed, if it explains enough."""
     fit = fits[WARM]
@@ -272,7 +272,7 @@ def _extend(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> None:
         fits[WARM] = fits[TRIED]
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _reduce(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> None:
     """Removes one followed finger, if it explains too little; tries a different one each time."""
     fit = fits[WARM]
@@ -292,7 +292,7 @@ def _reduce(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> None:
         fits[WARM] = less
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _search(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> bool:
     """Searches for fingers from nothing, the strongest first; returns False if there are none.
 
@@ -327,7 +327,7 @@ def _search(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> bool:
     return bool(fit.count > 0)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _accept(place: int, fits: NDArray[np.void], fingers: Any, rules: Any, n_checks: float) -> None:
     """Makes a fit that of this slice; fingers keep the names of those that were near."""
     old, new = fits[NOW], fits[place]

@@ -3,10 +3,10 @@
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from neurotouch_hid.gesture.elastic.kernels.field import VIEW_MM
+from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.vocabulary import GestureKind
 
 Floats = NDArray[np.float64]
@@ -34,7 +34,7 @@ _PUSH, _PINCH, _ZOOM = int(GestureKind.PUSH), int(GestureKind.PINCH), int(Gestur
 _CW, _CCW = int(GestureKind.TWIST_CW), int(GestureKind.TWIST_CCW)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def measure_size(motion: Floats, radius: float) -> float:
     """Returns how far a finger moves the gel under it, mm: rms over its patch, without the press.
 
@@ -46,7 +46,7 @@ def measure_size(motion: Floats, radius: float) -> float:
     return math.sqrt(x * x + y * y + 0.5 * (turn * radius) ** 2)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def measure_motion(
     centres: Floats, radii: Floats, motions: Floats, parts: Floats
 ) -> tuple[float, float, float, float]:
@@ -91,7 +91,7 @@ def measure_motion(
     return dx, dy, rotation, scale
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def subtract_landing(
     motions: Floats, step_us: int, landed: Floats, landed_us: NDArray[np.int64], since: Floats
 ) -> None:
@@ -119,7 +119,7 @@ def subtract_landing(
             since[j, p] = motions[j, p] - share * (landed[j, p] / us)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def locate(
     centre: Floats, radius: float, motion: Floats, press: float
 ) -> tuple[float, float, float, float]:
@@ -151,7 +151,7 @@ def locate(
     return cx + dx + keep * sx - turn * sy, cy + dy + keep * sy + turn * sx, dx, dy
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def choose_shown(
     radii: Floats,
     motions: Floats,

@@ -8,10 +8,10 @@ so the stream may be cut anywhere.
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+from neurotouch_hid.process.kernel_cache import kernel
 
 Records = NDArray[np.void]
 
@@ -110,7 +110,7 @@ TOO_BRIGHT = 384  # a reset value below this is one that the light has already p
 WHITE = 1023
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def decode(
     words: NDArray[np.uint16],
     start: int,
@@ -214,7 +214,7 @@ def decode(
     return i, n, False
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _take_special(data: int, layout: AddressLayout, state: Records, counters: Records) -> bool:
     """Takes a special word other than a timestamp reset; True if it completes a frame."""
     if data in (FRAME_GLOBAL, FRAME_ROLLING):
@@ -258,7 +258,7 @@ def _take_special(data: int, layout: AddressLayout, state: Records, counters: Re
     return False
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _end_frame(layout: AddressLayout, state: Records, counters: Records) -> bool:
     if not state["in_frame"]:
         return False
@@ -281,7 +281,7 @@ def _end_frame(layout: AddressLayout, state: Records, counters: Records) -> bool
     return True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _expected(layout: AddressLayout, state: Records, rows: bool) -> int:
     """Returns the rows, or columns, of the frame's region as the chip counts them."""
     if rows == layout.swap_frames:
@@ -291,7 +291,7 @@ def _expected(layout: AddressLayout, state: Records, rows: bool) -> int:
     return height
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _take_limit(low: int, state: Records, pixels: NDArray[np.uint8]) -> None:
     """Takes the low byte of a limit of the frame's region; the fourth one completes it."""
     if not state["in_frame"] or state["n_limits"] > 3:
@@ -320,7 +320,7 @@ def _take_limit(low: int, state: Records, pixels: NDArray[np.uint8]) -> None:
         pixels[:] = 0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _take_samples(
     words: NDArray[np.uint16],
     i: int,

@@ -2,9 +2,10 @@
 
 import math
 
-import numba as nb
 import numpy as np
 from numpy.typing import NDArray
+
+from neurotouch_hid.process.kernel_cache import kernel
 
 Floats = NDArray[np.float64]
 
@@ -23,14 +24,14 @@ DRAG_X, DRAG_Y, TURN = range(3)
 """The columns of a motion and of a load: drag in mm, turn in rad."""
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def clamp_window(x: float, y: float) -> float:
     """Returns how freely the gel moves at (x, y) mm: 1 in the centre, 0 at the clamped rim."""
     w = 1.0 - (x * x + y * y) / (CLAMP_RADIUS_MM * CLAMP_RADIUS_MM)
     return w**CLAMP_EXPONENT if w > 0.0 else 0.0
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def patch_field(
     x: float, y: float, a: float, dx: float, dy: float, turn: float
 ) -> tuple[float, float]:
@@ -56,7 +57,7 @@ def patch_field(
     )
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def press_depth(r2: float, a: float) -> float:
     """Returns the depth at squared distance ``r2`` of a Hertz press of depth 1 and radius a."""
     q2 = r2 / (a * a)
@@ -66,7 +67,7 @@ def press_depth(r2: float, a: float) -> float:
     return ((2.0 - q2) * math.asin(1.0 / q) + math.sqrt(q2 - 1.0)) / math.pi
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def _solve(matrix: Floats, vector: Floats, n: int) -> None:
     """Solves the n x n system in place (Gauss with pivoting); the answer replaces ``vector``."""
     for i in range(n):
@@ -88,7 +89,7 @@ def _solve(matrix: Floats, vector: Floats, n: int) -> None:
         vector[i] /= matrix[i, i]
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def solve_loads(centres: Floats, radii: Floats, motions: Floats, loads: Floats) -> None:
     """Writes the loads that give every patch its prescribed motion against the others' pull.
 
@@ -128,7 +129,7 @@ def solve_loads(centres: Floats, radii: Floats, motions: Floats, loads: Floats) 
             loads[j, axis] = vector[3 * j + axis]
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def resist_squeeze(
     rest: Floats, neighbours: NDArray[np.intp], mobility: Floats, moved: Floats
 ) -> None:
@@ -165,7 +166,7 @@ def resist_squeeze(
             break
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def move_points(
     points: Floats,
     centres: Floats,

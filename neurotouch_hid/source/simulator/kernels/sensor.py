@@ -3,11 +3,11 @@
 import math
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.messages import SENSOR_WIDTH_PX
+from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.source.simulator.kernels.optics import Picture, draw_markers, expose
 
 Floats = NDArray[np.float64]
@@ -94,7 +94,7 @@ class Stretch(NamedTuple):
     exposing: bool
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def random_uniform(state: NDArray[np.uint64]) -> float:
     """Returns the next number in [0, 1) of splitmix64, whose counter is ``state[0]``."""
     state[0] += np.uint64(0x9E3779B97F4A7C15)
@@ -105,7 +105,7 @@ def random_uniform(state: NDArray[np.uint64]) -> float:
     return float(z >> np.uint64(11)) / 9007199254740992.0
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def random_poisson(mean: float, state: NDArray[np.uint64]) -> int:
     """Returns a Poisson number, by counting exponential gaps."""
     n = 0
@@ -116,7 +116,7 @@ def random_poisson(mean: float, state: NDArray[np.uint64]) -> int:
     return n
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def wake_touched(chip: Chip) -> None:
     """Makes the pixels active where a marker is drawn."""
     pixels, active, touched, counts = chip.pixels, chip.active, chip.picture.touched, chip.counts[0]
@@ -130,7 +130,7 @@ def wake_touched(chip: Chip) -> None:
     counts["active"] = n
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def wake_leaking(end_us: float, chip: Chip) -> None:
     """Makes every pixel active whose leak alone fires it before ``end_us``."""
     pixels, active, counts = chip.pixels, chip.active, chip.counts[0]
@@ -146,7 +146,7 @@ def wake_leaking(end_us: float, chip: Chip) -> None:
     counts["active"] = n
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def _emit(t: float, i: int, polarity: bool, events: Records, counts: Records) -> None:
     n = counts[0]["events"]
     if n >= len(events):
@@ -158,7 +158,7 @@ def _emit(t: float, i: int, polarity: bool, events: Records, counts: Records) ->
     counts[0]["events"] = n + 1
 
 
-@nb.njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@kernel(error_model="numpy", inline="always")
 def _fire(i: int, before: float, after: float, begin: float, end: float, chip: Chip) -> float:
     """Lets pixel ``i`` fire in a tick in which its signal runs from ``before`` to ``after``.
 
@@ -187,7 +187,7 @@ def _fire(i: int, before: float, after: float, begin: float, end: float, chip: C
     return distance
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def sense(t_us: int, tick_us: int, rest_us: int, chip: Chip) -> None:
     """Runs all active pixels through one tick of the picture; those that cross a threshold fire.
 
@@ -228,7 +228,7 @@ def sense(t_us: int, tick_us: int, rest_us: int, chip: Chip) -> None:
     chip.counts[0]["active"] = n_kept
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def add_noise(t_us: int, tick_us: int, chip: Chip) -> None:
     """Adds shot noise (full rate in the dark, a quarter at white) and hot pixels for one tick.
 
@@ -257,7 +257,7 @@ def add_noise(t_us: int, tick_us: int, chip: Chip) -> None:
             pixel["seen_us"] = float(t_us + tick_us)
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def sort_tick(first: int, t_us: int, tick_us: int, row_us: int, events: Records, end: int) -> None:
     """Sorts the events from ``first`` to ``end``, all of one tick, by time (stable counting sort).
 
@@ -281,7 +281,7 @@ def sort_tick(first: int, t_us: int, tick_us: int, row_us: int, events: Records,
         place[k] += 1
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def run_sensor(knots: Floats, stretch: Stretch, chip: Chip) -> None:
     """Runs picture and pixels through a stretch of time.
 
