@@ -227,7 +227,7 @@ def _sort_nearby(items: Iterator[_Item]) -> Iterator[_Item]:
             heapq.heappush(heap, (end, n, item))
             while heap[0][0] <= newest - MAX_LAG_US:
                 yield heapq.heappop(heap)[2]
-    except RecordingError as error:  # what was read before the break is still good
+    except RecordingError as error:  # data read before the break is still good
         broken = error
     while heap:
         yield heapq.heappop(heap)[2]

@@ -49,7 +49,7 @@ class Replay(Closing):
         try:
             for events, frames in self._batches():
                 yield from slicer.push(events, frames)
-        except RecordingError as error:  # what was read before the break is still played
+        except RecordingError as error:  # data read before the break is still played
             broken = error
         yield from slicer.flush()
         if broken is not None:
