@@ -117,7 +117,7 @@ def open_gel(
         method: the recogniser.
         speed: ``recorded`` plays as recorded, ``max`` as fast as possible.
         rate_hz: slices a second, 25 to 1000; None means the usual rate of the source.
-        seed: the seed of whatever is simulated.
+        seed: the seed of the simulation.
         player: the player number, 1 to 4.
         personal: the person's own range, filter and resting hand apply, as in a game.
 

@@ -20,12 +20,12 @@ def listen_at(
     open_to_all: bool = False,
     backlog: int = 8,
 ) -> socket.socket:
-    """Returns a listening socket that never waits; it replaces what a killed driver has left there.
+    """Returns a non-blocking listening socket; it replaces one that a killed driver has left.
 
     Args:
         path: where; its folder's mode keeps others away.
         kind: whole messages, or a stream.
-        open_to_all: every user can reach it; then the listener says who may stay.
+        open_to_all: every user can connect; the listener must then check each user.
         backlog: how many may wait for ``accept``.
 
     Raises:

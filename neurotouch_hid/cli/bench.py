@@ -12,7 +12,7 @@ from neurotouch_hid.cli.ui.output import save_json
 
 _SUMMARIES: Final = {
     "pointing": "Measure how well you point (ISO 9241-411).",
-    "profile": "Measure what the tremor filters do, and what a profile costs.",
+    "profile": "Measure the tremor filters, and the cost of a profile.",
     "latency": "Measure from the last event of a slice to another program.",
     "curves": "Draw latency over the rate of events, and cost over the number of markers.",
     "soak": "Watch the memory over hours of play.",

@@ -49,7 +49,7 @@ def command(
     plain: bool,
     as_json: bool,
 ) -> None:
-    """Check this machine and say how to fix what is missing.
+    """Check this machine and say how to fix its faults.
 
     Each check has a time limit: one that hangs is reported and skipped. Nothing is changed.
     """
@@ -91,7 +91,7 @@ def _write_script(findings: "list[Finding]") -> str:
     lines = [
         "#!/bin/sh",
         "# What 'neurotouch doctor --fix-script' proposes for this machine. Read it before you run",
-        "# it: each part says what it is for, and parts can be deleted. Nothing has been run yet.",
+        "# it: each part says its purpose, and you may delete parts. Nothing has been run yet.",
         "set -eu",
     ]
     done: set[str] = set()

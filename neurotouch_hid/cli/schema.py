@@ -12,7 +12,7 @@ from neurotouch_hid.cli.ui.output import print_json
     "  neurotouch schema --line            the first line of a profile, for editors"
 )
 @click.argument("what", type=click.Choice(["profile", "user"]), default="profile")
-@click.option("--line", is_flag=True, help="Print the line that tells an editor where it is.")
+@click.option("--line", is_flag=True, help="Print the line that refers an editor to the schema.")
 def command(what: str, line: bool) -> None:
     """Print the JSON Schema of a profile, or of your own values (user)."""
     from neurotouch_hid.players import find_user_file

@@ -145,7 +145,9 @@ class _Link(Closing):
         """Plays the sounds of the newest state."""
         state = self._subscriber.take()
         if state is not None and self._sound is not None and not self._sound.hear(state):
-            self._subscriber.want(0)  # it plays itself; the connection tells when it ends
+            self._subscriber.want(
+                0
+            )  # that driver plays its own sounds; the connection shows when it ends
         if self.peer is None:  # the driver has ended, or does not admit this person now
             self._leave(time.monotonic())
 
@@ -225,7 +227,7 @@ def _stamp_settings(player: int) -> list[_Stamp]:
 
 
 def _stamp_values(player: int) -> list[_Stamp]:
-    """Returns the files that may say what this person wants to hear, as they are now."""
+    """Returns the stamps of all files that may contain this person's choice of sounds."""
     from neurotouch_hid.players import find_machine_folder, find_user_file
 
     return _stamp([find_user_file(player), find_user_file(player, find_machine_folder())])

@@ -94,7 +94,7 @@ def _remove(files: dict[Path, Path]) -> list[str]:
     return [
         shlex.join(["rm", "-f", *map(str, files.values())]),
         "udevadm control --reload",
-        # The first look still finds the mark that the rule has left, and gives the right once more.
+        # The first trigger still finds the tag of the removed rule, and gives the right once more.
         *_have_udev_look_again(),
         # A node keeps rights once given: this removes them, and other rules give theirs again.
         "if [ -e /dev/uinput ]; then chmod 600 /dev/uinput; fi",

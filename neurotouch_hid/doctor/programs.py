@@ -68,7 +68,7 @@ def check_remappers() -> Finding:
     return warn(
         f"Other remappers run: {names}. They may grab our pad, or the keyboard with the keys "
         "that stop us, for themselves.",
-        "If buttons do not arrive, have them leave out devices whose place begins with "
+        "If buttons do not arrive, exclude devices whose physical path begins with "
         "'neurotouch/', or end them.",
     )
 

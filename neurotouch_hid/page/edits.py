@@ -65,7 +65,7 @@ class Changes:
     """Saves changes to profiles; each save is a version that can be undone.
 
     Args:
-        stamp: the present moment, for the names of versions.
+        stamp: returns the present time, for the names of versions.
     """
 
     def __init__(self, stamp: Callable[[], str]) -> None:
@@ -186,7 +186,9 @@ def _hand_over() -> str:
 def _describe(binding: Binding, mark: str, value: Any) -> str:
     """Returns for example ``pinch → button a acts from 4.1 mm``."""
     when = describe_when(binding)
-    if binding.condition.on_mm is not None:  # it is in the words, and may be what has changed
+    if (
+        binding.condition.on_mm is not None
+    ):  # the sentence names it anyway, and it may be the changed value
         when = when.removesuffix(f" from {binding.condition.on_mm:g} mm")
     number = "" if mark == "points" else f"{round(value, 2 if mark in ('expo', 'power') else 1):g}"
     if mark in ("rest", "full"):

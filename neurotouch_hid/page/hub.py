@@ -83,7 +83,7 @@ class Hub:
 
     Args:
         edit: True if browsers may change, pause or start anything.
-        stamp: the present moment, for the names of versions.
+        stamp: returns the present time, for the names of versions.
         is_far: the page is served to other machines too.
     """
 

@@ -134,7 +134,7 @@ class Requests:
 
     async def _command(self, request: Request, _file: Path) -> Reply:
         answer = await asyncio.to_thread(ask, request["do"])
-        # The next state says what is done, beside the button that takes it back.
+        # The next state shows the result, beside the button that undoes it.
         return {"saved": "" if answer.get("done") else str(answer.get("text"))}
 
     async def _start(self, request: Request, _file: Path) -> Reply:

@@ -85,7 +85,7 @@ class EndBySignal:
 
 
 def open_sockets(address: str | None, port: int | None) -> list[socket.socket]:
-    """Opens listening sockets for this machine alone and, if there is one, for the address.
+    """Opens listening sockets for this machine only and, if given, for a further address.
 
     Args:
         address: the address of an interface, or None.
@@ -142,7 +142,7 @@ class Server:
         guard: its access rules.
         sockets: its listening sockets.
         edit: True if browsers may change profiles.
-        stamp: the present moment, for the names of versions.
+        stamp: returns the present time, for the names of versions.
         silence_s: interval of pings to a client; it must answer within the same time.
     """
 

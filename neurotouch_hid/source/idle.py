@@ -17,7 +17,7 @@ MOST_PER_US: Final = 2
 CALM_US: Final = 100_000
 """Time without activity after which slices are merged."""
 
-_LEARN: Final = 1 / 64  # share of a slice in what is known of the noise: a quarter of a second
+_LEARN: Final = 1 / 64  # weight of a slice in the estimate of the noise: a quarter of a second
 _STANDS_OUT: Final = 5.0  # mean deviations, four standard ones: by chance once in two minutes
 _FEW: Final = 8.0  # events; a quiet sensor's deviation may be 0
 

@@ -1,4 +1,4 @@
-"""The simulator steered with a mouse: another process sends what the hand does."""
+"""A simulated gel that a mouse presses: another process sends commands for the hand."""
 
 import socket
 import time
@@ -78,7 +78,7 @@ class MouseSource(Closing):
         now_ms = 1e3 * time.time()
         while self._pending and self._pending[0][0] <= step.packet.t_end_us:
             _, at_ms = self._pending.popleft()
-            if 0.0 < now_ms - at_ms < 1e3:  # another machine's clock says something else
+            if 0.0 < now_ms - at_ms < 1e3:  # another machine's clock may differ
                 self._lags_ms.append(now_ms - at_ms)
 
     def measure_lag(self) -> list[float] | None:

@@ -33,7 +33,7 @@ def open_source(
 
     Args:
         spec: ``davis:`` (the first camera) or ``davis:SERIAL``, ``file:NAME.aedat4`` (or just the
-            path), ``sim:NAME``, ``driver:`` (what the running driver sees), or ``KIND:REST`` of
+            path), ``sim:NAME``, ``driver:`` (packets of the running driver), or ``KIND:REST`` of
             another package: its entry point KIND in ``neurotouch.sources`` is called as
             ``make(REST, slice_us=..., seed=...)``.
         slice_us: length of a slice of sensor time; without, ``LIVE_US`` of a camera and

@@ -21,7 +21,7 @@ class PacedSource(Closing):
     ``set_activity`` allows it.
 
     Args:
-        source: what is played.
+        source: the other source.
         clock_ns: host time.
         sleep_s: how to wait.
 

@@ -24,7 +24,7 @@ from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig, find_lattice
 
 _SAME_BEND_PX = 0.1  # two pictures of one undeformed gel differ by less
 _STILL_GATE_PX = 2.0  # a longer motion is not small
-_CLEAR_BEND_PX = 0.2  # an untouched gel is bent less, whatever the optics
+_CLEAR_BEND_PX = 0.2  # an untouched gel is bent less, with any optics
 _SINKING_PX = 0.03  # from frame to frame; more means that a touch is just ending
 
 
@@ -304,7 +304,7 @@ class RestDetector:
 
 
 def _describe(frame: Frame) -> str:
-    """Returns what is wrong with a frame that shows too few markers."""
+    """Returns the fault of a frame that shows too few markers."""
     # Markers cover 1 % of the pixels: half of that is white if half of the gel is well lit.
     if float(np.percentile(frame.pixels, 99.5)) < 50.0:
         return "the frame is too dark"

@@ -198,7 +198,7 @@ def test_input_that_ends_leaves_nothing_unsaid(home):
     assert done.returncode == 1
     assert done.stdout.splitlines()[-1] == "Nothing was saved."
     assert done.stderr.splitlines()[-2:] == [
-        "Error: The input has ended, so nothing more can be answered.",
+        "Error: The input has ended, so no more questions can be answered.",
         "Fix: Run this command in a terminal.",
     ]
 

@@ -343,7 +343,7 @@ def test_a_driver_that_ends_before_the_seconds_are_there_is_told_of(tmp_path, re
     done = record(tmp_path / "a.aedat4", "--seconds", "5")
     assert done.returncode == 3
     assert done.stdout.startswith(f"WARNING {tmp_path / 'a.aedat4'} has 0.2 s of what the")
-    assert "Error: The source ended before it had given 5 s." in done.stderr
+    assert "Error: The source ended before 5 s were recorded." in done.stderr
     assert count(tmp_path / "a.aedat4") == (20_000, 5)
 
 

@@ -111,7 +111,7 @@ def test_names_fit_the_kernel(name, kind, right):
     if right:
         check_identity(make(name=name), kind)
     else:
-        with pytest.raises(DeviceError, match="is no name for a pad"):
+        with pytest.raises(DeviceError, match="is not a valid name for a pad"):
             check_identity(make(name=name), kind)
 
 
@@ -136,12 +136,12 @@ def test_an_identity_of_ones_own(tmp_path):
     ("old", "new", "says"),
     [
         ('"xbox"', '"nes"', "'layout' must be one of xbox, playstation"),
-        ("0x1209", "70000", "'vendor' must be there, a number"),
-        ("0x1209", '"1209"', "'vendor' must be there, a number"),
-        ("0x1209", "true", "'vendor' must be there, a number"),
-        ("name", "title", "'name' must be there, text"),
-        ("version", "extra = 1\nversion", "no key 'extra'"),
-        ("version =", "version", "is no TOML"),
+        ("0x1209", "70000", "'vendor' must be set, to a number"),
+        ("0x1209", '"1209"', "'vendor' must be set, to a number"),
+        ("0x1209", "true", "'vendor' must be set, to a number"),
+        ("name", "title", "'name' must be set, to text"),
+        ("version", "extra = 1\nversion", "unknown key 'extra'"),
+        ("version =", "version", "is not valid TOML"),
     ],
 )
 def test_a_wrong_file_is_refused(tmp_path, old, new, says):

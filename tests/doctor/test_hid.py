@@ -52,7 +52,7 @@ def test_without_the_module(look, made):
 def test_all_is_there(look):
     finding = look(ASKS, "node", "loaded")
     assert finding.status is CheckStatus.OK
-    assert "you may make one" in finding.sentence
+    assert "you have the right to make one" in finding.sentence
 
 
 def test_without_right(look, tmp_path, monkeypatch):
@@ -74,7 +74,7 @@ def test_the_service_needs_a_right_of_its_own(look):
 def test_the_service_has_it(look):
     finding = look(ASKS, "node", "loaded", "package", allows=" /dev/uhid rw")
     assert finding.status is CheckStatus.OK
-    assert "the service may make one" in finding.sentence
+    assert "the service has the right to make one" in finding.sentence
 
 
 def test_mistakes_in_the_file_are_shown(look):

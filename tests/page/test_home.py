@@ -216,7 +216,7 @@ def test_a_phone_is_let_in_and_out(view, open_page):
     )
     link = read(page, "remote-link")
     if not link:
-        assert "in no network" in read(page, "notice")
+        assert "not connected to a network" in read(page, "notice")
         return
     phone = open_page(link, viewport={"width": 390, "height": 844}, has_touch=True)
     phone.locator("#pause-resume").tap()

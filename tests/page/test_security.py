@@ -99,7 +99,7 @@ def test_a_token_that_others_can_read_is_refused(server, tmp_path):
     secret.chmod(0o644)
     done = server.call("view", "--listen", "127.0.0.2", "--token-file", str(secret))
     assert done.returncode == 1
-    assert "Others can read" in done.stderr
+    assert "Other users can read" in done.stderr
     secret.chmod(0o600)
     secret.write_text("short")
     done = server.call("view", "--listen", "127.0.0.2", "--token-file", str(secret))

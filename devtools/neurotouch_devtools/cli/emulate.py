@@ -76,7 +76,7 @@ def command(
     with ExitStack() as stack:
         packets = stack.enter_context(open_source(source, speed="max"))
         seen = iter(_repeat(packets))
-        first = next(seen)  # what has to be compiled is compiled before the camera is there
+        first = next(seen)  # the kernels are compiled before the camera is plugged in
         ahead = stack.enter_context(Prefetch(chain([first], seen)))
         camera = EmulatedCamera(ahead, config, chosen)
         cable = stack.enter_context(UsbIp(camera))

@@ -12,7 +12,7 @@ class Stage(StrEnum):
     """Stage of the host's work in which a fault happens."""
 
     PLUGGED = "plugged"
-    """Standard requests: the host finds out what has been plugged in."""
+    """Standard requests: the host identifies the new device."""
     OPEN = "open"
     """Vendor requests that read: the driver asks for versions and sizes."""
     CONFIGURE = "configure"
@@ -52,7 +52,7 @@ class FaultKind(StrEnum):
     UNKNOWN = "unknown"
     """Words that no document describes."""
     WRAP = "wrap"
-    """The clock jumps over 2**31 µs, as after 36 minutes; wrap words tell."""
+    """The clock jumps over 2**31 µs, as after 36 minutes; wrap words announce it."""
     RESET = "reset"
     """The clock starts again at 0, in the middle of the data."""
     SILENCE = "silence"

@@ -30,7 +30,7 @@ class Standard(IntEnum):
 class Vendor(IntEnum):
     """Requests of the camera's firmware."""
 
-    LOG_LEVEL = 0xB1  # dv-processing sends it; what it does is not known
+    LOG_LEVEL = 0xB1  # dv-processing sends it; its meaning is unknown
     REGISTER = 0xBF
     REGISTERS = 0xC2
     FLUSH = 0xC6

@@ -59,7 +59,7 @@ class MethodName(click.ParamType):  # type: ignore[type-arg]  # generic from cli
         return value
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str:
-        """Returns what the help page shows."""
+        """Returns the placeholder for the help page."""
         return f"[{'|'.join(_list_methods())}]"
 
     def shell_complete(

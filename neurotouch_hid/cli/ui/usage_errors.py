@@ -139,7 +139,7 @@ def _write(param: click.Parameter, kind: click.ParamType) -> str:  # type: ignor
     default = param.default if isinstance(param.default, int | float) else None
     number = 10 if default is None else default
     if param.name == "port":
-        number = 7900  # one that everybody may use
+        number = 7900  # a port that every user may use
     if low is not None:
         number = max(number, low)
     if high is not None:

@@ -28,7 +28,7 @@ class Contribution:
     """Buttons and axes of one of the hands on a pad.
 
     Attributes:
-        buttons: the buttons it holds.
+        buttons: the buttons that are down.
         axes: the axes it moves; an axis that is not named is at rest.
     """
 

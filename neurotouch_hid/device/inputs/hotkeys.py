@@ -1,4 +1,4 @@
-"""Chords: keys held together on a real keyboard stop the gamepad, whatever a profile does.
+"""Chords: keys held together on a real keyboard stop the gamepad, with any profile.
 
 This module reads the kernel's event nodes, as other programs may do too. If a remapper has grabbed
 a keyboard, it reads the keyboard that the remapper makes instead. It never reads our own.
@@ -155,7 +155,9 @@ class ChordReader:
         for keyboard in self._keyboards:
             if not keyboard.readable or keyboard.node in self._open:
                 continue
-            with suppress(OSError):  # gone again, or its rights are; the next search tells
+            with suppress(
+                OSError
+            ):  # gone again, or no longer readable, as the next search will find
                 flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY
                 descriptor = os.open(keyboard.node, flags)
                 self._open[keyboard.node] = descriptor

@@ -77,7 +77,7 @@ class MouseWatch:
         self._mice = [each for each in find_inputs() if _is_mouse(each)]
         for mouse in self._mice:
             if mouse.readable and mouse.node not in self._open:
-                # It is gone again, which the next search tells; or evdev cannot read its name.
+                # It is gone again, as the next search will find; or evdev cannot read its name.
                 with suppress(OSError, UnicodeDecodeError):
                     opened = InputDevice(mouse.node)
                     self._open[mouse.node] = opened

@@ -55,7 +55,7 @@ class RumblePlayer:
             self._newest = STILL
             self._closed = True
             self._changed.notify()
-        self._thread.join(1.0)  # a driver that hangs must not hold us up
+        self._thread.join(1.0)  # a driver that hangs must not delay the end
 
     def _work(self) -> None:
         while True:
@@ -65,7 +65,7 @@ class RumblePlayer:
                 rumble, self._newest = self._newest, None
             if rumble is None:
                 return
-            with suppress(OSError):  # the pad is gone; the reader of its events meets that too
+            with suppress(OSError):  # the pad is gone; the reader of its events will notice
                 self._show(rumble)
 
     def _show(self, rumble: Rumble) -> None:

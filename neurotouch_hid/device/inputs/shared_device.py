@@ -59,7 +59,7 @@ class SharedDevice(Closing):
 
     @property
     def helper_buttons(self) -> frozenset[Button]:
-        """The buttons that the helper holds now."""
+        """The buttons that the helper presses now."""
         return self._helper.buttons
 
     def describe_mouse(self) -> str:

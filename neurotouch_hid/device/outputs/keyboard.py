@@ -14,7 +14,7 @@ from neurotouch_hid.messages import GamepadState
 NAME = "NeuroTouch Keyboard"
 IDS = (ecodes.BUS_VIRTUAL, 0x0000, 0x0001, 0x0001)
 """Bus, vendor, product, version. No program needs to know this keyboard by its ids, so it borrows
-none: on the virtual bus nobody assigns vendors, and 0 says that this is nobody's hardware. The
+none: on the virtual bus vendors are not assigned, and 0 means that there is no hardware. The
 product only keeps it apart from the mouse, where a desktop keeps settings by ids."""
 
 PHYS = "neurotouch/keyboard0"

@@ -60,7 +60,7 @@ class PointerMotion:
         """Returns the steps from the state before to this one."""
         before_us, self._t_us = self._t_us, state.t_us
         if not (state.wheel or any(state.pointer)):
-            return ()  # what is left over is less than a step
+            return ()  # the remainder is less than a step
         dt_us = 0 if before_us is None else min(max(state.t_us - before_us, 0), _LONGEST_US)
         x, y = state.pointer
         fine = self._count("w", CLICK * _limit(state.wheel, _FASTEST_CLICKS_S), dt_us)

@@ -78,7 +78,7 @@ class VirtualDevice(Protocol):
     """One device of the kernel, at rest when it is made."""
 
     def write_report(self, report: tuple[int, ...], steps: Steps = (), stamp_ns: int = 0) -> None:
-        """Writes what has changed, as one frame; nothing if nothing has.
+        """Writes the changes as one frame; nothing if nothing has changed.
 
         Args:
             report: the value of every control of the description, in its order.

@@ -171,7 +171,7 @@ def _measure_stages(packets: list[EventPacket], options: DriverOptions) -> dict[
 
 def _measure_whole(path: Path, method: str) -> dict[str, float]:
     """Plays a recording in a separate process; returns its pace without the start, and memory."""
-    _reap(_start_run(f"file:{path}", method))  # compiles what a file needs beyond the simulator
+    _reap(_start_run(f"file:{path}", method))  # compiles the kernels that only a file needs
     process = _start_run(f"file:{path}", method)
     _wait_for(READY, process)
     ready = time.perf_counter()
@@ -240,7 +240,7 @@ def _wait_for(words: str, process: subprocess.Popen[str]) -> None:
 
 
 def _reap(process: subprocess.Popen[str]) -> resource.struct_rusage:
-    """Waits for the end of a process and returns what it used.
+    """Waits for the end of a process and returns its use of resources.
 
     Raises:
         NeuroTouchError: the process failed, so its figures have no meaning.

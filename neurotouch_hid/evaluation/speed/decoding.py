@@ -18,7 +18,7 @@ def measure_decoding() -> NDArray[np.float64]:
     """Returns events a second from bytes to events, for each transfer of a busy stream."""
     data = _make_stream()
     decoder, rates = Decoder(synced=True), []
-    decoder.decode(data[:TRANSFER_BYTES])  # compiles, or loads what is compiled
+    decoder.decode(data[:TRANSFER_BYTES])  # compiles or loads the kernels
     for begin in range(TRANSFER_BYTES, len(data), TRANSFER_BYTES):
         begun = time.perf_counter()
         events, _ = decoder.decode(data[begin : begin + TRANSFER_BYTES])

@@ -125,9 +125,11 @@ class DenseSource(Closing):
             rng = np.random.default_rng(seed)
             self._marker = rng.integers(scene.markers_px.shape[1], size=_POOL, dtype=np.int32)
             off_px = rng.normal(0.0, SPREAD_PX, (_POOL, 2)).clip(1.0 - _MARGIN_PX, _MARGIN_PX - 1.0)
-            self._off_px = (off_px + 0.5).astype(np.float32)  # what is cut off then is rounded
+            self._off_px = (off_px + 0.5).astype(
+                np.float32
+            )  # so that cutting off the fraction rounds
             self._is_on = rng.random(_POOL) < 0.5
-            self._make(0, self._packets[0], 0)  # which compiles, or loads what is compiled
+            self._make(0, self._packets[0], 0)  # compiles or loads the kernel
 
     def __iter__(self) -> Iterator[EventPacket]:
         for k in range(self._n):

@@ -184,7 +184,7 @@ class FingerMotion(NamedTuple):
             meaning; all else is 0, and ``scale`` is 1.
         largest_mm: the largest motion of a finger.
         sway_mm: how far the whole gel moved.
-        error_mm: rms of what the fingers leave unexplained, one axis.
+        error_mm: rms of the displacement that the fingers do not explain, one axis.
         x_mm: translation of the fingers' mean position along x.
         y_mm: the same along y.
         rotation_rad: rotation about the mean position, clockwise for the user positive.

@@ -110,7 +110,7 @@ class Camera:
         """Refuses a camera that this driver was not made for.
 
         Raises:
-            CameraError: with what was found and what is needed.
+            CameraError: names the version found and the version needed.
         """
         found = self.identify()
         if found.firmware != r.FIRMWARE:

@@ -79,7 +79,7 @@ class Decoder:
         return int(self._counters["resets"][0])
 
     def stats(self) -> DecoderStats:
-        """Returns counts of what was malformed so far."""
+        """Returns counts of malformed data so far."""
         return DecoderStats(*self._counters[0].item())
 
     def decode(self, data: bytes) -> tuple[NDArray[np.void], list[Frame]]:

@@ -182,7 +182,7 @@ class LibusbTransport:
                 self._halted = True
 
     def _drain(self) -> bool:
-        """Cancels what is in flight and waits for it: libusb writes to it until then.
+        """Cancels transfers in flight and waits for them: libusb writes to them until then.
 
         Returns:
             Whether all of it has come back.

@@ -95,7 +95,7 @@ class Stream:
         self._stalls_s: deque[float] = deque(maxlen=MAX_STALLS)
 
     def stats(self) -> DecoderStats:
-        """Returns counts of what was malformed so far."""
+        """Returns counts of malformed data so far."""
         return self._decoder.stats()
 
     def run(self, closing: threading.Event) -> None:
@@ -109,7 +109,7 @@ class Stream:
             looked_s, end_us = time.monotonic(), self.end_us
             try:
                 self._pump(rest_until_s)
-            finally:  # what came before it failed is good
+            finally:  # data from before the failure is good
                 now_s = time.monotonic()
                 self._read(now_s)
             self._deliver_partial()

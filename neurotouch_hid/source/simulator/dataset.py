@@ -86,7 +86,7 @@ def write_dataset(
         users: number of simulated people.
         minutes: length of the whole set.
         seed: another seed gives other people and other gestures.
-        progress: told at the start, about once a simulated second, and at the end of each file.
+        progress: called at the start, about once a simulated second, and at the end of each file.
         gels: models of the gel. Every one has people and gestures of its own.
         replace: also overwrite recordings that were made from other recipes.
 
@@ -134,7 +134,7 @@ def plan_dataset(
 
 
 def simulate_recipe(recipe: Recipe) -> Simulator:
-    """Returns the simulation that gives the recording."""
+    """Returns the simulation of a recording."""
     kind = GestureKind[recipe.gesture.upper()]
     apart = 0 if recipe.gel == "half-space" else 500
     person, config = meet_person(1000 * recipe.seed + recipe.user + apart)

@@ -60,7 +60,7 @@ def assign_blobs(
         sharp: (n,) bool, True for markers too slow to be smeared.
         points_px: (m, 2) float64 px, the centroids of the blobs.
         begin: (m + 1,) int32, where the pixels of each blob begin.
-        tracks: what is known about the markers; ``n_missed`` is updated.
+        tracks: the state of the markers; ``n_missed`` is updated.
         tuning: of the neighbour check.
         blob: (n,) int32, written; negative where none is certain.
     """

@@ -76,15 +76,15 @@ def _draw_results(
     yield _picture(
         "table-summary",
         draw_summary(reports),
-        "Bars of the paper's five figures for each method, with a dashed line at what the paper "
-        "published. The table above has all numbers.",
+        "Bars of the paper's five figures for each method, with a dashed line at the paper's "
+        "figure. The table above has all numbers.",
         "The paper's figures are from its own data, which has not been published.",
     )
     yield _picture(
         "types-metrics",
         draw_type_metrics(reports),
         "Bars of precision, recall, F1-score and contact count accuracy for none and each of the "
-        "five gestures. The tables below hold all numbers.",
+        "five gestures. The tables below have all numbers.",
         "Precision: of the slices recognised as this type, how many are. Recall: of the slices "
         "labelled so, how many are recognised. –: undefined.",
     )
@@ -108,7 +108,7 @@ def _draw_results(
         "confusion-matrix",
         draw_confusion(reports),
         "Confusion matrix of labelled against recognised types for each method. The tables below "
-        "hold all numbers.",
+        "have all numbers.",
         "Mean of the row-normalised and the column-normalised matrix. The paper's largest "
         "confusion is zoom taken for push.",
     )

@@ -130,7 +130,7 @@ def build_columns(
         columns: (4 k + 3 or more, 2, n) float64, the first 4 k + 3 are written: motions, presses,
             offset (x, y, turn) of the whole gel. Markers come last, so that a processor takes
             several at once.
-        bent: (2, n) float64 mm, written: what a finite turn adds to the linear one.
+        bent: (2, n) float64 mm, written: the difference of a finite turn from the linear one.
     """
     k, n = len(centres), len(window)
     x, y = points[0], points[1]

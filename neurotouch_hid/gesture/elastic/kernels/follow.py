@@ -215,7 +215,7 @@ def _required(fit: Any, fingers: Any, rules: Any) -> float:
 
 @kernel
 def _score(fit: Any, fingers: Any, rules: Any) -> float:
-    """Returns what a fit leaves and what its fingers must explain, mm²: less is better."""
+    """Returns the residual of a fit plus the required sums of its fingers, mm²: less is better."""
     sum_mm2: float = fit.cost + fit.count * _required(fit, fingers, rules)
     return sum_mm2
 

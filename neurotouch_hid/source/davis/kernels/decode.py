@@ -144,7 +144,7 @@ def decode(
     now, y = state["now_us"], state["y"]
     origin = state["origin_us"] + state["base_us"]
     i = start
-    if not state["is_synced"]:  # what comes before the reset is left over from before
+    if not state["is_synced"]:  # words before the reset are from an earlier run
         while i < len(words) and words[i] != RESET:
             i += 1
         if i == len(words):

@@ -72,7 +72,7 @@ def build_surface() -> Surface:
 def deform(
     points: Floats, centres: Floats, radii: Floats, motions: Floats, depths: Floats
 ) -> Floats:
-    """Moves points of the surface as the fingers move what they touch.
+    """Moves points of the surface with the fingers that touch it.
 
     Args:
         points: (n, 2) float64 mm, the points at rest.

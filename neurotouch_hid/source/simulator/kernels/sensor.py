@@ -37,7 +37,7 @@ period."""
 
 
 class Chip(NamedTuple):
-    """The event pixels of one sensor, and what they see.
+    """The event pixels of one sensor, and the picture on them.
 
     Attributes:
         picture: the picture on them.

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import GEL_RADIUS_MM, MARKER_DIAMETER_MM, NOMINAL_PX_PER_MM, Rig
 
-RING_MM = 31.5  # the housing hides what is further out
+RING_MM = 31.5  # the housing hides everything further out
 SHIPPED_RIG = Rig((172.5, 129.5), NOMINAL_PX_PER_MM)  # the middle of the sensor
 
 
