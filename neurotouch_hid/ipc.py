@@ -1,7 +1,9 @@
 """Unix sockets between the driver and the processes that watch it or command it."""
 
+import errno
 import os
 import socket
+import stat
 import struct
 from pathlib import Path
 from typing import Final
@@ -44,20 +46,57 @@ def listen_at(
     return listener
 
 
-def connect_to(path: Path) -> socket.socket:
-    """Returns a connection to such a socket that never waits.
+class StrangerError(ConnectionRefusedError):
+    """A folder, or the process that listens in it, belongs to a user who is not to be believed."""
+
+
+def connect_to(
+    path: Path, *, kind: socket.SocketKind = socket.SOCK_SEQPACKET, timeout_s: float = 0.0
+) -> socket.socket:
+    """Returns a connection to such a socket, if the user who listens there is to be believed.
+
+    Args:
+        path: the socket, in the driver's folder.
+        kind: as it was made.
+        timeout_s: for how long the connection may wait; 0: it never waits.
 
     Raises:
+        StrangerError: another user may have made it.
         OSError: nobody listens there.
     """
-    peer = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    believed = find_believed(path.parent)
+    if not believed:
+        raise StrangerError(errno.ECONNREFUSED, os.strerror(errno.ECONNREFUSED))
+    peer = socket.socket(socket.AF_UNIX, kind)
     try:
-        peer.setblocking(False)
+        peer.settimeout(timeout_s)
         peer.connect(str(path))
+        if find_peer(peer) not in believed:
+            raise StrangerError(errno.ECONNREFUSED, os.strerror(errno.ECONNREFUSED))
     except OSError:
         peer.close()
         raise
     return peer
+
+
+def find_believed(folder: Path) -> frozenset[int]:
+    """Returns the users whose word counts in a driver's folder; none in a stranger's.
+
+    In ``/tmp`` anybody can make a folder first. So the folder must be ours or root's. The service's
+    folder has another owner, but it is in ``/run``, where only root makes folders.
+
+    Raises:
+        OSError: there is no such folder, or it cannot be reached.
+    """
+    ours = {os.geteuid(), 0}
+    found = folder.lstat()
+    if not stat.S_ISDIR(found.st_mode):
+        return frozenset()
+    if found.st_uid in ours:
+        return frozenset(ours)
+    above = folder.parent.stat()
+    is_made_by_root = above.st_uid == 0 and not above.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+    return frozenset({*ours, found.st_uid}) if is_made_by_root else frozenset()
 
 
 def find_peer(peer: socket.socket) -> int:

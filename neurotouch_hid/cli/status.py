@@ -8,7 +8,7 @@ import click
 from neurotouch_hid.cli.ui.output import json_option, print_json
 
 if TYPE_CHECKING:
-    from neurotouch_hid.client import Fatigue, Status
+    from neurotouch_hid.status import Fatigue, Status
 
 _STATES = {
     "running": "OK: running",

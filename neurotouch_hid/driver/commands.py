@@ -12,7 +12,7 @@ from neurotouch_hid.driver.control_socket import STREAM
 from neurotouch_hid.driver.people import People
 from neurotouch_hid.driver.reload import ProfileWatch
 from neurotouch_hid.errors import DriverError, NeuroTouchError
-from neurotouch_hid.profile.faults import make_printable
+from neurotouch_hid.printable import make_printable
 from neurotouch_hid.profile.mapping import State
 from neurotouch_hid.runtime.command_queue import CommandName
 from neurotouch_hid.runtime.session import Session

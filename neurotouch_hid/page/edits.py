@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from neurotouch_hid.client import ask
+from neurotouch_hid.client import ask, get_text
 from neurotouch_hid.errors import DriverError, NotRunningError, ProfileError
 from neurotouch_hid.handover import hand_over
 from neurotouch_hid.page.profile_view import Place, is_editable, list_places
@@ -132,7 +132,7 @@ class Changes:
         stem, _, _ = make_favourite(name, self._stamp)
         said = _hand_over()
         with suppress(NotRunningError):
-            said = str(ask("use", profile=stem)["text"])
+            said = get_text(ask("use", profile=stem))
         return said
 
     def copy(self, template: str) -> str:

@@ -7,14 +7,14 @@ from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any, Final
 
-from neurotouch_hid.client import ask
+from neurotouch_hid.client import ask, ask_every, get_text
 from neurotouch_hid.errors import PageError, ProfileError
 from neurotouch_hid.page.edits import Changes, Wish
 from neurotouch_hid.page.guard import make_token
 from neurotouch_hid.page.outputs import list_outputs
 from neurotouch_hid.page.pictures import draw_code, take_picture
 from neurotouch_hid.page.programs import COMMANDS, Programs
-from neurotouch_hid.players import find_runtime_folder
+from neurotouch_hid.players import find_player, find_runtime_folder
 from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_user
 from neurotouch_hid.profile.reading.library import find_user_folder
 
@@ -130,9 +130,13 @@ class Requests:
         return {"saved": await asyncio.to_thread(self._changes.copy, _take_name(name))}
 
     async def _command(self, request: Request, _file: Path) -> Reply:
-        answer = await asyncio.to_thread(ask, request["do"])
+        """Pauses or resumes every driver of this player: the page shows the nearest one only."""
+        reached = await asyncio.to_thread(ask_every, request["do"], [find_player()])
+        for each in reached:
+            if each.error is not None:
+                raise each.error
         # The next state says what is done, beside the button that takes it back.
-        return {"saved": "" if answer.get("done") else str(answer.get("text"))}
+        return {"saved": "" if reached[0].is_done else reached[0].text}
 
     async def _start(self, request: Request, _file: Path) -> Reply:
         name = str(request.get("what"))
@@ -145,7 +149,7 @@ class Requests:
         name = str(request.get("what"))
         if name == "driver":  # whoever has started it
             answer = await asyncio.to_thread(ask, "stop")
-            return {"saved": str(answer.get("text"))}
+            return {"saved": get_text(answer)}
         await self._programs.stop(name)
         return {"stopped": name}
 

@@ -175,7 +175,7 @@ def delete(name: str, as_json: bool, plain: bool) -> None:
 
 def _list_played() -> list[str]:
     """Returns the profiles that drivers play now, and those that applications have chosen."""
-    from neurotouch_hid.client import ask
+    from neurotouch_hid.client import ask_status
     from neurotouch_hid.driver.settings import load_driver_settings
     from neurotouch_hid.errors import DriverError
     from neurotouch_hid.players import list_players
@@ -183,5 +183,5 @@ def _list_played() -> list[str]:
     played = list(load_driver_settings().profile_of.values())
     for player in list_players():
         with suppress(DriverError):
-            played.append(str(ask("status", player=player)["profile"]))
+            played.append(ask_status(player)["profile"])
     return played

@@ -125,11 +125,11 @@ def import_command(
 
 
 def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, plain: bool) -> None:
+    from neurotouch_hid.printable import make_printable
     from neurotouch_hid.profile import check_content, load_unused
     from neurotouch_hid.profile.editing import EditedFile, Store, adopt, compare, find_own_path
     from neurotouch_hid.profile.editing.edited_file import find_schema, read_text
     from neurotouch_hid.profile.editing.summary import summarize
-    from neurotouch_hid.profile.faults import make_printable
     from neurotouch_hid.profile.reading.library import find_shipped_folder
 
     text, content = read_text(file)
@@ -181,10 +181,10 @@ def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, pla
 
 def _take_values(file: Path, *, yes: bool, as_json: bool, plain: bool) -> None:
     """Takes a person's values from a file that ``export --user`` wrote."""
+    from neurotouch_hid.printable import make_printable
     from neurotouch_hid.profile import check_user
     from neurotouch_hid.profile.editing import adopt, compare, read_text, take_user
     from neurotouch_hid.profile.editing.edited_file import find_schema
-    from neurotouch_hid.profile.faults import make_printable
 
     text, content = read_text(file)
     check_user(content, make_printable(str(file))).require()

@@ -2,11 +2,14 @@
 
 import os
 import sys
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
 from neurotouch_hid.cli.ui.output import is_plain
+
+if TYPE_CHECKING:
+    from neurotouch_hid.status import Status
 
 
 def welcome() -> None:
@@ -15,7 +18,7 @@ def welcome() -> None:
     from neurotouch_hid.errors import DriverError
 
     try:
-        _describe_driver(driver.ask("status"))
+        _describe_driver(driver.ask_status())
     except DriverError:
         click.echo(_advise())
     click.echo("All commands: neurotouch --help")
@@ -27,10 +30,10 @@ def has_desktop() -> bool:
     return bool(desktop) and sys.stdout.isatty() and not is_plain()
 
 
-def _describe_driver(status: dict[str, Any]) -> None:
+def _describe_driver(status: "Status") -> None:
     click.echo(f"The driver is {status['state']}, with the profile {status['profile']}.")
-    click.echo(f"source: {status.get('source', 'unknown')}")
-    click.echo(f"pad: {status.get('device', 'unknown')}")
+    click.echo(f"source: {status['source']}")
+    click.echo(f"pad: {status['device']}")
     click.echo(f"gel: {status['gel']}")
     if status["state"] != "running":
         click.echo("Next: neurotouch resume")

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.faults import make_printable
+from neurotouch_hid.printable import make_printable
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,14 +6,8 @@ from typing import Any, Final
 
 from pydantic import BaseModel, ValidationError
 
-from neurotouch_hid.profile.faults import (
-    Fault,
-    Keys,
-    Mark,
-    format_path,
-    make_printable,
-    suggest,
-)
+from neurotouch_hid.printable import make_printable
+from neurotouch_hid.profile.faults import Fault, Keys, Mark, format_path, suggest
 from neurotouch_hid.profile.schema.targets import MICE
 from neurotouch_hid.profile.schema.tree import find_model
 from neurotouch_hid.profile.yaml_document import Node, find_key_mark, find_mark, find_node

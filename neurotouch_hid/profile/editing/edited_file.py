@@ -14,9 +14,9 @@ from pydantic import BaseModel
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.players import find_machine_folder, find_user_file
+from neurotouch_hid.printable import make_printable
 from neurotouch_hid.profile.editing.revision import MODELINE, adopt, reset_value
 from neurotouch_hid.profile.editing.store import Store
-from neurotouch_hid.profile.faults import make_printable
 from neurotouch_hid.profile.reading.library import (
     OWN_VALUES,
     find_profile,

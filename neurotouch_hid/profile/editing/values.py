@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.faults import make_printable
+from neurotouch_hid.printable import make_printable
 from neurotouch_hid.profile.yaml_document import parse_document
 
 _PLAIN: Final = re.compile(r"[A-Za-z][A-Za-z0-9_+]*( [A-Za-z0-9_+]+)*|[A-Za-z0-9_-]*[A-Za-z]")

@@ -9,7 +9,8 @@ from typing import Final
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.players import find_config_folder, find_machine_folder
-from neurotouch_hid.profile.faults import make_printable, suggest
+from neurotouch_hid.printable import make_printable
+from neurotouch_hid.profile.faults import suggest
 from neurotouch_hid.resources import PACKAGE_FOLDER, find_resources
 from neurotouch_hid.vocabulary import NAME_PATTERN
 

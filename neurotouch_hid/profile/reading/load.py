@@ -11,18 +11,12 @@ from pydantic import BaseModel, ValidationError
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.players import find_machine_folder, find_user_file
+from neurotouch_hid.printable import make_printable
 from neurotouch_hid.profile.diagnostics.consistency import check_layers
 from neurotouch_hid.profile.diagnostics.error_sentences import locate_faults
 from neurotouch_hid.profile.diagnostics.lint import find_warnings
 from neurotouch_hid.profile.diagnostics.unmet import find_unmet
-from neurotouch_hid.profile.faults import (
-    Fault,
-    Mark,
-    format_faults,
-    format_path,
-    make_printable,
-    suggest,
-)
+from neurotouch_hid.profile.faults import Fault, Mark, format_faults, format_path, suggest
 from neurotouch_hid.profile.reading.inheritance import build_on
 from neurotouch_hid.profile.reading.library import find_profile
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
