@@ -1,16 +1,23 @@
 """Unix sockets between the driver and the processes that watch it or command it."""
 
 import errno
+import json
 import os
 import socket
 import stat
 import struct
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 FEED: Final = "feed"
 HAND: Final = "hand"
 """What the sockets are called in a driver's folder."""
+
+_MOST_DIGITS: Final = 15
+"""Of a whole number in a message; a longer one is read as a float, which may be infinite."""
+
+_TCP: Final = Path("/proc/net/tcp")
+_ESTABLISHED: Final = "01"
 
 _CREDENTIALS: Final = struct.Struct("3i")  # pid, uid, gid
 
@@ -109,3 +116,43 @@ def find_peer(peer: socket.socket) -> int:
 def is_own_peer(peer: socket.socket) -> bool:
     """Returns True if the process at the other end is ours or root's."""
     return find_peer(peer) in (os.geteuid(), 0)
+
+
+def read_object(text: str | bytes) -> dict[str, Any] | None:
+    """Returns the JSON object that another process has sent; None if it is none.
+
+    No whole number in it is too large for arithmetic with floats, which would raise OverflowError.
+    """
+    try:
+        said = json.loads(text, parse_int=_read_int)
+    except (ValueError, RecursionError):
+        return None
+    return said if isinstance(said, dict) else None
+
+
+def _read_int(digits: str) -> int | float:
+    return int(digits) if len(digits) <= _MOST_DIGITS else float(digits)
+
+
+def find_tcp_user(end: tuple[str, int], other_end: tuple[str, int]) -> int | None:
+    """Returns the user whose process has one end of a connection within this machine.
+
+    Args:
+        end: the address and port of that end, by IPv4.
+        other_end: the same of the other one.
+
+    Returns:
+        The user as the kernel knows it; None if it does not say.
+    """
+    try:
+        looked_for = [_write_end(*end[:2]), _write_end(*other_end[:2]), _ESTABLISHED]
+        rows = _TCP.read_text().splitlines()[1:]
+    except OSError:  # an address of another kind, or a machine without this file
+        return None
+    return next((int(row[7]) for row in map(str.split, rows) if row[1:4] == looked_for), None)
+
+
+def _write_end(address: str, port: int) -> str:
+    """Returns one end of a connection as the kernel writes it."""
+    (number,) = struct.unpack("=I", socket.inet_aton(address))
+    return f"{number:08X}:{port:04X}"

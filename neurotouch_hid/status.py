@@ -111,7 +111,7 @@ class Status(PipelineStatus):
     settings: str
     copilot: NotRequired[str]
     mouse: NotRequired[str]
-    rumble: NotRequired[str]
+    rumble: NotRequired[dict[str, float]]
 
 
 def check_status(answer: dict[str, Any]) -> Status:

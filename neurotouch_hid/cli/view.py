@@ -64,11 +64,11 @@ def command(
             far = address.url.replace("127.0.0.1", f"[{listen}]" if ":" in listen else listen)
             click.echo(f"From other machines: {far}#k=TOKEN, with the content of {token_file}")
         if open_browser:
-            show_link(address.link())
+            open_page(address)
 
     served = read_address() if open_browser and listen is None and port is None else None
     if served is not None and served.may_edit >= edit:  # the icon again, or a demo
-        show_link(served.link())
+        open_page(served)
         click.echo(f"Page: {served.link()}")
         return
     serve_page(
@@ -76,11 +76,11 @@ def command(
     )
 
 
-def show_link(link: str) -> None:
-    """Opens a link in the browser; where that is impossible, says so."""
+def open_page(address: "Address", page: str = "") -> None:
+    """Opens a page in the browser; where that is impossible, says so."""
     from neurotouch_hid.cli.ui.browser import open_link
 
-    if not open_link(link):
+    if not open_link(address.link_for_browser(page)):
         click.echo("No browser can be opened from here: open the link yourself.", err=True)
 
 

@@ -17,7 +17,7 @@ from neurotouch_hid.client import LIMIT_BYTES, REQUEST_S, Answer, is_served
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.driver.admission import Guests, is_admitted
 from neurotouch_hid.errors import AlreadyRunningError, DriverError
-from neurotouch_hid.ipc import find_peer, listen_at
+from neurotouch_hid.ipc import find_peer, listen_at, read_object
 from neurotouch_hid.players import find_socket
 
 MAX_CLIENTS: Final = 8
@@ -228,12 +228,9 @@ def _read_question(client: socket.socket) -> dict[str, Any] | str:
         text += piece
         if len(text) > LIMIT_BYTES:
             return f"The question is longer than {LIMIT_BYTES // 1024} kB."
-    try:
-        question = json.loads(text.split(b"\n", 1)[0])
-    except (ValueError, RecursionError):
-        return "The question is not a line of JSON."
-    if not isinstance(question, dict) or not isinstance(question.get("command"), str):
-        return "The question is no JSON object with a 'command'."
+    question = read_object(text.split(b"\n", 1)[0])
+    if question is None or not isinstance(question.get("command"), str):
+        return "The question is no line with a JSON object that has a 'command'."
     return question
 
 

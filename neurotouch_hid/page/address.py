@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final
 
+from neurotouch_hid.page.guard import make_ticket
 from neurotouch_hid.players import find_runtime_folder
 
 FILE: Final = "page.json"
@@ -31,6 +32,10 @@ class Address:
     def link(self, page: str = "") -> str:
         """Returns the link that opens a page: browsers never send its fragment, the secret."""
         return f"{self.url}{page}#k={self.token}"
+
+    def link_for_browser(self, page: str = "") -> str:
+        """Returns the same for a program that is started with it: no secret is in it."""
+        return f"{self.url}open/{make_ticket(self.token)}/{page}"
 
 
 def find_address_file() -> Path:

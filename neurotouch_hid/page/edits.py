@@ -1,6 +1,5 @@
 """What the page may change: marks and curves of the bindings of the active profile."""
 
-import math
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ from neurotouch_hid.client import ask, get_text
 from neurotouch_hid.errors import DriverError, NotRunningError, ProfileError
 from neurotouch_hid.handover import hand_over
 from neurotouch_hid.page.profile_view import Place, is_editable, list_places
+from neurotouch_hid.page.reading import read_number
 from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_unused
 from neurotouch_hid.profile.diagnostics.description import describe_target, describe_when
 from neurotouch_hid.profile.editing import (
@@ -209,7 +209,7 @@ def _write(text: str, place: Place, mark: str, value: Any) -> str:
         raise ProfileError("There is no such mark.")
     if mark == "points":
         return set_value(text, f"{place.key}.curve", {"points": _read_points(value)})
-    number = _read_number(value)
+    number = read_number(value)
     if mark in ("on_mm", "off_mm"):
         return set_value(text, f"{place.key}.{mark}", round(number, 1))
     if mark in ("rest", "full"):
@@ -223,16 +223,10 @@ def _write(text: str, place: Place, mark: str, value: Any) -> str:
     return set_value(text, f"{place.key}.curve", {mark: round(number, 2)})
 
 
-def _read_number(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise ProfileError("A mark needs a finite number.")
-    return float(value)
-
-
 def _read_points(value: Any) -> list[list[float]]:
     if not isinstance(value, list) or not 1 <= len(value) <= 16:
         raise ProfileError("A curve needs 1 to 16 points.")
     for point in value:
         if not isinstance(point, list) or len(point) != 2:
             raise ProfileError("A point of a curve needs two numbers, [x, y].")
-    return [[round(_read_number(x), 2), round(_read_number(y), 2)] for x, y in value]
+    return [[round(read_number(x), 2), round(read_number(y), 2)] for x, y in value]

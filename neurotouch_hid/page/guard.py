@@ -1,16 +1,20 @@
 """Who may talk to the page's server, and how much."""
 
+import hashlib
+import hmac
 import ipaddress
 import re
 import secrets
 import time
-from typing import Final
+from typing import Final, Protocol
 
 from neurotouch_hid.errors import PageError
 
 MOST_CLIENTS: Final = 4
-MOST_CONNECTIONS: Final = 12
-"""Clients, those who have not shown their token yet, and those who fetch a file."""
+"""Those who have shown the token. Nobody else can take these places."""
+
+MOST_WAITING: Final = 256
+"""Connections that have not shown the token yet, or fetch a file. Beyond it the oldest one goes."""
 
 MOST_BYTES: Final = 8 * 1024
 """The longest message a browser sends."""
@@ -20,6 +24,9 @@ MESSAGES_PER_S: Final = 250.0
 
 TOKEN_S: Final = 5.0
 """In which a client must show its token."""
+
+TICKET_S: Final = 60.0
+"""For so long a ticket opens the page: a browser may have to start first."""
 
 SILENCE_S: Final = 20.0
 """A browser answers by itself; one whose machine has gone is forgotten after twice this time."""
@@ -46,6 +53,20 @@ LOCAL: Final = ("localhost", "127.0.0.1", "[::1]")
 def make_token() -> str:
     """Returns a new secret."""
     return secrets.token_urlsafe(24)
+
+
+def make_ticket(token: str) -> str:
+    """Returns what opens the page once more within a minute, without saying the token.
+
+    Every user of the machine can read the arguments of a browser that is started, so the token must
+    not be one of them. A ticket helps only who has it and is the owner, see ``Server``.
+    """
+    return _sign(token.encode(), int(time.monotonic() + TICKET_S))
+
+
+def _sign(token: bytes, until_s: int) -> str:
+    """Returns a ticket that ends at a moment of the machine's clock since its start."""
+    return f"{until_s}-{hmac.new(token, str(until_s).encode(), hashlib.sha256).hexdigest()}"
 
 
 class Guard:
@@ -88,7 +109,20 @@ class Guard:
 
     def knows(self, token: object) -> bool:
         """Returns True if it is the secret; takes as long if it is not."""
-        return isinstance(token, str) and secrets.compare_digest(token.encode(), self._token)
+        said = token.encode("utf-8", "replace") if isinstance(token, str) else b""
+        return secrets.compare_digest(said, self._token)
+
+    def accepts(self, ticket: str) -> bool:
+        """Returns True if a ticket was made with the secret and has not ended."""
+        until_s, now_s = ticket.partition("-")[0], time.monotonic()
+        if not re.fullmatch("[0-9]{1,12}", until_s) or not ticket.isascii():
+            return False
+        is_true = secrets.compare_digest(ticket, _sign(self._token, int(until_s)))
+        return is_true and now_s <= int(until_s) <= now_s + TICKET_S + 1.0
+
+    def link(self, page: str) -> str:
+        """Returns where a page is on this server, with the secret."""
+        return f"/{page}#k={self._token.decode()}"
 
 
 def _write_host(address: str) -> str:
@@ -105,6 +139,45 @@ def _write_host(address: str) -> str:
             hint="Give the address of one interface of this machine, see: ip address",
         )
     return f"[{parsed}]" if parsed.version == 6 else str(parsed)
+
+
+class Connection(Protocol):
+    """A connection that can be ended at once."""
+
+    def drop(self) -> None:
+        """Ends it."""
+
+
+class Waiting:
+    """The connections whose token has not been seen. None of them can keep a new one out.
+
+    A page shows its token as soon as it is connected, so an old one is hardly the owner's. Where
+    there are too many, the oldest one goes, of the address with the most.
+    """
+
+    def __init__(self, most: int = MOST_WAITING) -> None:
+        self._most = most
+        self._by_address: dict[str, dict[Connection, None]] = {}
+        self._count = 0
+
+    def add(self, connection: Connection, address: str) -> None:
+        """Takes one in; another one may have to go."""
+        self._by_address.setdefault(address, {})[connection] = None
+        self._count += 1
+        if self._count > self._most:
+            crowd = max(self._by_address, key=lambda each: len(self._by_address[each]))
+            oldest = next(iter(self._by_address[crowd]))
+            self.remove(oldest, crowd)
+            oldest.drop()
+
+    def remove(self, connection: Connection, address: str) -> None:
+        """Forgets one that has shown the token or gone. Harmless when repeated."""
+        found = self._by_address.get(address, {})
+        if connection in found:
+            del found[connection]
+            self._count -= 1
+            if not found:
+                del self._by_address[address]
 
 
 class Rate:

@@ -14,6 +14,7 @@ from neurotouch_hid.page.guard import make_token
 from neurotouch_hid.page.outputs import list_outputs
 from neurotouch_hid.page.pictures import draw_code, take_picture
 from neurotouch_hid.page.programs import COMMANDS, Programs
+from neurotouch_hid.page.reading import read_word
 from neurotouch_hid.players import find_player, find_runtime_folder
 from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_user
 from neurotouch_hid.profile.reading.library import find_user_folder
@@ -89,7 +90,7 @@ class Requests:
         Raises:
             NeuroTouchError: it cannot be done, or may not.
         """
-        verb = str(request.get("do"))
+        verb = read_word(request, "do", "")
         if verb in self._looks:
             return await self._looks[verb](request, file)
         if verb not in self._changers:
@@ -105,7 +106,7 @@ class Requests:
         await self._programs.close()
 
     async def _set(self, request: Request, file: Path) -> Reply:
-        key, mark = str(request.get("key")), str(request.get("mark"))
+        key, mark = read_word(request, "key"), read_word(request, "mark")
         said = await asyncio.to_thread(self._changes.set, file, key, mark, request.get("value"))
         return {"saved": said}
 
@@ -114,19 +115,19 @@ class Requests:
 
     async def _bind(self, request: Request, file: Path) -> Reply:
         parts = ("movement", "press", "mode", "do_this", "layer", "instead")
-        wish = Wish(*(str(request.get(part) or "")[:80] for part in parts))
+        wish = Wish(*(read_word(request, part, "") for part in parts))
         return {"saved": await asyncio.to_thread(self._changes.bind, file, wish)}
 
     async def _unbind(self, request: Request, file: Path) -> Reply:
-        key = str(request.get("key"))
+        key = read_word(request, "key")
         return {"saved": await asyncio.to_thread(self._changes.unbind, file, key)}
 
     async def _use(self, request: Request, _file: Path) -> Reply:
-        name = str(request.get("profile"))
+        name = read_word(request, "profile")
         return {"saved": await asyncio.to_thread(self._changes.use, _take_name(name))}
 
     async def _copy(self, request: Request, _file: Path) -> Reply:
-        name = str(request.get("profile"))
+        name = read_word(request, "profile")
         return {"saved": await asyncio.to_thread(self._changes.copy, _take_name(name))}
 
     async def _command(self, request: Request, _file: Path) -> Reply:
@@ -139,14 +140,14 @@ class Requests:
         return {"saved": "" if reached[0].is_done else reached[0].text}
 
     async def _start(self, request: Request, _file: Path) -> Reply:
-        name = str(request.get("what"))
+        name = read_word(request, "what")
         if name not in COMMANDS:
             raise PageError("There is no such program.")
         await self._programs.start(name)
         return {"started": name}
 
     async def _stop(self, request: Request, _file: Path) -> Reply:
-        name = str(request.get("what"))
+        name = read_word(request, "what")
         if name == "driver":  # whoever has started it
             answer = await asyncio.to_thread(ask, "stop")
             return {"saved": get_text(answer)}
@@ -154,7 +155,7 @@ class Requests:
         return {"stopped": name}
 
     async def _answer(self, request: Request, _file: Path) -> Reply:
-        self._programs.answer(str(request.get("what")), str(request.get("text"))[:80])
+        self._programs.answer(read_word(request, "what"), read_word(request, "text"))
         return {}
 
     async def _list_outputs(self, _request: Request, file: Path) -> Reply:
