@@ -1,13 +1,21 @@
 """Makes text from elsewhere fit to be shown: file names, profiles, answers, names of devices."""
 
-from typing import Any
+from typing import Any, Final
+
+_JOINERS: Final = "\u200c\u200d"
+"""They have no picture either, but Persian and the scripts of India cannot be written without."""
+
+
+def is_printable(char: str) -> bool:
+    """Returns whether a character shows itself, and changes nothing of what is around it."""
+    return char.isprintable() or char in _JOINERS
 
 
 def make_printable(text: str) -> str:
     """Returns the text in one line, with nothing in it that could move a terminal's cursor."""
     if text.isprintable():
         return text
-    return "".join(char if char.isprintable() else " " if char == "\t" else "�" for char in text)
+    return "".join(char if is_printable(char) else " " if char == "\t" else "�" for char in text)
 
 
 def make_lines_printable(text: str) -> str:

@@ -22,7 +22,11 @@ from neurotouch_hid.players import find_socket
 
 MAX_CLIENTS: Final = 8
 
-_BACKLOG: Final = 64
+_BACKLOG: Final = 1024
+"""Clients in the kernel's queue: a crowd of strangers must not fill it."""
+
+_REFUSED_S: Final = 0.2
+"""For so long a refused user is refused unread: asking logind each time would hold up the queue."""
 
 Answerer = Callable[[dict[str, Any], int], Answer]
 """Answers a question of a user in the time that ``driver`` promises; may be called from several
@@ -56,6 +60,7 @@ class ControlSocket(Closing):
         self.has_guests = find_guests is not None
         self._find_guests = find_guests or frozenset
         self._places = threading.BoundedSemaphore(MAX_CLIENTS)
+        self._refused: dict[int, float] = {}
         self._closed = False
         try:
             _prepare_folder(folder, open_to_all=find_guests is not None)
@@ -106,10 +111,20 @@ class ControlSocket(Closing):
                 time.sleep(0.1)  # too many files are open: the next one may find a place
                 continue
             uid = find_peer(client)
-            if not self.admits(uid):
+            if not self._admits_quickly(uid):
                 _refuse(client, _fail("This driver belongs to another user."))
             elif not self._begin(client, uid, answer):
                 _refuse(client, _fail("The driver is busy with other questions.", busy=True))
+
+    def _admits_quickly(self, uid: int) -> bool:
+        """Returns the same as ``admits``, where a refusal stands for a moment."""
+        now_s = time.monotonic()
+        if now_s < self._refused.get(uid, 0.0):
+            return False
+        if self.admits(uid):
+            return True
+        self._refused[uid] = now_s + _REFUSED_S
+        return False
 
     def _begin(self, client: socket.socket, uid: int, answer: Answerer) -> bool:
         """Talks to a client in a thread; False if there is no place for it, or no thread."""

@@ -40,7 +40,8 @@ def list_command(as_json: bool, plain: bool) -> None:
         return
     for row in rows:
         notes = ["yours" if row["own"] else "shipped"] + (["in use"] if row["in_use"] else [])
-        text = row["description"] or "it has errors, see: neurotouch profile check"
+        said = " ".join(str(row["description"]).split())
+        text = said or "it has errors, see: neurotouch profile check"
         if plain:
             wrong = "FAILED " if row["status"] != "OK" else ""
             click.echo(f"{wrong}{row['name']}, {', '.join(notes)}: {text}")

@@ -86,6 +86,11 @@ CODES: Final[dict[str, Explanation]] = {
         "The file was written for another version of the format. 'neurotouch profile upgrade' "
         "rewrites an older one; for a newer one, update the program.",
     ),
+    "NT120": Explanation(
+        "a character that cannot be seen",
+        "Control and format characters can hide or change what a terminal shows. A description "
+        "needs none of them: write it anew, without what was copied along.",
+    ),
     "NT121": Explanation(
         "a direction without a push",
         "Only a push has a direction; pinch, zoom and twist happen in place.",

@@ -37,6 +37,7 @@ _CODES: Final = {
     "one_of": "NT117",
     "string_pattern_mismatch": "NT118",
     "version": "NT119",
+    "invisible": "NT120",
     "direction": "NT121",
     "thresholds": "NT122",
     "range": "NT123",
