@@ -82,6 +82,7 @@ class Changes:
 
         Raises:
             ProfileError: there is no such mark, or the value cannot be; nothing has changed.
+            PageError: the value is no number; nothing has changed.
             DriverError: it is saved, and the running driver does not play it.
         """
         paper = self._take(path)
