@@ -2,6 +2,8 @@
 
 import click
 
+from neurotouch_hid.cli.ui.output import echo
+
 
 @click.command(
     epilog="\b\nExamples:\n"
@@ -22,7 +24,7 @@ def command(open_browser: bool, port: int | None) -> None:
     from neurotouch_hid.page.address import Address, read_address
 
     def tell(address: Address) -> None:
-        click.echo(f"Spacecraft: {address.link('game')}")
+        echo(f"Spacecraft: {address.link('game')}")
         if open_browser:
             open_page(address, "game")
 

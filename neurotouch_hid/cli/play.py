@@ -5,9 +5,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
-from neurotouch_hid.cli.ui.output import is_plain
+from neurotouch_hid.cli.ui.output import echo, is_plain
 from neurotouch_hid.monitor import LinesMonitor, PictureMonitor, TraceWriter
 from neurotouch_hid.process.signals import stop_on_signals
 
@@ -35,7 +33,7 @@ def play(
     title = f"{driver.source.name} -> {driver.device.name}, profile {driver.profile.name}"
     if driver.source.is_simulated:
         title = f"SIMULATED {title}"
-    click.echo(f"Gamepad ready: {title}. Ctrl-C ends.", err=True)
+    echo(f"Gamepad ready: {title}. Ctrl-C ends.", err=True)
 
     def read_decisions() -> "tuple[MappingDecision, ...]":
         return driver.pipeline.mapping.decisions()  # other values of the person: a new mapping
@@ -57,13 +55,13 @@ def play(
         stats = driver.run(taps, seconds=seconds, stop=stop)
     seen = driver.pipeline.rest.detector.stats()
     if stats.slices and not seen.n_references:
-        click.echo(f"Warning: no gel was found until the end: {seen.reason}.", err=True)
+        echo(f"Warning: no gel was found until the end: {seen.reason}.", err=True)
     elif seen.n_references and not seen.n_frames:
-        click.echo(f"Warning: the gel was {seen.reason}.", err=True)
+        echo(f"Warning: the gel was {seen.reason}.", err=True)
     speed = ""
     if stats.host_s and driver.options.speed == "max":
         speed = f", {stats.sensor_s / stats.host_s:.1f} times as fast as recorded"
-    click.echo(
+    echo(
         f"Played {stats.sensor_s:.1f} s, {stats.events:,} events{speed}. The pad is neutral.",
         err=True,
     )
@@ -72,4 +70,4 @@ def play(
 def announce(sentence: str) -> None:
     """Tells the person a sentence on the standard error."""
     with suppress(OSError):  # the terminal has gone, or the disk that keeps it is full
-        click.echo(sentence, err=True)
+        echo(sentence, err=True)

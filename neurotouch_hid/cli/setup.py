@@ -9,6 +9,7 @@ from typing import Final
 
 import click
 
+from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.resources import find_resources
 
@@ -46,19 +47,19 @@ def command(dry_run: bool, uninstall: bool, yes: bool) -> None:
             hint="Nothing is to be done. See: systemctl status neurotouch",
         )
     files = _list_files()
-    click.echo("This will be taken away:" if uninstall else "This will be installed:")
+    echo("This will be taken away:" if uninstall else "This will be installed:")
     for source, target in files.items():
-        click.echo(f"  {target}\n    {_MEANING[source.name]}")
+        echo(f"  {target}\n    {_MEANING[source.name]}")
     script = _remove(files) if uninstall else _install(files)
-    click.echo("by these commands, as root:")
+    echo("by these commands, as root:")
     for line in script:
-        click.echo(f"  {line}")
+        echo(f"  {line}")
     if dry_run:
         return
     if not yes:
         click.confirm("Go on?", abort=True)
     _run_as_root(script)
-    click.echo(
+    echo(
         "Done. A camera that is plugged in stays open to you until it is unplugged."
         if uninstall
         else "Done. Check with: neurotouch doctor"

@@ -3,9 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
-from neurotouch_hid.cli.ui.output import say
+from neurotouch_hid.cli.ui.output import echo, say
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile.editing import EditedFile
@@ -21,4 +19,4 @@ def save_draft(draft: Path, text: str) -> None:
     draft.parent.mkdir(parents=True, exist_ok=True)
     draft.write_text(text, encoding="utf-8")
     say("WARNING", f"Not saved; the draft is in {draft}")
-    click.echo(f"Go on with it: neurotouch profile edit {draft.stem}")
+    echo(f"Go on with it: neurotouch profile edit {draft.stem}")

@@ -4,9 +4,7 @@ import os
 import sys
 from typing import TYPE_CHECKING
 
-import click
-
-from neurotouch_hid.cli.ui.output import is_plain
+from neurotouch_hid.cli.ui.output import echo, is_plain
 
 if TYPE_CHECKING:
     from neurotouch_hid.status import Status
@@ -20,8 +18,8 @@ def welcome() -> None:
     try:
         _describe_driver(driver.ask_status())
     except DriverError:
-        click.echo(_advise())
-    click.echo("All commands: neurotouch --help")
+        echo(_advise())
+    echo("All commands: neurotouch --help")
 
 
 def has_desktop() -> bool:
@@ -31,16 +29,16 @@ def has_desktop() -> bool:
 
 
 def _describe_driver(status: "Status") -> None:
-    click.echo(f"The driver is {status['state']}, with the profile {status['profile']}.")
-    click.echo(f"source: {status['source']}")
-    click.echo(f"pad: {status['device']}")
-    click.echo(f"gel: {status['gel']}")
+    echo(f"The driver is {status['state']}, with the profile {status['profile']}.")
+    echo(f"source: {status['source']}")
+    echo(f"pad: {status['device']}")
+    echo(f"gel: {status['gel']}")
     if status["state"] != "running":
-        click.echo("Next: neurotouch resume")
+        echo("Next: neurotouch resume")
     elif status["errors"]:
-        click.echo(f"Last error: {status['errors'][-1]['error']}. More: neurotouch status")
+        echo(f"Last error: {status['errors'][-1]['error']}. More: neurotouch status")
     else:
-        click.echo("Next: neurotouch view")
+        echo("Next: neurotouch view")
 
 
 def _advise() -> str:
