@@ -124,7 +124,14 @@ def serve_page(
         await server.run(stop)
 
     if read_address() is None:  # else the other commands go on finding the first one
-        write_address(address)
+        try:
+            write_address(address)
+        except OSError as error:
+            echo(
+                f"Warning: other commands will not find this page: {error.strerror} "
+                f"({error.filename}).",
+                err=True,
+            )
     try:
         tell(address)
         sys.stdout.flush()

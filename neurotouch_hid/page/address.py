@@ -1,5 +1,6 @@
 """Where the page of this person is served just now, for the other commands."""
 
+import errno
 import json
 import os
 from contextlib import suppress
@@ -7,6 +8,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final
 
+from neurotouch_hid.ipc import find_believed
 from neurotouch_hid.page.guard import make_ticket
 from neurotouch_hid.players import find_runtime_folder
 
@@ -49,14 +51,25 @@ def write_address(address: Address) -> Path:
     Raises:
         OSError: the file cannot be written.
     """
-    path = find_address_file()
+    part = write_secret(f"page.{os.getpid()}", json.dumps(asdict(address)))
+    return part.replace(find_address_file())
+
+
+def write_secret(name: str, text: str) -> Path:
+    """Writes a file that only this user can read, in the folder of this user's driver.
+
+    Raises:
+        OSError: it cannot be written, or the folder is a stranger's.
+    """
+    path = find_runtime_folder() / name
     path.parent.mkdir(mode=0o700, exist_ok=True)
-    part = path.with_suffix(f".{os.getpid()}")
-    part.unlink(missing_ok=True)
-    descriptor = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
+    if not find_believed(path.parent):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path.parent))
+    path.unlink(missing_ok=True)
+    # Neither a link nor a file that another user has just put there is opened.
+    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
     with os.fdopen(descriptor, "w") as file:
-        json.dump(asdict(address), file)
-    part.replace(path)
+        file.write(text)
     return path
 
 

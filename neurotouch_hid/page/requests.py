@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from neurotouch_hid.client import ask, ask_every, get_text
 from neurotouch_hid.errors import PageError, ProfileError
+from neurotouch_hid.page.address import write_secret
 from neurotouch_hid.page.edits import Changes, Wish
 from neurotouch_hid.page.guard import make_token
 from neurotouch_hid.page.outputs import list_outputs
@@ -177,11 +178,10 @@ class Requests:
             raise PageError("Only the machine itself may let in another device.")
         address = _find_own_address()
         self._token = make_token()
-        path = find_runtime_folder() / _REMOTE_FILE
-        path.parent.mkdir(mode=0o700, exist_ok=True)
-        path.unlink(missing_ok=True)
-        path.touch(mode=0o600)
-        path.write_text(self._token)
+        try:
+            path = write_secret(_REMOTE_FILE, self._token)
+        except OSError as error:
+            raise PageError(f"The secret cannot be kept: {error.strerror}.") from error
         command = ("view", "--edit", "--listen", address, "--token-file", str(path))
         await self._programs.start("remote", *command)
         asyncio.get_running_loop().call_later(REMOTE_S, self._end_remote)

@@ -19,6 +19,7 @@ from websockets.sync.client import connect
 from neurotouch_hid.errors import PageError
 from neurotouch_hid.ipc import is_own_peer
 from neurotouch_hid.page import guard
+from neurotouch_hid.page.address import write_secret
 from neurotouch_hid.page.guard import (
     HEADERS,
     MESSAGES_PER_S,
@@ -266,7 +267,7 @@ def test_nothing_else_is_served(server, path):
         [],
     ],
 )
-def test_a_page_that_looks_on_can_do_nothing(server, wish):
+def test_a_page_without_edit_can_do_nothing(server, wish):
     with enter(server) as line:
         show_token(line, server.token)
         line.send(json.dumps(wish))
@@ -511,6 +512,19 @@ def test_the_address_file_is_the_owners_alone(server):
     assert stat.S_IMODE(found.st_mode) == 0o600
     assert found.st_uid == os.geteuid()
     assert json.loads(path.read_text())["token"] == server.token
+
+
+def test_no_secret_is_written_to_a_file_of_another_user(tmp_path, monkeypatch):
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path / "run"))
+    (tmp_path / "run").mkdir()
+    (tmp_path / "read-by-all").touch(0o666)
+    (tmp_path / "run/token").symlink_to(tmp_path / "read-by-all")
+    assert write_secret("token", "x").stat().st_mode & 0o777 == 0o600
+    assert (tmp_path / "read-by-all").read_text() == ""
+    (tmp_path / "link").symlink_to(tmp_path / "run")
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path / "link"))
+    with pytest.raises(PermissionError):
+        write_secret("token", "x")
 
 
 def test_the_feed_is_the_owners_alone(driver):

@@ -89,7 +89,7 @@ CODES: Final[dict[str, Explanation]] = {
     "NT120": Explanation(
         "a character that cannot be seen",
         "Control and format characters can hide or change what a terminal shows. A description "
-        "needs none of them: write it anew, without what was copied along.",
+        "needs none of them: delete and retype it, without what was copied along.",
     ),
     "NT121": Explanation(
         "a direction without a push",
