@@ -6,7 +6,8 @@ import ipaddress
 import re
 import secrets
 import time
-from typing import Final, Protocol
+from collections import Counter
+from typing import Final, Protocol, cast
 
 from neurotouch_hid.errors import PageError
 
@@ -157,27 +158,20 @@ class Waiting:
 
     def __init__(self, most: int = MOST_WAITING) -> None:
         self._most = most
-        self._by_address: dict[str, dict[Connection, None]] = {}
-        self._count = 0
+        self._addresses: dict[Connection, str] = {}  # the oldest first
 
     def add(self, connection: Connection, address: str) -> None:
         """Takes one in; another one may have to go."""
-        self._by_address.setdefault(address, {})[connection] = None
-        self._count += 1
-        if self._count > self._most:
-            crowd = max(self._by_address, key=lambda each: len(self._by_address[each]))
-            oldest = next(iter(self._by_address[crowd]))
-            self.remove(oldest, crowd)
+        self._addresses[connection] = address
+        if len(self._addresses) > self._most:
+            crowd = Counter(self._addresses.values()).most_common(1)[0][0]
+            oldest = next(each for each, its in self._addresses.items() if its == crowd)
+            self.remove(oldest)
             oldest.drop()
 
-    def remove(self, connection: Connection, address: str) -> None:
+    def remove(self, connection: object) -> None:
         """Forgets one that has shown the token or gone. Harmless when repeated."""
-        found = self._by_address.get(address, {})
-        if connection in found:
-            del found[connection]
-            self._count -= 1
-            if not found:
-                del self._by_address[address]
+        self._addresses.pop(cast(Connection, connection), None)
 
 
 class Rate:

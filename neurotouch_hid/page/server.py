@@ -8,8 +8,9 @@ import signal
 import socket
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import Any, Final, cast
 
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.datastructures import Headers
@@ -141,18 +142,18 @@ def _explain_refusal(error: OSError, address: str | None, port: int | None) -> P
 class _Line(ServerConnection):
     """A connection that is counted from its first moment, long before it says anything."""
 
-    waiting: Waiting
-    address = ""
+    def __init__(self, waiting: Waiting, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self._waiting = waiting
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Begins: someone has connected."""
+        """Begins: the other end has connected."""
         super().connection_made(transport)
-        self.address = str(transport.get_extra_info("peername", ("",))[0])
-        self.waiting.add(self, self.address)
+        self._waiting.add(self, str(transport.get_extra_info("peername", ("",))[0]))
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Ends: it is closed."""
-        self.waiting.remove(self, self.address)
+        self._waiting.remove(self)
         super().connection_lost(exc)
 
     def drop(self) -> None:
@@ -198,7 +199,7 @@ class Server:
     async def run(self, stop: asyncio.Event) -> None:
         """Serves until ``stop`` is set."""
         looking = asyncio.create_task(self._hub.run())
-        line = type("_OurLine", (_Line,), {"waiting": self._waiting})
+        line = cast("type[ServerConnection]", partial(_Line, self._waiting))
         servers = [
             await serve(
                 self._talk,
@@ -274,8 +275,7 @@ class Server:
             if self._hub.n_clients >= MOST_CLIENTS:
                 await connection.close(1013, "too many viewers (4)")
                 return
-            if isinstance(connection, _Line):
-                self._waiting.remove(connection, connection.address)
+            self._waiting.remove(connection)
             hz = said.get("hz")
             await self._hub.serve(Client(connection), hz if isinstance(hz, int) else 30)
         except TimeoutError:

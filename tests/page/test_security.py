@@ -396,8 +396,8 @@ def test_the_oldest_of_the_address_with_the_most_goes():
     late = Stranger()
     waiting.add(late, "127.0.0.1")
     assert [each.is_dropped for each in (first, *crowd, late)] == [False, True, False, False, False]
-    waiting.remove(late, "127.0.0.1")
-    waiting.remove(late, "127.0.0.1")
+    waiting.remove(late)
+    waiting.remove(late)
     waiting.add(last := Stranger(), "192.0.2.9")
     assert not any(each.is_dropped for each in (first, *crowd[1:], last))
 
