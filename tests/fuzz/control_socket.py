@@ -1,4 +1,4 @@
-"""Questions to a service's control socket: each gets one line, and the next is answered as well."""
+"""Questions to control sockets: each gets one line of answer, and so does the next question."""
 
 import atexit
 import json
@@ -12,6 +12,7 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
+from zlib import crc32
 
 from neurotouch_hid.client import LIMIT_BYTES
 from neurotouch_hid.driver.commands import Commands
@@ -31,7 +32,7 @@ _PROFILE: Final = "version: 1\nname: mine\nbindings:\n  - {when: pinch, do: {but
 _SETTINGS: Final = {"folder": "/home/x", "user": "version: 1\n", "profiles": {"mine": _PROFILE}}
 QUESTIONS: Final[list[dict[str, Any]]] = [
     *({"command": each} for each in ("pause", "resume", "panic", "stop", "status", "record")),
-    *({"command": "use", "profile": each} for each in ("racing", "nine", "/dev/zero")),
+    *({"command": "use", "profile": each} for each in ("racing", "nine", "/dev/zero", "/x")),
     {"command": "reload"},
     {"command": "settings", **_SETTINGS},
     {"command": "settings", "folder": "/home/x", "user": None, "profiles": {}},
@@ -59,7 +60,7 @@ def check(case: bytes) -> None:
     Raises:
         AssertionError: no answer, or one that is none.
     """
-    service = _open_service()
+    service = _open_driver(is_service=crc32(case) % 2 == 0)
     answer = _exchange(service.path, case)
     assert isinstance(answer, dict), answer
     assert isinstance(answer.get("ok"), bool), answer
@@ -73,15 +74,16 @@ def check(case: bytes) -> None:
     assert service.faults == [], service.faults
 
 
-class _Service:
-    """A service without a pad, whose pipeline does nothing but obey."""
+class _Driver:
+    """A driver without a pad, whose pipeline does nothing but obey."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *, is_service: bool) -> None:
         self.faults: list[str] = []
         threading.excepthook = lambda fault: self.faults.append(repr(fault.exc_value))
         profile, user = load_profile("default"), UserSettings()
         session = Session(Pipeline.build(profile, GestureConfig(), user=user), user)
-        people = People(folder / "people", find_seated=lambda: [os.geteuid()])
+        seated = People(folder / "people", find_seated=lambda: [os.geteuid()])
+        people = seated if is_service else None
         watch = ProfileWatch(
             *("default", profile, user, session, str, lambda _new: None),
             people=people,
@@ -111,10 +113,10 @@ class _Service:
 
 
 @cache
-def _open_service() -> _Service:
+def _open_driver(*, is_service: bool) -> _Driver:
     folder = TemporaryDirectory()
     atexit.register(folder.cleanup)
-    return _Service(Path(folder.name))
+    return _Driver(Path(folder.name), is_service=is_service)
 
 
 def _exchange(path: Path, question: bytes) -> Any:
