@@ -6,10 +6,10 @@ library is imported here, so that ``neurotouch panic`` is there at once.
 """
 
 import json
+import os
 import socket
-import threading
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -117,16 +117,28 @@ def ask_every(command: str, players: Iterable[int]) -> list[Reached]:
         except DriverError as error:
             found.append(Reached(player, folder, error=error))
 
-    threads = [threading.Thread(target=send, args=each) for each in folders[1:]]
-    for thread in threads:
-        thread.start()
-    send(*folders[0])
-    for thread in threads:
-        thread.join()
+    _call_at_once(send, folders)
     reached = [each for each in found if isinstance(each, Reached)]
     if not reached:
         raise _join([each for each in found if isinstance(each, NotRunningError)])
     return sorted(reached, key=lambda each: folders.index((each.player, each.folder)))
+
+
+def _call_at_once(send: Callable[[int, Path], None], folders: list[tuple[int, Path]]) -> None:
+    """Calls a function for each folder; for those with a socket at the same time."""
+    others = [each for each in folders if os.path.lexists(find_socket(each[1]))][1:]
+    threads = []
+    if others:  # a panic must be there at once, and mostly there is one driver
+        from threading import Thread  # noqa: PLC0415
+
+        threads = [Thread(target=send, args=each) for each in others]
+    for thread in threads:
+        thread.start()
+    for each in folders:
+        if each not in others:
+            send(*each)
+    for thread in threads:
+        thread.join()
 
 
 def get_text(answer: Answer) -> str:
