@@ -41,9 +41,11 @@ while True:
 def listen_as_nobody(path: Path, answer: dict, kind: str = "SOCK_STREAM"):
     program = ["/usr/bin/python3", "-c", LISTEN_AS_NOBODY, str(path), json.dumps(answer), kind]
     with subprocess.Popen(program, stdout=subprocess.PIPE) as process:
-        assert process.stdout.readline() == b"ready\n"
-        yield
-        process.kill()
+        try:
+            assert process.stdout.readline() == b"ready\n"
+            yield
+        finally:
+            process.kill()
 
 
 @pytest.fixture
