@@ -521,6 +521,12 @@ def test_no_secret_is_written_to_a_file_of_another_user(tmp_path, monkeypatch):
     (tmp_path / "run/token").symlink_to(tmp_path / "read-by-all")
     assert write_secret("token", "x").stat().st_mode & 0o777 == 0o600
     assert (tmp_path / "read-by-all").read_text() == ""
+    (tmp_path / "run/late").symlink_to(tmp_path / "read-by-all")
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "unlink", lambda *_, **__: None)  # it was made a moment later
+        with pytest.raises(FileExistsError):
+            write_secret("late", "x")
+    assert (tmp_path / "read-by-all").read_text() == ""
     (tmp_path / "link").symlink_to(tmp_path / "run")
     monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path / "link"))
     with pytest.raises(PermissionError):
