@@ -20,16 +20,21 @@ The exit codes of the command line::
 The command line adds 0 (done), 2 (wrong usage) and 130 (Ctrl-C before the work was done).
 """
 
+from neurotouch_hid.printable import make_lines_printable
+
 
 class NeuroTouchError(Exception):
-    """A failure with one clear sentence for the user and, if there is one, a fix."""
+    """A failure with one clear sentence for the user and, if there is one, the way out.
+
+    Whatever the sentence quotes is made printable here, once for all places that show it.
+    """
 
     exit_code = 1
 
     def __init__(self, message: str, *, hint: str | None = None) -> None:
-        super().__init__(message)
-        self.message = message
-        self.hint = hint
+        self.message = make_lines_printable(message)
+        self.hint = None if hint is None else make_lines_printable(hint)
+        super().__init__(self.message)
 
 
 class SourceError(NeuroTouchError):

@@ -98,6 +98,11 @@ def find_runtime_folder(player: int | None = None) -> Path:
     return list_runtime_folders(player)[0]
 
 
+def is_service_folder(folder: Path) -> bool:
+    """Returns whether a folder is that of a service, of whatever player."""
+    return folder in [SERVICE_FOLDER, *(_name_for(int(each), SERVICE_FOLDER) for each in PLAYERS)]
+
+
 def find_socket(folder: Path) -> Path:
     """Returns the control socket in a driver's folder."""
     return folder / _SOCKET
@@ -110,14 +115,15 @@ def list_runtime_folders(player: int | None = None) -> list[Path]:
         player: the player number; None means the one of the environment.
     """
     player = player or find_player()
-    folders = _list_first_folders()
-    if player == 1:
-        return folders
+    return [_name_for(player, folder) for folder in _list_first_folders()]
+
+
+def _name_for(player: int, folder: Path) -> Path:
+    """Returns what a folder of the first player is called for another one."""
     own = f"-{player}"  # which the folder of this player's service bears already
-    return [
-        folder if folder.name.endswith(own) else folder.with_name(folder.name + own)
-        for folder in folders
-    ]
+    if player == 1 or folder.name.endswith(own):
+        return folder
+    return folder.with_name(folder.name + own)
 
 
 def _list_first_folders() -> list[Path]:

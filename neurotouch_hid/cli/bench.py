@@ -8,7 +8,7 @@ import click
 
 from neurotouch_hid.cli.ui.group import LazyGroup
 from neurotouch_hid.cli.ui.options import OutFile, method_option
-from neurotouch_hid.cli.ui.output import save_json
+from neurotouch_hid.cli.ui.output import echo, save_json
 
 _SUMMARIES: Final = {
     "pointing": "Measure how well you point (ISO 9241-411).",
@@ -82,8 +82,8 @@ def command(ctx: click.Context, method: str, json_path: Path | None, long: bool)
         return
     from neurotouch_hid.evaluation.speed.benchmark import run_benchmark
 
-    result = run_benchmark(method, lambda text: click.echo(f"{text} ...", err=True), long=long)
-    click.echo(_format(result))
+    result = run_benchmark(method, lambda text: echo(f"{text} ...", err=True), long=long)
+    echo(_format(result))
     if json_path is not None:
         save_json(json_path, result)
 

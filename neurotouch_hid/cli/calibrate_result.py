@@ -3,11 +3,10 @@
 import time
 from typing import TYPE_CHECKING, Any
 
-import click
-
 from neurotouch_hid.cli.profile.saving import hand_over_saved, save_edited
 from neurotouch_hid.cli.ui.outcome import Outcome
 from neurotouch_hid.cli.ui.output import (
+    echo,
     make_calibration_stamp,
     make_stamp,
     print_json,
@@ -130,17 +129,15 @@ def undo_calibration(*, plain: bool, as_json: bool) -> None:
 
 def _say_findings(session: "CalibrationSession", before: "UserSettings") -> None:
     if session.ranges:  # else the rest may not have been measured to its end either
-        click.echo(f"Noise at rest: below {session.rest_mm:g} mm")
+        echo(f"Noise at rest: below {session.rest_mm:g} mm")
     tremor = session.tremor
     if tremor is not None:
-        click.echo(f"Tremor: {tremor.frequency_hz:.1f} Hz, {tremor.amplitude_mm:.1f} mm")
+        echo(f"Tremor: {tremor.frequency_hz:.1f} Hz, {tremor.amplitude_mm:.1f} mm")
     elif session.tremor_filter is not None:
-        click.echo("Tremor: none")
+        echo("Tremor: none")
     for name, count in session.unfinished.items():
         times = "once" if count == 1 else f"{count} times"
-        click.echo(
-            f"{MOVEMENTS[name].words}: made {times}, needs {LEAST_PEAKS}; it stays as it was"
-        )
+        echo(f"{MOVEMENTS[name].words}: made {times}, needs {LEAST_PEAKS}; it stays as it was")
     for name, range_ in session.ranges.items():
         old = getattr(before.range, name)
         was = (
@@ -149,7 +146,7 @@ def _say_findings(session: "CalibrationSession", before: "UserSettings") -> None
         if name in before.unused:
             was = "not used"
         now = f"{range_.rest:g} to {range_.full:g} mm" if range_ is not None else "not used"
-        click.echo(f"{MOVEMENTS[name].words}: was {was}, now {now}")
+        echo(f"{MOVEMENTS[name].words}: was {was}, now {now}")
 
 
 def _tell(
@@ -238,7 +235,7 @@ def _relieve(side: "WeakSide", keyboard: "Keyboard | None", *, plain: bool) -> N
         f"Let a short push do what {weak} does in the profile '{profile}', or turn that round",
     ]
     if keyboard is None:
-        click.echo(f"{weak} {size} {strong}.")
+        echo(f"{weak} {size} {strong}.")
         return
     choice = keyboard.choose(f"{weak} {size} {strong}. What do you want to do?", ways)
     if choice == 0:
@@ -252,7 +249,7 @@ def _relieve(side: "WeakSide", keyboard: "Keyboard | None", *, plain: bool) -> N
     edited.check(edited.text).require()
     done = remap(edited.text, side.weak, substitutes)
     for what in done.moved:
-        click.echo(f"For you: {what}")
+        echo(f"For you: {what}")
     for what in done.left:
         say("WARNING", f"No other gesture is free for: {what}", plain=plain)
     if done.moved:

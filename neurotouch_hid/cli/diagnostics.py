@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from neurotouch_hid.cli.ui.output import json_option, save_text
+from neurotouch_hid.cli.ui.output import echo, json_option, save_text
 from neurotouch_hid.errors import NeuroTouchError
 
 
@@ -35,11 +35,11 @@ def command(out: Path | None, force: bool, as_json: bool) -> None:
         raise NeuroTouchError(
             f"'{out}' exists already.", hint="Give another name, or --force to replace it."
         )
-    click.echo("Checking everything, about 15 seconds ...", err=True)
+    echo("Checking everything, about 15 seconds ...", err=True)
     report = gather(examine(list_checks()))
     text = json.dumps(report, indent=2) + "\n" if as_json else format_report(report)
     if out is None:
-        click.echo(text, nl=False)
+        echo(text, nl=False)
         return
     save_text(out, text)
-    click.echo(f"OK the report is in {out}. Read it before you send it.", err=True)
+    echo(f"OK the report is in {out}. Read it before you send it.", err=True)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.ui.output import json_option, paint, plain_option, print_json
+from neurotouch_hid.cli.ui.output import echo, json_option, paint, plain_option, print_json
 
 if TYPE_CHECKING:
     from neurotouch_hid.doctor import Finding
@@ -62,7 +62,7 @@ def command(
     checks = list_checks(picture, source)
     quiet = as_json or fix_script
     findings = []
-    for finding in examine(checks, tell=lambda text: click.echo(text, err=True)):
+    for finding in examine(checks, tell=lambda text: echo(text, err=True)):
         findings.append(finding)
         if not quiet:
             _show(finding, plain=plain)
@@ -80,11 +80,12 @@ def command(
 
 def _show(finding: "Finding", *, plain: bool) -> None:
     status = paint(f"{finding.status:<8}", _COLOURS[finding.status], plain=plain)
-    click.echo(f"{status} {finding.check}: {finding.sentence}")
+    echo(f"{status} ", nl=False)
+    echo(f"{finding.check}: {finding.sentence}")
     if finding.fix:
-        click.echo(f"         Fix: {finding.fix}")
+        echo(f"         Fix: {finding.fix}")
     for line in finding.commands:
-        click.echo(f"           {line}")
+        echo(f"           {line}")
 
 
 def _write_script(findings: "list[Finding]") -> str:
@@ -119,10 +120,8 @@ def _try_keys() -> "Finding":
     if not sys.stdin.isatty():
         return replace(skip("They can only be tried in a terminal."), check=name)
     if find_driver() is not None:
-        click.echo(
-            "The running driver reacts to them too; to continue: neurotouch resume", err=True
-        )
-    finding = try_chords(lambda text: click.echo(text, err=True), _wait_or_skip)
+        echo("The running driver reacts to them too; to continue: neurotouch resume", err=True)
+    finding = try_chords(lambda text: echo(text, err=True), _wait_or_skip)
     return replace(finding, check=name)
 
 

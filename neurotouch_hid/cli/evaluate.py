@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from neurotouch_hid.cli.ui.options import MethodName, OutFile, rate_option
-from neurotouch_hid.cli.ui.output import save_json
+from neurotouch_hid.cli.ui.output import echo, save_json
 
 
 @click.command(
@@ -85,11 +85,11 @@ def command(
     def tell(path: Path) -> None:
         nonlocal done
         done += 1
-        click.echo(f"{done} of {len(files) * len(methods)}: {path}", err=True)
+        echo(f"{done} of {len(files) * len(methods)}: {path}", err=True)
 
     for method in methods:
         if len(methods) > 1:
-            click.echo(f"Method {method}", err=True)
+            echo(f"Method {method}", err=True)
         options = replace(REFERENCE, method=method, rate_hz=rate_hz)
         evaluations[method] = evaluate_files(files, options, jobs=jobs, progress=tell)
     reports = {method: evaluation.report() for method, evaluation in evaluations.items()}
@@ -97,11 +97,11 @@ def command(
     if json_path is not None:
         save_json(json_path, combine_reports(reports, origin))
     if report_path is not None:
-        write_report(report_path, evaluations, origin, lambda doing: click.echo(doing, err=True))
-    click.echo(f"{origin} {origin.program}, {origin.date}.")
+        write_report(report_path, evaluations, origin, lambda doing: echo(doing, err=True))
+    echo(f"{origin} {origin.program}, {origin.date}.")
     for name, report in reports.items():
         if len(reports) > 1:
-            click.echo(f"\nmethod {name}")
-        click.echo(format_table(report))
+            echo(f"\nmethod {name}")
+        echo(format_table(report))
     if report_path is not None:
-        click.echo(f"\nThe report is in {report_path / 'report.html'}.")
+        echo(f"\nThe report is in {report_path / 'report.html'}.")

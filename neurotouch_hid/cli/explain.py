@@ -3,7 +3,7 @@
 import click
 
 from neurotouch_hid.cli.ui.completing import complete_code
-from neurotouch_hid.cli.ui.output import json_option, print_json
+from neurotouch_hid.cli.ui.output import echo, json_option, print_json
 
 
 @click.command(
@@ -20,8 +20,8 @@ def command(code: str | None, as_json: bool) -> None:
         print_json([{"code": key, "title": e.title, "text": e.text} for key, e in chosen.items()])
     elif code is not None:
         explanation = explain(code)
-        click.echo(f"{code.upper()}: {explanation.title}")
-        click.echo(explanation.text)
+        echo(f"{code.upper()}: {explanation.title}")
+        echo(explanation.text)
     else:
         for key, explanation in CODES.items():
-            click.echo(f"{key}: {explanation.title}")
+            echo(f"{key}: {explanation.title}")

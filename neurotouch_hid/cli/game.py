@@ -2,6 +2,8 @@
 
 import click
 
+from neurotouch_hid.cli.ui.output import echo
+
 
 @click.command(
     epilog="\b\nExamples:\n"
@@ -18,14 +20,13 @@ def command(open_browser: bool, port: int | None) -> None:
     itself. The key P pauses and resumes the driver. Ctrl-C ends the page's server; if 'neurotouch
     view' or a demo serves the page already, this command only opens it.
     """
-    from neurotouch_hid.cli.view import serve_page, show_link
+    from neurotouch_hid.cli.view import open_page, serve_page
     from neurotouch_hid.page.address import Address, read_address
 
     def tell(address: Address) -> None:
-        link = address.link("game")
-        click.echo(f"Spacecraft: {link}")
+        echo(f"Spacecraft: {address.link('game')}")
         if open_browser:
-            show_link(link)
+            open_page(address, "game")
 
     address = read_address()
     if address is not None:

@@ -11,6 +11,7 @@ import click
 from neurotouch_hid import __version__
 from neurotouch_hid.cli.ui.group import LazyGroup
 from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.printable import make_lines_printable
 from neurotouch_hid.process.interrupts import EXIT_INTERRUPTED, handle_interrupts
 
 _SUMMARIES = {
@@ -158,7 +159,7 @@ def _find_context(words: list[str]) -> click.Context:
 
 def _tell(message: str, hint: str | None, exit_code: int) -> int:
     """Prints an error and its fix; returns the exit code."""
-    click.echo(f"Error: {message}", err=True)
+    click.echo(make_lines_printable(f"Error: {message}"), err=True)
     if hint:
-        click.echo(f"Fix: {hint}", err=True)
+        click.echo(make_lines_printable(f"Fix: {hint}"), err=True)
     return exit_code

@@ -3,7 +3,8 @@
 import click
 
 from neurotouch_hid.cli.ui.options import Finite
-from neurotouch_hid.cli.ui.output import plain_option
+from neurotouch_hid.cli.ui.output import echo, plain_option
+from neurotouch_hid.printable import make_printable
 
 PICTURE_HZ = 12
 LOOK_S = 0.25
@@ -43,7 +44,7 @@ def command(plain: bool, as_json: bool, seconds: float | None) -> None:
     listener.want(PICTURE_HZ)
     if listener.connect() is None:
         text = f"No driver is running; waiting for one (Ctrl-C stops). {explain_start()}"
-        click.echo(text, err=True)
+        echo(text, err=True)
     while (peer := listener.connect()) is None:
         if time.monotonic() >= end:
             raise NotRunningError("No driver has started.", hint=explain_start())
@@ -57,17 +58,18 @@ def command(plain: bool, as_json: bool, seconds: float | None) -> None:
             continue
         head = read_head(state)
         if as_json:
-            click.echo(json.dumps(head, ensure_ascii=False))
+            echo(json.dumps(head, ensure_ascii=False))
         elif plain:
             for line in writer.write(head, time.monotonic()):
-                click.echo(line)
+                echo(line)
         else:
             columns, rows = shutil.get_terminal_size()
-            lines = [line[: columns - 1] for line in draw_picture(head)[: rows - 1]]
+            drawn = map(make_printable, draw_picture(head)[: rows - 1])
+            lines = [line[: columns - 1] for line in drawn]
             lines += [""] * (height - len(lines))
             up = f"\x1b[{height}A" if height else ""
             height = len(lines)
             click.echo(up + "".join(f"\r{line}\x1b[K\n" for line in lines), nl=False)
     listener.close()
     if left_s > 0.0:
-        click.echo("The driver has ended.", err=True)
+        echo("The driver has ended.", err=True)

@@ -15,7 +15,7 @@ from neurotouch_hid.cli.ui.options import (
     source_option,
     speed_option,
 )
-from neurotouch_hid.cli.ui.output import save_json
+from neurotouch_hid.cli.ui.output import echo, save_json
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
@@ -100,11 +100,11 @@ def command(
     test = Pointing(dwell=select == "dwell", targets=int(targets))
     is_simulated = simulated or find_source_kind(source) is SourceKind.SIMULATION
     if is_simulated:
-        click.echo(_SIMULATED)
+        echo(_SIMULATED)
     if simulated:
         perform_pointing(test, Mapping(load_profile(name), user), seed)
         for number, trial in enumerate(test.trials, 1):
-            click.echo(_describe(number, test.total, trial))
+            echo(_describe(number, test.total, trial))
     else:
         with open_silent_driver(source, speed, seed, method, profile=name) as driver:
             pads = (step.pad for step in driver.steps())
@@ -112,16 +112,16 @@ def command(
     figures = measure_pointing(test.trials)
     head = {"version": 1, "simulated": is_simulated, "profile": name, "select": select}
     result = {**head, "source": "subject" if simulated else source, **figures}
-    click.echo("\n".join(_format(result, test.total)))
+    echo("\n".join(_format(result, test.total)))
     if json_path is not None:
         save_json(json_path, result)
     if before is not None:
         for key in ("simulated", "select"):
             if before.get(key) != result[key]:
-                click.echo(f"WARNING: '{key}' differs; comparing the two means little.")
+                echo(f"WARNING: '{key}' differs; comparing the two means little.")
         mark = "SIMULATED " if is_simulated else ""
         for line in compare_results(before, result):
-            click.echo(f"{mark}{line}")
+            echo(f"{mark}{line}")
 
 
 def _play(test: "Pointing", pads: Iterator["GamepadState"], *, guided: bool) -> None:
@@ -130,12 +130,12 @@ def _play(test: "Pointing", pads: Iterator["GamepadState"], *, guided: bool) -> 
 
     keyboard = Keyboard() if guided else None
     if guided:
-        click.echo("Enter = begin the next trial, Q = stop and measure the finished ones.")
+        echo("Enter = begin the next trial, Q = stop and measure the finished ones.")
     asked, told_us = -1, 0
     for pad in pads:
         if not test.is_running and asked != len(test.trials):
             asked, told_us = len(test.trials), pad.t_us
-            click.echo(_ask(test))
+            echo(_ask(test))
         key = "" if keyboard is None else keyboard.poll()
         if key is not None and key.lower() == "q":
             return
@@ -143,13 +143,13 @@ def _play(test: "Pointing", pads: Iterator["GamepadState"], *, guided: bool) -> 
             test.begin()
         trial = test.update(pad)
         if trial is not None:
-            click.echo(_describe(len(test.trials), test.total, trial))
+            echo(_describe(len(test.trials), test.total, trial))
             if test.is_over:
                 return
         elif test.is_running and guided and pad.t_us - told_us >= _TOLD_US:
             told_us = pad.t_us
-            click.echo(_tell_way(test))
-    click.echo(f"The source has ended after {len(test.trials)} of {test.total} targets.")
+            echo(_tell_way(test))
+    echo(f"The source has ended after {len(test.trials)} of {test.total} targets.")
 
 
 def _ask(test: "Pointing") -> str:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 import click
 
 from neurotouch_hid.cli.ui.options import Finite
-from neurotouch_hid.cli.ui.output import json_option, plain_option, print_json, say
+from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_json, say
 from neurotouch_hid.errors import NeuroTouchError, NotRunningError, RecordingError, SourceError
 from neurotouch_hid.partial_file import is_plain
 from neurotouch_hid.vocabulary import SourceKind, find_source_kind
@@ -97,7 +97,7 @@ def command(
         opened = _open(stack, source, "max" if seconds or whole else "recorded", seed)
         stack.callback(_restore_signals)  # before the source is closed: that may hang
         recorder = Recorder(RecordingWriter(out, in_place=True))
-        click.echo(f"Recording {opened.name} to {out}. Ctrl-C ends.", err=True)
+        echo(f"Recording {opened.name} to {out}. Ctrl-C ends.", err=True)
         with _Progress(recorder, out, plain=plain or not sys.stderr.isatty()):
             try:
                 with _until_interrupted():

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
+from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.closing import Closing
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def command() -> None:
 
     def announce(sentence: str) -> None:
         with suppress(OSError):  # the terminal has gone
-            click.echo(sentence, err=True)
+            echo(sentence, err=True)
 
     players = [find_player()] if PLAYER in os.environ else [int(name) for name in PLAYERS]
     stop = stop_on_signals()

@@ -10,6 +10,7 @@ from typing import Final
 
 import click
 
+from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.resources import find_resources
 
@@ -47,18 +48,18 @@ def command(dry_run: bool, uninstall: bool, yes: bool) -> None:
             hint="There is nothing to do. See: systemctl status neurotouch",
         )
     files = _list_files()
-    click.echo("These files will be removed:" if uninstall else "These files will be installed:")
+    echo("These files will be removed:" if uninstall else "These files will be installed:")
     for source, target in files.items():
-        click.echo(f"  {target}\n    {_MEANING[source.name]}")
+        echo(f"  {target}\n    {_MEANING[source.name]}")
     script = _remove(files) if uninstall else _install(files)
-    click.echo("with these commands, as root:")
-    click.echo(indent("\n".join(script), "  "))
+    echo("with these commands, as root:")
+    echo(indent("\n".join(script), "  "))
     if dry_run:
         return
     if not yes:
         click.confirm("Continue?", abort=True)
     _run_as_root(script)
-    click.echo(
+    echo(
         "Done. A camera that is plugged in stays open to you until it is unplugged."
         if uninstall
         else "Done. Check with: neurotouch doctor"

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from neurotouch_hid.cli.ui.options import Finite
+from neurotouch_hid.cli.ui.output import echo
 
 
 @click.command(
@@ -51,9 +52,9 @@ def command(out: Path, users: int, minutes: float, seed: int, gel: str, force: b
         if percent >= told["percent"] + step:
             told["percent"] = percent
             spent = time.monotonic() - begun
-            click.echo(f"{percent:3d} %  {progress.path.name}  {spent:.0f} s", err=True)
+            echo(f"{percent:3d} %  {progress.path.name}  {spent:.0f} s", err=True)
 
     gels = [name for name in ELASTICITIES if gel in (name, "both")]
     paths = write_dataset(out, users, minutes, seed, tell, gels, replace=force)
     size_mb = sum(path.stat().st_size for path in paths) / 1e6
-    click.echo(f"{len(paths)} recordings with labels, {size_mb:.0f} MB, are in {out}.")
+    echo(f"{len(paths)} recordings with labels, {size_mb:.0f} MB, are in {out}.")

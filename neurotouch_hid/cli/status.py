@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.ui.output import json_option, print_json
+from neurotouch_hid.cli.ui.output import echo, json_option, print_json
 
 if TYPE_CHECKING:
-    from neurotouch_hid.client import Fatigue, Status
+    from neurotouch_hid.status import Fatigue, Status
 
 _STATES = {
     "running": "OK: running",
@@ -46,9 +46,9 @@ def command(verbose: bool, as_json: bool) -> None:
     if as_json:
         print_json(status)
         return
-    click.echo("\n".join(_list_facts(status)))
+    echo("\n".join(_list_facts(status)))
     if verbose:
-        click.echo("\n".join(_list_times(status)))
+        echo("\n".join(_list_times(status)))
 
 
 def _list_facts(status: "Status") -> list[str]:

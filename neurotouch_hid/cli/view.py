@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 
 if TYPE_CHECKING:
@@ -61,31 +62,31 @@ def command(
     token = _read_token(token_file) if token_file is not None else None
 
     def tell(address: "Address") -> None:
-        click.echo(f"Page: {address.link()}")
-        click.echo(f"Live view: {address.link('live')}")
-        click.echo(f"Spacecraft: {address.link('game')}")
+        echo(f"Page: {address.link()}")
+        echo(f"Live view: {address.link('live')}")
+        echo(f"Spacecraft: {address.link('game')}")
         if listen is not None:
             far = address.url.replace("127.0.0.1", f"[{listen}]" if ":" in listen else listen)
-            click.echo(f"From other machines: {far}#k=TOKEN, with the content of {token_file}")
+            echo(f"From other machines: {far}#k=TOKEN, with the content of {token_file}")
         if open_browser:
-            show_link(address.link())
+            open_page(address)
 
     served = read_address() if open_browser and listen is None and port is None else None
     if served is not None and served.may_edit >= edit:  # the icon again, or a demo
-        show_link(served.link())
-        click.echo(f"Page: {served.link()}")
+        open_page(served)
+        echo(f"Page: {served.link()}")
         return
     serve_page(
         tell, edit=edit, port=port, listen=listen, token=token, until_stdin_ends=until_stdin_ends
     )
 
 
-def show_link(link: str) -> None:
-    """Opens a link in the browser; if that is impossible, prints a message."""
+def open_page(address: "Address", page: str = "") -> None:
+    """Opens a page in the browser; where that is impossible, says so."""
     from neurotouch_hid.cli.ui.browser import open_link
 
-    if not open_link(link):
-        click.echo("No browser can be opened from here: open the link yourself.", err=True)
+    if not open_link(address.link_for_browser(page)):
+        echo("No browser can be opened from here: open the link yourself.", err=True)
 
 
 def serve_page(
@@ -127,7 +128,14 @@ def serve_page(
         await server.run(stop)
 
     if read_address() is None:  # else the other commands go on finding the first one
-        write_address(address)
+        try:
+            write_address(address)
+        except OSError as error:
+            echo(
+                f"Warning: other commands will not find this page: {error.strerror} "
+                f"({error.filename}).",
+                err=True,
+            )
     try:
         tell(address)
         sys.stdout.flush()

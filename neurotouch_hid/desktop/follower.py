@@ -7,7 +7,7 @@ from typing import Final
 
 from neurotouch_hid.desktop.window import ActiveWindow
 from neurotouch_hid.errors import DesktopError
-from neurotouch_hid.files.faults import make_printable
+from neurotouch_hid.printable import make_printable
 
 POLL_S: Final = 0.5
 AGAIN_S: Final = 5.0

@@ -210,7 +210,9 @@ class GelView:
             return camera.name, camera
         stack.callback(line.close)
         line.settimeout(2 * LOOK_S)
-        return f"the running driver ({answer['source']})", receive_packets(line)
+        return f"the running driver ({answer.get('source', 'unknown source')})", receive_packets(
+            line
+        )
 
     def _save(self, frame: Frame, gel: _Gel) -> str:
         """Saves the picture, and returns a sentence with its path.

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, cast
 
 from neurotouch_hid import client as driver
 from neurotouch_hid.errors import DriverError
@@ -126,6 +126,6 @@ def _list_names(folder: Path) -> Iterator[str]:
 def find_driver() -> dict[str, Any] | None:
     """Returns the running driver's status; None if none runs or it does not answer."""
     try:
-        return driver.ask("status")
+        return cast("dict[str, Any]", driver.ask_status())
     except DriverError:
         return None

@@ -11,7 +11,7 @@ from neurotouch_hid.driver.broadcast import Broadcast
 from neurotouch_hid.driver.profile_watch import ProfileWatch
 from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.errors import DriverError, NeuroTouchError
-from neurotouch_hid.files.faults import make_printable
+from neurotouch_hid.printable import make_printable
 from neurotouch_hid.runtime.command_queue import CommandName
 from neurotouch_hid.runtime.pipeline_control import PipelineControl
 from neurotouch_hid.snapshot import PadFacts

@@ -17,12 +17,16 @@ from neurotouch_hid.client import LIMIT_BYTES, REQUEST_S, Answer, is_served
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.driver.admission import Guests, is_admitted
 from neurotouch_hid.errors import AlreadyRunningError, DriverError
-from neurotouch_hid.ipc import find_peer, listen_at
+from neurotouch_hid.ipc import find_peer, listen_at, read_object
 from neurotouch_hid.players import find_socket
 
 MAX_CLIENTS: Final = 8
 
-_BACKLOG: Final = 64
+_BACKLOG: Final = 1024
+"""Clients in the kernel's queue: a crowd of strangers must not fill it."""
+
+_REFUSED_S: Final = 0.2
+"""For so long a refused user is refused unread: asking logind each time would hold up the queue."""
 
 Answerer = Callable[[dict[str, Any], int], Answer]
 """Answers a question of a user in the time that ``client`` promises; may be called from several
@@ -57,6 +61,7 @@ class ControlSocket(Closing):
         self.has_guests = find_guests is not None
         self._find_guests = find_guests or frozenset
         self._places = threading.BoundedSemaphore(MAX_CLIENTS)
+        self._refused: dict[int, float] = {}
         self._closed = False
         try:
             _prepare_folder(folder, open_to_all=find_guests is not None)
@@ -106,10 +111,20 @@ class ControlSocket(Closing):
                 time.sleep(0.1)  # too many files are open: the next one may find a place
                 continue
             uid = find_peer(client)
-            if not self.admits(uid):
+            if not self._admits_quickly(uid):
                 _refuse(client, _fail("This driver belongs to another user."))
             elif not self._begin(client, uid):
                 _refuse(client, _fail("The driver is busy with other questions.", busy=True))
+
+    def _admits_quickly(self, uid: int) -> bool:
+        """Returns the same as ``admits``, where a refusal stands for a moment."""
+        now_s = time.monotonic()
+        if now_s < self._refused.get(uid, 0.0):
+            return False
+        if self.admits(uid):
+            return True
+        self._refused[uid] = now_s + _REFUSED_S
+        return False
 
     def _begin(self, client: socket.socket, uid: int) -> bool:
         """Talks to a client in a thread; False if there is no place for it, or no thread."""
@@ -233,12 +248,9 @@ def _read_question(client: socket.socket) -> dict[str, Any] | str:
         text += piece
         if len(text) > LIMIT_BYTES:
             return f"The question is longer than {LIMIT_BYTES // 1024} kB."
-    try:
-        question = json.loads(text.split(b"\n", 1)[0])
-    except (ValueError, RecursionError):
-        return "The question is not a line of JSON."
-    if not isinstance(question, dict) or not isinstance(question.get("command"), str):
-        return "The question is no JSON object with a 'command'."
+    question = read_object(text.split(b"\n", 1)[0])
+    if question is None or not isinstance(question.get("command"), str):
+        return "The question is no line with a JSON object that has a 'command'."
     return question
 
 

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Final, Literal
 
+from neurotouch_hid.printable import make_printable
+
 SHOWN_FAULTS: Final = 20
 SHOWN_COLUMNS: Final = 100
 _LINE_BREAK: Final = re.compile("\r\n|[\r\n\x85\u2028\u2029]")  # what the YAML reader counts
@@ -51,11 +53,6 @@ def format_path(keys: Iterable[str | int]) -> str:
     """Returns the keys that lead to a place, ``("bindings", 0, "do")`` as ``bindings[0].do``."""
     path = "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in keys)
     return make_printable(path.removeprefix("."))
-
-
-def make_printable(text: str) -> str:
-    """Returns the text in one line, with nothing in it that could move a terminal's cursor."""
-    return "".join(char if char.isprintable() else " " if char == "\t" else "�" for char in text)
 
 
 def suggest(word: str, known: Sequence[str]) -> str:

@@ -10,6 +10,7 @@ from neurotouch_hid.geometry import LATTICE_MM, PITCH_MM, fit_rig
 from neurotouch_hid.messages import Axis, Button, GamepadState, GestureKind, Step
 from neurotouch_hid.monitor.output import Writable
 from neurotouch_hid.monitor.sentence import describe_gesture, describe_pad
+from neurotouch_hid.printable import make_printable
 from neurotouch_hid.profile import MappingDecision
 
 PICTURE_HZ = 12.0
@@ -106,7 +107,7 @@ class PictureMonitor:
         if self._step is None:
             return
         columns = shutil.get_terminal_size().columns  # a longer line would be two, and scroll
-        lines = [line[:columns] for line in draw_step(self._step, self._title)]
+        lines = [make_printable(line[:columns]) for line in draw_step(self._step, self._title)]
         up = f"\x1b[{self._height}A" if self._height else ""
         self._height = len(lines)
         self._out.write(up + "".join(f"\r{line}\x1b[K\n" for line in lines))

@@ -1,5 +1,6 @@
 """Address of this person's running page server, for the other commands."""
 
+import errno
 import json
 import os
 from contextlib import suppress
@@ -8,6 +9,8 @@ from pathlib import Path
 from typing import Final
 
 from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
+from neurotouch_hid.ipc import find_believed
+from neurotouch_hid.page.guard import make_ticket
 from neurotouch_hid.players import find_runtime_folder
 
 FILE: Final = "page.json"
@@ -33,6 +36,10 @@ class Address:
         """Returns the link that opens a page: browsers never send its fragment, the secret."""
         return f"{self.url}{page}#k={self.token}"
 
+    def link_for_browser(self, page: str = "") -> str:
+        """Returns the same for a program that is started with it: no secret is in it."""
+        return f"{self.url}open/{make_ticket(self.token)}/{page}"
+
 
 def find_address_file() -> Path:
     """Returns the file with the address; only its owner can read it."""
@@ -45,14 +52,25 @@ def write_address(address: Address) -> Path:
     Raises:
         OSError: the file cannot be written.
     """
-    path = find_address_file()
+    part = write_secret(f"page.{os.getpid()}", json.dumps(asdict(address)))
+    return part.replace(find_address_file())
+
+
+def write_secret(name: str, text: str) -> Path:
+    """Writes a file that only this user can read, in the folder of this user's driver.
+
+    Raises:
+        OSError: it cannot be written, or the folder is a stranger's.
+    """
+    path = find_runtime_folder() / name
     path.parent.mkdir(mode=0o700, exist_ok=True)
-    part = path.with_suffix(f".{os.getpid()}")
-    part.unlink(missing_ok=True)
-    descriptor = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
+    if not find_believed(path.parent):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path.parent))
+    path.unlink(missing_ok=True)
+    # Neither a link nor a file that another user has just put there is opened.
+    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
     with os.fdopen(descriptor, "w") as file:
-        json.dump(asdict(address), file)
-    part.replace(path)
+        file.write(text)
     return path
 
 

@@ -1,16 +1,16 @@
 """Saves changes from the page: bindings of the active profile, with their marks and curves."""
 
-import math
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from neurotouch_hid.client import ask
+from neurotouch_hid.client import ask, get_text
 from neurotouch_hid.errors import DriverError, NotRunningError, ProfileError
 from neurotouch_hid.handover import hand_over
 from neurotouch_hid.page.profile_view import Place, is_editable, list_places
+from neurotouch_hid.page.reading import read_number
 from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_unused
 from neurotouch_hid.profile.diagnostics import describe_target, describe_when
 from neurotouch_hid.profile.editing import (
@@ -82,6 +82,7 @@ class Changes:
 
         Raises:
             ProfileError: there is no such mark, or the value is not possible; nothing has changed.
+            PageError: the value is not a number; nothing has changed.
             DriverError: it is saved, but the running driver does not use it.
         """
         edited = self._take(path)
@@ -132,7 +133,7 @@ class Changes:
         stem, _, _ = make_favourite(name, self._stamp)
         said = _hand_over()
         with suppress(NotRunningError):
-            said = str(ask("use", profile=stem)["text"])
+            said = get_text(ask("use", profile=stem))
         return said
 
     def copy(self, template: str) -> str:
@@ -211,7 +212,7 @@ def _write(text: ProfileText, place: Place, mark: str, value: Any) -> ProfileTex
         raise ProfileError("There is no such mark.")
     if mark == "points":
         return set_value(text, f"{place.key}.curve", {"points": _read_points(value)})
-    number = _read_number(value)
+    number = read_number(value)
     if mark in ("on_mm", "off_mm"):
         return set_value(text, f"{place.key}.{mark}", round(number, 1))
     if mark in ("rest", "full"):
@@ -225,16 +226,10 @@ def _write(text: ProfileText, place: Place, mark: str, value: Any) -> ProfileTex
     return set_value(text, f"{place.key}.curve", {mark: round(number, 2)})
 
 
-def _read_number(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise ProfileError("A mark needs a finite number.")
-    return float(value)
-
-
 def _read_points(value: Any) -> list[list[float]]:
     if not isinstance(value, list) or not 1 <= len(value) <= 16:
         raise ProfileError("A curve needs 1 to 16 points.")
     for point in value:
         if not isinstance(point, list) or len(point) != 2:
             raise ProfileError("A point of a curve needs two numbers, [x, y].")
-    return [[round(_read_number(x), 2), round(_read_number(y), 2)] for x, y in value]
+    return [[round(read_number(x), 2), round(read_number(y), 2)] for x, y in value]

@@ -1,16 +1,21 @@
 """Access rules of the page's server: host, origin, token, and limits on clients and messages."""
 
+import hashlib
+import hmac
 import ipaddress
 import re
 import secrets
 import time
-from typing import Final
+from collections import Counter
+from typing import Final, Protocol, cast
 
 from neurotouch_hid.errors import PageError
 
 MOST_CLIENTS: Final = 4
-MOST_CONNECTIONS: Final = 12
-"""Limits: clients, clients that have not yet sent their token, and clients that fetch a file."""
+"""Those who have shown the token. Nobody else can take these places."""
+
+MOST_WAITING: Final = 256
+"""Connections that have not shown the token yet, or fetch a file. Beyond it the oldest one goes."""
 
 MOST_BYTES: Final = 8 * 1024
 """The longest message a browser sends."""
@@ -20,6 +25,9 @@ MESSAGES_PER_S: Final = 250.0
 
 TOKEN_S: Final = 5.0
 """Time within which a client must send its token."""
+
+TICKET_S: Final = 60.0
+"""For so long a ticket opens the page: a browser may have to start first."""
 
 SILENCE_S: Final = 20.0
 """Interval of pings to a client; without an answer, it is dropped after twice this time."""
@@ -46,6 +54,20 @@ LOCAL: Final = ("localhost", "127.0.0.1", "[::1]")
 def make_token() -> str:
     """Returns a new secret."""
     return secrets.token_urlsafe(24)
+
+
+def make_ticket(token: str) -> str:
+    """Returns what opens the page once more within a minute, without saying the token.
+
+    Every user of the machine can read the arguments of a browser that is started, so the token must
+    not be one of them. A ticket helps only who has it and is the owner, see ``Server``.
+    """
+    return _sign(token.encode(), int(time.monotonic() + TICKET_S))
+
+
+def _sign(token: bytes, until_s: int) -> str:
+    """Returns a ticket that ends at a moment of the machine's clock since its start."""
+    return f"{until_s}-{hmac.new(token, str(until_s).encode(), hashlib.sha256).hexdigest()}"
 
 
 class Guard:
@@ -87,8 +109,21 @@ class Guard:
         return frozenset(f"http://{host}" for host in self.hosts)
 
     def knows(self, token: object) -> bool:
-        """Returns True if it is the secret; takes the same time if it is not."""
-        return isinstance(token, str) and secrets.compare_digest(token.encode(), self._token)
+        """Returns True if it is the secret; takes as long if it is not."""
+        said = token.encode("utf-8", "replace") if isinstance(token, str) else b""
+        return secrets.compare_digest(said, self._token)
+
+    def accepts(self, ticket: str) -> bool:
+        """Returns True if a ticket was made with the secret and has not ended."""
+        until_s, now_s = ticket.partition("-")[0], time.monotonic()
+        if not re.fullmatch("[0-9]{1,12}", until_s) or not ticket.isascii():
+            return False
+        is_true = secrets.compare_digest(ticket, _sign(self._token, int(until_s)))
+        return is_true and now_s <= int(until_s)
+
+    def link(self, page: str) -> str:
+        """Returns where a page is on this server, with the secret."""
+        return f"/{page}#k={self._token.decode()}"
 
 
 def _write_host(address: str) -> str:
@@ -105,6 +140,38 @@ def _write_host(address: str) -> str:
             hint="Give the address of one interface of this machine, see: ip address",
         )
     return f"[{parsed}]" if parsed.version == 6 else str(parsed)
+
+
+class Connection(Protocol):
+    """A connection that can be ended at once."""
+
+    def drop(self) -> None:
+        """Ends it."""
+
+
+class Waiting:
+    """The connections whose token has not been seen. None of them can keep a new one out.
+
+    A page shows its token as soon as it is connected, so an old one is hardly the owner's. Where
+    there are too many, the oldest one goes, of the address with the most.
+    """
+
+    def __init__(self, most: int = MOST_WAITING) -> None:
+        self._most = most
+        self._addresses: dict[Connection, str] = {}  # the oldest first
+
+    def add(self, connection: Connection, address: str) -> None:
+        """Takes one in; another one may have to go."""
+        self._addresses[connection] = address
+        if len(self._addresses) > self._most:
+            crowd = Counter(self._addresses.values()).most_common(1)[0][0]
+            oldest = next(each for each, its in self._addresses.items() if its == crowd)
+            self.remove(oldest)
+            oldest.drop()
+
+    def remove(self, connection: object) -> None:
+        """Forgets one that has shown the token or gone. Harmless when repeated."""
+        self._addresses.pop(cast(Connection, connection), None)
 
 
 class Rate:

@@ -12,11 +12,12 @@ from websockets.exceptions import ConnectionClosed
 
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.files.small_file import find_real_path
-from neurotouch_hid.ipc import HAND, connect_to
+from neurotouch_hid.ipc import HAND, connect_to, read_object
 from neurotouch_hid.page.edits import Changes
 from neurotouch_hid.page.guard import Rate
 from neurotouch_hid.page.messages import PageMessage, SituationState
 from neurotouch_hid.page.profile_view import ProfileFault, ProfileView, describe_profile
+from neurotouch_hid.page.reading import read_number
 from neurotouch_hid.page.requests import Requests
 from neurotouch_hid.page.situation import find_situation
 from neurotouch_hid.players import find_runtime_folder, find_user_file
@@ -229,13 +230,12 @@ class Hub:
 
     async def _hear(self, client: Client, message: str | bytes) -> None:
         """Carries out a browser's request; reports refused ones to the browser."""
-        try:
-            request = json.loads(message)
-        except (ValueError, RecursionError):
-            request = None
-        if not isinstance(request, dict):
+        request = read_object(message)
+        if request is None:
             client.tell(refused="The message cannot be read.")
             return
+        number = request.get("n")
+        n = number if isinstance(number, int) else None
         try:
             match request.get("do"):
                 case "rate" if isinstance(request.get("hz"), int):
@@ -247,12 +247,12 @@ class Hub:
                     client.tell(throughput=await asyncio.to_thread(_measure, request.get("trials")))
                 case _:
                     reply = await self._requests.carry_out(request, self._path)
-                    answer: PageMessage = {**reply, "n": request.get("n")}
+                    answer: PageMessage = {**reply, "n": n}
                     client.tell(**answer)
                     self._look_at_profile()
         except NeuroTouchError as error:
             hint = f" {error.hint}" if error.hint else ""
-            client.tell(refused=f"{error.message}{hint}", n=request.get("n"))
+            client.tell(refused=f"{error.message}{hint}", n=n)
             if self._about is not None:
                 client.tell(about=self._about)  # a mark that was dragged goes back
 
@@ -308,11 +308,11 @@ def _measure(trials: Any) -> "Figures":
     try:
         read = [
             Trial(
-                float(trial["width"]),
-                (float(trial["start"][0]), float(trial["start"][1])),
-                (float(trial["target"][0]), float(trial["target"][1])),
-                (float(trial["selected"][0]), float(trial["selected"][1])),
-                float(trial["movement_s"]),
+                read_number(trial["width"]),
+                (read_number(trial["start"][0]), read_number(trial["start"][1])),
+                (read_number(trial["target"][0]), read_number(trial["target"][1])),
+                (read_number(trial["selected"][0]), read_number(trial["selected"][1])),
+                read_number(trial["movement_s"]),
             )
             for trial in trials
         ]

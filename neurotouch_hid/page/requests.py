@@ -7,15 +7,17 @@ from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any, Final
 
-from neurotouch_hid.client import ask
+from neurotouch_hid.client import ask, ask_every, get_text
 from neurotouch_hid.errors import PageError, ProfileError
+from neurotouch_hid.page.address import write_secret
 from neurotouch_hid.page.edits import Changes, Wish
 from neurotouch_hid.page.guard import make_token
 from neurotouch_hid.page.messages import PageMessage, ProfileRow, ProgramNews, Remote
 from neurotouch_hid.page.output_choices import OutputGroup, list_outputs
 from neurotouch_hid.page.pictures import draw_code, take_picture
 from neurotouch_hid.page.programs import COMMANDS, Programs
-from neurotouch_hid.players import find_runtime_folder
+from neurotouch_hid.page.reading import read_word
+from neurotouch_hid.players import find_player, find_runtime_folder
 from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_user
 from neurotouch_hid.profile.reading import find_user_folder
 
@@ -92,7 +94,7 @@ class Requests:
         Raises:
             NeuroTouchError: the request fails or is not allowed.
         """
-        verb = str(request.get("do"))
+        verb = read_word(request, "do", "")
         if verb in self._looks:
             return await self._looks[verb](request, file)
         if verb not in self._changers:
@@ -108,7 +110,7 @@ class Requests:
         await self._programs.close()
 
     async def _set(self, request: Request, file: Path) -> Reply:
-        key, mark = str(request.get("key")), str(request.get("mark"))
+        key, mark = read_word(request, "key"), read_word(request, "mark")
         said = await asyncio.to_thread(self._changes.set, file, key, mark, request.get("value"))
         return {"saved": said}
 
@@ -117,43 +119,47 @@ class Requests:
 
     async def _bind(self, request: Request, file: Path) -> Reply:
         parts = ("movement", "press", "mode", "do_this", "layer", "instead")
-        wish = Wish(*(str(request.get(part) or "")[:80] for part in parts))
+        wish = Wish(*(read_word(request, part, "") for part in parts))
         return {"saved": await asyncio.to_thread(self._changes.bind, file, wish)}
 
     async def _unbind(self, request: Request, file: Path) -> Reply:
-        key = str(request.get("key"))
+        key = read_word(request, "key")
         return {"saved": await asyncio.to_thread(self._changes.unbind, file, key)}
 
     async def _use(self, request: Request, _file: Path) -> Reply:
-        name = str(request.get("profile"))
+        name = read_word(request, "profile")
         return {"saved": await asyncio.to_thread(self._changes.use, _take_name(name))}
 
     async def _copy(self, request: Request, _file: Path) -> Reply:
-        name = str(request.get("profile"))
+        name = read_word(request, "profile")
         return {"saved": await asyncio.to_thread(self._changes.copy, _take_name(name))}
 
     async def _command(self, request: Request, _file: Path) -> Reply:
-        answer = await asyncio.to_thread(ask, request["do"])
-        # The next state shows the result, beside the button that undoes it.
-        return {"saved": "" if answer.get("done") else str(answer.get("text"))}
+        """Pauses or resumes every driver of this player: the page shows the nearest one only."""
+        reached = await asyncio.to_thread(ask_every, request["do"], [find_player()])
+        for each in reached:
+            if each.error is not None:
+                raise each.error
+        # The next state says what is done, beside the button that takes it back.
+        return {"saved": "" if reached[0].is_done else reached[0].text}
 
     async def _start(self, request: Request, _file: Path) -> Reply:
-        name = str(request.get("what"))
+        name = read_word(request, "what")
         if name not in COMMANDS:
             raise PageError("There is no such program.")
         await self._programs.start(name)
         return {"started": name}
 
     async def _stop(self, request: Request, _file: Path) -> Reply:
-        name = str(request.get("what"))
-        if name == "driver":  # started from here or elsewhere
+        name = read_word(request, "what")
+        if name == "driver":  # whoever has started it
             answer = await asyncio.to_thread(ask, "stop")
-            return {"saved": str(answer.get("text"))}
+            return {"saved": get_text(answer)}
         await self._programs.stop(name)
         return {"stopped": name}
 
     async def _answer(self, request: Request, _file: Path) -> Reply:
-        self._programs.answer(str(request.get("what")), str(request.get("text"))[:80])
+        self._programs.answer(read_word(request, "what"), read_word(request, "text"))
         return {}
 
     async def _list_outputs(self, _request: Request, file: Path) -> Reply:
@@ -175,11 +181,10 @@ class Requests:
             raise PageError("Only the machine itself can give access to another device.")
         address = _find_own_address()
         self._token = make_token()
-        path = find_runtime_folder() / _REMOTE_FILE
-        path.parent.mkdir(mode=0o700, exist_ok=True)
-        path.unlink(missing_ok=True)
-        path.touch(mode=0o600)
-        path.write_text(self._token)
+        try:
+            path = write_secret(_REMOTE_FILE, self._token)
+        except OSError as error:
+            raise PageError(f"The secret cannot be kept: {error.strerror}.") from error
         command = ("view", "--edit", "--listen", address, "--token-file", str(path))
         await self._programs.start("remote", *command)
         asyncio.get_running_loop().call_later(REMOTE_S, self._end_remote)

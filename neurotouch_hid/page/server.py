@@ -3,13 +3,14 @@
 import asyncio
 import errno
 import http
-import json
+import os
 import signal
 import socket
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import Any, Final, cast
 
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.datastructures import Headers
@@ -18,20 +19,23 @@ from websockets.http11 import Request, Response
 from websockets.typing import Origin
 
 from neurotouch_hid.errors import PageError
+from neurotouch_hid.ipc import find_tcp_user, read_object
 from neurotouch_hid.page.guard import (
     HEADERS,
     LOCAL,
     MOST_BYTES,
     MOST_CLIENTS,
-    MOST_CONNECTIONS,
     SILENCE_S,
     TOKEN_S,
     Guard,
+    Waiting,
 )
 from neurotouch_hid.page.hub import Client, Hub
 
 PORT: Final = 7878
 STREAM: Final = "/stream"
+OPEN: Final = "/open/"
+"""Followed by a ticket, a slash and a page's name."""
 _OWN: Final = {"127.0.0.1", "::1"}
 STATIC: Final = Path(__file__).with_name("static")
 PAGES: Final = {
@@ -135,6 +139,28 @@ def _explain_refusal(error: OSError, address: str | None, port: int | None) -> P
     )
 
 
+class _Line(ServerConnection):
+    """A connection that is counted from its first moment, long before it says anything."""
+
+    def __init__(self, waiting: Waiting, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self._waiting = waiting
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Begins: the other end has connected."""
+        super().connection_made(transport)
+        self._waiting.add(self, str(transport.get_extra_info("peername", ("",))[0]))
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Ends: it is closed."""
+        self._waiting.remove(self)
+        super().connection_lost(exc)
+
+    def drop(self) -> None:
+        """Ends it at once, without a word."""
+        self.transport.abort()
+
+
 class Server:
     """The page's server.
 
@@ -161,7 +187,7 @@ class Server:
         is_far = any(each.getsockname()[0] not in _OWN for each in sockets)
         self._hub = Hub(edit=edit, stamp=stamp, is_far=is_far)
         self._files = _read_files()
-        self._n_connections = 0
+        self._waiting = Waiting()
 
     @property
     def url(self) -> str:
@@ -172,6 +198,7 @@ class Server:
     async def run(self, stop: asyncio.Event) -> None:
         """Serves until ``stop`` is set."""
         looking = asyncio.create_task(self._hub.run())
+        line = cast("type[ServerConnection]", partial(_Line, self._waiting))
         servers = [
             await serve(
                 self._talk,
@@ -187,6 +214,7 @@ class Server:
                 ping_interval=self._silence_s,
                 ping_timeout=self._silence_s,
                 server_header=None,
+                create_connection=line,
             )
             for each in self._sockets
         ]
@@ -200,17 +228,17 @@ class Server:
                 await server.wait_closed()
             await self._hub.close()
 
-    def _answer(self, _connection: ServerConnection, request: Request) -> Response | None:
-        """Returns a file, a refusal, or None for the WebSocket, whose Origin is then checked."""
+    def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
+        """Returns a file, a refusal, or None for the stream, whose Origin is then compared."""
         hosts = request.headers.get_all("Host")
         if len(hosts) != 1 or hosts[0] not in self._guard.hosts:
             return _reply(http.HTTPStatus.MISDIRECTED_REQUEST, b"This is not your server.\n")
         if request.path == STREAM:
             if "Origin" not in request.headers:  # browsers always send it
                 return _reply(http.HTTPStatus.FORBIDDEN, b"Missing Origin header\n")
-            if self._n_connections >= MOST_CONNECTIONS:
-                return _reply(http.HTTPStatus.SERVICE_UNAVAILABLE, b"Too many viewers.\n")
             return None
+        if request.path.startswith(OPEN):
+            return self._open(connection, *request.path.removeprefix(OPEN).partition("/")[::2])
         if request.path not in self._files:
             return _reply(http.HTTPStatus.NOT_FOUND, b"There is no such page.\n")
         kind, content = self._files[request.path]
@@ -220,26 +248,39 @@ class Server:
             del reply.headers["Cross-Origin-Opener-Policy"]
         return reply
 
+    def _open(self, connection: ServerConnection, ticket: str, page: str) -> Response:
+        """Sends the owner's browser to a page with its secret.
+
+        The kernel says whose browser it is: a ticket is in the arguments of the browser, where
+        every user of this machine can read it.
+        """
+        is_known = self._guard.accepts(ticket) and f"/{page}" in PAGES
+        here, there = connection.local_address, connection.remote_address
+        if not is_known or find_tcp_user(there, here) != os.geteuid():
+            sentence = b"Open the link that the command has printed.\n"
+            return _reply(http.HTTPStatus.FORBIDDEN, sentence)
+        reply = _reply(http.HTTPStatus.FOUND, b"")
+        reply.headers["Location"] = self._guard.link(page)
+        return reply
+
     async def _talk(self, connection: ServerConnection) -> None:
-        """Serves a client that sends the token."""
-        self._n_connections += 1
+        """Lets in who shows the token."""
         try:
             shown = await asyncio.wait_for(connection.recv(), TOKEN_S)
-            said = json.loads(shown)
-            if not isinstance(said, dict) or not self._guard.knows(said.get("token")):
+            said = read_object(shown)
+            if said is None or not self._guard.knows(said.get("token")):
                 await connection.close(1008, "the token is wrong")
                 return
             if self._hub.n_clients >= MOST_CLIENTS:
                 await connection.close(1013, "too many viewers (4)")
                 return
+            self._waiting.remove(connection)
             hz = said.get("hz")
             await self._hub.serve(Client(connection), hz if isinstance(hz, int) else 30)
-        except (TimeoutError, ValueError, RecursionError):
+        except TimeoutError:
             await connection.close(1008, "the token is missing")
         except ConnectionClosed:
             pass
-        finally:
-            self._n_connections -= 1
 
 
 def _listen(address: str, port: int) -> socket.socket:

@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from neurotouch_hid.errors import RecordingError
-from neurotouch_hid.files.faults import SHOWN_COLUMNS, make_printable
+from neurotouch_hid.files.faults import SHOWN_COLUMNS
 from neurotouch_hid.files.small_file import read_text
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, GestureKind, Truth
 from neurotouch_hid.partial_file import write_whole
+from neurotouch_hid.printable import make_printable
 from neurotouch_hid.recording.container import check_recording
 
 if TYPE_CHECKING:

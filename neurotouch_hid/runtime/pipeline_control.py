@@ -6,7 +6,6 @@ from collections import deque
 from collections.abc import Callable
 from typing import Final
 
-from neurotouch_hid.client import Fatigue, PipelineStatus, StageSpread
 from neurotouch_hid.messages import Button, Step
 from neurotouch_hid.profile import Mapping, Profile, UserSettings
 from neurotouch_hid.runtime.command_queue import Command, CommandName, CommandQueue
@@ -14,6 +13,7 @@ from neurotouch_hid.runtime.pipeline import Pipeline
 from neurotouch_hid.runtime.rates import RateMeter
 from neurotouch_hid.runtime.stage_timing import StageTimings
 from neurotouch_hid.runtime.stall_guard import STALL_S
+from neurotouch_hid.status import Fatigue, PipelineStatus, StageSpread
 
 KEPT_ERRORS: Final = 5
 

@@ -15,11 +15,12 @@ from pathlib import Path
 from typing import Any
 
 from neurotouch_hid.errors import RecordingError
-from neurotouch_hid.files.faults import SHOWN_COLUMNS, Mark, make_printable, suggest
+from neurotouch_hid.files.faults import SHOWN_COLUMNS, Mark, suggest
 from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
 from neurotouch_hid.files.yaml_document import Node, parse_document
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+from neurotouch_hid.printable import make_printable
 
 KEYS = ("centre_px", "px_per_mm", "rotation_deg", "mirrored")
 SCALE_LIMITS = (0.5, 10.0)  # px/mm: the gel 30 px wide, or only 26 mm of it in the picture

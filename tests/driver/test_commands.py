@@ -52,6 +52,15 @@ def patient(monkeypatch):
     monkeypatch.setattr("neurotouch_hid.driver.commands._WAIT_S", 60.0)
 
 
+@pytest.mark.parametrize("path", ["/tmp/\ud800.yaml", "/tmp/\x1b[2J.yaml", "/tmp/\u202e.yaml"])
+def test_after_a_path_that_cannot_be_shown_the_status_can(commands, path):
+    refused = commands.answer({"command": "use", "profile": path}, os.getuid())
+    assert refused["error"].isprintable()
+    status = commands.answer({"command": "status"}, os.getuid())
+    assert status["errors"]
+    assert all(error["error"].isprintable() for error in status["errors"])
+
+
 def test_stop_ends_the_driver_but_not_the_service(control, commands):
     ended = []
     mine = make_commands(control, commands._profiles, end=lambda: ended.append(1))

@@ -201,7 +201,7 @@ def test_what_are_no_settings_changes_nothing(people, seated, tmp_path, wrong):
 
 
 @pytest.mark.parametrize("path", ["/etc/shadow", "../people/61002/profiles/mine.yaml", "x.yaml"])
-def test_the_service_reads_no_file_that_somebody_names(service, seated, path):
+def test_the_service_reads_no_file_that_a_guest_names(service, seated, path):
     seated[:] = [ANNA]
     refused = service.ask(ANNA, command="use", profile=path)
     assert not refused["ok"]

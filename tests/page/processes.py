@@ -16,13 +16,14 @@ LIMIT_S = 180.0
 class Process:
     """A command of ours that runs until the test ends it."""
 
-    def __init__(self, folder: Path, *arguments: str, ready: str) -> None:
+    def __init__(self, folder: Path, *arguments: str, ready: str, **variables: str) -> None:
         folder.mkdir(exist_ok=True)
         self.folder = folder
         self.environment = {
             **os.environ,
             "RUNTIME_DIRECTORY": str(folder / "run"),
             "XDG_CONFIG_HOME": str(folder / "config"),
+            **variables,
         }
         self._log = folder / f"{arguments[0]}.txt"
         with self._log.open("w") as log:
@@ -88,8 +89,9 @@ class Driver(Process):
 class View(Process):
     """``neurotouch view``."""
 
-    def __init__(self, folder: Path, *arguments: str) -> None:
-        super().__init__(folder, "view", "--port", "0", *arguments, ready="Spacecraft: ")
+    def __init__(self, folder: Path, *arguments: str, **variables: str) -> None:
+        command = ("view", "--port", "0", *arguments)
+        super().__init__(folder, *command, ready="Spacecraft: ", **variables)
         self.link = re.search(r"Live view: (\S+)", self.said)[1]
         self.home = re.search(r"Page: (\S+)", self.said)[1]
         self.root, self.token = self.home.split("#k=")

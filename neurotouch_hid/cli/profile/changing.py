@@ -216,7 +216,7 @@ def use(name: str, as_json: bool, plain: bool) -> None:
 
     A running driver switches to NAME, and NAME becomes the first of your favourites.
     """
-    from neurotouch_hid.client import ask
+    from neurotouch_hid.client import ask, get_text
     from neurotouch_hid.errors import NotRunningError
     from neurotouch_hid.profile.editing import compare, make_favourite
     from neurotouch_hid.profile.reading import OWN_VALUES
@@ -226,7 +226,7 @@ def use(name: str, as_json: bool, plain: bool) -> None:
     note = effect.text
     if effect.status == "OK":
         with suppress(NotRunningError):
-            note = str(ask("use", profile=stem)["text"])
+            note = get_text(ask("use", profile=stem))
     outcome = Outcome(
         f"{stem} is the first of your favourites.",
         effect.status,

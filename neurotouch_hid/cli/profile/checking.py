@@ -8,7 +8,7 @@ import click
 
 from neurotouch_hid.cli.ui.completing import complete_profile
 from neurotouch_hid.cli.ui.outcome import report_faults, show_faults
-from neurotouch_hid.cli.ui.output import json_option, plain_option, print_json, say
+from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_json, say
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 from neurotouch_hid.errors import NeuroTouchError, ProfileError
 
@@ -120,4 +120,4 @@ def test(
         )
         return
     for moment in moments:
-        click.echo(str(moment))
+        echo(str(moment))

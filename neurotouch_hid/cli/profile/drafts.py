@@ -3,9 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
-from neurotouch_hid.cli.ui.output import say
+from neurotouch_hid.cli.ui.output import echo, say
 from neurotouch_hid.partial_file import write_whole
 
 if TYPE_CHECKING:
@@ -22,4 +20,4 @@ def save_draft(draft: Path, text: "ProfileText") -> None:
     draft.parent.mkdir(parents=True, exist_ok=True)
     write_whole(draft, text.text.encode())
     say("WARNING", f"Not saved; the draft is in {draft}")
-    click.echo(f"Go on with it: neurotouch profile edit {draft.stem}")
+    echo(f"Go on with it: neurotouch profile edit {draft.stem}")

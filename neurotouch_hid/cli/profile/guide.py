@@ -9,7 +9,7 @@ from neurotouch_hid.cli.profile.drafts import save_draft
 from neurotouch_hid.cli.profile.gel import see_gesture, try_on_gel
 from neurotouch_hid.cli.profile.saving import save_edited
 from neurotouch_hid.cli.ui.outcome import show_faults
-from neurotouch_hid.cli.ui.output import choose, is_plain, say, show_changes
+from neurotouch_hid.cli.ui.output import choose, echo, is_plain, say, show_changes
 from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
@@ -136,7 +136,7 @@ class Guide:
         number = choose("What do you want to adjust?", [*shown, "Back"])
         if number < len(questions):
             question = questions[number]
-            click.echo(question.description)
+            echo(question.description)
             path = f"{self._path(layer)}[{at}].{question.part}.{question.key}"
             self._set(path, question.choices, layer, at)
 
@@ -223,7 +223,7 @@ class Guide:
         checked = self._edited.check(text)
         if checked.whole is None:
             show_faults(checked, plain=self._plain)
-            click.echo("That does not fit, nothing has changed.")
+            echo("That does not fit, nothing has changed.")
             return
         before, self._text = self._text, text
         show_changes(compare(before, text), plain=self._plain)
@@ -247,4 +247,4 @@ class Guide:
 
         for measure, value in sample_response(binding):
             bar = "" if self._plain or is_plain() else " " + "#" * round(40 * value)
-            click.echo(f"at {measure:>8}: {100 * value:3.0f} percent{bar}")
+            echo(f"at {measure:>8}: {100 * value:3.0f} percent{bar}")

@@ -8,6 +8,7 @@ from neurotouch_hid.cli.profile.saving import hand_over_saved
 from neurotouch_hid.cli.ui.completing import complete_profile
 from neurotouch_hid.cli.ui.outcome import Outcome, report_lines
 from neurotouch_hid.cli.ui.output import (
+    echo,
     json_option,
     make_stamp,
     plain_option,
@@ -63,11 +64,11 @@ def diff(name: str, other: str | None, last: bool, as_json: bool, plain: bool) -
             }
         )
         return
-    click.echo(f"from: {base}")
-    click.echo(f"to: {path}")
+    echo(f"from: {base}")
+    echo(f"to: {path}")
     show_changes(lines, plain=plain)
     if not lines:
-        click.echo("no difference")
+        echo("no difference")
 
 
 @click.command(
@@ -100,9 +101,9 @@ def history(name: str, as_json: bool) -> None:
         words = "1 line differs" if n == 1 else f"{n} lines differ"
         difference = f"{words} from now" if n else "the same as now"
         replaced = _tell_time(str(row["replaced"]))
-        click.echo(f"version {row['version']}: replaced {replaced}, {difference}")
+        echo(f"version {row['version']}: replaced {replaced}, {difference}")
     if not rows:
-        click.echo(f"{path.stem} has never been changed")
+        echo(f"{path.stem} has never been changed")
 
 
 def _tell_time(stamp: str) -> str:
@@ -174,7 +175,7 @@ def delete(name: str, as_json: bool, plain: bool) -> None:
 
 def _list_played() -> list[str]:
     """Returns the profiles that drivers play now, and those that applications have chosen."""
-    from neurotouch_hid.client import ask
+    from neurotouch_hid.client import ask_status
     from neurotouch_hid.driver.settings import load_driver_settings
     from neurotouch_hid.errors import DriverError
     from neurotouch_hid.players import list_players
@@ -182,5 +183,5 @@ def _list_played() -> list[str]:
     played = list(load_driver_settings().profile_of.values())
     for player in list_players():
         with suppress(DriverError):
-            played.append(str(ask("status", player=player)["profile"]))
+            played.append(ask_status(player)["profile"])
     return played

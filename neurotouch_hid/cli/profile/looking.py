@@ -6,7 +6,7 @@ import textwrap
 import click
 
 from neurotouch_hid.cli.ui.completing import complete_profile
-from neurotouch_hid.cli.ui.output import json_option, plain_option, print_json
+from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_json
 
 
 @click.command(
@@ -40,15 +40,16 @@ def list_command(as_json: bool, plain: bool) -> None:
         return
     for row in rows:
         notes = ["yours" if row["own"] else "shipped"] + (["in use"] if row["in_use"] else [])
-        text = row["description"] or "it has errors, see: neurotouch profile check"
+        said = " ".join(str(row["description"]).split())
+        text = said or "it has errors, see: neurotouch profile check"
         if plain:
             wrong = "FAILED " if row["status"] != "OK" else ""
-            click.echo(f"{wrong}{row['name']}, {', '.join(notes)}: {text}")
+            echo(f"{wrong}{row['name']}, {', '.join(notes)}: {text}")
         else:
             mark = "!" if row["status"] != "OK" else "*" if row["in_use"] else " "
             head = f"{mark} {row['name']:<18} {notes[0]:<8} "
             width = shutil.get_terminal_size().columns
-            click.echo(textwrap.fill(f"{head}{text}", width, subsequent_indent=" " * len(head)))
+            echo(textwrap.fill(f"{head}{text}", width, subsequent_indent=" " * len(head)))
 
 
 @click.command(
@@ -84,9 +85,9 @@ def show(name: str, effective: bool, as_json: bool, plain: bool) -> None:
         values = {"user": user.model_dump(mode="json")} if user is not None else {}
         print_json({"file": str(path), "profile": shown, **values})
         return
-    click.echo(f"file: {path}")
+    echo(f"file: {path}")
     for line in summarize(written, user):
-        click.echo(line.strip() if plain else line)
+        echo(line.strip() if plain else line)
 
 
 def _show_values(*, as_json: bool) -> None:
@@ -99,6 +100,6 @@ def _show_values(*, as_json: bool) -> None:
     if as_json:
         print_json({"file": str(path), "user": values})
         return
-    click.echo(f"file: {path}{'' if path.exists() else ', not there yet'}")
+    echo(f"file: {path}{'' if path.exists() else ', not there yet'}")
     for key, value in values.items():
-        click.echo(f"{key}: {format_value(value)}")
+        echo(f"{key}: {format_value(value)}")

@@ -9,6 +9,7 @@ from neurotouch_hid.cli.profile.saving import hand_over_saved
 from neurotouch_hid.cli.ui.completing import complete_profile
 from neurotouch_hid.cli.ui.outcome import Outcome, confirm, show_faults
 from neurotouch_hid.cli.ui.output import (
+    echo,
     json_option,
     make_stamp,
     plain_option,
@@ -76,11 +77,11 @@ def export(
         print_json({"status": "OK", "files": written, "content": content, "notes": list(notes)})
         return
     if output is None:
-        click.echo(shared.text, nl=False)
+        echo(shared.text, nl=False)
     for target in files:
-        click.echo(f"OK Saved {target}", err=True)
+        echo(f"OK Saved {target}", err=True)
     for note in notes:
-        click.echo(f"WARNING {note}", err=True)
+        echo(f"WARNING {note}", err=True)
 
 
 def _write(path: Path, text: "ProfileText", *, force: bool) -> None:
@@ -129,7 +130,7 @@ def import_command(
 
 
 def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, plain: bool) -> None:
-    from neurotouch_hid.files.faults import make_printable
+    from neurotouch_hid.printable import make_printable
     from neurotouch_hid.profile import check_content, load_unused
     from neurotouch_hid.profile.editing import (
         EditedFile,
@@ -163,15 +164,15 @@ def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, pla
         return
     if not as_json:
         if old is not None:
-            click.echo(f"You have a profile '{stem}'. This would change:")
+            echo(f"You have a profile '{stem}'. This would change:")
             show_changes(lines, plain=plain)
         elif shipped.exists():
-            click.echo(f"'{stem}' would hide the shipped profile. It would differ in:")
+            echo(f"'{stem}' would hide the shipped profile. It would differ in:")
             show_changes(lines, plain=plain)
         else:
-            click.echo(f"This profile is new to you. '{stem}' would be:")
+            echo(f"This profile is new to you. '{stem}' would be:")
             for line in summarize(profile.model_copy(update={"name": stem})):
-                click.echo(line)
+                echo(line)
         show_faults(checked, plain=plain)
     if not confirm(f"Save it as {own}?", yes=yes, as_json=as_json):
         _decline(own, lines, plain=plain, as_json=as_json)
@@ -193,7 +194,7 @@ def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, pla
 
 def _take_values(file: Path, *, yes: bool, as_json: bool, plain: bool) -> None:
     """Takes a person's values from a file that ``export --user`` wrote."""
-    from neurotouch_hid.files.faults import make_printable
+    from neurotouch_hid.printable import make_printable
     from neurotouch_hid.profile import check_user
     from neurotouch_hid.profile.editing import (
         ProfileText,
@@ -211,7 +212,7 @@ def _take_values(file: Path, *, yes: bool, as_json: bool, plain: bool) -> None:
     text = adopt(text, "user", find_schema(path, "user-1.json"))
     lines = compare(edited.text if edited.content is not None else ProfileText(""), text)
     if lines and not as_json:
-        click.echo("Your own values would change:")
+        echo("Your own values would change:")
         show_changes(lines, plain=plain)
     if lines and not confirm(f"Save them as {path}?", yes=yes, as_json=as_json):
         _decline(path, lines, plain=plain, as_json=as_json)

@@ -6,7 +6,7 @@ import click
 
 from neurotouch_hid.cli.profile.saving import save_edited
 from neurotouch_hid.cli.ui.outcome import show_faults
-from neurotouch_hid.cli.ui.output import choose, say, show_changes
+from neurotouch_hid.cli.ui.output import choose, echo, say, show_changes
 from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def _ask(edited: "EditedFile", text: "ProfileText", key: str, *, plain: bool) ->
         "feedback.sound": Feedback.model_fields["sound"],
     }
     field = fields[key]
-    click.echo(UserSettings.model_fields.get(key, field).description or "")
+    echo(UserSettings.model_fields.get(key, field).description or "")
     words = list_words(field.annotation)
     try:
         if words:
@@ -91,7 +91,7 @@ def _ask(edited: "EditedFile", text: "ProfileText", key: str, *, plain: bool) ->
     checked = edited.check(changed)
     if checked.whole is None:
         show_faults(checked, plain=plain)
-        click.echo("That does not fit, nothing has changed.")
+        echo("That does not fit, nothing has changed.")
         return text
     show_changes(compare(text, changed), plain=plain)
     return changed

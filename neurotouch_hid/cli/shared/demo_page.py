@@ -4,8 +4,7 @@ import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-import click
-
+from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.page.address import forget_address, read_address
 from neurotouch_hid.process.own_command import make_own_command
 
@@ -38,7 +37,7 @@ def open_page(page: str) -> Iterator[None]:
             home, _, game = (line.split(": ", 1)[1].strip() for line in said)
             _say_links(page, home.replace("/#", f"/{page}#"), game)
         else:
-            click.echo("Warning: the page could not be started. Try: neurotouch view", err=True)
+            echo("Warning: the page could not be started. Try: neurotouch view", err=True)
         yield
     finally:
         _end(process)
@@ -62,4 +61,4 @@ def _end(process: "subprocess.Popen[str]") -> None:
 
 def _say_links(page: str, first: str, game: str) -> None:
     what = "Press the gel here" if page else "Watch it here"
-    click.echo(f"{what}: {first}\nPlay the spacecraft: {game}", err=True)
+    echo(f"{what}: {first}\nPlay the spacecraft: {game}", err=True)

@@ -5,9 +5,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
-from neurotouch_hid.cli.ui.output import is_plain
+from neurotouch_hid.cli.ui.output import echo, is_plain
 from neurotouch_hid.monitor import LinesMonitor, PictureMonitor, TraceWriter
 from neurotouch_hid.monitor.output import Output
 from neurotouch_hid.process.dead_output import silence
@@ -72,6 +70,6 @@ def play(
 def announce(sentence: str) -> None:
     """Prints a sentence for the person on the standard error, if it can still be written."""
     try:
-        click.echo(sentence, err=True)
+        echo(sentence, err=True)
     except OSError:  # the terminal has gone, or the disk that keeps it is full
         silence(sys.stderr)

@@ -2,8 +2,7 @@
 
 import json
 
-import click
-
+from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.device.inputs.hid_pad_reader import HidPad, Report, find_hid_pads, read_reports
 from neurotouch_hid.errors import DeviceError
 
@@ -22,11 +21,11 @@ def watch_pad(*, as_json: bool) -> None:
         )
     pad = pads[0]
     reports = read_reports(pad)
-    click.echo(f"Reports of {pad.name} ({pad.node}). Ctrl-C ends.", err=True)
+    echo(f"Reports of {pad.name} ({pad.node}). Ctrl-C ends.", err=True)
     for report in reports:
         if report is not None:
-            click.echo(json.dumps(_tabulate(pad, report)) if as_json else _describe(report))
-    click.echo(f"{pad.name} was removed.", err=True)
+            echo(json.dumps(_tabulate(pad, report)) if as_json else _describe(report))
+    echo(f"{pad.name} was removed.", err=True)
 
 
 def _tabulate(pad: HidPad, report: Report) -> dict[str, object]:

@@ -4,8 +4,7 @@ import os
 import select
 import sys
 
-import click
-
+from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.errors import NeuroTouchError
 
 
@@ -36,7 +35,7 @@ class Keyboard:
         Raises:
             NeuroTouchError: the input has ended.
         """
-        click.echo(question)
+        echo(question)
         while b"\n" not in self._arrived:
             self._receive()
         return self._take()
@@ -48,7 +47,7 @@ class Keyboard:
             answer = self.ask("\n".join([question, *lines, f"Number, 1 to {len(choices)}:"]))
             if answer.isdecimal() and 1 <= int(answer) <= len(choices):
                 return int(answer) - 1
-            click.echo(f"'{answer[:40]}' is not one of the numbers.")
+            echo(f"'{answer[:40]}' is not one of the numbers.")
 
     def _receive(self) -> None:
         content = os.read(self._fd, 4096)

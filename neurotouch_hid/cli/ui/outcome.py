@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from neurotouch_hid.cli.ui.output import print_json, say, show_changes
+from neurotouch_hid.cli.ui.output import echo, print_json, say, show_changes
 
 if TYPE_CHECKING:
     from neurotouch_hid.files.faults import Mark
@@ -46,7 +46,7 @@ class Outcome:
         show_changes(self.lines, plain=plain)
         say(self.status, self.message, self.fix, plain=plain)
         for note in self.notes:
-            click.echo(note)
+            echo(note)
         if self.checked is not None:
             show_faults(self.checked, plain=plain)
 
@@ -98,7 +98,7 @@ def show_faults(checked: "Checked[Any]", *, plain: bool) -> None:
     """Prints the faults of a text, one a line in plain output."""
     if not plain:
         if checked.faults:
-            click.echo(checked.format())
+            echo(checked.format())
         return
     for fault in checked.faults:
         status = "WARNING" if fault.severity == "warning" else "FAILED"

@@ -13,8 +13,18 @@ import click
 
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.partial_file import write_whole
+from neurotouch_hid.printable import is_printable, make_lines_printable, make_printable
 
 Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+def echo(text: str, *, err: bool = False, nl: bool = True) -> None:
+    """Prints lines of text. All commands print with it, whatever the text quotes.
+
+    File names, profiles, devices and answers may hold characters that steer a terminal. None of
+    them gets there.
+    """
+    click.echo(make_lines_printable(text), err=err, nl=nl)
 
 
 def plain_option(command: Command) -> Command:
@@ -69,24 +79,32 @@ def paint(text: str, colour: str, *, plain: bool) -> str:
 def say(status: str, sentence: str, fix: str = "", *, plain: bool = True) -> None:
     """Prints a line that begins with its status, and the next step below."""
     colours = {"OK": "green", "WARNING": "yellow", "FAILED": "red"}
-    click.echo(f"{paint(status, colours.get(status, 'cyan'), plain=plain)} {sentence}")
+    click.echo(f"{paint(status, colours.get(status, 'cyan'), plain=plain)} ", nl=False)
+    echo(sentence)
     if fix:
-        click.echo(f"Fix: {fix}")
+        echo(f"Fix: {fix}")
 
 
 def show_changes(lines: Sequence[tuple[str, int, str]], *, plain: bool) -> None:
     """Prints the changed lines that ``compare`` has found."""
     for verb, number, text in lines:
         if plain:
-            click.echo(f"line {number} {verb}: {text.strip() or 'an empty line'}")
+            echo(f"line {number} {verb}: {text.strip() or 'an empty line'}")
         else:
             sign, colour = ("-", "red") if verb == "removed" else ("+", "green")
-            click.echo(paint(f"{number:>5} {sign} {text}", colour, plain=plain))
+            click.echo(paint(f"{number:>5} {sign} {make_printable(text)}", colour, plain=plain))
 
 
 def print_json(value: Any) -> None:
     """Prints the value as JSON."""
-    click.echo(json.dumps(value, indent=2, ensure_ascii=False, default=str))
+    text = json.dumps(value, indent=2, ensure_ascii=False, default=str)
+    lines = ("".join(map(_escape, line)) for line in text.split("\n"))
+    click.echo("\n".join(lines))
+
+
+def _escape(char: str) -> str:
+    """Returns a character as JSON may write it, and a terminal may show it."""
+    return char if is_printable(char) else json.dumps(char)[1:-1]
 
 
 def save_json(path: Path, value: Any) -> None:
@@ -129,9 +147,9 @@ def choose(question: str, choices: Sequence[str], *, default: int | None = None)
     Raises:
         click.Abort: the input has ended.
     """
-    click.echo(question)
+    echo(question)
     for number, choice in enumerate(choices, 1):
-        click.echo(f"  {number}. {choice}")
+        echo(f"  {number}. {choice}")
     shown = None if default is None else default + 1
 
     def read(answer: str) -> int:

@@ -3,8 +3,7 @@
 from types import TracebackType
 from typing import Self
 
-import click
-
+from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.monitor import Cue, CueKind, Speaker
 from neurotouch_hid.profile.schema import Feedback
 
@@ -22,23 +21,23 @@ class Voice:
     def __init__(self, feedback: Feedback, *, err: bool = False) -> None:
         self._sound, self._volume = feedback.sound, feedback.volume
         self._err = err
-        self._speaker = Speaker(lambda sentence: click.echo(sentence, err=True))
+        self._speaker = Speaker(lambda sentence: echo(sentence, err=True))
 
     def say(self, sentence: str) -> None:
         """Prints and speaks it, without a tone."""
-        click.echo(sentence, err=self._err)
+        echo(sentence, err=self._err)
         if self._sound == "speech":
             self._speaker.play(Cue(CueKind.LAYER, sentence), "speech", self._volume.layer)
 
     def accept(self, sentence: str) -> None:
         """Reports that a movement counts."""
-        click.echo(sentence, err=self._err)
+        echo(sentence, err=self._err)
         volume = self._volume.layer if self._volume.accept is None else self._volume.accept
         self._speaker.play(Cue(CueKind.ACCEPT, sentence), self._sound, volume)
 
     def reject(self, sentence: str) -> None:
         """Reports that a movement does not count."""
-        click.echo(sentence, err=self._err)
+        echo(sentence, err=self._err)
         self._speaker.play(Cue(CueKind.REJECT, sentence), self._sound, self._volume.reject)
 
     def __enter__(self) -> Self:

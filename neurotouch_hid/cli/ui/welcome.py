@@ -2,11 +2,12 @@
 
 import os
 import sys
-from typing import Any
+from typing import TYPE_CHECKING
 
-import click
+from neurotouch_hid.cli.ui.output import echo, is_plain
 
-from neurotouch_hid.cli.ui.output import is_plain
+if TYPE_CHECKING:
+    from neurotouch_hid.status import Status
 
 
 def welcome() -> None:
@@ -15,10 +16,10 @@ def welcome() -> None:
     from neurotouch_hid.errors import DriverError
 
     try:
-        _describe_driver(driver.ask("status"))
+        _describe_driver(driver.ask_status())
     except DriverError:
-        click.echo(_advise())
-    click.echo("All commands: neurotouch --help")
+        echo(_advise())
+    echo("All commands: neurotouch --help")
 
 
 def has_desktop() -> bool:
@@ -27,17 +28,17 @@ def has_desktop() -> bool:
     return bool(desktop) and sys.stdout.isatty() and not is_plain()
 
 
-def _describe_driver(status: dict[str, Any]) -> None:
-    click.echo(f"The driver is {status['state']}, with the profile {status['profile']}.")
-    click.echo(f"source: {status.get('source', 'unknown')}")
-    click.echo(f"pad: {status.get('device', 'unknown')}")
-    click.echo(f"gel: {status['gel']}")
+def _describe_driver(status: "Status") -> None:
+    echo(f"The driver is {status['state']}, with the profile {status['profile']}.")
+    echo(f"source: {status['source']}")
+    echo(f"pad: {status['device']}")
+    echo(f"gel: {status['gel']}")
     if status["state"] != "running":
-        click.echo("Next: neurotouch resume")
+        echo("Next: neurotouch resume")
     elif status["errors"]:
-        click.echo(f"Last error: {status['errors'][-1]['error']}. More: neurotouch status")
+        echo(f"Last error: {status['errors'][-1]['error']}. More: neurotouch status")
     else:
-        click.echo("Next: neurotouch view")
+        echo("Next: neurotouch view")
 
 
 def _advise() -> str:

@@ -13,8 +13,9 @@ from evdev import ecodes
 from neurotouch_hid.device.outputs.gamepad import ControlLayout
 from neurotouch_hid.device.outputs.spec import DeviceSpec
 from neurotouch_hid.errors import DeviceError
-from neurotouch_hid.files.faults import SHOWN_COLUMNS, make_printable
+from neurotouch_hid.files.faults import SHOWN_COLUMNS
 from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
+from neurotouch_hid.printable import make_printable
 
 PadKind = Literal["uinput", "hid"]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.files.faults import make_printable
+from neurotouch_hid.printable import make_printable
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +85,11 @@ CODES: Final[dict[str, Explanation]] = {
         "another version",
         "The file was written for another version of the format. 'neurotouch profile upgrade' "
         "rewrites an older one; for a newer one, update the program.",
+    ),
+    "NT120": Explanation(
+        "a character that cannot be seen",
+        "Control and format characters can hide or change what a terminal shows. A description "
+        "needs none of them: delete and retype it, without what was copied along.",
     ),
     "NT121": Explanation(
         "a direction without a push",

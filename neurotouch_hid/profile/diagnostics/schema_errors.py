@@ -6,15 +6,9 @@ from typing import Any, Final
 
 from pydantic import BaseModel, ValidationError
 
-from neurotouch_hid.files.faults import (
-    Fault,
-    Keys,
-    Mark,
-    format_path,
-    make_printable,
-    suggest,
-)
+from neurotouch_hid.files.faults import Fault, Keys, Mark, format_path, suggest
 from neurotouch_hid.files.yaml_document import Node, find_key_mark, find_mark, find_node
+from neurotouch_hid.printable import make_printable
 from neurotouch_hid.profile.schema.targets import MICE
 from neurotouch_hid.profile.schema.tree import find_model
 
@@ -43,6 +37,7 @@ _CODES: Final = {
     "one_of": "NT117",
     "string_pattern_mismatch": "NT118",
     "version": "NT119",
+    "invisible": "NT120",
     "direction": "NT121",
     "thresholds": "NT122",
     "range": "NT123",

@@ -12,7 +12,8 @@ import re
 from typing import Any, Final, get_args
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.files.faults import make_printable, suggest
+from neurotouch_hid.files.faults import suggest
+from neurotouch_hid.printable import make_printable
 from neurotouch_hid.profile.editing.yaml_values import parse_value
 from neurotouch_hid.profile.schema.conditions import CONDITION_KEYS, GestureName, PressName, Zone
 from neurotouch_hid.profile.schema.targets import TARGETS, CommandName, EightWay, ModeName

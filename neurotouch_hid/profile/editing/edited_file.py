@@ -11,9 +11,9 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.files.faults import make_printable
 from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, find_real_path, read_bytes
 from neurotouch_hid.players import find_machine_folder, find_user_file
+from neurotouch_hid.printable import make_printable
 from neurotouch_hid.profile.editing.edit_values import reset_value
 from neurotouch_hid.profile.editing.file_header import MODELINE, adopt
 from neurotouch_hid.profile.editing.profile_text import ProfileText

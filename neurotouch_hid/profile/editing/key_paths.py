@@ -13,7 +13,8 @@ from typing import Any, Final
 from pydantic import BaseModel
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.files.faults import Keys, format_path, make_printable, suggest
+from neurotouch_hid.files.faults import Keys, format_path, suggest
+from neurotouch_hid.printable import make_printable
 from neurotouch_hid.profile.schema.conditions import CONDITION_KEYS, Condition
 from neurotouch_hid.profile.schema.profile import Binding, Profile
 from neurotouch_hid.profile.schema.timing import Timing

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Final
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.files.faults import make_printable
 from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_bytes
 from neurotouch_hid.partial_file import write_whole
+from neurotouch_hid.printable import make_printable
 
 KEPT: Final = 20
 _VERSION_FILE: Final = re.compile(r"(\d{6})-([\w-]+)\.yaml")

@@ -44,7 +44,7 @@ def summarize(profile: Profile, user: UserSettings | None = None) -> Iterator[st
     """
     yield f"profile: {profile.name}"
     if profile.description:
-        yield f"description: {profile.description}"
+        yield f"description: {' '.join(profile.description.split())}"
     if profile.extends:
         yield f"built on: {', '.join(profile.extends)}"
     yield from _summarize_times(profile, user)

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.files.faults import make_printable
 from neurotouch_hid.files.yaml_document import parse_document
+from neurotouch_hid.printable import make_printable
 
 _PLAIN: Final = re.compile(r"[A-Za-z][A-Za-z0-9_+]*( [A-Za-z0-9_+]+)*|[A-Za-z0-9_-]*[A-Za-z]")
 _TREACHEROUS: Final = frozenset(

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Final
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.files.faults import make_printable, suggest
+from neurotouch_hid.files.faults import suggest
 from neurotouch_hid.players import find_config_folder, find_machine_folder
+from neurotouch_hid.printable import make_printable
 from neurotouch_hid.resources import PACKAGE_FOLDER, find_resources
 from neurotouch_hid.vocabulary import NAME_PATTERN
 

@@ -9,17 +9,11 @@ from typing import Final, Generic, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.files.faults import (
-    Fault,
-    Mark,
-    format_faults,
-    format_path,
-    make_printable,
-    suggest,
-)
+from neurotouch_hid.files.faults import Fault, Mark, format_faults, format_path, suggest
 from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, find_real_path, read_bytes
 from neurotouch_hid.files.yaml_document import Node, find_mark, parse_document
 from neurotouch_hid.players import find_machine_folder, find_user_file
+from neurotouch_hid.printable import make_printable
 from neurotouch_hid.profile.diagnostics.consistency import check_layers
 from neurotouch_hid.profile.diagnostics.lint import find_warnings
 from neurotouch_hid.profile.diagnostics.schema_errors import locate_faults

@@ -21,8 +21,9 @@ from typing import Final
 import numpy as np
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.files.faults import make_printable, suggest
+from neurotouch_hid.files.faults import suggest
 from neurotouch_hid.messages import Gesture, GestureKind
+from neurotouch_hid.printable import make_printable
 from neurotouch_hid.profile.schema.targets import EightWay
 
 SLICE_US: Final = 10_000

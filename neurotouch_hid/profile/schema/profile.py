@@ -9,6 +9,7 @@ from typing import Annotated, Any, Final, Literal, Self
 from pydantic import AfterValidator, BaseModel, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from neurotouch_hid.printable import is_printable
 from neurotouch_hid.profile.schema.conditions import Condition, GestureName, Sequence, When
 from neurotouch_hid.profile.schema.shaping import Linear, Planar, Shaped
 from neurotouch_hid.profile.schema.strict import Strict, give_unit, make_optional
@@ -52,6 +53,18 @@ def check_version(version: int) -> int:
     if version != 1:
         raise PydanticCustomError("version", "this program reads version 1 of the format")
     return version
+
+
+def check_visible(text: str) -> str:
+    """Returns the text, if nothing in it could change what a terminal shows around it."""
+    for char in text:
+        if not is_printable(char) and char not in "\n\t":
+            raise PydanticCustomError(
+                "invisible",
+                "has a character that cannot be seen, {code}",
+                {"code": f"U+{ord(char):04X}", "hint": "remove it"},
+            )
+    return text
 
 
 class Binding(Strict):
@@ -235,7 +248,7 @@ class Profile(Strict):
         pattern=NAME_PATTERN,
         description="The profile's name: small letters, digits, _ and -, at most 64. No default.",
     )
-    description: str = Field(
+    description: Annotated[str, AfterValidator(check_visible)] = Field(
         default="", max_length=500, description="What it is for, in a sentence. Default: empty."
     )
     extends: Annotated[

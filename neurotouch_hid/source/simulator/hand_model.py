@@ -1,6 +1,5 @@
 """A simulated hand on the gel that follows commands, as a pointer follows a mouse."""
 
-import json
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
@@ -9,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.ipc import read_object
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.source.simulator.gel.motion import KNOT_US
 from neurotouch_hid.source.simulator.script import Finger
@@ -85,11 +85,8 @@ _MOST: Final = {
 
 def read_hand_command(text: bytes) -> HandCommand | None:
     """Returns the command in a message, its values limited, or None if it is invalid."""
-    try:
-        said = json.loads(text)
-    except (ValueError, RecursionError):
-        return None
-    if not isinstance(said, dict):
+    said = read_object(text)
+    if said is None:
         return None
     values: dict[str, Any] = {}
     for field in fields(HandCommand):
