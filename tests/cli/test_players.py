@@ -9,8 +9,8 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
-from neurotouch_hid.cli.send import send_command
 
+from neurotouch_hid.cli.shared.send_without_click import send_command
 from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.players import find_runtime_folder
 

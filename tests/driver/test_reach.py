@@ -8,9 +8,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
-from neurotouch_hid.cli.send import send_command
 
 from neurotouch_hid import client
+from neurotouch_hid.cli.shared.send_without_click import send_command
 from neurotouch_hid.client import ask, ask_every, ask_status, is_served
 from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.errors import DriverError, NotRunningError

@@ -14,17 +14,20 @@ from tempfile import TemporaryDirectory
 from typing import Any, Final
 from zlib import crc32
 
-from neurotouch_hid.driver.reload import ProfileWatch
-
 from neurotouch_hid.client import LIMIT_BYTES
+from neurotouch_hid.driver.broadcast import Broadcast
+from neurotouch_hid.driver.chosen import Chosen
 from neurotouch_hid.driver.commands import Commands
 from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.driver.people import People
+from neurotouch_hid.driver.profile_watch import ProfileWatch
+from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.players import find_socket
 from neurotouch_hid.printable import make_value_printable
 from neurotouch_hid.profile import UserSettings, load_profile
-from neurotouch_hid.runtime import Pipeline, Session
+from neurotouch_hid.runtime import Pipeline, PipelineControl
+from neurotouch_hid.source import open_source
 from neurotouch_hid.status import check_status
 from tests.fuzz.json_values import damage, write
 
@@ -76,36 +79,33 @@ def check(case: bytes) -> None:
 
 
 class _Driver:
-    """A driver without a pad, whose pipeline does nothing but obey."""
+    """A driver without a pad, whose pipeline does nothing but apply commands."""
 
     def __init__(self, folder: Path, *, is_service: bool) -> None:
         self.faults: list[str] = []
         threading.excepthook = lambda fault: self.faults.append(repr(fault.exc_value))
         profile, user = load_profile("default"), UserSettings()
-        session = Session(Pipeline.build(profile, GestureConfig(), user=user), user)
+        control = PipelineControl(Pipeline.build(profile, GestureConfig(), user=user), user)
         seated = People(folder / "people", find_seated=lambda: [os.geteuid()])
-        people = seated if is_service else None
-        watch = ProfileWatch(
-            *("default", profile, user, session, str, lambda _new: None),
-            people=people,
-            default="default",
-        )
-        facts = {name: lambda: "x" for name in _FACTS}
-        commands = Commands(session, watch, facts, people=people)
+        around = Surroundings(people=seated if is_service else None, default="default")
+        watch = ProfileWatch(Chosen("default", profile, user), control, around, lambda _new: None)
+        source = open_source("sim:tour", speed="max")
+        facts = dict.fromkeys(_FACTS, "x")
+        commands = Commands(control, watch, Broadcast(), source, around, lambda: facts)
         self.path = find_socket(folder / "run")
-        control = ControlSocket(folder / "run")
-        control.serve(commands.answer)
+        listener = ControlSocket(folder / "run")
+        listener.serve(commands.answer)
         ended = threading.Event()
 
-        def obey() -> None:
+        def apply() -> None:
             while not ended.wait(0.001):
-                session.apply_commands()
+                control.apply_commands()
 
-        pipeline = threading.Thread(target=obey, daemon=True)
+        pipeline = threading.Thread(target=apply, daemon=True)
         pipeline.start()
 
         def close() -> None:
-            control.close()
+            listener.close()
             ended.set()
             pipeline.join()
             watch.close()
@@ -121,15 +121,15 @@ def _open_driver(*, is_service: bool) -> _Driver:
 
 
 def _exchange(path: Path, question: bytes) -> Any:
-    with socket.socket(socket.AF_UNIX) as line:
-        line.settimeout(LIMIT_S)
-        line.connect(str(path))
+    with socket.socket(socket.AF_UNIX) as connection:
+        connection.settimeout(LIMIT_S)
+        connection.connect(str(path))
         with suppress(BrokenPipeError, ConnectionResetError):  # refused before all was said
-            line.sendall(question)
-            line.shutdown(socket.SHUT_WR)
+            connection.sendall(question)
+            connection.shutdown(socket.SHUT_WR)
         text = b""
         while not text.endswith(b"\n"):
-            piece = line.recv(65536)
+            piece = connection.recv(65536)
             assert piece, "closed without an answer"
             text += piece
     return json.loads(text)

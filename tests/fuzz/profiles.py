@@ -4,20 +4,21 @@ import random
 from collections.abc import Iterator
 from typing import Final
 
-from neurotouch_hid.profile.editing.phrases import parse_do, parse_when
-
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.profile import Profile, UserSettings, check_content
-from neurotouch_hid.profile.diagnostics.codes import CODES
+from neurotouch_hid.profile.diagnostics import CODES
 from neurotouch_hid.profile.editing import (
+    ProfileText,
     compare,
     name_bindings,
+    parse_do,
+    parse_when,
     rebind,
     remove_binding,
     set_value,
+    summarize,
 )
-from neurotouch_hid.profile.editing.summary import summarize
-from neurotouch_hid.profile.reading.library import find_shipped_folder
+from neurotouch_hid.profile.reading import find_shipped_folder
 from tests.fuzz.json_values import VALUES
 
 _SHIPPED: Final = [
@@ -78,6 +79,7 @@ def check(case: bytes) -> None:
 
 def _edit(text: str, profile: Profile, rng: random.Random) -> None:
     """Changes it three times; each ends in a text that can be checked, or in one refusal."""
+    before = ProfileText(text)
     for _ in range(3):
         documents = [each.model_dump(exclude_unset=True) for each in profile.bindings or ()]
         key = rng.choice([*name_bindings(documents), "pinch", "layers.menu.zoom", "x[0]", "\x1b"])
@@ -85,17 +87,19 @@ def _edit(text: str, profile: Profile, rng: random.Random) -> None:
         try:
             match rng.randrange(3):
                 case 0:
-                    changed = set_value(text, f"{key}.{part}", rng.choice([*VALUES, 3.5, [1.0, 5]]))
+                    changed = set_value(
+                        before, f"{key}.{part}", rng.choice([*VALUES, 3.5, [1.0, 5]])
+                    )
                 case 1:
-                    changed = remove_binding(text, key)
+                    changed = remove_binding(before, key)
                 case _:
                     when, do = parse_when(rng.choice(_WHENS)), parse_do(rng.choice(_DOS))
-                    changed = rebind(text, when, do, None, instead=rng.choice((None, key)))
+                    changed = rebind(before, when, do, None, instead=rng.choice((None, key)))
         except ProfileError as error:
             _require_printable(error.message)
             continue
-        list(compare(text, changed))
-        again = check_content(changed.encode(), "p.yaml")  # as every save does; it may refuse
+        list(compare(text, changed.text))
+        again = check_content(changed.text.encode(), "p.yaml")  # as every save does; it may refuse
         _require_printable(again.format())
 
 
