@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from neurotouch_hid.cli.profile.saving import hand_over_saved, save_edited
+from neurotouch_hid.cli.profile.saving import save_edited
 from neurotouch_hid.cli.ui.outcome import Outcome
 from neurotouch_hid.cli.ui.output import (
     make_calibration_stamp,
@@ -49,7 +49,7 @@ def conclude(
     """
     from neurotouch_hid.profile import load_user
     from neurotouch_hid.profile.calibration import find_weak_sides, write_ranges
-    from neurotouch_hid.profile.editing import compare, take_user
+    from neurotouch_hid.profile.editing import compare, hand_over_saved, take_user
 
     before, calm, edited = load_user(), session.tremor_filter, take_user(make_calibration_stamp)
     asks = keyboard is not None and not yes and not as_json
@@ -103,7 +103,7 @@ def undo_calibration(*, plain: bool, as_json: bool) -> None:
         ProfileError: there is none to take back, or it cannot be saved.
     """
     from neurotouch_hid.profile.calibration import undo_ranges
-    from neurotouch_hid.profile.editing import compare, take_user
+    from neurotouch_hid.profile.editing import compare, hand_over_saved, take_user
 
     edited = take_user(make_stamp)
     for before, after in edited.store.changes("calibration"):

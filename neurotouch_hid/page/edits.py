@@ -9,12 +9,13 @@ from typing import Any, Final
 
 from neurotouch_hid.client import ask
 from neurotouch_hid.errors import DriverError, NotRunningError, ProfileError
-from neurotouch_hid.handover import hand_over
 from neurotouch_hid.page.profile_view import Place, is_editable, list_places
 from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_unused
 from neurotouch_hid.profile.diagnostics.description import describe_target, describe_when
 from neurotouch_hid.profile.editing import (
     EditedFile,
+    hand_over_restored,
+    hand_over_saved,
     make_profile,
     parse_do,
     parse_when,
@@ -25,6 +26,7 @@ from neurotouch_hid.profile.editing import (
     take_profile,
 )
 from neurotouch_hid.profile.editing.favourites import make_favourite
+from neurotouch_hid.profile.reading.library import OWN_VALUES
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.profile import Binding
 
@@ -90,7 +92,8 @@ class Changes:
         if text == paper.text:
             return f"{paper.name} says so already."
         paper.save(text)
-        return f"Saved in {paper.name}: {_describe(place.binding, mark, value)}. {_hand_over()}"
+        said = _describe(place.binding, mark, value)
+        return f"Saved in {paper.name}: {said}. {_hand_over(paper.name)}"
 
     def bind(self, path: Path, wish: "Wish") -> str:
         """Lets a movement do something and tells in a sentence what has been saved.
@@ -109,7 +112,7 @@ class Changes:
         )
         paper.save(text)
         words = MOVEMENTS[wish.movement].words if wish.movement in MOVEMENTS else wish.movement
-        return f"Saved in {paper.name}: {words} {wish.press} → {wish.do}. {_hand_over()}"
+        return f"Saved in {paper.name}: {words} {wish.press} → {wish.do}. {_hand_over(paper.name)}"
 
     def unbind(self, path: Path, key: str) -> str:
         """Lets a movement no longer do something.
@@ -120,7 +123,7 @@ class Changes:
         """
         paper = self._take(path)
         paper.save(remove_binding(paper.text, key))
-        return f"Removed from {paper.name}. {_hand_over()}"
+        return f"Removed from {paper.name}. {_hand_over(paper.name)}"
 
     def use(self, name: str) -> str:
         """Plays with a profile from now on.
@@ -130,7 +133,7 @@ class Changes:
             DriverError: the running driver does not play it.
         """
         stem, _, _ = make_favourite(name, self._stamp)
-        said = _hand_over()
+        said = _hand_over(OWN_VALUES)
         with suppress(NotRunningError):
             said = str(ask("use", profile=stem)["text"])
         return said
@@ -158,9 +161,12 @@ class Changes:
             ProfileError: there is none.
             DriverError: as ``set``.
         """
-        paper = self._take(path)
-        version = paper.store.undo()
-        return f"{paper.name} is as in version {version.number} again. {_hand_over()}"
+        version = self._take(path).store.undo()
+        restored = self._take(path)
+        effect = hand_over_restored(restored)
+        if effect.status != "OK":
+            raise DriverError(f"Back, but not in use. {effect.text}", hint=effect.fix)
+        return f"{restored.name} is as in version {version.number} again. {effect.text}"
 
     def _take(self, path: Path) -> EditedFile:
         if not is_editable(path):
@@ -171,16 +177,16 @@ class Changes:
         return take_profile(path.stem, self._stamp)
 
 
-def _hand_over() -> str:
+def _hand_over(name: str) -> str:
     """Gives what has been saved to the running driver, and tells what became of it.
 
     Raises:
-        DriverError: it goes on with what it had.
+        DriverError: it does not act.
     """
-    done = hand_over()
-    if done.status == "refused":
-        raise DriverError(f"Saved, but not in use. {done.text}", hint=done.fix)
-    return "It applies now." if done.status == "plays" else done.text
+    effect = hand_over_saved(name)
+    if effect.status != "OK":
+        raise DriverError(f"Saved, but not in use. {effect.text}", hint=effect.fix)
+    return effect.text
 
 
 def _describe(binding: Binding, mark: str, value: Any) -> str:

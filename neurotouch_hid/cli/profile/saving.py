@@ -1,7 +1,7 @@
 """What every change of a profile ends with: checked, saved, told."""
 
 import sys
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from neurotouch_hid.cli.ui.outcome import Outcome
 from neurotouch_hid.errors import ProfileError
@@ -10,32 +10,6 @@ if TYPE_CHECKING:
     from neurotouch_hid.profile import Checked
     from neurotouch_hid.profile.editing import EditedFile
     from neurotouch_hid.profile.faults import Fault
-
-
-class Effect(NamedTuple):
-    """What a saved file does now: a status, a sentence, and the way out if it does nothing."""
-
-    status: Literal["OK", "WARNING"]
-    text: str
-    fix: str
-
-
-def hand_over_saved(name: str) -> Effect:
-    """Gives what has been saved to the running driver.
-
-    Args:
-        name: the profile, or ``user`` for the person's own values.
-    """
-    from neurotouch_hid.handover import hand_over
-    from neurotouch_hid.profile.reading.library import OWN_VALUES
-
-    done = hand_over()
-    if done.status == "refused":
-        return Effect("WARNING", done.text, done.fix)
-    text = done.text
-    if name != OWN_VALUES and done.status == "plays" and name not in done.profiles:
-        text = f"It is not the active profile. To play it: neurotouch profile use {name}"
-    return Effect("OK", text, "")
 
 
 def _find_new_error(edited: "EditedFile", checked: "Checked[Any]") -> "Fault | None":
@@ -87,7 +61,7 @@ def save_edited(
         ProfileError: there are errors, or it cannot be written; nothing has changed. With
             ``as_json`` errors are told, and the process ends with the error's exit code.
     """
-    from neurotouch_hid.profile.editing import compare
+    from neurotouch_hid.profile.editing import compare, hand_over_saved
 
     path = edited.store.path
     if text == edited.text and edited.content is not None:

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import click
 
-from neurotouch_hid.cli.profile.saving import hand_over_saved
 from neurotouch_hid.cli.ui.completing import complete_profile
 from neurotouch_hid.cli.ui.outcome import Outcome, confirm, show_faults
 from neurotouch_hid.cli.ui.output import (
@@ -126,7 +125,14 @@ def import_command(
 
 def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, plain: bool) -> None:
     from neurotouch_hid.profile import check_content, load_unused
-    from neurotouch_hid.profile.editing import EditedFile, Store, adopt, compare, find_own_path
+    from neurotouch_hid.profile.editing import (
+        EditedFile,
+        Store,
+        adopt,
+        compare,
+        find_own_path,
+        hand_over_saved,
+    )
     from neurotouch_hid.profile.editing.edited_file import find_schema, read_text
     from neurotouch_hid.profile.editing.summary import summarize
     from neurotouch_hid.profile.faults import make_printable
@@ -182,7 +188,13 @@ def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, pla
 def _take_values(file: Path, *, yes: bool, as_json: bool, plain: bool) -> None:
     """Takes a person's values from a file that ``export --user`` wrote."""
     from neurotouch_hid.profile import check_user
-    from neurotouch_hid.profile.editing import adopt, compare, read_text, take_user
+    from neurotouch_hid.profile.editing import (
+        adopt,
+        compare,
+        hand_over_saved,
+        read_text,
+        take_user,
+    )
     from neurotouch_hid.profile.editing.edited_file import find_schema
     from neurotouch_hid.profile.faults import make_printable
 

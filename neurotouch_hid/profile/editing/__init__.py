@@ -11,6 +11,11 @@ from neurotouch_hid.profile.editing.edited_file import (
     take_profile,
     take_user,
 )
+from neurotouch_hid.profile.editing.effect import (
+    SavedEffect,
+    hand_over_restored,
+    hand_over_saved,
+)
 from neurotouch_hid.profile.editing.paths import list_ways, name_bindings
 from neurotouch_hid.profile.editing.phrases import parse_do, parse_when
 from neurotouch_hid.profile.editing.remapping import (
@@ -40,6 +45,7 @@ from neurotouch_hid.profile.editing.values import parse_value
 __all__ = [
     "EditedFile",
     "Remapping",
+    "SavedEffect",
     "Store",
     "Version",
     "adopt",
@@ -49,6 +55,8 @@ __all__ = [
     "find_bindings",
     "find_own_path",
     "forget_schema",
+    "hand_over_restored",
+    "hand_over_saved",
     "list_company",
     "list_namesakes",
     "list_substitutes",
