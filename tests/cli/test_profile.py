@@ -387,7 +387,7 @@ def test_a_change_can_be_tried_on_the_gel_before_it_is_kept(home):
     )
     assert code == 0
     moving = [line for line in output.splitlines() if line.startswith("push left")]
-    assert any("left_x -100 %" in line for line in moving)
+    assert any("left stick left 100 %" in line for line in moving)
     assert "neutral" in moving[0] + moving[-1]
     assert len(moving) > 5
 

@@ -31,6 +31,8 @@ def _explain(refused: str, fault: "Fault") -> ProfileError:
     if hint and not hint.endswith("?"):
         hint += "."
     subject = "it " if fault.sentence.startswith(("needs", "is ", "has ")) else ""
+    if fault.code == "NT112":  # the sentence lists the words
+        hint = hint or "Write one of these words."
     return ProfileError(
         f"{refused}: {subject}{fault.sentence}.",
         hint=hint or f"What this means: neurotouch explain {fault.code}",

@@ -305,7 +305,8 @@ def _read(path: Path) -> bytes:
             return file.read(MAX_BYTES + 1)
     except FileNotFoundError:
         raise ProfileError(
-            f"The profile file {path} does not exist.", hint="Without a '/', a name is looked up."
+            f"The profile file {path} does not exist.",
+            hint="Check the path. The profiles by name: neurotouch profile list",
         ) from None
     except (OSError, ValueError) as error:  # ValueError: a NUL in the path
         reason = error.strerror if isinstance(error, OSError) else str(error)
