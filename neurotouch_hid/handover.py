@@ -39,6 +39,7 @@ def hand_over(player: int | None = None) -> Handover:
         player: the player number; None: every player, because profiles are for all.
     """
     active: list[str] = []
+    refused: Handover | None = None
     for number in list_players() if player is None else [player]:
         try:
             answer = ask("settings", player=number, **collect_settings(number))
@@ -46,8 +47,11 @@ def hand_over(player: int | None = None) -> Handover:
             continue
         except DriverError as error:
             text = f"The running driver does not play it: {error.message}"
-            return Handover("refused", text, error.hint or "")
+            refused = refused or Handover("refused", text, error.hint or "")
+            continue
         active.append(str(answer.get("profile")))
+    if refused is not None:
+        return refused
     if not active:
         return Handover("waits", "No driver is running; it applies from the next start.")
     names = " and ".join(f"'{name}'" for name in dict.fromkeys(active))

@@ -3,7 +3,7 @@
 import time
 from typing import TYPE_CHECKING, Any
 
-from neurotouch_hid.cli.profile.saving import hand_over_saved, save_edited
+from neurotouch_hid.cli.profile.saving import save_edited
 from neurotouch_hid.cli.ui.outcome import Outcome
 from neurotouch_hid.cli.ui.output import (
     echo,
@@ -47,7 +47,7 @@ def conclude(
     """
     from neurotouch_hid.profile import load_user
     from neurotouch_hid.profile.calibration import find_weak_sides, write_ranges
-    from neurotouch_hid.profile.editing import ProfileText, compare, take_user
+    from neurotouch_hid.profile.editing import ProfileText, compare, hand_over_saved, take_user
 
     before, calm, edited = load_user(), session.tremor_filter, take_user(make_calibration_stamp)
     asks = keyboard is not None and not yes and not as_json
@@ -101,7 +101,7 @@ def undo_calibration(*, plain: bool, as_json: bool) -> None:
         ProfileError: there is none to take back, or it cannot be saved.
     """
     from neurotouch_hid.profile.calibration import undo_ranges
-    from neurotouch_hid.profile.editing import ProfileText, compare, take_user
+    from neurotouch_hid.profile.editing import ProfileText, compare, hand_over_saved, take_user
 
     edited = take_user(make_stamp)
     for before, after in edited.store.changes("calibration"):

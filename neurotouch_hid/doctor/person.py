@@ -33,7 +33,7 @@ def check_profiles() -> Finding:
         if favourite not in names:
             return fail(
                 f"Your favourite profile '{favourite}' does not exist.",
-                "Choose others: neurotouch profile use NAME, or 'slots' in user.yaml.",
+                "Choose another: neurotouch profile use NAME. All names: neurotouch profile list",
             )
     folder = find_user_folder()
     nearest = next(each for each in (folder, *folder.parents) if each.exists())
@@ -115,7 +115,7 @@ def check_sound() -> Finding:
     """Checks whether the sounds the person asked for can be played."""
     sound = load_user().feedback.sound
     if sound == "none":
-        return skip("Sound is off; 'feedback: {sound: tones}' in user.yaml switches it on.")
+        return skip("Sound is off. Switch it on: neurotouch profile set user feedback.sound tones")
     programs = [command[0] for command in SOUND_PROGRAMS[sound]]
     found = next(filter(shutil.which, programs), None)
     if found is None:

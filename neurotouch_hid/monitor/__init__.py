@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from neurotouch_hid.monitor.cue import Cue, CueKind
-    from neurotouch_hid.monitor.sentence import describe_gesture, describe_pad
+    from neurotouch_hid.monitor.sentence import describe_gesture, describe_outputs
     from neurotouch_hid.monitor.sound import SoundMonitor
     from neurotouch_hid.monitor.speaker import Speaker
     from neurotouch_hid.monitor.terminal import LinesMonitor, PictureMonitor
@@ -20,7 +20,7 @@ __all__ = [
     "Speaker",
     "TraceWriter",
     "describe_gesture",
-    "describe_pad",
+    "describe_outputs",
 ]
 
 _MODULES = {
@@ -32,7 +32,7 @@ _MODULES = {
     "Speaker": "speaker",
     "TraceWriter": "trace",
     "describe_gesture": "sentence",
-    "describe_pad": "sentence",
+    "describe_outputs": "sentence",
 }
 """The module of each name; it is loaded at the first use of the name. A tap needs the pipeline and
 its compiled kernels; playing a sound in a person's session does not."""

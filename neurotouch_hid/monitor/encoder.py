@@ -7,7 +7,7 @@ from statistics import median
 from typing import Final
 
 from neurotouch_hid.messages import GamepadState, GestureKind, Step
-from neurotouch_hid.monitor.summary import describe_step
+from neurotouch_hid.monitor.sentence import describe_step
 from neurotouch_hid.profile import MappingDecision
 from neurotouch_hid.profile.engine import ConditionedGesture
 from neurotouch_hid.profile.schema import resolve_times

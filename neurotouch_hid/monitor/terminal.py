@@ -9,7 +9,7 @@ import numpy as np
 from neurotouch_hid.geometry import LATTICE_MM, PITCH_MM, fit_rig
 from neurotouch_hid.messages import Axis, Button, GamepadState, GestureKind, Step
 from neurotouch_hid.monitor.output import Writable
-from neurotouch_hid.monitor.sentence import describe_gesture, describe_pad
+from neurotouch_hid.monitor.sentence import describe_gesture, describe_outputs
 from neurotouch_hid.printable import make_printable
 from neurotouch_hid.profile import MappingDecision
 
@@ -59,7 +59,7 @@ class LinesMonitor:
             if step.gesture.kind is GestureKind.NONE:
                 gesture += f" (peak {self._peak_mm:.1f} mm)" if self._peak_mm else ""
                 self._peak_mm = 0.0
-            self._write(step, f"{gesture}; pad {describe_pad(step.pad)}")
+            self._write(step, f"{gesture}; pad {describe_outputs(step.pad) or 'neutral'}")
 
     def _write(self, step: Step, words: str) -> None:
         self._out.write(f"{step.gesture.t_us / 1e6:8.2f} s  {words}\n")

@@ -8,7 +8,6 @@ from typing import Any, Final
 
 from neurotouch_hid.client import ask, get_text
 from neurotouch_hid.errors import DriverError, NotRunningError, ProfileError
-from neurotouch_hid.handover import hand_over
 from neurotouch_hid.page.profile_view import Place, is_editable, list_places
 from neurotouch_hid.page.reading import read_number
 from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_unused
@@ -16,6 +15,8 @@ from neurotouch_hid.profile.diagnostics import describe_target, describe_when
 from neurotouch_hid.profile.editing import (
     EditedFile,
     ProfileText,
+    hand_over_restored,
+    hand_over_saved,
     make_favourite,
     make_profile,
     parse_do,
@@ -26,6 +27,7 @@ from neurotouch_hid.profile.editing import (
     set_value,
     take_profile,
 )
+from neurotouch_hid.profile.reading import OWN_VALUES
 from neurotouch_hid.profile.schema import MOVEMENTS, Binding
 
 MARKS: Final = {
@@ -91,7 +93,8 @@ class Changes:
         if text == edited.text:
             return f"{edited.name} has this value already."
         edited.save(text)
-        return f"Saved in {edited.name}: {_describe(place.binding, mark, value)}. {_hand_over()}"
+        said = _describe(place.binding, mark, value)
+        return f"Saved in {edited.name}: {said}. {_hand_over(edited.name)}"
 
     def bind(self, path: Path, wish: "Wish") -> str:
         """Binds a movement to an output; returns a sentence about the saved change.
@@ -110,7 +113,9 @@ class Changes:
         )
         edited.save(text)
         words = MOVEMENTS[wish.movement].words if wish.movement in MOVEMENTS else wish.movement
-        return f"Saved in {edited.name}: {words} {wish.press} → {wish.do}. {_hand_over()}"
+        return (
+            f"Saved in {edited.name}: {words} {wish.press} → {wish.do}. {_hand_over(edited.name)}"
+        )
 
     def unbind(self, path: Path, key: str) -> str:
         """Removes a binding.
@@ -121,7 +126,7 @@ class Changes:
         """
         edited = self._take(path)
         edited.save(remove_binding(edited.text, key))
-        return f"Removed from {edited.name}. {_hand_over()}"
+        return f"Removed from {edited.name}. {_hand_over(edited.name)}"
 
     def use(self, name: str) -> str:
         """Switches to a profile.
@@ -131,7 +136,7 @@ class Changes:
             DriverError: the running driver does not use it.
         """
         stem, _, _ = make_favourite(name, self._stamp)
-        said = _hand_over()
+        said = _hand_over(OWN_VALUES)
         with suppress(NotRunningError):
             said = get_text(ask("use", profile=stem))
         return said
@@ -159,9 +164,12 @@ class Changes:
             ProfileError: there is none.
             DriverError: as ``set``.
         """
-        edited = self._take(path)
-        version = edited.store.undo()
-        return f"{edited.name} is as in version {version.number} again. {_hand_over()}"
+        version = self._take(path).store.undo()
+        restored = self._take(path)
+        effect = hand_over_restored(restored)
+        if effect.status != "OK":
+            raise DriverError(f"Back, but not in use. {effect.text}", hint=effect.fix)
+        return f"{restored.name} is as in version {version.number} again. {effect.text}"
 
     def _take(self, path: Path) -> EditedFile:
         if not is_editable(path):
@@ -172,16 +180,16 @@ class Changes:
         return take_profile(path.stem, self._stamp)
 
 
-def _hand_over() -> str:
+def _hand_over(name: str) -> str:
     """Passes the saved change to the running driver; returns a sentence about the result.
 
     Raises:
-        DriverError: it keeps its old values.
+        DriverError: the saved change has no effect.
     """
-    done = hand_over()
-    if done.status == "refused":
-        raise DriverError(f"Saved, but not in use. {done.text}", hint=done.fix)
-    return "It applies now." if done.status == "plays" else done.text
+    effect = hand_over_saved(name)
+    if effect.status != "OK":
+        raise DriverError(f"Saved, but not in use. {effect.text}", hint=effect.fix)
+    return effect.text
 
 
 def _describe(binding: Binding, mark: str, value: Any) -> str:

@@ -116,7 +116,7 @@ def test_demo_ends_by_itself_and_shows_the_pad_moving():
     done = neurotouch("demo", "--seconds", "3")
     assert done.returncode == 0
     assert "push up" in done.stdout
-    assert "left_y -" in done.stdout
+    assert "left stick up" in done.stdout
     assert "The pad is neutral." in done.stderr
 
 

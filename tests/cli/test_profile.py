@@ -416,7 +416,7 @@ def test_a_change_can_be_tried_on_the_gel_before_it_is_kept(home):
     )
     assert code == 0
     moving = [line for line in output.splitlines() if line.startswith("push left")]
-    assert any("left_x -100 %" in line for line in moving)
+    assert any("left stick left 100 %" in line for line in moving)
     assert "neutral" in moving[0] + moving[-1]
     assert len(moving) > 5
 
@@ -551,3 +551,44 @@ def test_a_persons_own_values_by_questions(home):
     assert "rotate_deg: 12.5\n" in text
     assert "feedback: {sound: tones}" in text
     assert "Nothing has changed" in run("profile", "edit", "user", answers=[9])[0]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        ("profile", "new", "mine"),
+        ("profile", "set", "push-only", "layers.move.push.curve.expo", "0.6"),
+        ("profile", "bind", "racing", "zoom", "button b"),
+    ],
+)
+def test_a_saved_profile_that_will_not_play_is_not_promised(home, change):
+    output, code = run(*change)
+    assert code == 0
+    assert "applies from the next start" not in output
+    assert f"To play it: neurotouch profile use {change[2]}" in output
+
+
+def test_a_saved_profile_that_the_favourite_extends_applies_from_the_next_start(home):
+    run("profile", "new", "base")
+    path = home / "profiles" / "mine.yaml"
+    path.write_text("version: 1\nname: mine\nextends: [base]\n")
+    used, code = run("profile", "use", "mine")
+    assert code == 0, used
+    output, _ = run("profile", "bind", "base", "zoom", "button b")
+    assert "it applies from the next start" in output
+
+
+def test_a_version_with_errors_is_put_back_with_a_warning(home):
+    run("profile", "set", "user", "filter", "strong")
+    path = home / "user.yaml"
+    right = path.read_text()
+    history = home / ".history" / "user"
+    history.mkdir(parents=True, exist_ok=True)
+    (history / "000009-2026-01-01_00-00-00.yaml").write_text(right.replace("strong", "stronk"))
+    output, code = run("profile", "undo", "user")
+    assert code == 0
+    assert "WARNING" in output
+    assert "It has errors, so it cannot be played." in output
+    fix = "neurotouch profile check user"
+    assert fix in output
+    assert "stronk" in run(*fix.split()[1:])[0]

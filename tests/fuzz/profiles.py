@@ -98,7 +98,7 @@ def _edit(text: str, profile: Profile, rng: random.Random) -> None:
         except ProfileError as error:
             _require_printable(error.message)
             continue
-        list(compare(text, changed.text))
+        list(compare(before, changed))
         again = check_content(changed.text.encode(), "p.yaml")  # as every save does; it may refuse
         _require_printable(again.format())
 

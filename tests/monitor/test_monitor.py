@@ -27,7 +27,7 @@ from neurotouch_hid.monitor import (
     PictureMonitor,
     TraceWriter,
     describe_gesture,
-    describe_pad,
+    describe_outputs,
 )
 from neurotouch_hid.monitor.output import Output
 from neurotouch_hid.monitor.terminal import draw_step
@@ -77,8 +77,8 @@ def test_twist_is_described_in_whole_words():
 
 
 def test_pad_is_described_by_what_is_pressed():
-    assert describe_pad(PUSH.pad) == "left_x -50 %, button a"
-    assert describe_pad(REST.pad) == "neutral"
+    assert describe_outputs(PUSH.pad) == "left stick left 50 %, button A"
+    assert not describe_outputs(REST.pad)
 
 
 def test_trace_has_one_line_per_slice_with_every_control(tmp_path):
@@ -177,7 +177,7 @@ def test_lines_tell_only_changes():
     for one in (PUSH, PUSH, REST, REST):
         monitor(one)
     assert out.getvalue().splitlines() == [
-        "    1.00 s  push left 4.2 mm, 1 finger; pad left_x -50 %, button a",
+        "    1.00 s  push left 4.2 mm, 1 finger; pad left stick left 50 %, button A",
         "    2.00 s  at rest (peak 4.2 mm); pad neutral",
     ]
 

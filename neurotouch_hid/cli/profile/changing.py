@@ -4,7 +4,7 @@ from contextlib import suppress
 
 import click
 
-from neurotouch_hid.cli.profile.saving import hand_over_saved, save_edited
+from neurotouch_hid.cli.profile.saving import save_edited
 from neurotouch_hid.cli.ui.completing import complete_file, complete_key, complete_profile
 from neurotouch_hid.cli.ui.outcome import Outcome
 from neurotouch_hid.cli.ui.output import json_option, make_stamp, plain_option
@@ -32,7 +32,7 @@ def new(name: str, template: str, as_json: bool, plain: bool) -> None:
     What needs a movement that you do not use goes to another one, as far as one is free.
     """
     from neurotouch_hid.profile import load_unused
-    from neurotouch_hid.profile.editing import make_profile, remap_unused
+    from neurotouch_hid.profile.editing import hand_over_saved, make_profile, remap_unused
 
     edited = make_profile(name, template, make_stamp)
     edited.check(edited.text).require()
@@ -218,7 +218,7 @@ def use(name: str, as_json: bool, plain: bool) -> None:
     """
     from neurotouch_hid.client import ask, get_text
     from neurotouch_hid.errors import NotRunningError
-    from neurotouch_hid.profile.editing import compare, make_favourite
+    from neurotouch_hid.profile.editing import compare, hand_over_saved, make_favourite
     from neurotouch_hid.profile.reading import OWN_VALUES
 
     stem, edited, text = make_favourite(name, make_stamp)

@@ -31,7 +31,7 @@ def see_gesture(source: str) -> str | None:
 def try_on_gel(source: str, profile: "Profile") -> None:
     """Shows one gesture and the draft's outputs for it, ten times a second."""
     from neurotouch_hid.messages import GestureKind
-    from neurotouch_hid.monitor import describe_gesture, describe_pad
+    from neurotouch_hid.monitor import describe_gesture, describe_outputs
     from neurotouch_hid.profile import Mapping, load_user
 
     mapping = Mapping(profile, load_user())
@@ -44,4 +44,4 @@ def try_on_gel(source: str, profile: "Profile") -> None:
                 return
         elif due_us is None or gesture.t_us >= due_us:
             due_us = gesture.t_us + TOLD_EVERY_US
-            echo(f"{describe_gesture(gesture)}: {describe_pad(pad)}")
+            echo(f"{describe_gesture(gesture)}: {describe_outputs(pad) or 'neutral'}")

@@ -4,7 +4,6 @@ from contextlib import suppress
 
 import click
 
-from neurotouch_hid.cli.profile.saving import hand_over_saved
 from neurotouch_hid.cli.ui.completing import complete_profile
 from neurotouch_hid.cli.ui.outcome import Outcome, report_lines
 from neurotouch_hid.cli.ui.output import (
@@ -127,12 +126,18 @@ def undo(name: str, number: int | None, as_json: bool, plain: bool) -> None:
 
     Nothing is lost: what is undone stays in the history of NAME.
     """
-    from neurotouch_hid.profile.editing import compare, read_text, take_deleted, take_file
+    from neurotouch_hid.profile.editing import (
+        compare,
+        hand_over_restored,
+        take_deleted,
+        take_file,
+    )
 
     edited = take_deleted(name, make_stamp) or take_file(name, make_stamp)
     version = edited.store.undo() if number is None else edited.store.restore(number)
-    lines = compare(edited.text, read_text(edited.store.path)[0])
-    effect = hand_over_saved(edited.name)
+    now = take_file(edited.name, make_stamp)
+    lines = compare(edited.text, now.text)
+    effect = hand_over_restored(now)
     was_deleted = edited.content is None and not edited.text.text
     outcome = Outcome(
         f"{edited.name} is back, as in version {version.number}."
@@ -158,7 +163,7 @@ def delete(name: str, as_json: bool, plain: bool) -> None:
     A shipped profile is never deleted. Your own copy of one is, and then the shipped one is there
     again. A profile that is active, a favourite, or a base of another stays.
     """
-    from neurotouch_hid.profile.editing import delete_profile
+    from neurotouch_hid.profile.editing import delete_profile, hand_over_saved
 
     hidden = delete_profile(name, make_stamp, _list_played())
     effect = hand_over_saved(name) if hidden is not None else None

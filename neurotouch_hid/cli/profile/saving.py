@@ -1,7 +1,7 @@
 """Ends every change of a profile: checks it, saves it and says what has changed."""
 
 import sys
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from neurotouch_hid.cli.ui.outcome import Outcome
 from neurotouch_hid.errors import ProfileError
@@ -10,32 +10,6 @@ if TYPE_CHECKING:
     from neurotouch_hid.files.faults import Fault
     from neurotouch_hid.profile import Checked
     from neurotouch_hid.profile.editing import EditedFile, ProfileText
-
-
-class HandoverResult(NamedTuple):
-    """The result of giving a saved file to the driver: a status, a sentence, and a fix."""
-
-    status: Literal["OK", "WARNING"]
-    text: str
-    fix: str
-
-
-def hand_over_saved(name: str) -> HandoverResult:
-    """Gives a saved file to the running driver.
-
-    Args:
-        name: the profile, or ``user`` for the person's own values.
-    """
-    from neurotouch_hid.handover import hand_over
-    from neurotouch_hid.profile.reading import OWN_VALUES
-
-    done = hand_over()
-    if done.status == "refused":
-        return HandoverResult("WARNING", done.text, done.fix)
-    text = done.text
-    if name != OWN_VALUES and done.status == "plays" and name not in done.profiles:
-        text = f"It is not the active profile. To play it: neurotouch profile use {name}"
-    return HandoverResult("OK", text, "")
 
 
 def _find_new_error(edited: "EditedFile", checked: "Checked[Any]") -> "Fault | None":
@@ -57,6 +31,8 @@ def _explain(refused: str, fault: "Fault") -> ProfileError:
     if hint and not hint.endswith("?"):
         hint += "."
     subject = "it " if fault.sentence.startswith(("needs", "is ", "has ")) else ""
+    if fault.code == "NT112":  # the sentence lists the words
+        hint = hint or "Write one of these words."
     return ProfileError(
         f"{refused}: {subject}{fault.sentence}.",
         hint=hint or f"What this means: neurotouch explain {fault.code}",
@@ -87,7 +63,7 @@ def save_edited(
         ProfileError: there are errors, or it cannot be written; nothing has changed. With
             ``as_json`` errors are told, and the process ends with the error's exit code.
     """
-    from neurotouch_hid.profile.editing import compare
+    from neurotouch_hid.profile.editing import compare, hand_over_saved
 
     path = edited.store.path
     if text == edited.text and edited.content is not None:

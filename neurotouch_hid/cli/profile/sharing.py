@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.profile.saving import hand_over_saved
 from neurotouch_hid.cli.ui.completing import complete_profile
 from neurotouch_hid.cli.ui.outcome import Outcome, confirm, show_faults
 from neurotouch_hid.cli.ui.output import (
@@ -140,6 +139,7 @@ def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, pla
         compare,
         find_own_path,
         find_schema,
+        hand_over_saved,
         read_text,
         summarize,
     )
@@ -201,6 +201,7 @@ def _take_values(file: Path, *, yes: bool, as_json: bool, plain: bool) -> None:
         adopt,
         compare,
         find_schema,
+        hand_over_saved,
         read_text,
         take_user,
     )

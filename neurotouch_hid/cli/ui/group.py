@@ -82,7 +82,7 @@ class LazyGroup(click.Group):
         near = near or difflib.get_close_matches(name.lower(), self._summaries, 1)
         fix = f"Did you mean: {ctx.command_path} {near[0]}" if near else ""
         if name in _PAGES:
-            fix = f"Did you mean: neurotouch --{name}"
+            fix = f"Did you mean: {ctx.command_path if name == 'help' else 'neurotouch'} --{name}"
         elif name.lower() in _REMOVING and "unbind" in self._summaries:
             fix = "A profile: neurotouch profile delete. A binding: neurotouch profile unbind"
         fix = fix or f"All commands: {ctx.command_path} --help"

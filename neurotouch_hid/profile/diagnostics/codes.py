@@ -55,7 +55,9 @@ CODES: Final[dict[str, Explanation]] = {
     ),
     "NT111": Explanation("a key is missing", "This part cannot do without it. Add it."),
     "NT112": Explanation(
-        "not one of the known words", "Only the words in the message are known here."
+        "not one of the known words",
+        "At this place only certain words mean something. The message lists them all: write one "
+        "of them, in the same spelling. 'neurotouch schema' prints the words of every key.",
     ),
     "NT113": Explanation(
         "a value of another kind",

@@ -31,6 +31,11 @@ if TYPE_CHECKING:
         take_profile,
         take_user,
     )
+    from neurotouch_hid.profile.editing.effect import (
+        SavedEffect,
+        hand_over_restored,
+        hand_over_saved,
+    )
     from neurotouch_hid.profile.editing.favourites import make_favourite
     from neurotouch_hid.profile.editing.file_header import MODELINE, adopt, forget_schema, upgrade
     from neurotouch_hid.profile.editing.key_paths import list_key_paths, name_bindings
@@ -64,6 +69,7 @@ else:
             "edit_values": "reset_value set_value",
             "edited_file": "EditedFile compare find_own_path find_schema make_profile read_text "
             "take_file take_profile take_user",
+            "effect": "SavedEffect hand_over_restored hand_over_saved",
             "favourites": "make_favourite",
             "file_header": "MODELINE adopt forget_schema upgrade",
             "key_paths": "list_key_paths name_bindings",
@@ -85,6 +91,7 @@ __all__ = [
     "EditedFile",
     "ProfileText",
     "Remapping",
+    "SavedEffect",
     "Store",
     "Version",
     "adopt",
@@ -95,6 +102,8 @@ __all__ = [
     "find_schema",
     "forget_schema",
     "format_value",
+    "hand_over_restored",
+    "hand_over_saved",
     "list_company",
     "list_key_paths",
     "list_namesakes",

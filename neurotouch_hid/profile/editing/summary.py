@@ -1,7 +1,7 @@
 """A whole profile in words, one fact a line."""
 
 from collections.abc import Iterator
-from typing import Final
+from typing import Any, Final
 
 from neurotouch_hid.profile.diagnostics.description import describe_binding, describe_condition
 from neurotouch_hid.profile.editing.key_paths import name_bindings
@@ -35,6 +35,16 @@ _SAID_OF_DO: Final = (*TARGETS, "sign", "mode")
 """The keys that are in a binding's words already."""
 
 
+_IN_WORDS: Final = {
+    "off_mm": "released below {:g} mm",
+    "gain": "times {:g}",
+    "slew_per_s": "at most {:g} of its range a second",
+    "speed_px_s": "{:g} pixels a second",
+    "clicks_per_s": "{:g} clicks a second",
+}
+"""Keys of a binding that a person reads as words, with their number."""
+
+
 def summarize(profile: Profile, user: UserSettings | None = None) -> Iterator[str]:
     """Gives the profile line by line.
 
@@ -63,15 +73,27 @@ def summarize(profile: Profile, user: UserSettings | None = None) -> Iterator[st
 
 
 def summarize_binding(binding: Binding) -> str:
-    """Returns a binding with everything it sets, ``push -> stick left, range_mm [1.0, 8.0]``."""
+    """Returns a binding with everything it sets, ``push -> stick left, from 1 to 8 mm``."""
     words = [describe_binding(binding)]
     for part, said in ((binding.when, _SAID_OF_WHEN), (binding.do, _SAID_OF_DO)):
         if not isinstance(part, str):
             written = part.model_dump(mode="json", exclude_unset=True)
-            words += [
-                f"{key} {format_value(value)}" for key, value in written.items() if key not in said
-            ]
+            words += [_say_setting(key, value) for key, value in written.items() if key not in said]
     return ", ".join(words)
+
+
+def _say_setting(key: str, value: Any) -> str:
+    """Returns what a key of a binding sets, in words where there are some."""
+    if key == "curve":
+        bend = value.get("expo", value.get("power"))
+        return "curve of its own" if bend is None else f"bend {bend:g}"
+    if key in ("range_mm", "range_mm_s"):
+        low, high = value
+        return f"from {low:g} to {high:g} {key.removeprefix('range_').replace('_s', '/s')}"
+    if key == "value":
+        return f"pressed to {100 * value:.0f} %"
+    words = _IN_WORDS.get(key)
+    return f"{key} {format_value(value)}" if words is None else words.format(value)
 
 
 def _summarize_times(profile: Profile, user: UserSettings | None) -> Iterator[str]:

@@ -295,7 +295,8 @@ def _read(path: Path) -> bytes:
         return read_bytes(path, MAX_SETTINGS_BYTES)
     except FileNotFoundError:
         raise ProfileError(
-            f"The profile file {path} does not exist.", hint="Without a '/', a name is looked up."
+            f"The profile file {path} does not exist.",
+            hint="Check the path. The profiles by name: neurotouch profile list",
         ) from None
     except OSError as error:
         raise ProfileError(

@@ -183,8 +183,9 @@ class _Parser:
 
     def _refuse(self, sentence: str, hint: str = "") -> ProfileError:
         line = make_printable(self.line.strip()[:80])
+        where = "" if f"'{line}'" in sentence else f", '{line}'"
         return ProfileError(
-            f"In the gesture script, '{line}': {sentence}.",
+            f"In the gesture script{where}: {sentence}.",
             hint=hint[:1].upper() + hint[1:] or "For example: push left 5mm 300ms hold 1s",
         )
 
