@@ -64,7 +64,7 @@ class Reached(NamedTuple):
 
     @property
     def name(self) -> str:
-        """What people call it."""
+        """The name of the driver that people use."""
         return "the service" if is_service_folder(self.folder) else "your driver"
 
 

@@ -73,7 +73,7 @@ class PadState(TypedDict):
 
 
 class RumbleState(TypedDict):
-    """How strongly a game shakes the pad, 0 to 1."""
+    """Strength with which a game shakes the pad, 0 to 1."""
 
     strong: float
     weak: float

@@ -1,4 +1,4 @@
-"""What a running driver says of itself, and whether an answer says it."""
+"""Status of a running driver, and the check that an answer is one."""
 
 from typing import (
     Any,
@@ -34,14 +34,14 @@ class Fatigue(TypedDict):
 
 
 class ErrorNote(TypedDict):
-    """What went wrong: a sentence, and when, in s since 1970."""
+    """One error: a sentence, and its time in s since 1970."""
 
     at: float
     error: str
 
 
 class PipelineStatus(TypedDict):
-    """What a running pipeline says of itself.
+    """Status of a running pipeline.
 
     Attributes:
         pid: the driver's process.

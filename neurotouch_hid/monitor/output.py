@@ -7,7 +7,7 @@ from neurotouch_hid.process.dead_output import silence
 
 
 class Writable(Protocol):
-    """Where a monitor writes to."""
+    """Place to which a monitor writes."""
 
     def write(self, text: str, /) -> object:
         """Writes a text."""

@@ -1,4 +1,4 @@
-"""What remains to be done with an output that nobody can read any more."""
+"""Silences an output that nobody can read any more."""
 
 import os
 from typing import TextIO

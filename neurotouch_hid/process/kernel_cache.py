@@ -46,7 +46,7 @@ def find_cache_trouble() -> str:
 
 
 class KernelCache:
-    """What numba asks for a kernel that was compiled before, and hands each new one.
+    """Cache of one kernel: numba asks it for compiled code, and gives it each new one.
 
     There is one file for each kernel, signature, processor model and version of Python and numba.
     It begins with a digest of the rest.

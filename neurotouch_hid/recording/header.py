@@ -25,7 +25,7 @@ _COMPRESSION, _TABLE, _TEXT = 0, 1, 2
 
 @dataclass(frozen=True, slots=True)
 class Stream:
-    """What the header says of a stream.
+    """One stream of a recording, as the header describes it.
 
     Attributes:
         kind: ``EVTS``, ``FRME``, or another word of four letters.

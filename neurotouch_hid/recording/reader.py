@@ -135,12 +135,12 @@ class _Reading:
 
     @property
     def has_events(self) -> bool:
-        """Whether there has been an event."""
+        """True once an event has come."""
         return self._first_us is not None
 
     @property
     def damage(self) -> RecordingError | None:
-        """What has ended the walks; None so far."""
+        """The damage that has ended the walks; None so far."""
         if isinstance(self._damage, RecordingError) or not self._damage:
             return self._damage or None
         where = "before its first event"
@@ -243,11 +243,11 @@ class _Reading:
 
 
 class _Rate:
-    """What can come in a moment: a vessel with a hole, which must not run over.
+    """Limit of what can come in a moment: a leaky bucket that must not run over.
 
     Args:
-        most: what it holds.
-        per_us: what flows out in each µs.
+        most: how much it holds.
+        per_us: how much flows out in each µs.
     """
 
     def __init__(self, most: int, per_us: float) -> None:
@@ -257,7 +257,7 @@ class _Rate:
         self._t_us = -MAX_STAMP_US
 
     def allows(self, n: int, t_us: int) -> bool:
-        """Takes what has come up to ``t_us`` and tells whether a camera can give so much."""
+        """Adds ``n`` items at ``t_us``; returns whether a camera can give so many."""
         gone_us = max(0, t_us - self._t_us)
         self._level = max(0.0, self._level - self._per_us * gone_us) + n
         self._t_us = max(self._t_us, t_us)

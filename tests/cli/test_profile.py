@@ -84,7 +84,7 @@ def test_what_is_wrong_is_refused_with_its_place_and_nothing_changes(home):
         (("new", "../racing"), "cannot be called"),
         (("show", "nope"), "No profile is called"),
         (("import", "nope.yaml"), "cannot be read"),
-        (("import", "/"), "is not a file"),
+        (("import", "/"), "it is a folder, not a file"),
         (("export", "nope"), "No profile is called"),
     ):
         output, code = run("profile", *arguments)

@@ -93,7 +93,7 @@ def test_copilot_where_no_device_is_gets_a_fix_that_can_be_done(monkeypatch):
 
 
 def test_pause_says_in_one_sentence_how_to_go_on():
-    assert "To go on: neurotouch resume." in (pause.help or "")
+    assert "To continue: neurotouch resume." in (pause.help or "")
 
 
 def test_widths_of_the_pointing_test_have_a_unit():
@@ -339,7 +339,7 @@ def test_who_has_no_keyboard_is_told_so(monkeypatch):
     with os.fdopen(read) as nothing:
         monkeypatch.setattr(sys, "stdin", nothing)
         keyboard = Keyboard()
-        with pytest.raises(NeuroTouchError, match="The input has ended, so nothing more can be"):
+        with pytest.raises(NeuroTouchError, match="The input has ended, so no more questions can be"):
             keyboard.poll()
 
 

@@ -160,7 +160,7 @@ def test_hints(binding: str, more: str, shown: str) -> None:
 
 
 def test_every_code_in_the_program_is_explained_and_every_explained_code_is_used() -> None:
-    folder = Path(explain.__code__.co_filename).parents[1]
+    folder = Path(explain.__code__.co_filename).parents[2]
     used = set()
     for path in folder.rglob("*.py"):
         if path.name != "codes.py":

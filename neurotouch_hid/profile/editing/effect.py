@@ -14,7 +14,7 @@ from neurotouch_hid.profile.schema.user import UserSettings
 
 @dataclass(frozen=True, slots=True)
 class SavedEffect:
-    """What a saved file does now.
+    """Effect of a saved file.
 
     Attributes:
         status: ``WARNING`` if the file has errors or the driver refuses it.

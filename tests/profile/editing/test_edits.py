@@ -237,6 +237,6 @@ def test_a_summary_says_every_key_of_a_binding_once():
     when = {"gesture": "pinch", "with_button": "x", "trigger": "release"}
     binding = Binding.model_validate({"when": when, "do": {"trigger": "left", "value": 1.0}})
     assert summarize_binding(binding) == (
-        "pinch while x is held -> trigger left, trigger release, value 1.0"
+        "pinch while x is held -> trigger left, trigger release, pressed to 100 %"
     )
     assert "trigger" in [question.key for question in list_questions(binding)]

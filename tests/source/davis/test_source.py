@@ -297,7 +297,7 @@ def test_a_filter_that_is_not_there_is_not_written(flag):
         ({"exposure_us": 0}, "exposure_us must be 1 to 4194303, not 0"),
         ({"hot_pixels": ((346, 0),)}, "x of a hot pixel must be 0 to 345"),
         ({"hot_pixels": ((0, 0),) * 9}, "number of hot_pixels"),
-        ({"frames_roi": Roi(10, 0, 9, 5)}, "frames_roi is no part"),
+        ({"frames_roi": Roi(10, 0, 9, 5)}, "frames_roi is not inside the picture"),
         ({"biases": Biases(OnBn=CoarseFine(8, 0))}, "coarse value of OnBn"),
     ],
 )
