@@ -143,7 +143,7 @@ def test_one_word_too_many(answer, words):
     arguments = [param for param in command.params if isinstance(param, click.Argument)]
     full = [p.type.choices[0] if isinstance(p.type, click.Choice) else "x" for p in arguments]
     sentence, _ = answer(*words, *full, "qqq!")
-    assert sentence == "'qqq!' is one word too many."
+    assert sentence == "'qqq!' is one argument too many."
 
 
 @pytest.mark.parametrize("words", [w for w, c in TREE if isinstance(c, click.Group)], ids=" ".join)
@@ -168,7 +168,7 @@ def test_unknown_command(answer, words):
         ("run --speed=fast", "Choices: recorded, max."),
         ("run --method=papr", "Did you mean paper? Methods: neurotouch, paper."),
         ("calibrate push-left=", "Did you mean push_left? Choices: "),
-        ("demo --mouse --no-page", "Leave --no-page away."),
+        ("demo --mouse --no-page", "Leave out --no-page."),
         ("--source sim:tour run", "Options come after the command"),
         ("pause --json=1", "Write only --json"),
         ("doctor --only", "See: neurotouch doctor --help"),

@@ -10,7 +10,7 @@ INFO = CameraInfo(2, 5, "2-1", "00000216", "DAVIS 346", 5000, 6, "no right to op
 def test_without_right_the_rule_is_given():
     finding = camera._explain_right(INFO)
     assert finding.status is CheckStatus.FAILED
-    assert "00000216 is there, but not readable" in finding.sentence
+    assert "00000216 is present, but not readable" in finding.sentence
     assert any("70-neurotouch-camera.rules" in line for line in finding.commands)
 
 

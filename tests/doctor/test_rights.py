@@ -36,7 +36,7 @@ def test_one_that_comes_after_the_seats_is_too_late(folders):
     (folders[0] / "99-steam.rules").write_text(OURS)
     finding = rights.check_rule(folders)
     assert finding.status is CheckStatus.WARNING
-    assert "99-steam.rules comes too late" in finding.sentence
+    assert "99-steam.rules applies too late" in finding.sentence
     assert finding.commands
 
 
