@@ -28,6 +28,9 @@ from neurotouch_hid.subscriber import Subscriber
 LOOK_S: Final = 0.5
 """How often a driver is looked for, and its profile's file for changes."""
 
+SILENT_S: Final = 3.0
+"""A driver that has shown nothing for so long waits for its camera."""
+
 MOST_HZ: Final = 60
 MOST_TRIALS: Final = 500
 
@@ -138,6 +141,7 @@ class Hub:
         self._about: ProfileView | ProfileFault | None = None
         self._hand: Any = None
         self._newest: bytes | None = None
+        self._heard_s = 0.0
 
     @property
     def n_clients(self) -> int:
@@ -146,27 +150,27 @@ class Hub:
 
     async def run(self) -> None:
         """Looks for a driver, and again when that has ended; never returns."""
-        loop = asyncio.get_running_loop()
         while True:
-            if self._listener.peer is None:
-                self._connect()
-            elif not self._clients:
-                loop.remove_reader(self._listener.peer.fileno())
-                self._listener.close()
-                self._newest = None
             if self._clients:
+                self._connect()
                 self._look_at_profile()
                 await self._look_around()
+            elif self._listener.peer is not None:
+                asyncio.get_running_loop().remove_reader(self._listener.peer.fileno())
+                self._listener.close()
+                self._newest = None
             self._came.clear()
             with suppress(TimeoutError):
                 await asyncio.wait_for(self._came.wait(), LOOK_S)
 
     async def _look_around(self) -> None:
-        """Tells the browsers what to do next, while no driver runs."""
-        if self._newest is not None:
-            self._situation = None
+        """Tells the browsers what to do next, while no driver runs or nothing comes from it."""
+        runs = self._listener.peer is not None
+        if runs and (time.monotonic() - self._heard_s < SILENT_S or not self._wanted_hz):
+            if self._newest is not None:
+                self._situation = None
             return
-        found = asdict(await asyncio.to_thread(find_situation))
+        found = asdict(await asyncio.to_thread(find_situation, waits=runs))
         if found != self._situation:
             self._situation = found
             self._tell_all({"situation": found})
@@ -176,10 +180,24 @@ class Hub:
             client.tell(**message)
 
     def _connect(self) -> None:
-        peer = self._listener.connect() if self._clients else None
-        if peer is not None:
-            loop = asyncio.get_running_loop()
-            loop.add_reader(peer.fileno(), self._receive, peer.fileno())
+        """Looks for a driver, and for the person's own one while the service is watched."""
+        before = self._listener.peer
+        descriptor = -1 if before is None else before.fileno()
+        peer = self._listener.connect()
+        if peer is None or peer is before:
+            return
+        loop = asyncio.get_running_loop()
+        if before is not None:
+            self._forget_driver(descriptor)
+        loop.add_reader(peer.fileno(), self._receive, peer.fileno())
+        self._heard_s = time.monotonic()
+
+    def _forget_driver(self, descriptor: int) -> None:
+        asyncio.get_running_loop().remove_reader(descriptor)
+        self._newest = None
+        for client in self._clients:
+            client.end_states()
+            client.tell(driver=False)
 
     async def serve(self, client: Client, hz: int) -> None:
         """Serves a browser that has shown the token, until it goes."""
@@ -189,8 +207,7 @@ class Hub:
         sender = asyncio.create_task(client.send())
         try:
             client.hz = min(max(hz, 0), MOST_HZ)
-            if self._listener.peer is None:
-                self._connect()
+            self._connect()
             self._set_rate()
             client.tell(hello=True, edit=self._edit, driver=self._listener.peer is not None)
             if self._about is not None:
@@ -220,20 +237,23 @@ class Hub:
         if self._hand is not None:
             self._hand.close()
 
+    @property
+    def _wanted_hz(self) -> int:
+        return max((client.hz for client in self._clients), default=0)
+
     def _set_rate(self) -> None:
-        self._listener.want(max((client.hz for client in self._clients), default=0))
+        if not self._listener.hz:  # nothing was asked for until now
+            self._heard_s = time.monotonic()
+        self._listener.want(self._wanted_hz)
 
     def _receive(self, descriptor: int) -> None:
         state = self._listener.take()
         if self._listener.peer is None:  # the driver has ended
-            asyncio.get_running_loop().remove_reader(descriptor)
-            self._newest = None
-            for client in self._clients:
-                client.end_states()
-                client.tell(driver=False)
+            self._forget_driver(descriptor)
             return
         if state is None:
             return
+        self._heard_s = time.monotonic()
         for client in self._clients:
             client.show(state)
         is_first, self._newest = self._newest is None, state

@@ -7,13 +7,14 @@ from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any, Final
 
-from neurotouch_hid.client import ask
+from neurotouch_hid.client import ask, is_served
 from neurotouch_hid.errors import PageError, ProfileError
 from neurotouch_hid.page.edits import Changes, Wish
 from neurotouch_hid.page.guard import make_token
 from neurotouch_hid.page.outputs import list_outputs
 from neurotouch_hid.page.pictures import draw_code, take_picture
-from neurotouch_hid.page.programs import COMMANDS, Programs
+from neurotouch_hid.page.programs import DRIVERS, Programs
+from neurotouch_hid.page.situation import MENDS
 from neurotouch_hid.players import find_runtime_folder
 from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_user
 from neurotouch_hid.profile.reading.library import find_user_folder
@@ -136,8 +137,12 @@ class Requests:
 
     async def _start(self, request: Request, _file: Path) -> Reply:
         name = str(request.get("what"))
-        if name not in COMMANDS:
+        if name == "remote":
             raise PageError("There is no such program.")
+        if name in MENDS.values() and self._is_far:
+            raise PageError("Only the machine itself may ask for its password.")
+        if name in DRIVERS and await asyncio.to_thread(is_served, find_runtime_folder()):
+            raise PageError("A driver of yours runs already.", hint="Press 'End the driver' first.")
         await self._programs.start(name)
         return {"started": name}
 

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 PROGRAM = [sys.executable, "-m", "neurotouch_hid"]
 LIMIT_S = 180.0
@@ -16,18 +17,23 @@ LIMIT_S = 180.0
 class Process:
     """A command of ours that runs until the test ends it."""
 
-    def __init__(self, folder: Path, *arguments: str, ready: str) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        *arguments: str,
+        ready: str,
+        program: list[str] = PROGRAM,
+        runtime: str | None = "run",
+    ) -> None:
         folder.mkdir(exist_ok=True)
         self.folder = folder
-        self.environment = {
-            **os.environ,
-            "RUNTIME_DIRECTORY": str(folder / "run"),
-            "XDG_CONFIG_HOME": str(folder / "config"),
-        }
-        self._log = folder / f"{arguments[0]}.txt"
+        self.environment = {**os.environ, "XDG_CONFIG_HOME": str(folder / "config")}
+        if runtime is not None:  # else that of the session
+            self.environment["RUNTIME_DIRECTORY"] = str(folder / runtime)
+        self._log = folder / f"{arguments[0] if arguments else 'program'}.txt"
         with self._log.open("w") as log:
             self.process = subprocess.Popen(
-                [*PROGRAM, *arguments],
+                [*program, *arguments],
                 stdout=log,
                 stderr=subprocess.STDOUT,
                 stdin=subprocess.DEVNULL,
@@ -88,8 +94,8 @@ class Driver(Process):
 class View(Process):
     """``neurotouch view``."""
 
-    def __init__(self, folder: Path, *arguments: str) -> None:
-        super().__init__(folder, "view", "--port", "0", *arguments, ready="Spacecraft: ")
+    def __init__(self, folder: Path, *arguments: str, **how: Any) -> None:
+        super().__init__(folder, "view", "--port", "0", *arguments, ready="Spacecraft: ", **how)
         self.link = re.search(r"Live view: (\S+)", self.said)[1]
         self.home = re.search(r"Page: (\S+)", self.said)[1]
         self.root, self.token = self.home.split("#k=")

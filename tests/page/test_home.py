@@ -69,6 +69,9 @@ def test_profiles_can_be_prepared_before_anything_runs(alone, open_page):
     page.click("#outputs button:text-is('X')")
     wait_for(page, "saved", "Saved in mine")
     assert "button: x" in (alone.folder / "config/neurotouch/profiles/mine.yaml").read_text()
+    page.click("#start-mouse")  # the next start
+    wait_for(page, "situation", "The mouse presses a simulated gel.")
+    wait_for(page, "badges", "profile mine")
 
 
 def test_a_movement_is_made_and_put_on_a_button(view, folder, open_page):

@@ -37,7 +37,7 @@ def _describe_driver(status: dict[str, Any]) -> None:
     elif status["errors"]:
         click.echo(f"Last error: {status['errors'][-1]['error']}. More: neurotouch status")
     else:
-        click.echo("Next: neurotouch view")
+        click.echo("Next: neurotouch view --edit --open")
 
 
 def _advise() -> str:

@@ -12,13 +12,18 @@ const PICTURE_MS = 1000;
 const GEL_MARKERS = 40; // fewer are no gel
 const FAULT = /^(Error|Fix|Warning|No real)/;
 const STARTING = "The first start on a machine takes up to a minute.";
-const ADVICE = {
+const ADVICE = { // where the page can do nothing
   no_camera: "Plug the camera in, or try everything with the mouse first.",
   no_right: "You may not use the camera yet. Once, in a terminal: neurotouch setup",
+  no_pad: "No game sees what you do yet. Once, in a terminal: neurotouch setup",
   service_stopped: "An administrator starts it: sudo systemctl start neurotouch",
   unusable: "See below: Check this machine.",
+  no_data: "Look at its cable, or try everything with the mouse first.",
   ready: "Your hand stays off the gel until the dots are found.",
 };
+
+const MENDS = { setup: "Give me the right", service: "Start the service" };
+const PASSWORD = "This computer then asks for the password of an administrator.";
 
 const find = (id) => document.getElementById(id);
 let about = null;
@@ -56,8 +61,8 @@ const page = openPage(HZ, {
     if (!is) newest = null;
     showStart();
   },
-  situation(found) {
-    situation = found;
+  situation(found) { // told while nothing comes
+    [situation, newest] = [found, null];
     showStart();
   },
   about(message) {
@@ -72,7 +77,11 @@ const page = openPage(HZ, {
   },
   profiles: showProfiles,
   saved(sentence) { if (sentence) say("saved", sentence); },
-  refused() { starting = ""; showStart(); },
+  refused() {
+    if (starting) sayStart("");
+    starting = "";
+    showStart();
+  },
   picture: (address) => { find("picture").src = address; find("picture").hidden = false; },
   program: hearProgram,
   remote: showRemote,
@@ -110,18 +119,20 @@ function showStart() {
     [words, advice] = ["Ready to play.", `Every game sees the gamepad: ${newest.slow.device}.`];
   } else if (situation) {
     [words, advice] = [situation.kind === "ready" ? "The camera is ready." : situation.text,
-      ADVICE[situation.kind]];
+      situation.mend ? PASSWORD : ADVICE[situation.kind]];
   }
   if (find("situation").textContent !== words && newest) page.say(words);
   say("situation", words);
   say("advice", advice);
-  const isIdle = !runs && !starting && situation !== null;
-  find("start-camera").hidden = !(isIdle && situation.kind === "ready");
+  const isIdle = !newest && !starting && situation !== null;
+  find("start-camera").hidden = runs || !(isIdle && situation.kind === "ready");
+  find("mend").hidden = !(isIdle && situation.mend);
+  if (isIdle && situation.mend) say("mend", MENDS[situation.mend]);
   find("start-mouse").hidden = !isIdle;
   find("fly").hidden = !newest;
   find("press").hidden = !isMouse;
   find("look").hidden = !newest;
-  find("end").hidden = !newest;
+  find("end").hidden = !runs;
   // The button that began it is gone, and the focus with it.
   if (newest && begun && document.activeElement === document.body) find("fly").focus();
   if (newest) begun = false;
@@ -154,6 +165,11 @@ function start(what) {
 
 find("start-camera").addEventListener("click", () => start("camera"));
 find("start-mouse").addEventListener("click", () => start("mouse"));
+find("mend").addEventListener("click", () => {
+  faults = [];
+  sayStart("Asking for the password …");
+  page.send({ do: "start", what: situation.mend });
+});
 find("end").addEventListener("click", () => page.send({ do: "stop", what: "driver" }));
 let looks = 0;
 find("look").addEventListener("click", () => {
@@ -172,8 +188,9 @@ function hearProgram(news) {
     if (faults.length) sayStart(faults.join(" "));
     return;
   }
+  if (news.name in MENDS && news.code && !faults.length) faults = ["Nothing was changed."];
   starting = "";
-  if (!faults.length) sayStart("");
+  sayStart(faults.join(" "));
   return showStart();
 }
 
