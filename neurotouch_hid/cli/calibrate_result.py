@@ -106,15 +106,12 @@ def undo_calibration(*, plain: bool, as_json: bool) -> None:
     from neurotouch_hid.profile.editing import compare, take_user
 
     edited = take_user(make_stamp)
-    for before, after in edited.store.changes("calibration"):
-        text = undo_ranges(edited.text, before.decode(), after.decode())
-        if text != edited.text:
-            edited.save(text)
-            break
-    else:
+    text = edited.undo_kind("calibration", undo_ranges)
+    if text is None:
         raise ProfileError(
             "There is no calibration to undo.", hint="Versions: neurotouch profile history user"
         )
+    edited.save(text)
     path, lines = edited.store.path, compare(edited.text, text)
     effect = hand_over_saved(edited.name)
     outcome = Outcome(

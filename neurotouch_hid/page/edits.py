@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from neurotouch_hid.client import ask
-from neurotouch_hid.errors import DriverError, NotRunningError, ProfileError
-from neurotouch_hid.handover import hand_over
+from neurotouch_hid.errors import NotRunningError, ProfileError
+from neurotouch_hid.page.handed_over import hand_over_now
 from neurotouch_hid.page.profile_view import Place, is_editable, list_places
 from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_unused
 from neurotouch_hid.profile.diagnostics.description import describe_target, describe_when
@@ -89,8 +89,8 @@ class Changes:
         text = _write(paper.text, place, mark, value)
         if text == paper.text:
             return f"{paper.name} says so already."
-        paper.save(text)
-        return f"Saved in {paper.name}: {_describe(place.binding, mark, value)}. {_hand_over()}"
+        _save(paper, text)
+        return f"Saved in {paper.name}: {_describe(place.binding, mark, value)}. {hand_over_now()}"
 
     def bind(self, path: Path, wish: "Wish") -> str:
         """Lets a movement do something and tells in a sentence what has been saved.
@@ -107,9 +107,9 @@ class Changes:
             wish.layer or None,
             instead=wish.instead or None,
         )
-        paper.save(text)
+        _save(paper, text)
         words = MOVEMENTS[wish.movement].words if wish.movement in MOVEMENTS else wish.movement
-        return f"Saved in {paper.name}: {words} {wish.press} → {wish.do}. {_hand_over()}"
+        return f"Saved in {paper.name}: {words} {wish.press} → {wish.do}. {hand_over_now()}"
 
     def unbind(self, path: Path, key: str) -> str:
         """Lets a movement no longer do something.
@@ -119,8 +119,8 @@ class Changes:
             DriverError: as ``bind``.
         """
         paper = self._take(path)
-        paper.save(remove_binding(paper.text, key))
-        return f"Removed from {paper.name}. {_hand_over()}"
+        _save(paper, remove_binding(paper.text, key))
+        return f"Removed from {paper.name}. {hand_over_now()}"
 
     def use(self, name: str) -> str:
         """Plays with a profile from now on.
@@ -130,7 +130,7 @@ class Changes:
             DriverError: the running driver does not play it.
         """
         stem, _, _ = make_favourite(name, self._stamp)
-        said = _hand_over()
+        said = hand_over_now()
         with suppress(NotRunningError):
             said = str(ask("use", profile=stem)["text"])
         return said
@@ -160,7 +160,7 @@ class Changes:
         """
         paper = self._take(path)
         version = paper.store.undo()
-        return f"{paper.name} is as in version {version.number} again. {_hand_over()}"
+        return f"{paper.name} is as in version {version.number} again. {hand_over_now()}"
 
     def _take(self, path: Path) -> EditedFile:
         if not is_editable(path):
@@ -171,16 +171,21 @@ class Changes:
         return take_profile(path.stem, self._stamp)
 
 
-def _hand_over() -> str:
-    """Gives what has been saved to the running driver, and tells what became of it.
+def _save(paper: EditedFile, text: str) -> None:
+    """Saves a changed text if it is right.
 
     Raises:
-        DriverError: it goes on with what it had.
+        ProfileError: it is not; the first mistake is told as people say it, without the file.
     """
-    done = hand_over()
-    if done.status == "refused":
-        raise DriverError(f"Saved, but not in use. {done.text}", hint=done.fix)
-    return "It applies now." if done.status == "plays" else done.text
+    checked = paper.check(text)
+    if checked.whole is None:
+        known = {(each.path, each.sentence) for each in paper.check(paper.text).faults}
+        errors = [each for each in checked.faults if each.severity == "error"]
+        new = [each for each in errors if (each.path, each.sentence) not in known]
+        fault = (new or errors)[0]
+        hint = f"{fault.hint[:1].upper()}{fault.hint[1:]}"
+        raise ProfileError(f"Nothing was saved: {fault.sentence}.", hint=hint or None)
+    paper.save(text)
 
 
 def _describe(binding: Binding, mark: str, value: Any) -> str:

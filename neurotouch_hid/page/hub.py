@@ -16,11 +16,16 @@ from neurotouch_hid.ipc import HAND, connect_to
 from neurotouch_hid.page.edits import Changes
 from neurotouch_hid.page.guard import Rate
 from neurotouch_hid.page.outputs import OutputGroup
+from neurotouch_hid.page.own_values import (
+    OwnValues,
+    OwnValuesView,
+    describe_values,
+    load_usable_user,
+)
 from neurotouch_hid.page.profile_view import ProfileFault, ProfileView, describe_profile
 from neurotouch_hid.page.requests import Requests
 from neurotouch_hid.page.situation import find_situation
 from neurotouch_hid.players import find_runtime_folder, find_user_file
-from neurotouch_hid.profile import load_user
 from neurotouch_hid.profile.reading.library import find_profile
 from neurotouch_hid.snapshot import read_head
 from neurotouch_hid.subscriber import Subscriber
@@ -43,6 +48,7 @@ class PageMessage(TypedDict, total=False):
         edit: the browser may change profiles and pause the driver; comes with ``hello``.
         driver: a driver runs.
         about: the active profile; while no driver runs, the one it would play.
+        own: the person's own values, as far as the page changes them.
         saved: what has been done, in a sentence; empty where the next state says it.
         refused: what has not been done, and why.
         throughput: the figures of a game.
@@ -61,6 +67,7 @@ class PageMessage(TypedDict, total=False):
     edit: bool
     driver: bool
     about: ProfileView | ProfileFault | None
+    own: OwnValuesView
     saved: str
     refused: str
     throughput: dict[str, Any]
@@ -76,12 +83,17 @@ class PageMessage(TypedDict, total=False):
 
 
 class Client:
-    """A browser. What it has no time for is dropped: only the newest state waits."""
+    """A browser. What it has no time for is dropped: only the newest state waits.
+
+    Attributes:
+        pauses: the driver is paused for as long as this browser waits for a movement.
+    """
 
     def __init__(self, socket: ServerConnection) -> None:
         self.socket = socket
         self.hz = 0
         self.rate = Rate()
+        self.pauses = False
         self._state: bytes | None = None
         self._words: list[str] = []
         self._due_s = 0.0
@@ -130,7 +142,11 @@ class Hub:
     def __init__(self, *, edit: bool, stamp: Any, is_far: bool = False) -> None:
         self._edit = edit
         self._requests = Requests(
-            edit=edit, is_far=is_far, changes=Changes(stamp), tell_all=self._tell_all
+            edit=edit,
+            is_far=is_far,
+            changes=Changes(stamp),
+            own=OwnValues(stamp),
+            tell_all=self._tell_all,
         )
         self._situation: dict[str, str] | None = None
         self._listener = Subscriber()
@@ -139,6 +155,7 @@ class Hub:
         self._path = Path()
         self._stamps: tuple[Any, ...] = ()
         self._about: ProfileView | ProfileFault | None = None
+        self._own: OwnValuesView = {}
         self._hand: Any = None
         self._newest: bytes | None = None
         self._heard_s = 0.0
@@ -191,6 +208,8 @@ class Hub:
             self._forget_driver(descriptor)
         loop.add_reader(peer.fileno(), self._receive, peer.fileno())
         self._heard_s = time.monotonic()
+        for client in self._clients:
+            client.tell(driver=True)
 
     def _forget_driver(self, descriptor: int) -> None:
         asyncio.get_running_loop().remove_reader(descriptor)
@@ -212,6 +231,7 @@ class Hub:
             client.tell(hello=True, edit=self._edit, driver=self._listener.peer is not None)
             if self._about is not None:
                 client.tell(about=self._about)
+            client.tell(own=self._own)
             if self._situation is not None:
                 client.tell(situation=self._situation)
             for news in self._requests.news:
@@ -225,6 +245,9 @@ class Hub:
             pass
         finally:
             self._clients.discard(client)
+            if client.pauses:  # nobody else goes on
+                with suppress(NeuroTouchError):
+                    await self._requests.carry_out({"do": "resume"}, self._path)
             self._set_rate()
             sender.cancel()
             with suppress(asyncio.CancelledError, ConnectionClosed):
@@ -276,8 +299,9 @@ class Hub:
                 self._about = describe_profile(path, edit=self._edit)
             except NeuroTouchError as error:
                 self._about = {"fault": error.message}
+        self._own = describe_values()
         for client in self._clients:
-            client.tell(about=self._about, driver=runs)
+            client.tell(about=self._about, own=self._own, driver=runs)
 
     async def _hear(self, client: Client, message: str | bytes) -> None:
         """Does what a browser asks for; what it may not ask for, it is told."""
@@ -297,8 +321,10 @@ class Hub:
                     self._steer(message if isinstance(message, bytes) else message.encode())
                 case "throughput":
                     client.tell(throughput=await asyncio.to_thread(_measure, request.get("trials")))
-                case _:
+                case verb:
                     reply = await self._requests.carry_out(request, self._path)
+                    if verb in ("pause", "resume"):
+                        client.pauses = verb == "pause" and request.get("for") == "movement"
                     client.tell(**reply, n=request.get("n"))
                     self._look_at_profile()
         except NeuroTouchError as error:
@@ -330,7 +356,7 @@ class Hub:
 def _find_favourite() -> str:
     """Returns the profile that the next driver would play; empty if it cannot be said."""
     try:
-        return str(find_profile(load_user().slots[0]).resolve())
+        return str(find_profile(load_usable_user().slots[0]).resolve())
     except (NeuroTouchError, OSError):
         return ""
 

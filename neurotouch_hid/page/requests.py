@@ -12,11 +12,12 @@ from neurotouch_hid.errors import PageError, ProfileError
 from neurotouch_hid.page.edits import Changes, Wish
 from neurotouch_hid.page.guard import make_token
 from neurotouch_hid.page.outputs import list_outputs
+from neurotouch_hid.page.own_values import OwnValues, load_usable_user
 from neurotouch_hid.page.pictures import draw_code, take_picture
 from neurotouch_hid.page.programs import DRIVERS, Programs
 from neurotouch_hid.page.situation import MENDS
 from neurotouch_hid.players import find_runtime_folder
-from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_user
+from neurotouch_hid.profile import Profile, check_profile, list_profiles
 from neurotouch_hid.profile.reading.library import find_user_folder
 
 Request = dict[str, Any]
@@ -36,8 +37,10 @@ class Requests:
     Args:
         edit: whether anything may be changed.
         is_far: the page is served to other machines, and may not let in more.
-        changes: saves.
+        changes: saves what belongs to a profile.
+        own: saves what belongs to the person.
         tell_all: tells every browser something.
+        remote_s: for how long another device may see this page.
     """
 
     def __init__(
@@ -46,14 +49,18 @@ class Requests:
         edit: bool,
         is_far: bool,
         changes: Changes,
+        own: OwnValues,
         tell_all: Callable[[Reply], object],
+        remote_s: float = REMOTE_S,
     ) -> None:
         self._edit, self._is_far = edit, is_far
-        self._changes = changes
+        self._changes, self._own = changes, own
         self._tell_all = tell_all
         self._programs = Programs(self._hear_program)
         self._token = ""
         self._remote: Reply | None = None
+        self._remote_s = remote_s
+        self._expiry: asyncio.TimerHandle | None = None
         self._looks: dict[str, Handler] = {
             "outputs": self._list_outputs,
             "profiles": self._list_profiles,
@@ -72,6 +79,10 @@ class Requests:
             "stop": self._stop,
             "answer": self._answer,
             "remote": self._let_in,
+            "own value": self._set_own,
+            "undo own values": self._undo_own,
+            "undo calibration": self._undo_calibration,
+            "mend own values": self._mend_own,
         }
 
     @property
@@ -130,6 +141,19 @@ class Requests:
         name = str(request.get("profile"))
         return {"saved": await asyncio.to_thread(self._changes.copy, _take_name(name))}
 
+    async def _set_own(self, request: Request, _file: Path) -> Reply:
+        name, value = str(request.get("name")), str(request.get("value"))
+        return {"saved": await asyncio.to_thread(self._own.set, name, value)}
+
+    async def _undo_own(self, _request: Request, _file: Path) -> Reply:
+        return {"saved": await asyncio.to_thread(self._own.undo)}
+
+    async def _undo_calibration(self, _request: Request, _file: Path) -> Reply:
+        return {"saved": await asyncio.to_thread(self._own.undo_calibration)}
+
+    async def _mend_own(self, _request: Request, _file: Path) -> Reply:
+        return {"saved": await asyncio.to_thread(self._own.mend)}
+
     async def _command(self, request: Request, _file: Path) -> Reply:
         answer = await asyncio.to_thread(ask, request["do"])
         # The next state says what is done, beside the button that takes it back.
@@ -184,18 +208,19 @@ class Requests:
         path.write_text(self._token)
         command = ("view", "--edit", "--listen", address, "--token-file", str(path))
         await self._programs.start("remote", *command)
-        asyncio.get_running_loop().call_later(REMOTE_S, self._end_remote)
+        self._expiry = asyncio.get_running_loop().call_later(self._remote_s, self._end_remote)
         return {"started": "remote"}
 
     def _end_remote(self) -> None:
-        if self._remote is not None:
-            self._ending = asyncio.create_task(self._programs.stop("remote"))
+        self._ending = asyncio.create_task(self._programs.stop("remote"))
 
     def _hear_program(self, news: Reply) -> None:
         """Passes on what a program says; of a remote, the link to photograph."""
         if news["name"] != "remote":
             self._tell_all({"program": news})
         elif "code" in news:
+            if self._expiry is not None:
+                self._expiry.cancel()  # the next phone has an hour of its own
             self._remote = None
             self._tell_all({"remote": None})
         elif news["line"].startswith(("Error: ", "Fix: ")):
@@ -203,7 +228,7 @@ class Requests:
         elif found := _FAR_LINK.search(news["line"]):
             (find_runtime_folder() / _REMOTE_FILE).unlink(missing_ok=True)  # it has been read
             link = f"{found[1]}#k={self._token}"
-            self._remote = {"link": link, "code": draw_code(link), "minutes": REMOTE_S / 60}
+            self._remote = {"link": link, "code": draw_code(link), "minutes": self._remote_s / 60}
             self._tell_all({"remote": self._remote})
 
 
@@ -219,7 +244,7 @@ def _take_name(name: str) -> str:
 
 
 def _describe_profiles() -> list[Reply]:
-    favourites, own = load_user().slots, find_user_folder()
+    favourites, own = load_usable_user().slots, find_user_folder()
     rows = []
     for name, path in list_profiles().items():
         written = check_profile(path).written

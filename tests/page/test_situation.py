@@ -86,7 +86,7 @@ def test_without_a_way_to_ask_it_is_refused(machine):
 @pytest.mark.parametrize("what", ["setup", "service"])
 def test_a_phone_asks_for_no_password(machine, what, tmp_path):
     machine(pkexec=True)
-    requests = Requests(edit=True, is_far=True, changes=None, tell_all=print)
+    requests = Requests(edit=True, is_far=True, changes=None, own=None, tell_all=print)
     with pytest.raises(PageError, match="Only the machine itself"):
         asyncio.run(requests.carry_out({"do": "start", "what": what}, tmp_path))
 

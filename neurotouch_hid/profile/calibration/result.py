@@ -5,11 +5,11 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import median
-from typing import Any, Final
+from typing import Final
 
 from neurotouch_hid.profile.editing.layout import read_layout
 from neurotouch_hid.profile.editing.paths import find_way
-from neurotouch_hid.profile.editing.revision import reset_value, set_value
+from neurotouch_hid.profile.editing.revision import reset_value, set_value, take_back
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.timing import FilterName
 from neurotouch_hid.profile.schema.user import Range, Ranges, UserSettings
@@ -133,25 +133,12 @@ def undo_ranges(text: str, before: str, after: str) -> str:
         before: the file when the calibration began.
         after: the file when it was saved. What was changed again since then stays.
     """
-    now, old, new = (read_layout(each, "user.yaml")[1] for each in (text, before, after))
-    for name in [*(f"range.{each}" for each in Ranges.model_fields), *_CALIBRATED]:
-        was, became, is_ = (_look(each, name) for each in (old, new, now))
-        if was == became or is_ != became:
-            continue
-        if was is None:
-            text = reset_value(text, name, UserSettings)
-        else:
-            text = set_value(text, name, was, UserSettings)
+    names = [*(f"range.{each}" for each in Ranges.model_fields), *_CALIBRATED]
+    text = take_back(text, before, after, names, UserSettings)
     saved, first = _DATE.search(after), _DATE.search(before)
     if saved is None:
         return text
     return text.replace(f"{saved[0]}\n", f"{first[0]}\n" if first else "", 1)
-
-
-def _look(document: Any, path: str) -> Any:
-    for key in path.split("."):
-        document = document.get(key) if isinstance(document, dict) else None
-    return document
 
 
 def _write_unused(text: str, before: list[str], ranges: Mapping[str, Range | None]) -> str:

@@ -31,6 +31,7 @@ from neurotouch_hid.profile.editing.revision import (
     remove_binding,
     reset_value,
     set_value,
+    take_back,
     unbind,
     upgrade,
 )
@@ -66,6 +67,7 @@ __all__ = [
     "remove_binding",
     "reset_value",
     "set_value",
+    "take_back",
     "take_deleted",
     "take_file",
     "take_profile",

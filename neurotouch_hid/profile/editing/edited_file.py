@@ -82,6 +82,19 @@ class EditedFile:
             self.store.keep(encode(self.text))
         self.store.save(encode(text), over=self.content, keep=keep)
 
+    def undo_kind(self, kind: str, take_back: Callable[[str, str, str], str]) -> str | None:
+        """Returns the text without the last change of a kind; None if there is none to undo.
+
+        Args:
+            kind: how the stamps of its versions end.
+            take_back: is given the text, and a change's text before and after.
+        """
+        for before, after in self.store.changes(kind):
+            text = take_back(self.text, before.decode(), after.decode())
+            if text != self.text:
+                return text
+        return None
+
 
 def encode(text: str) -> bytes:
     """Returns the text as it is in a file."""

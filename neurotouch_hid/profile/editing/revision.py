@@ -1,5 +1,6 @@
 """The edits people ask for: set a value, go back to a default, bind, unbind, rename, upgrade."""
 
+from collections.abc import Collection
 from typing import Any, Final
 
 from pydantic import BaseModel
@@ -67,6 +68,34 @@ def reset_value(text: str, path: str, model: type[BaseModel] = Profile) -> str:
     if not way.exists:
         raise ProfileError(f"'{path}' is not set, its default applies already.")
     return remove_value(text, way.keys)
+
+
+def take_back(
+    text: str, before: str, after: str, names: Collection[str], model: type[BaseModel] = Profile
+) -> str:
+    """Returns the text with some values as they were before a change, and all else as it is.
+
+    Args:
+        text: the file now.
+        before: the file when the change began.
+        after: the file when it was saved. What was changed again since then stays.
+        names: the values, as people name them.
+        model: what the file is.
+    """
+    now, old, new = (read_layout(each, "the file")[1] for each in (text, before, after))
+    for name in names:
+        keys = tuple(name.split("."))
+        was, became, is_ = (_find(each, keys) for each in (old, new, now))
+        if was == became or is_ != became:
+            continue
+        text = reset_value(text, name, model) if was is None else set_value(text, name, was, model)
+    return text
+
+
+def _find(document: Any, keys: Keys) -> Any:
+    for key in keys:
+        document = document.get(key) if isinstance(document, dict) else None
+    return document
 
 
 def insert_at(text: str, keys: Keys, value: Any, model: type[BaseModel] = Profile) -> str:
