@@ -46,6 +46,7 @@ class PageMessage(TypedDict, total=False):
     Attributes:
         hello: the browser may stay.
         edit: the browser may change profiles and pause the driver; comes with ``hello``.
+        far: the page is served to other machines; comes with ``hello``.
         driver: a driver runs.
         about: the active profile; while no driver runs, the one it would play.
         own: the person's own values, as far as the page changes them.
@@ -65,6 +66,7 @@ class PageMessage(TypedDict, total=False):
 
     hello: Literal[True]
     edit: bool
+    far: bool
     driver: bool
     about: ProfileView | ProfileFault | None
     own: OwnValuesView
@@ -140,7 +142,7 @@ class Hub:
     """
 
     def __init__(self, *, edit: bool, stamp: Any, is_far: bool = False) -> None:
-        self._edit = edit
+        self._edit, self._is_far = edit, is_far
         self._requests = Requests(
             edit=edit,
             is_far=is_far,
@@ -228,7 +230,8 @@ class Hub:
             client.hz = min(max(hz, 0), MOST_HZ)
             self._connect()
             self._set_rate()
-            client.tell(hello=True, edit=self._edit, driver=self._listener.peer is not None)
+            runs = self._listener.peer is not None
+            client.tell(hello=True, edit=self._edit, far=self._is_far, driver=runs)
             if self._about is not None:
                 client.tell(about=self._about)
             client.tell(own=self._own)
@@ -332,6 +335,7 @@ class Hub:
             client.tell(refused=f"{error.message}{hint}", n=request.get("n"))
             if self._about is not None:
                 client.tell(about=self._about)  # a mark that was dragged goes back
+            client.tell(own=self._own)
 
     def _steer(self, message: bytes) -> None:
         """Hands the mouse's gel on to the simulator, if that is what runs; nothing else hears it.

@@ -28,7 +28,9 @@ class Process:
         folder.mkdir(exist_ok=True)
         self.folder = folder
         self.environment = {**os.environ, "XDG_CONFIG_HOME": str(folder / "config")}
-        if runtime is not None:  # else that of the session
+        if runtime is None:  # that of the session
+            self.environment.pop("RUNTIME_DIRECTORY", None)
+        else:
             self.environment["RUNTIME_DIRECTORY"] = str(folder / runtime)
         self._log = folder / f"{arguments[0] if arguments else 'program'}.txt"
         with self._log.open("w") as log:
