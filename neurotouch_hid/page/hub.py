@@ -328,8 +328,8 @@ class Hub:
                     reply = await self._requests.carry_out(request, self._path)
                     if verb in ("pause", "resume"):
                         client.pauses = verb == "pause" and request.get("for") == "movement"
+                    self._look_at_profile()  # first: what is said to be saved is shown already
                     client.tell(**reply, n=request.get("n"))
-                    self._look_at_profile()
         except NeuroTouchError as error:
             hint = f" {error.hint}" if error.hint else ""
             client.tell(refused=f"{error.message}{hint}", n=request.get("n"))

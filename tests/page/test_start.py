@@ -105,3 +105,58 @@ def test_the_mouse_gel_plays_the_favourite_if_there_is_one(tmp_path, chosen):
         timeout=LIMIT_S,
     )
     assert ("push-only" if chosen else "spacecraft") in done.stderr + done.stdout
+
+
+SITUATION = {"kind": "no_right", "text": "Camera found but not readable.", "next": "", "mend": ""}
+
+
+@pytest.mark.parametrize(
+    ("kind", "mend", "words"),
+    [
+        ("no_right", "setup", "Give me the right"),
+        ("no_pad", "setup", "Give me the right"),
+        ("service_stopped", "service", "Start the service"),
+    ],
+)
+def test_a_button_mends_what_can_be_mended(play, kind, mend, words):
+    page, driver = play("")
+    driver.tell(driver=False, situation={**SITUATION, "kind": kind, "mend": mend})
+    page.wait_for_selector("#mend:not([hidden])")
+    assert page.inner_text("#mend") == words
+    assert page.inner_text("#advice") == (
+        "This computer then asks for the password of an administrator."
+    )
+    assert page.is_visible("#start-mouse")
+    assert page.is_hidden("#start-camera")
+    page.click("#mend")
+    assert driver.wait_for_request(page) == {"do": "start", "what": mend}
+    line = "Error executing command as another user: Not authorized"
+    driver.tell(program={"name": mend, "line": line})
+    driver.tell(program={"name": mend, "code": 127})
+    page.wait_for_function(
+        "line => document.getElementById('start-lines').textContent === line", arg=line
+    )
+    driver.tell(situation={**SITUATION, "kind": kind})
+    page.wait_for_selector("#mend", state="hidden")
+    assert "neurotouch" in page.inner_text("#advice")  # what to type instead
+
+
+def test_a_driver_that_waits_offers_the_mouse(play):
+    """The camera was pulled: the driver still runs, and nothing comes from it."""
+    page, driver = play("")
+    page.wait_for_selector("#fly:not([hidden])")
+    text = "No camera found. The driver waits for one."
+    driver.tell(situation={**SITUATION, "kind": "no_camera", "text": text})
+    page.wait_for_selector("#start-mouse:not([hidden])")
+    assert page.inner_text("#situation") == text
+    assert page.is_hidden("#fly")
+    assert page.is_hidden("#start-camera")
+    assert page.is_visible("#end")
+    page.click("#start-mouse")
+    assert driver.wait_for_request(page) == {"do": "start", "what": "mouse"}
+    driver.tell(refused="A driver of yours runs already. Press 'End the driver' first.")
+    page.wait_for_selector("#start-mouse:not([hidden])")
+    assert page.inner_text("#start-lines") == ""
+    driver.show()
+    page.wait_for_selector("#fly:not([hidden])")
+    assert page.is_hidden("#start-mouse")

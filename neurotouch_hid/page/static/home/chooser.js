@@ -2,38 +2,15 @@
 
 import { element } from "../shared/wire.js";
 import { makePad } from "../shared/pad.js";
+import { nameKey } from "./keys.js";
 import { MOVEMENTS, belongs } from "./movements.js";
 import { nameOutput } from "./outputs.js";
 
 const NOT_ALONE = ["stick left", "stick right", "mouse pointer"]; // need all directions of a push
 const SIDES = { push_left: "_x -", push_right: "_x +", push_up: "_y -", push_down: "_y +" };
 const TOLD_MS = 200;
-// Keys by their place, as profiles name them: what they write is the desktop's matter.
-const KEYS = {
-  Space: "space", Enter: "enter", Escape: "escape", Tab: "tab", Backspace: "backspace",
-  Delete: "delete", Insert: "insert", Home: "home", End: "end", PageUp: "page_up",
-  PageDown: "page_down", ArrowUp: "up", ArrowDown: "down", ArrowLeft: "left", ArrowRight: "right",
-  Minus: "minus", Equal: "equal", BracketLeft: "left_bracket", BracketRight: "right_bracket",
-  Semicolon: "semicolon", Quote: "apostrophe", Backquote: "grave", Backslash: "backslash",
-  Comma: "comma", Period: "dot", Slash: "slash", CapsLock: "caps_lock", NumLock: "num_lock",
-  ScrollLock: "scroll_lock", PrintScreen: "print", Pause: "pause", ContextMenu: "menu",
-  NumpadAdd: "keypad_plus", NumpadSubtract: "keypad_minus", NumpadMultiply: "keypad_times",
-  NumpadDivide: "keypad_divide", NumpadDecimal: "keypad_dot", NumpadEnter: "keypad_enter",
-  MediaPlayPause: "play", MediaStop: "stop", MediaTrackNext: "next", MediaTrackPrevious: "previous",
-  AudioVolumeMute: "mute", AudioVolumeUp: "volume_up", AudioVolumeDown: "volume_down",
-  BrowserBack: "back", BrowserForward: "forward", BrowserRefresh: "refresh",
-  BrowserHome: "home_page", BrowserSearch: "search",
-};
 const MODIFIERS = [["Control", "ctrl"], ["Shift", "shift"], ["Alt", "alt"], ["AltGraph", "altgr"],
   ["Meta", "super"]];
-
-// The name of a key; empty where profiles have none.
-export function nameKey(code) {
-  const plain = /^(?:Key([A-Z])|Digit(\d)|(F\d{1,2}))$/.exec(code);
-  if (plain) return plain.slice(1).find(Boolean).toLowerCase();
-  const keypad = /^Numpad(\d)$/.exec(code);
-  return keypad ? `keypad_${keypad[1]}` : KEYS[code] || "";
-}
 
 // `bind(movement, press, mode, output, instead)` is called with the words of the choice.
 export function makeChooser(dialog, { bind, closed }) {

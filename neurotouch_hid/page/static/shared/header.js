@@ -26,7 +26,7 @@ const STATES = {
 const PAUSE_KEY = "p";
 const KEY_CHOICE = "neurotouch-pause-key";
 const SILENT_MS = 3000; // a busy machine may be late by a second
-const NOTICES = ["connection", "driver", "profile", "own", "request"]; // the first one that applies shows
+const NOTICES = ["connection", "driver", "profile", "request", "own"]; // the first one that applies shows
 
 // Builds the header and connects. `handlers` are those of `connect`. Returns the page's way to
 // the server (`ask`, `send`), `say` and `tell` of its speech, and `notice(about,
