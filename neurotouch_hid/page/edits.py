@@ -90,7 +90,8 @@ class Changes:
         if text == paper.text:
             return f"{paper.name} says so already."
         _save(paper, text)
-        return f"Saved in {paper.name}: {_describe(place.binding, mark, value)}. {hand_over_now()}"
+        said = f"Saved in {paper.name}: {_describe(place.binding, mark, value)}."
+        return f"{said} {hand_over_now(paper.name)}"
 
     def bind(self, path: Path, wish: "Wish") -> str:
         """Lets a movement do something and tells in a sentence what has been saved.
@@ -109,7 +110,9 @@ class Changes:
         )
         _save(paper, text)
         words = MOVEMENTS[wish.movement].words if wish.movement in MOVEMENTS else wish.movement
-        return f"Saved in {paper.name}: {words} {wish.press} → {wish.do}. {hand_over_now()}"
+        return (
+            f"Saved in {paper.name}: {words} {wish.press} → {wish.do}. {hand_over_now(paper.name)}"
+        )
 
     def unbind(self, path: Path, key: str) -> str:
         """Lets a movement no longer do something.
@@ -120,7 +123,7 @@ class Changes:
         """
         paper = self._take(path)
         _save(paper, remove_binding(paper.text, key))
-        return f"Removed from {paper.name}. {hand_over_now()}"
+        return f"Removed from {paper.name}. {hand_over_now(paper.name)}"
 
     def use(self, name: str) -> str:
         """Plays with a profile from now on.
@@ -160,7 +163,7 @@ class Changes:
         """
         paper = self._take(path)
         version = paper.store.undo()
-        return f"{paper.name} is as in version {version.number} again. {hand_over_now()}"
+        return f"{paper.name} is as in version {version.number} again. {hand_over_now(paper.name)}"
 
     def _take(self, path: Path) -> EditedFile:
         if not is_editable(path):

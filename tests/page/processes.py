@@ -24,10 +24,11 @@ class Process:
         ready: str,
         program: list[str] = PROGRAM,
         runtime: str | None = "run",
+        config: str = "config",
     ) -> None:
         folder.mkdir(exist_ok=True)
         self.folder = folder
-        self.environment = {**os.environ, "XDG_CONFIG_HOME": str(folder / "config")}
+        self.environment = {**os.environ, "XDG_CONFIG_HOME": str(folder / config)}
         if runtime is None:  # that of the session
             self.environment.pop("RUNTIME_DIRECTORY", None)
         else:
