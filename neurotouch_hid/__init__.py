@@ -10,7 +10,6 @@ The names in ``__all__`` follow semantic versioning: within a major version none
 changes its meaning. A name that will go warns for at least one minor version before.
 """
 
-import os
 from importlib import import_module
 
 # As ``typing.TYPE_CHECKING``, without importing ``typing``: until the command line can handle
@@ -46,16 +45,8 @@ _MODULES = {
     "load_profile": "profile",
     "open_gel": "gel",
 }
-"""Where the names come from; each is loaded when it is first asked for, so that a program that only
+"""The module of each name; it is loaded at the first use of the name, so that a program that only
 reads a running driver loads no compiled loops."""
-
-# numba reads it when it is imported, by whichever module of ours that may be.
-os.environ.setdefault(
-    "NUMBA_CACHE_LOCATOR_CLASSES",
-    ",".join(
-        f"{__name__}.process.kernel_cache.{place}" for place in ("Chosen", "Beside", "Personal")
-    ),
-)
 
 
 def __getattr__(name: str) -> "Any":

@@ -10,13 +10,13 @@ _EXIT_INTERRUPTED = 130
 def main() -> None:
     """Runs the command line and ends the process with the documented exit code.
 
-    The commands of an emergency take a way of their own, which imports next to nothing.
+    The emergency commands skip the rest of this program, so that they import next to nothing.
     """
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:  # as in the background
         signal.signal(signal.SIGINT, _leave)
     signal.signal(signal.SIGTERM, _leave)
     if sys.argv[1:] in (["pause"], ["resume"], ["panic"], ["stop"]):
-        from neurotouch_hid.cli.send import send_command
+        from neurotouch_hid.cli.shared.send_without_click import send_command
 
         sys.exit(send_command(sys.argv[1]))
     from neurotouch_hid.process.startup import (
@@ -37,7 +37,7 @@ def _leave(*_: object) -> None:
     """Ends on Ctrl-C or SIGTERM before the command line can handle it: nothing is open yet."""
     try:  # noqa: SIM105  # contextlib would be one import more before Ctrl-C is handled
         os.write(2, b"Stopped.\n")
-    except OSError:  # nobody is there to read it
+    except OSError:  # the terminal is gone
         pass
     os._exit(_EXIT_INTERRUPTED)
 

@@ -6,19 +6,25 @@ library is imported here, so that ``neurotouch panic`` is there at once.
 """
 
 import json
+import os
 import socket
 import time
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Final, NotRequired, TypedDict, cast
+from typing import Any, Final, NamedTuple
 
 from neurotouch_hid.errors import DriverError, NotRunningError
+from neurotouch_hid.ipc import StrangerError, connect_to
 from neurotouch_hid.players import (
     SERVICE_FOLDER,
     explain_start,
     find_socket,
+    is_service_folder,
     list_runtime_folders,
 )
+from neurotouch_hid.printable import make_value_printable
+from neurotouch_hid.status import Status, check_status, explain_missing
 
 LIMIT_BYTES: Final = 1024 * 1024
 """The longest question or answer: a person's settings, which are handed over whole."""
@@ -38,112 +44,36 @@ _AGAIN_S: Final = 0.1
 
 Answer = dict[str, Any]
 
-StageSpread = TypedDict("StageSpread", {"p50": float, "p99": float, "p99.9": float})
-"""Percentiles of the time in a stage since the start, in ms a slice."""
 
-
-class Fatigue(TypedDict):
-    """A movement that fades.
+class Reached(NamedTuple):
+    """A driver that a command was sent to.
 
     Attributes:
-        movement: its name, as in the person's ranges.
-        peak_mm: how far it goes now.
-        full_mm: what the range could be set to; None while it need not be.
-        needs: the share of its range that it needs now; 1 without help.
+        player: whose driver it is.
+        folder: where its sockets are.
+        text: its answer, in a sentence; empty if it did not obey.
+        is_done: whether the command has taken effect already.
+        error: why it did not obey; None if it did.
     """
 
-    movement: str
-    peak_mm: float
-    full_mm: float | None
-    needs: float
+    player: int
+    folder: Path
+    text: str = ""
+    is_done: bool = False
+    error: DriverError | None = None
 
-
-class ErrorNote(TypedDict):
-    """What went wrong: a sentence, and when, in s since 1970."""
-
-    at: float
-    error: str
-
-
-class PipelineStatus(TypedDict):
-    """What a running pipeline says of itself.
-
-    Attributes:
-        pid: the driver's process.
-        state: ``running``, ``paused`` or ``panic``.
-        profile: name of the profile that is active.
-        layer: name of its layer that is active.
-        markers_tracked: how many of the 177 are measured.
-        gel: ``found``, or what keeps it from being found.
-        gesture: the gesture now, ``none`` at rest.
-        ignored: the last gesture that came to nothing, and why, in a sentence; None without.
-        silent_s: for how long nothing has come from the source; 0 while it comes.
-        uptime_s: since the start.
-        slices: since the start.
-        slices_hz: slices per second.
-        events_hz: events per second.
-        events_lost: since the start.
-        stage_ms: mean host time a slice, by stage.
-        stage_spread_ms: its percentiles since the start.
-        fatigue: movements that fade.
-        long_holds: how often each movement was held for more than 5 s.
-        errors: the newest errors.
-    """
-
-    pid: int
-    state: str
-    profile: str
-    layer: str
-    markers_tracked: int
-    gel: str
-    gesture: str
-    ignored: str | None
-    silent_s: float
-    uptime_s: float
-    slices: int
-    slices_hz: float
-    events_hz: int
-    events_lost: int
-    stage_ms: dict[str, float]
-    stage_spread_ms: dict[str, StageSpread]
-    fatigue: list[Fatigue]
-    long_holds: dict[str, int]
-    errors: list[ErrorNote]
-
-
-class Status(PipelineStatus):
-    """The answer to ``status``: the pipeline's, and what surrounds it in a sentence each.
-
-    Attributes:
-        version: of this format: 1.
-        source: what is played.
-        device: the virtual gamepad.
-        keyboard: which keyboards can stop the driver.
-        desktop: which window has chosen the profile.
-        sound: how the driver is heard.
-        settings: whose settings apply.
-        copilot: the physical device that plays along.
-        mouse: which mice are watched.
-        rumble: how games shake the pad.
-    """
-
-    version: int
-    source: str
-    device: str
-    keyboard: str
-    desktop: str
-    sound: str
-    settings: str
-    copilot: NotRequired[str]
-    mouse: NotRequired[str]
-    rumble: NotRequired[str]
+    @property
+    def name(self) -> str:
+        """What people call it."""
+        return "the service" if is_service_folder(self.folder) else "your driver"
 
 
 def ask(command: str, *, player: int | None = None, **arguments: Any) -> Answer:
-    """Returns the running driver's answer to a command.
+    """Returns the nearest running driver's answer to a command.
 
     Args:
-        command: ``pause``, ``resume``, ``panic``, ``reload``, ``status``, ``use`` or ``settings``.
+        command: ``reload``, ``status``, ``use``, ``settings``, ``pause``, ``resume``, ``panic`` or
+            ``stop``.
         player: whose driver; as the environment says without.
         arguments: what the command needs: ``profile``, a name or an absolute path, for ``use``; for
             ``settings`` see ``handover``.
@@ -156,19 +86,84 @@ def ask(command: str, *, player: int | None = None, **arguments: Any) -> Answer:
     patience_s = _PATIENCE_S + (LOADING_S if command in ("reload", "use", "settings") else 0.0)
     answer, line = _ask_any(question, patience_s, player)
     line.close()
-    if answer.get("ok") is not True:
-        raise DriverError(str(answer.get("error")), hint=answer.get("hint"))
     return answer
 
 
-def ask_status() -> Status:
+def ask_every(command: str, players: Iterable[int]) -> list[Reached]:
+    """Sends a command to all drivers of these players at once, so that none waits for another.
+
+    Args:
+        command: ``pause``, ``resume``, ``panic``, ``stop`` or ``reload``.
+        players: whose drivers: each may have one of this user, and one that is a service.
+
+    Returns:
+        The drivers that run, whether or not they obeyed.
+
+    Raises:
+        NotRunningError: none runs.
+    """
+    question = json.dumps({"command": command}).encode() + b"\n"
+    patience_s = _PATIENCE_S + (LOADING_S if command == "reload" else 0.0)
+    folders = [(player, each) for player in players for each in list_runtime_folders(player)]
+    found: list[Reached | NotRunningError] = []
+
+    def send(player: int, folder: Path) -> None:
+        try:
+            answer, line = _ask_at(folder, question, patience_s)
+            line.close()
+            found.append(Reached(player, folder, get_text(answer), answer.get("done") is True))
+        except NotRunningError as error:
+            found.append(error)
+        except DriverError as error:
+            found.append(Reached(player, folder, error=error))
+
+    _call_at_once(send, folders)
+    reached = [each for each in found if isinstance(each, Reached)]
+    if not reached:
+        raise _join([each for each in found if isinstance(each, NotRunningError)])
+    return sorted(reached, key=lambda each: folders.index((each.player, each.folder)))
+
+
+def _call_at_once(send: Callable[[int, Path], None], folders: list[tuple[int, Path]]) -> None:
+    """Calls a function for each folder; for those with a socket at the same time."""
+    others = [each for each in folders if os.path.lexists(find_socket(each[1]))][1:]
+    threads = []
+    if others:  # a panic must be there at once, and mostly there is one driver
+        from threading import Thread  # noqa: PLC0415
+
+        threads = [Thread(target=send, args=each) for each in others]
+    for thread in threads:
+        thread.start()
+    for each in folders:
+        if each not in others:
+            send(*each)
+    for thread in threads:
+        thread.join()
+
+
+def get_text(answer: Answer) -> str:
+    """Returns what an answer says to people.
+
+    Raises:
+        DriverError: it says nothing.
+    """
+    text = answer.get("text")
+    if not isinstance(text, str):
+        raise explain_missing("text")
+    return text
+
+
+def ask_status(player: int | None = None) -> Status:
     """Returns what the running driver says of itself.
+
+    Args:
+        player: whose driver; as the environment says without.
 
     Raises:
         NotRunningError: no driver is running.
-        DriverError: it does not answer.
+        DriverError: it does not answer, or its answer lacks something.
     """
-    return cast(Status, ask("status"))
+    return check_status(ask("status", player=player))
 
 
 def open_stream(command: str) -> tuple[Answer, socket.socket]:
@@ -182,9 +177,6 @@ def open_stream(command: str) -> tuple[Answer, socket.socket]:
         DriverError: it does not answer, or it refuses.
     """
     answer, line = _ask_any(json.dumps({"command": command}).encode() + b"\n", _PATIENCE_S)
-    if answer.get("ok") is not True:
-        line.close()
-        raise DriverError(str(answer.get("error")), hint=answer.get("hint"))
     line.settimeout(None)
     return answer, line
 
@@ -195,13 +187,11 @@ def is_service_running() -> bool:
 
 
 def is_served(folder: Path) -> bool:
-    """Returns whether a driver listens in a folder, of whatever user."""
-    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as line:
-        line.settimeout(REQUEST_S)
-        try:
-            line.connect(str(find_socket(folder)))
-        except OSError:
-            return False
+    """Returns whether a driver listens in a folder; what a stranger has put there is none."""
+    try:
+        connect_to(find_socket(folder), kind=socket.SOCK_STREAM, timeout_s=REQUEST_S).close()
+    except OSError:
+        return False
     return True
 
 
@@ -214,14 +204,14 @@ def is_driver_running() -> bool:
     return True
 
 
-def wait_until_ended(player: int) -> None:
-    """Waits until no driver of this player listens any more.
+def wait_until_ended(folder: Path) -> None:
+    """Waits until no driver listens in a folder any more.
 
     Raises:
         DriverError: it still listens after 10 s.
     """
     deadline = time.monotonic() + ENDING_S
-    while any(map(is_served, list_runtime_folders(player))):
+    while is_served(folder):
         if time.monotonic() > deadline:
             raise DriverError(
                 f"The driver has not ended within {ENDING_S:g} s.",
@@ -233,20 +223,58 @@ def wait_until_ended(player: int) -> None:
 def _ask_any(
     question: bytes, patience_s: float, player: int | None = None
 ) -> tuple[Answer, socket.socket]:
-    for path in map(find_socket, list_runtime_folders(player)):
+    """Returns the answer of the nearest driver, and the open line.
+
+    Raises:
+        NotRunningError: none runs.
+        DriverError: it does not answer, or it refuses.
+    """
+    missing = []
+    for folder in list_runtime_folders(player):
         try:
-            return _ask_patiently(path, question, patience_s)
-        except (FileNotFoundError, NotADirectoryError, ConnectionRefusedError):
-            continue  # nobody is there: no socket, or one that its driver has left behind
-        except TimeoutError:
-            raise DriverError(
-                "The driver does not answer.", hint="Is it still starting? Try again in a moment."
-            ) from None
-        except OSError as error:
-            raise DriverError(f"The driver cannot be reached: {error.strerror} ({path}).") from None
-        except ValueError:
-            raise DriverError(f"What answers at {path} is not a driver.") from None
-    raise NotRunningError("No driver is running.", hint=explain_start())
+            return _ask_at(folder, question, patience_s)
+        except NotRunningError as error:
+            missing.append(error)
+    raise _join(missing)
+
+
+def _ask_at(folder: Path, question: bytes, patience_s: float) -> tuple[Answer, socket.socket]:
+    """Returns the answer of the driver in a folder, and the open line.
+
+    Raises:
+        NotRunningError: none is there that is to be believed.
+        DriverError: it does not answer, or it refuses.
+    """
+    path = find_socket(folder)
+    try:
+        answer, line = _ask_patiently(path, question, patience_s)
+    except (StrangerError, PermissionError):
+        raise NotRunningError(
+            f"No driver is running. '{folder}' belongs to another user, so it was not asked.",
+            hint=explain_start(),
+        ) from None
+    except (FileNotFoundError, NotADirectoryError, ConnectionRefusedError):
+        # Nobody is there: no socket, or one that its driver has left behind.
+        raise NotRunningError("No driver is running.", hint=explain_start()) from None
+    except TimeoutError:
+        raise DriverError(
+            "The driver does not answer.", hint="Is it still starting? Try again in a moment."
+        ) from None
+    except OSError as error:
+        raise DriverError(f"The driver cannot be reached: {error.strerror} ({path}).") from None
+    except ValueError:
+        raise DriverError(f"What answers at {path} is not a driver.") from None
+    if answer.get("ok") is True:
+        return answer, line
+    line.close()
+    reason, hint = answer.get("error"), answer.get("hint")
+    said = reason if isinstance(reason, str) else "The driver refuses and does not say why."
+    raise DriverError(said, hint=hint if isinstance(hint, str) else None)
+
+
+def _join(missing: Sequence[NotRunningError]) -> NotRunningError:
+    """Returns the one of several that says most: that a stranger's folder was not asked."""
+    return max(missing, key=lambda error: len(error.message))
 
 
 def _ask_patiently(path: Path, question: bytes, patience_s: float) -> tuple[Answer, socket.socket]:
@@ -263,19 +291,20 @@ def _ask_patiently(path: Path, question: bytes, patience_s: float) -> tuple[Answ
 
 
 def _ask_once(path: Path, question: bytes, patience_s: float) -> tuple[Answer, socket.socket]:
-    line = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    line = connect_to(path, kind=socket.SOCK_STREAM, timeout_s=patience_s)
     try:
-        line.settimeout(patience_s)
-        line.connect(str(path))
         with suppress(BrokenPipeError, ConnectionResetError):  # refused unread; the answer says why
             line.sendall(question)
         answer = json.loads(_read_line(line))
         if not isinstance(answer, dict):
             raise ValueError
+        return make_value_printable(answer), line
+    except RecursionError:
+        line.close()
+        raise ValueError from None
     except (OSError, ValueError):
         line.close()
         raise
-    return answer, line
 
 
 def _read_line(line: socket.socket) -> bytes:

@@ -4,10 +4,10 @@ from typing import Self
 
 
 class Closing:
-    """Base of every object that holds something which must be released."""
+    """Base class of every object with something to release."""
 
     def close(self) -> None:
-        """Releases what the object holds; harmless when repeated."""
+        """Releases the object's resources; a second call does nothing."""
         raise TypeError(f"{type(self).__name__} does not say how it is closed")
 
     def __enter__(self) -> Self:
@@ -15,5 +15,5 @@ class Closing:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Closes the object, whatever has happened."""
+        """Closes the object, even after an error."""
         self.close()

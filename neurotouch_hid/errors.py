@@ -1,4 +1,4 @@
-"""Every error a person can meet.
+"""All errors that a person can meet.
 
 The exit codes of the command line::
 
@@ -8,7 +8,7 @@ The exit codes of the command line::
     │   │   └── CameraBusyError  75  another program has the camera, which goes on undisturbed
     │   └── GelNotFoundError   5   the source works, but no gel is in the picture
     ├── RecordingError         4   a recording or its labels cannot be read or written
-    ├── ProfileError           6   a profile says something we cannot do (file, line, column)
+    ├── ProfileError           6   a profile cannot be loaded (file, line, column)
     ├── DeviceError            7   the virtual gamepad cannot be made or written
     ├── PageError              1   the local web page cannot be served
     ├── PluginError            1   a method or source of another package cannot be used
@@ -20,16 +20,21 @@ The exit codes of the command line::
 The command line adds 0 (done), 2 (wrong usage) and 130 (Ctrl-C before the work was done).
 """
 
+from neurotouch_hid.printable import make_lines_printable
+
 
 class NeuroTouchError(Exception):
-    """A failure with one clear sentence for the user and, if there is one, the way out."""
+    """A failure with one clear sentence for the user and, if there is one, the way out.
+
+    Whatever the sentence quotes is made printable here, once for all places that show it.
+    """
 
     exit_code = 1
 
     def __init__(self, message: str, *, hint: str | None = None) -> None:
-        super().__init__(message)
-        self.message = message
-        self.hint = hint
+        self.message = make_lines_printable(message)
+        self.hint = None if hint is None else make_lines_printable(hint)
+        super().__init__(self.message)
 
 
 class SourceError(NeuroTouchError):
@@ -61,7 +66,7 @@ class RecordingError(NeuroTouchError):
 
 
 class ProfileError(NeuroTouchError):
-    """A profile cannot be loaded; the message holds ``file:line:column`` and the marked line."""
+    """A profile cannot be loaded; the message has ``file:line:column`` and the marked line."""
 
     exit_code = 6
 

@@ -1,4 +1,4 @@
-"""The gel for programs: open a source, read what the hand does."""
+"""Interface for programs: opens a source and reads gestures."""
 
 import select
 from collections.abc import Iterator
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     from neurotouch_hid.messages import Step
 
 DRIVER: Final = "driver:"
-"""The source that shows what the running driver sees."""
+"""Name of the source that reads the running driver's states."""
 _HZ: Final = 60
-"""States a second that are asked of a running driver; it sends no more."""
+"""States a second requested from a running driver; this is its highest rate."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Touch:
-    """What the hand does at one moment.
+    """The gesture, the pad and the gel at one moment.
 
     Attributes:
         t_us: the moment, in µs of sensor time.
@@ -73,7 +73,7 @@ class Gel(Closing):
         self._owner: Closing | None = owner
 
     def __iter__(self) -> Iterator[Touch]:
-        """Gives each touch as it comes.
+        """Yields each touch as it arrives.
 
         Raises:
             NeuroTouchError: the gel is closed, or the source fails.
@@ -89,7 +89,7 @@ class Gel(Closing):
         )
 
     def close(self) -> None:
-        """Closes the source; harmless when repeated."""
+        """Closes the source; a second call does nothing."""
         owner, self._owner = self._owner, None
         if owner is not None:
             owner.close()
@@ -110,14 +110,14 @@ def open_gel(
 
     Args:
         source: ``davis:`` (the camera), ``file:NAME.aedat4``, ``sim:NAME``, a source of a plug-in,
-            or ``driver:``: what the running driver sees. Reading a driver changes nothing there;
-            who reads slowly misses states and always gets the newest. The other options do not
-            apply to it, except ``player``.
+            or ``driver:``, the running driver. Reading a driver does not affect it; a slow reader
+            misses states and always gets the newest. The other options do not apply to it, except
+            ``player``.
         profile: name or path of the profile that makes ``Touch.pad``.
         method: the recogniser.
         speed: ``recorded`` plays as recorded, ``max`` as fast as possible.
         rate_hz: slices a second, 25 to 1000; None means the usual rate of the source.
-        seed: the seed of whatever is simulated.
+        seed: the seed of the simulation.
         player: the player number, 1 to 4.
         personal: the person's own range, filter and resting hand apply, as in a game.
 
@@ -193,7 +193,7 @@ def _from_step(step: "Step", markers: MarkerWriter) -> Touch:
 
 
 def _read_driver(subscriber: Subscriber) -> Iterator[Touch]:
-    """Gives the newest state whenever there is one, until the driver ends."""
+    """Yields the newest state whenever there is one, until the driver ends."""
     while subscriber.peer is not None:
         select.select([subscriber.peer], [], [])
         state = subscriber.take()

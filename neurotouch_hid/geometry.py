@@ -37,7 +37,7 @@ N_MARKERS = len(LATTICE_MM)
 
 @dataclass(frozen=True, slots=True)
 class Rig:
-    """How one sensor sees the gel: a similarity from gel millimetres to image pixels.
+    """The view of one sensor on the gel: a similarity from gel millimetres to image pixels.
 
     Attributes:
         centre_px: image point (x, y) of the gel's centre.

@@ -10,16 +10,17 @@ from typing import Any
 
 from neurotouch_hid.client import ask
 from neurotouch_hid.errors import DriverError, NotRunningError
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
 from neurotouch_hid.players import find_config_folder, find_user_file, list_players
 
 
 @dataclass(frozen=True, slots=True)
 class Handover:
-    """What became of saved settings.
+    """The result of handing saved settings over.
 
     Attributes:
-        status: ``plays``: a driver has them; ``waits``: none runs; ``refused``: it goes on with
-            what it had.
+        status: ``plays``: a driver has them; ``waits``: none runs; ``refused``: the driver keeps
+            its settings.
         text: the same in a sentence.
         fix: the way out of a refusal.
         profiles: the active profiles of the drivers that have them.
@@ -35,9 +36,10 @@ def hand_over(player: int | None = None) -> Handover:
     """Hands this person's settings to the running driver, or to those of all players.
 
     Args:
-        player: whose driver; None: of every player, for profiles are for all.
+        player: the player number; None: every player, because profiles are for all.
     """
     active: list[str] = []
+    refused: Handover | None = None
     for number in list_players() if player is None else [player]:
         try:
             answer = ask("settings", player=number, **collect_settings(number))
@@ -45,8 +47,11 @@ def hand_over(player: int | None = None) -> Handover:
             continue
         except DriverError as error:
             text = f"The running driver does not play it: {error.message}"
-            return Handover("refused", text, error.hint or "")
+            refused = refused or Handover("refused", text, error.hint or "")
+            continue
         active.append(str(answer.get("profile")))
+    if refused is not None:
+        return refused
     if not active:
         return Handover("waits", "No driver is running; it applies from the next start.")
     names = " and ".join(f"'{name}'" for name in dict.fromkeys(active))
@@ -56,7 +61,8 @@ def hand_over(player: int | None = None) -> Handover:
 def collect_settings(player: int) -> dict[str, Any]:
     """Returns a player's settings as the question ``settings`` takes them.
 
-    Files that are no text are left out: they cannot be played, and whoever names them is told.
+    Files that are no text are left out: they cannot be played, and a command that names them says
+    so.
     """
     folder = find_config_folder()
     texts = {path.stem: _read(path) for path in sorted(folder.glob("profiles/*.yaml"))}
@@ -69,6 +75,6 @@ def collect_settings(player: int) -> dict[str, Any]:
 
 def _read(path: Path) -> str | None:
     try:
-        return path.read_text(encoding="utf-8")
-    except (OSError, ValueError):
+        return read_text(path, MAX_SETTINGS_BYTES)
+    except OSError:
         return None

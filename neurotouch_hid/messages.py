@@ -1,4 +1,4 @@
-"""The records that cross a stage border, with shapes and units; nothing else does.
+"""The records that the stages exchange, with shapes and units; they exchange nothing else.
 
 Image coordinates are pixels, origin at the top left pixel's centre, x right, y down. Gel
 coordinates are millimetres in the plane the camera sees, origin at the gel's centre, x and y along
@@ -82,7 +82,7 @@ class EventPacket:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RestField:
-    """Where every marker was in a frame that shows the gel at rest.
+    """Positions of all markers in a frame that shows the gel at rest.
 
     Attributes:
         t_us: the moment of the frame (middle of its exposure).
@@ -145,7 +145,7 @@ def no_gesture(t_us: int) -> Gesture:
 
 @dataclass(frozen=True, slots=True)
 class GamepadState:
-    """Everything the outputs should be at one moment: the whole pad, keyboard and mouse.
+    """The wanted state of all outputs at one moment: the whole pad, keyboard and mouse.
 
     Attributes:
         t_us: the moment.
@@ -155,7 +155,7 @@ class GamepadState:
         mouse_buttons: the mouse buttons that are down, by the kernel's names (``BTN_LEFT``).
         pointer: how fast the mouse moves, (x, y) in px/s, right and down positive.
         wheel: how fast the wheel turns, in clicks per second, up (away) positive.
-        commands: what the program itself is asked to do at this moment, once each: ``pause``,
+        commands: commands to the program itself at this moment, once each: ``pause``,
             ``resume``, ``panic``, ``rezero``, ``next_profile``.
     """
 
@@ -183,7 +183,7 @@ class GamepadState:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Truth:
-    """What the simulator meant, or what a data set's label says, at one moment.
+    """The true gesture at one moment, from the simulator or from a data set's label.
 
     Attributes:
         t_us: the moment.
@@ -204,8 +204,8 @@ class Truth:
 class Step:
     """One step of the pipeline: its packet and the result of each stage.
 
-    It holds no host time, so that two runs can be compared bit by bit. ``rest`` is the anchor taken
-    in this step, or None.
+    It contains no host time, so that two runs can be compared bit by bit. ``rest`` is the anchor
+    taken in this step, or None.
     """
 
     packet: EventPacket

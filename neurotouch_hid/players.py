@@ -14,19 +14,19 @@ PLAYERS: Final = ("1", "2", "3", "4")
 """Each player has a driver of their own."""
 
 SERVICE_FOLDER: Final = Path("/run/neurotouch")
-"""Where the service of the first player keeps its sockets."""
+"""The folder of the sockets of the first player's service."""
 
 SERVICE_UNIT: Final = Path("/usr/lib/systemd/system/neurotouch.service")
 """Part of the Debian package, where only the service has the rights to camera and gamepad."""
 
 MACHINE_FOLDER: Final = Path("/etc/neurotouch")
-"""What the administrator sets for everybody who has set nothing of their own."""
+"""The administrator's settings, for everybody without settings of their own."""
 
 _SOCKET: Final = "control"
 
 
 def find_player() -> int:
-    """Returns whose driver is meant: 1, unless ``NEUROTOUCH_PLAYER`` names another player.
+    """Returns the player number: 1, unless ``NEUROTOUCH_PLAYER`` names another player.
 
     Raises:
         DriverError: it names none.
@@ -98,26 +98,32 @@ def find_runtime_folder(player: int | None = None) -> Path:
     return list_runtime_folders(player)[0]
 
 
+def is_service_folder(folder: Path) -> bool:
+    """Returns whether a folder is that of a service, of whatever player."""
+    return folder in [SERVICE_FOLDER, *(_name_for(int(each), SERVICE_FOLDER) for each in PLAYERS)]
+
+
 def find_socket(folder: Path) -> Path:
     """Returns the control socket in a driver's folder."""
     return folder / _SOCKET
 
 
 def list_runtime_folders(player: int | None = None) -> list[Path]:
-    """Returns where a driver may be, the user's own first, the system's service last.
+    """Returns the folders that a driver may be in, the user's own first, the service's last.
 
     Args:
-        player: whose driver; as the environment says without.
+        player: the player number; None means the one of the environment.
     """
     player = player or find_player()
-    folders = _list_first_folders()
-    if player == 1:
-        return folders
+    return [_name_for(player, folder) for folder in _list_first_folders()]
+
+
+def _name_for(player: int, folder: Path) -> Path:
+    """Returns what a folder of the first player is called for another one."""
     own = f"-{player}"  # which the folder of this player's service bears already
-    return [
-        folder if folder.name.endswith(own) else folder.with_name(folder.name + own)
-        for folder in folders
-    ]
+    if player == 1 or folder.name.endswith(own):
+        return folder
+    return folder.with_name(folder.name + own)
 
 
 def _list_first_folders() -> list[Path]:

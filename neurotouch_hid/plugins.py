@@ -27,7 +27,7 @@ def list_plugins(group: Group) -> tuple[str, ...]:
 
 
 def make_plugin(group: Group, name: str, *arguments: object, **options: object) -> Any:
-    """Returns what the function of another package makes; None if no package offers the name.
+    """Returns the object made by another package's function; None if no package offers the name.
 
     Raises:
         PluginError: the package cannot be imported, its function takes other arguments, or two
@@ -58,7 +58,7 @@ def make_plugin(group: Group, name: str, *arguments: object, **options: object) 
 def check_call(
     what: str, function: Callable[..., Any], *arguments: object, **options: object
 ) -> None:
-    """Checks that a function can be called so.
+    """Checks that a function takes these arguments.
 
     Raises:
         PluginError: it takes other arguments, or is no function.
@@ -73,10 +73,10 @@ def check_call(
 
 
 def blame_plugin(error: Exception) -> PluginError | None:
-    """Returns what went wrong in a plug-in as one sentence.
+    """Returns the error of a plug-in as one sentence.
 
     Args:
-        error: what was raised, with its traceback.
+        error: the exception, with its traceback.
 
     Returns:
         None if no code of a plug-in was running.

@@ -18,7 +18,7 @@ def find_resources(kind: Resource, package: Path = PACKAGE_FOLDER) -> Path:
     """Returns the folder of a kind of files: inside an installed package, beside it in a checkout.
 
     Args:
-        kind: what is looked for.
+        kind: kind of files.
         package: the folder of the package ``neurotouch_hid``.
     """
     packaged = package / "data" / kind

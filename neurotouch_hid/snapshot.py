@@ -14,24 +14,25 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import N_MARKERS, fit_rig
 from neurotouch_hid.messages import MarkerField
+from neurotouch_hid.vocabulary import Phase, PipelineState
 
 STEP_MM: Final = 0.01
 
 _encode: Final = json.JSONEncoder(separators=(",", ":"), ensure_ascii=False).encode
 
 Action = tuple[int, str, str, str]
-"""A decision of the mapping: when (µs of sensor time), the verdict, on what, and why."""
+"""A decision of the mapping: time (µs of sensor time), verdict, binding, and reason."""
 
 
 class GestureState(TypedDict):
-    """The gesture as it is seen, and as the bindings feel it.
+    """The recognised gesture, and the conditioned gesture that the bindings use.
 
     Attributes:
         kind: its type, ``none`` at rest.
         mm: intensity.
-        movement: what the bindings are asked about: ``push_left``, ``pinch``, ``none``.
+        movement: the movement for the bindings: ``push_left``, ``pinch``, ``none``.
         felt_mm: its intensity after the tremor filter.
-        phase: ``begin``, ``hold``, ``release`` or ``idle``.
+        phase: whether the intensity rises, stays or falls; ``hold`` at rest.
         contacts: contact points [x, y] in mm.
         confidence: 0 to 1.
         moved_mm: the common motion [x, y] of the markers around the contacts.
@@ -43,7 +44,7 @@ class GestureState(TypedDict):
     mm: float
     movement: str
     felt_mm: float
-    phase: str
+    phase: Phase
     contacts: list[list[float]]
     confidence: float
     moved_mm: list[float]
@@ -71,8 +72,59 @@ class PadState(TypedDict):
     wheel: float
 
 
+class RumbleState(TypedDict):
+    """How strongly a game shakes the pad, 0 to 1."""
+
+    strong: float
+    weak: float
+
+
+class PadFacts(TypedDict):
+    """Facts about a pad and the devices that play along.
+
+    Attributes:
+        copilot: the physical device that plays along.
+        mouse: which mice are watched.
+        rumble: how games shake the pad.
+    """
+
+    copilot: str
+    mouse: str
+    rumble: RumbleState
+
+
+class SourceFacts(TypedDict, total=False):
+    """Facts that only some sources know.
+
+    Attributes:
+        hand_ms: median and 95 % from the mouse to the pad in ms; of the mouse gel only.
+        backlog_ms: how late the newest slice was begun, where the source knows better.
+    """
+
+    hand_ms: list[float] | None
+    backlog_ms: float
+
+
+class Facts(PadFacts):
+    """Facts about what surrounds the pipeline.
+
+    Attributes:
+        source: the source.
+        simulated: no sensor has seen it.
+        device: the virtual gamepad.
+        file: the file of the active profile, empty if it has gone.
+        plays_sound: whether the driver plays sounds itself; a service cannot.
+    """
+
+    source: str
+    simulated: bool
+    device: str
+    file: str
+    plays_sound: bool
+
+
 class Health(TypedDict):
-    """Facts, rates and times, worked out twice a second.
+    """Facts, rates and times, updated twice a second.
 
     Attributes:
         events_hz: events per second, mean of the last second.
@@ -85,14 +137,14 @@ class Health(TypedDict):
         window_ms: length of a slice.
         stages: median and 95 % of the host time a slice in ms, by stage.
         source: the source.
-        simulated: no sensor has seen it.
+        simulated: the source is a simulation.
         device: the virtual gamepad.
         file: the file of the active profile, empty if it has gone.
-        accept_ms: how long a gesture must last before it acts, by the profile and the person.
+        accept_ms: time before a gesture acts, from the profile and the person's values.
         plays_sound: whether the driver plays sounds itself; a service cannot.
         copilot: the physical device that plays along.
-        mouse: which mice are watched.
-        rumble: how games shake the pad.
+        mouse: the mice that are watched.
+        rumble: the rumble that games request.
         hand_ms: median and 95 % from the mouse to the pad in ms; of the mouse gel only.
     """
 
@@ -113,7 +165,7 @@ class Health(TypedDict):
     plays_sound: NotRequired[bool]
     copilot: NotRequired[str]
     mouse: NotRequired[str]
-    rumble: NotRequired[str]
+    rumble: NotRequired[RumbleState]
     hand_ms: NotRequired[list[float] | None]
 
 
@@ -136,7 +188,7 @@ class State(TypedDict):
     n: int
     t_us: int
     say: str
-    state: str
+    state: PipelineState
     profile: str
     layer: str
     gesture: GestureState
@@ -146,7 +198,7 @@ class State(TypedDict):
 
 
 class MarkerWriter:
-    """Writes markers in steps; the rig is fitted again only when the rest has changed."""
+    """Encodes marker displacements; fits the rig again only when the rest position has changed."""
 
     def __init__(self) -> None:
         self._rest_px: NDArray[np.float32] | None = None
@@ -179,10 +231,10 @@ class MarkerWriter:
 def _find_steps(rest_px: NDArray[np.float32]) -> np.complex64 | None:
     """Returns what turns and scales displacements x + iy in pixels to steps.
 
-    None while nobody knows.
+    None while they are unknown.
 
-    One product of complex numbers instead of a product of matrices, whose library is large and cold
-    when it is called thirty times a second.
+    One product of complex numbers replaces a product of matrices: at thirty calls a second, the
+    large library for matrices would be out of the caches each time.
     """
     if not np.isfinite(rest_px).all():
         return None

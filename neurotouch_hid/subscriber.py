@@ -1,4 +1,4 @@
-"""Receives the newest state of the running driver, now or later."""
+"""Receives the newest state of the running driver, also of one that starts later."""
 
 import socket
 from contextlib import suppress
@@ -13,10 +13,10 @@ LARGEST_BYTES: Final = 64 * 1024
 
 
 class Subscriber(Closing):
-    """Connects to the running driver and gives its newest state; never waits.
+    """Connects to the running driver and returns its newest state; never waits.
 
     Args:
-        player: the player number; None means the one of the environment.
+        player: the player number; None takes it from the environment.
 
     Attributes:
         peer: the connection, or None while no driver runs.
@@ -30,7 +30,7 @@ class Subscriber(Closing):
         self.hz = 0
 
     def connect(self) -> socket.socket | None:
-        """Looks for a driver; the connection, or None if none runs.
+        """Connects to a driver; returns the connection, or None if none runs.
 
         The person's own driver takes the place of the service, as it does for commands.
         """
@@ -46,7 +46,7 @@ class Subscriber(Closing):
         return self.peer
 
     def want(self, hz: int) -> None:
-        """Asks for so many states a second; 0 for none."""
+        """Requests ``hz`` states a second; 0 for none."""
         if hz != self.hz:
             self.hz = hz
             self._tell()
@@ -68,12 +68,12 @@ class Subscriber(Closing):
         return newest
 
     def close(self) -> None:
-        """Goes away; the driver then no longer sends."""
+        """Disconnects; the driver then no longer sends."""
         if self.peer is not None:
             self.peer.close()
             self.peer = self._folder = None
 
     def _tell(self) -> None:
         if self.peer is not None:
-            with suppress(OSError):  # it has ended, which the next look will tell
+            with suppress(OSError):  # it has ended, which the next call will notice
                 self.peer.send(str(self.hz).encode())

@@ -1,20 +1,26 @@
 """The words for gestures and for the controls of the pad; all stages and profiles use them.
 
-Apart from the records, so that a profile can be checked without loading numpy.
+Separate from the records, so that a profile can be checked without loading numpy.
 """
 
 from enum import IntEnum, StrEnum
-from typing import Final
+from typing import Final, Literal
 
 NAME_PATTERN: Final = r"^[a-z0-9_-]{1,64}$"
 """The name of a profile; never a path."""
+
+PipelineState = Literal["running", "paused", "panic"]
+"""Whether gestures act. Only ``resume`` ends a panic."""
+
+Phase = Literal["attack", "hold", "release"]
+"""Whether the intensity of a gesture rises, stays or falls."""
 
 # The members are looked up in sets and dicts a hundred times a slice, and ``Enum`` works out their
 # hash in Python; their values have the same equality and a hash in C.
 
 
 class GestureKind(IntEnum):
-    """What the user does. Clockwise is as seen by the user. The label is the lower-case name."""
+    """Type of a gesture. Clockwise is as seen by the user. The label is the lower-case name."""
 
     __hash__ = int.__hash__
 
@@ -68,7 +74,7 @@ class Axis(StrEnum):
 
 
 class SourceKind(StrEnum):
-    """What a source is, by the first word of its name."""
+    """Kind of a source, given by the first word of its name."""
 
     CAMERA = "davis"
     RECORDING = "file"
@@ -77,7 +83,7 @@ class SourceKind(StrEnum):
 
 
 def find_source_kind(name: str) -> SourceKind:
-    """Returns what a source is.
+    """Returns the kind of a source.
 
     Args:
         name: as a person writes it, for example ``sim:tour`` or ``play.aedat4``.

@@ -1,12 +1,14 @@
 #!/usr/bin/python3 -I
-"""The ``neurotouch`` command of the Debian package: its libraries lie in a folder of their own."""
+"""The ``neurotouch`` command of the Debian package: its libraries are in a separate folder."""
 
 import os
 import sys
 
 sys.path.insert(0, "/usr/lib/neurotouch-hid")
-# What is compiled for this processor belongs to whoever runs it, and never into /usr.
-cache = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")  # noqa: PTH111 -- sooner there
+# Kernels compiled for this processor go into the cache of the user who runs it, never into /usr.
+cache = os.environ.get("XDG_CACHE_HOME", "")
+if not os.path.isabs(cache):  # noqa: PTH117 -- sooner there; a relative one is to be ignored
+    cache = os.path.expanduser("~/.cache")  # noqa: PTH111
 os.environ.setdefault("NUMBA_CACHE_DIR", f"{cache}/neurotouch")
 
 from neurotouch_hid.__main__ import main  # noqa: E402

@@ -9,7 +9,7 @@ import numpy as np
 from neurotouch_hid.messages import Gesture, GestureKind, no_gesture
 
 LEAST_MM = 0.5
-"""Less motion than this is noise."""
+"""Smaller motion is noise."""
 
 
 class MeanPush:
@@ -19,10 +19,10 @@ class MeanPush:
         self._least_mm = LEAST_MM
 
     def reset(self):
-        """There is nothing to forget."""
+        """Does nothing: this method has no memory."""
 
     def update(self, t_us, step_us, rest_px, moved_px, use, rig):
-        """Returns a push if the markers that move most move far enough."""
+        """Returns a push if the fastest tenth of the markers has moved far enough."""
         moved_mm = rig.vector_to_mm(moved_px[use])
         far_mm = np.hypot(*moved_mm.T)
         strongest = far_mm >= np.quantile(far_mm, 0.9)

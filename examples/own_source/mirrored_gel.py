@@ -12,7 +12,7 @@ from neurotouch_hid.source import open_source
 
 
 class MirroredGel:
-    """Gives the packets of another source with left and right exchanged."""
+    """Mirrors the packets of another source: left and right are exchanged."""
 
     def __init__(self, rest, *, slice_us, seed):
         self._source = open_source(rest, slice_us=slice_us, seed=seed, speed="max")
@@ -22,7 +22,7 @@ class MirroredGel:
         self.is_simulated = self._source.is_simulated
 
     def __iter__(self):
-        """Gives one packet after the other."""
+        """Yields one packet after the other."""
         for packet in self._source:
             events = packet.events.copy()
             events["x"] = SENSOR_WIDTH_PX - 1 - events["x"]

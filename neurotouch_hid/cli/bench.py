@@ -1,6 +1,5 @@
-"""``neurotouch bench``: how fast this machine is."""
+"""``neurotouch bench``: measures the speed of this machine."""
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -9,10 +8,11 @@ import click
 
 from neurotouch_hid.cli.ui.group import LazyGroup
 from neurotouch_hid.cli.ui.options import OutFile, method_option
+from neurotouch_hid.cli.ui.output import echo, save_json
 
 _SUMMARIES: Final = {
     "pointing": "Measure how well you point (ISO 9241-411).",
-    "profile": "Measure what the tremor filters do, and what a profile costs.",
+    "profile": "Measure the tremor filters, and the cost of a profile.",
     "latency": "Measure from the last event of a slice to another program.",
     "curves": "Draw latency over the rate of events, and cost over the number of markers.",
     "soak": "Watch the memory over hours of play.",
@@ -64,7 +64,7 @@ _RANKS = ("median", "p99", "p99.9")
     "  neurotouch bench pointing                        how well you point, see its --help\n"
     "  neurotouch bench profile                         what tremor filters do; cost of a profile\n"
     "  neurotouch bench latency                         from the last event to another program\n"
-    "  neurotouch bench curves docs/pictures            draws what the notebook shows\n"
+    "  neurotouch bench curves docs/pictures            draws the figures of the notebook\n"
     "  neurotouch bench soak                            memory over half an hour of play",
 )
 @method_option
@@ -82,10 +82,10 @@ def command(ctx: click.Context, method: str, json_path: Path | None, long: bool)
         return
     from neurotouch_hid.evaluation.speed.benchmark import run_benchmark
 
-    result = run_benchmark(method, lambda text: click.echo(f"{text} ...", err=True), long=long)
-    click.echo(_format(result))
+    result = run_benchmark(method, lambda text: echo(f"{text} ...", err=True), long=long)
+    echo(_format(result))
     if json_path is not None:
-        json_path.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+        save_json(json_path, result)
 
 
 def _format(result: dict[str, Any]) -> str:
@@ -99,7 +99,7 @@ def _format(result: dict[str, Any]) -> str:
         ("recording, whole pipeline", result["realtime_factor"], "x real time", 10, False),
         ("evaluate, all cores", result["evaluate_factor"], "x real time", 40, False),
         ("neurotouch --help", start["help_cpu"], "s of processor", 0.15, True),
-        ("run until the pad is there", start["pad"], "s", 1.0, True),
+        ("run until the pad is ready", start["pad"], "s", 1.0, True),
         ("memory", result["rss_mb"], "MB", 250, True),
     ):
         lines.append(_line(name, [value], unit, (goal,), most=most))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from neurotouch_hid.cli.follow import is_guided, open_silent_driver
+from neurotouch_hid.cli.shared.silent_driver import is_guided, open_silent_driver
 from neurotouch_hid.cli.ui.options import (
     method_option,
     seconds_option,
@@ -15,7 +15,7 @@ from neurotouch_hid.cli.ui.options import (
 )
 from neurotouch_hid.cli.ui.output import json_option, plain_option
 from neurotouch_hid.errors import DriverError, NeuroTouchError
-from neurotouch_hid.profile.schema.movements import MOVEMENTS
+from neurotouch_hid.profile.schema import MOVEMENTS
 
 if TYPE_CHECKING:
     from neurotouch_hid.cli.ui.keyboard import Keyboard
@@ -195,7 +195,7 @@ def _press(session: "CalibrationSession", key: str, voice: "Voice", *, warned: b
     Returns:
         Whether the person has now been told that this movement was made too seldom.
     """
-    from neurotouch_hid.profile.calibration.result import LEAST_PEAKS
+    from neurotouch_hid.profile.calibration import LEAST_PEAKS
 
     match key:
         case "" if session.missing and not warned:

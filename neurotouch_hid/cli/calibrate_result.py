@@ -1,13 +1,12 @@
-"""What a calibration ends with: said, saved if the person wants it, weak sides relieved."""
+"""Ends a calibration: says and saves the results, and offers help for weak sides."""
 
 import time
 from typing import TYPE_CHECKING, Any
 
-import click
-
-from neurotouch_hid.cli.profile.saving import hand_over_saved, save_edited
+from neurotouch_hid.cli.profile.saving import save_edited
 from neurotouch_hid.cli.ui.outcome import Outcome
 from neurotouch_hid.cli.ui.output import (
+    echo,
     make_calibration_stamp,
     make_stamp,
     print_json,
@@ -15,15 +14,14 @@ from neurotouch_hid.cli.ui.output import (
     show_changes,
 )
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.calibration.result import LEAST_PEAKS
-from neurotouch_hid.profile.schema.movements import MOVEMENTS
+from neurotouch_hid.profile.calibration import LEAST_PEAKS
+from neurotouch_hid.profile.schema import MOVEMENTS
 
 if TYPE_CHECKING:
     from neurotouch_hid.cli.ui.keyboard import Keyboard
     from neurotouch_hid.profile import UserSettings
     from neurotouch_hid.profile.calibration import CalibrationSession, WeakSide
-    from neurotouch_hid.profile.schema.timing import FilterName
-    from neurotouch_hid.profile.schema.user import Range
+    from neurotouch_hid.profile.schema import FilterName, MovementRange
 
 _SIDES = ["left", "right", "up", "down"]
 
@@ -37,11 +35,11 @@ def conclude(
     as_json: bool = False,
     is_simulated: bool = False,
 ) -> None:
-    """Says what came out, saves it, offers relief.
+    """Says the results, saves them, offers help for weak sides.
 
     Args:
         session: what was measured.
-        keyboard: who is asked; None if nobody can be.
+        keyboard: reads the person's answers; None if there is none.
         yes: save without asking.
         plain: one fact a line.
         as_json: print one JSON object; then nothing is asked.
@@ -49,7 +47,7 @@ def conclude(
     """
     from neurotouch_hid.profile import load_user
     from neurotouch_hid.profile.calibration import find_weak_sides, write_ranges
-    from neurotouch_hid.profile.editing import compare, take_user
+    from neurotouch_hid.profile.editing import ProfileText, compare, hand_over_saved, take_user
 
     before, calm, edited = load_user(), session.tremor_filter, take_user(make_calibration_stamp)
     asks = keyboard is not None and not yes and not as_json
@@ -67,7 +65,7 @@ def conclude(
         wanted, tremor_hz = _ask_filter(session, before, keyboard)
     date = time.strftime("%Y-%m-%d")
     text = write_ranges(edited.text, session.ranges, date, wanted, tremor_hz)
-    lines = compare(edited.text if edited.content is not None else "", text)
+    lines = compare(edited.text if edited.content is not None else ProfileText(""), text)
     path = edited.store.path
     if not as_json:
         show_changes(lines, plain=plain)
@@ -103,7 +101,7 @@ def undo_calibration(*, plain: bool, as_json: bool) -> None:
         ProfileError: there is none to take back, or it cannot be saved.
     """
     from neurotouch_hid.profile.calibration import undo_ranges
-    from neurotouch_hid.profile.editing import compare, take_user
+    from neurotouch_hid.profile.editing import compare, hand_over_saved, take_user
 
     edited = take_user(make_stamp)
     text = edited.undo_kind("calibration", undo_ranges)
@@ -128,17 +126,15 @@ def undo_calibration(*, plain: bool, as_json: bool) -> None:
 
 def _say_findings(session: "CalibrationSession", before: "UserSettings") -> None:
     if session.ranges:  # else the rest may not have been measured to its end either
-        click.echo(f"Noise at rest: below {session.rest_mm:g} mm")
+        echo(f"Noise at rest: below {session.rest_mm:g} mm")
     tremor = session.tremor
     if tremor is not None:
-        click.echo(f"Tremor: {tremor.frequency_hz:.1f} Hz, {tremor.amplitude_mm:.1f} mm")
+        echo(f"Tremor: {tremor.frequency_hz:.1f} Hz, {tremor.amplitude_mm:.1f} mm")
     elif session.tremor_filter is not None:
-        click.echo("Tremor: none")
+        echo("Tremor: none")
     for name, count in session.unfinished.items():
         times = "once" if count == 1 else f"{count} times"
-        click.echo(
-            f"{MOVEMENTS[name].words}: made {times}, needs {LEAST_PEAKS}; it stays as it was"
-        )
+        echo(f"{MOVEMENTS[name].words}: made {times}, needs {LEAST_PEAKS}; it stays as it was")
     for name, range_ in session.ranges.items():
         old = getattr(before.range, name)
         was = (
@@ -147,7 +143,7 @@ def _say_findings(session: "CalibrationSession", before: "UserSettings") -> None
         if name in before.unused:
             was = "not used"
         now = f"{range_.rest:g} to {range_.full:g} mm" if range_ is not None else "not used"
-        click.echo(f"{MOVEMENTS[name].words}: was {was}, now {now}")
+        echo(f"{MOVEMENTS[name].words}: was {was}, now {now}")
 
 
 def _tell(
@@ -192,7 +188,7 @@ def _report(session: "CalibrationSession", before: "UserSettings") -> dict[str, 
     }
 
 
-def _report_range(range_: "Range | None") -> dict[str, float] | None:
+def _report_range(range_: "MovementRange | None") -> dict[str, float] | None:
     return None if range_ is None else {"rest": range_.rest, "full": range_.full}
 
 
@@ -236,9 +232,9 @@ def _relieve(side: "WeakSide", keyboard: "Keyboard | None", *, plain: bool) -> N
         f"Let a short push do what {weak} does in the profile '{profile}', or turn that round",
     ]
     if keyboard is None:
-        click.echo(f"{weak} {size} {strong}.")
+        echo(f"{weak} {size} {strong}.")
         return
-    choice = keyboard.choose(f"{weak} {size} {strong}. What shall be done?", ways)
+    choice = keyboard.choose(f"{weak} {size} {strong}. What do you want to do?", ways)
     if choice == 0:
         return
     substitutes = list_substitutes(side.weak, user.unused)
@@ -250,7 +246,7 @@ def _relieve(side: "WeakSide", keyboard: "Keyboard | None", *, plain: bool) -> N
     edited.check(edited.text).require()
     done = remap(edited.text, side.weak, substitutes)
     for what in done.moved:
-        click.echo(f"For you: {what}")
+        echo(f"For you: {what}")
     for what in done.left:
         say("WARNING", f"No other gesture is free for: {what}", plain=plain)
     if done.moved:

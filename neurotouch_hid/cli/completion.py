@@ -1,4 +1,4 @@
-"""``neurotouch completion``: the tab completion of a shell."""
+"""``neurotouch completion``: prints the tab completion of a shell."""
 
 import click
 from click.shell_completion import BashComplete, FishComplete, ZshComplete

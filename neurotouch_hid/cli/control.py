@@ -1,8 +1,8 @@
-"""``neurotouch pause``, ``resume``, ``panic``, ``stop``, ``reload``: the help; ``send`` does it."""
+"""Commands to the running driver: pause, resume, panic, stop, reload."""
 
 import click
 
-from neurotouch_hid.cli.send import send_command
+from neurotouch_hid.cli.shared.send_without_click import send_command
 
 _json = click.option("--json", "as_json", is_flag=True, help="Print the answer as JSON.")
 
@@ -12,7 +12,7 @@ _json = click.option("--json", "as_json", is_flag=True, help="Print the answer a
 def pause(as_json: bool) -> None:
     """Release everything and stop acting; tracking goes on.
 
-    To go on: neurotouch resume. If the profile has a gesture for 'pause', that gesture resumes too.
+    To continue: neurotouch resume. If the profile has a gesture for 'pause', it resumes too.
     """
     raise SystemExit(send_command("pause", as_json=as_json))
 
@@ -20,9 +20,9 @@ def pause(as_json: bool) -> None:
 @click.command(epilog="\b\nExamples:\n  neurotouch resume")
 @_json
 def resume(as_json: bool) -> None:
-    """Go on at the next gesture, after a pause or a panic.
+    """Continue at the next gesture, after a pause or a panic.
 
-    Nothing acts before the gel has been at rest.
+    No gesture acts before the gel has been at rest.
     """
     raise SystemExit(send_command("resume", as_json=as_json))
 
@@ -42,8 +42,8 @@ def panic(as_json: bool) -> None:
 def stop(as_json: bool) -> None:
     """End the running driver; everything is released first.
 
-    The system's service ends with: sudo systemctl stop neurotouch. To release everything and go on
-    later, use pause or panic.
+    The system's service ends with: sudo systemctl stop neurotouch. To release everything and
+    continue later, use pause or panic.
     """
     raise SystemExit(send_command("stop", as_json=as_json))
 
@@ -53,7 +53,7 @@ def stop(as_json: bool) -> None:
 def reload(as_json: bool) -> None:
     """Load the profile and your own values again, now.
 
-    Saved files are noticed within a second anyway. A profile with errors changes nothing: the
+    Saved changes take effect within one second anyway. A profile with errors changes nothing: the
     answer says why, and the exit code is 8.
     """
     raise SystemExit(send_command("reload", as_json=as_json))

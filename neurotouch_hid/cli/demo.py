@@ -1,4 +1,4 @@
-"""``neurotouch demo``: the simulated gel drives the pad."""
+"""``neurotouch demo``: drives the pad from a simulated gel."""
 
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from neurotouch_hid.cli.ui.options import seconds_option
-from neurotouch_hid.cli.ui.usage import WrongUsage
+from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 
 if TYPE_CHECKING:
     from neurotouch_hid.source import Source
@@ -23,7 +23,7 @@ _PROFILE = "spacecraft"
     "  neurotouch demo --mouse              press the gel yourself, on a page in your browser\n"
     "  neurotouch demo --show lines         plain lines, for screen readers"
 )
-@click.option("--scene", default="tour", show_default=True, help="What the simulated hand does.")
+@click.option("--scene", default="tour", show_default=True, help="Scene of the simulator.")
 @click.option("--mouse", is_flag=True, help="Press the gel with mouse, touch or keyboard.")
 @click.option("--page/--no-page", default=True, help="Serve the live view and the spacecraft too.")
 @click.option(
@@ -48,7 +48,7 @@ def command(
     demo ends with its scene; the tour repeats until Ctrl-C, every scene until --seconds are over.
     """
     if mouse and not page:
-        raise WrongUsage("Option --mouse needs the page.", hint="Leave --no-page away.")
+        raise WrongUsage("Option --mouse needs the page.", hint="Leave out --no-page.")
     from neurotouch_hid.source.check import check_source
 
     played = "sim:rest" if mouse else f"sim:{scene.removeprefix('sim:')}"
@@ -63,12 +63,12 @@ def command(
         needs_device=False,
     )
     check_start(options)
-    from neurotouch_hid.cli.demo_page import open_page
-    from neurotouch_hid.cli.play import announce, play
+    from neurotouch_hid.cli.shared.demo_page import open_page
+    from neurotouch_hid.cli.shared.play import announce, play
     from neurotouch_hid.driver import Driver
     from neurotouch_hid.players import find_runtime_folder
     from neurotouch_hid.source import open_source
-    from neurotouch_hid.source.mouse import MouseSource
+    from neurotouch_hid.source.mouse_gel import MouseSource
 
     make_source: Callable[[], Source] | None = None
     if mouse:

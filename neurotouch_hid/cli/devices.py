@@ -1,11 +1,11 @@
-"""``neurotouch devices``: the cameras and the game controllers of this machine."""
+"""``neurotouch devices``: lists the cameras and the game controllers of this machine."""
 
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from neurotouch_hid.cli.ui.output import json_option, print_json
+from neurotouch_hid.cli.ui.output import echo, json_option, print_json
 from neurotouch_hid.errors import CameraError
 from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
@@ -19,20 +19,20 @@ if TYPE_CHECKING:
     "  neurotouch devices\n"
     "  neurotouch devices --json | jq -r '.cameras[].serial'\n"
     "  neurotouch run --source davis:00000216          the camera with this number\n"
-    "  neurotouch devices --watch                      what 'run --device hid' makes, read back\n\n"
-    "Exit code 0, also if there is nothing."
+    "  neurotouch devices --watch                      reads the pad of 'run --device hid' back\n\n"
+    "Exit code 0, also if there are none."
 )
 @click.option(
     "--watch", is_flag=True, help="Print the reports of our HID pad as they come, until Ctrl-C."
 )
 @json_option
 def command(watch: bool, as_json: bool) -> None:
-    """List the cameras and the game controllers of this machine, ours marked.
+    """List the cameras and the game controllers of this machine; ours are marked.
 
-    A camera that nobody uses is opened for a moment to read its versions; one in use is left alone.
+    A camera that is not in use is opened for a moment to read its versions; one in use is not.
     """
     if watch:
-        from neurotouch_hid.cli.watch_reports import watch_pad
+        from neurotouch_hid.cli.shared.watch_reports import watch_pad
 
         watch_pad(as_json=as_json)
         return
@@ -56,15 +56,15 @@ def command(watch: bool, as_json: bool) -> None:
     for camera in cameras:
         _show_camera(*camera)
     if not cameras:
-        click.echo("No DAVIS camera is plugged in. Try without: neurotouch demo")
+        echo("No DAVIS camera is plugged in. Try without: neurotouch demo")
     for pad in pads:
         _show_pad(pad)
     if not pads:
-        click.echo("There is no game controller. 'neurotouch run' makes one.")
+        echo("There is no game controller. 'neurotouch run' makes one.")
 
 
 def _identify(info: "CameraInfo") -> "tuple[CameraVersions | None, str]":
-    """Returns what the camera says of itself, or why it cannot be asked."""
+    """Returns the camera's versions, or why they cannot be read."""
     from neurotouch_hid.source.davis import identify
 
     if info.reason:
@@ -78,27 +78,27 @@ def _identify(info: "CameraInfo") -> "tuple[CameraVersions | None, str]":
 def _show_camera(info: "CameraInfo", versions: "CameraVersions | None", reason: str) -> None:
     status = "OK" if versions is not None else "WARNING"
     usb = "USB 3" if info.speed_mbit_s >= 5000 else "USB 2, fast motion may lose events"
-    click.echo(f"{status} camera {info.serial or 'without a serial number'}: {info.product}")
-    click.echo(f"  plugged in: {info.port_path} (bus {info.bus}, address {info.address})")
-    click.echo(f"  speed: {info.speed_mbit_s} Mbit/s ({usb})")
+    echo(f"{status} camera {info.serial or 'without a serial number'}: {info.product}")
+    echo(f"  plugged in: {info.port_path} (bus {info.bus}, address {info.address})")
+    echo(f"  speed: {info.speed_mbit_s} Mbit/s ({usb})")
     if versions is None:
-        click.echo(f"  firmware: {info.firmware}")
-        click.echo(f"  not available: {reason}")
+        echo(f"  firmware: {info.firmware}")
+        echo(f"  not available: {reason}")
     else:
-        click.echo(
+        echo(
             f"  versions: firmware {versions.firmware}, logic {versions.logic} patch "
             f"{versions.logic_patch}, chip {versions.chip}"
         )
-    click.echo(f"  use it: --source davis:{info.serial}")
+    echo(f"  use it: --source davis:{info.serial}")
 
 
 def _show_pad(pad: "Pad") -> None:
     whose = "ours" if pad.ours else "made by another program" if pad.virtual else "a real one"
-    click.echo(f"OK game controller {pad.name}: {whose}")
-    click.echo(f"  node: {pad.node}{'' if pad.readable else ' (you may not read it)'}")
-    click.echo(f"  identity: {pad.usb_id}, version {pad.ids[3]:#06x}")
+    echo(f"OK game controller {pad.name}: {whose}")
+    echo(f"  node: {pad.node}{'' if pad.readable else ' (you may not read it)'}")
+    echo(f"  identity: {pad.usb_id}, version {pad.ids[3]:#06x}")
     if pad.place:
-        click.echo(f"  place: {pad.place}")
+        echo(f"  place: {pad.place}")
 
 
 def _report_camera(

@@ -1,11 +1,11 @@
-"""``neurotouch diagnostics``: one report for a bug thread."""
+"""``neurotouch diagnostics``: writes a report for a bug thread."""
 
 import json
 from pathlib import Path
 
 import click
 
-from neurotouch_hid.cli.ui.output import json_option
+from neurotouch_hid.cli.ui.output import echo, json_option, save_text
 from neurotouch_hid.errors import NeuroTouchError
 
 
@@ -13,38 +13,33 @@ from neurotouch_hid.errors import NeuroTouchError
     epilog="\b\nExamples:\n"
     "  neurotouch diagnostics                        read it, then paste it\n"
     "  neurotouch diagnostics --json --out report.json\n\n"
-    "Exit code 0, also if the doctor finds faults: they are in the report."
+    "Exit code 0, also if the doctor finds faults: the report lists them."
 )
 @click.option(
     "--out",
     type=click.Path(path_type=Path, dir_okay=False),
     help="Write it to this file instead of printing it.",
 )
-@click.option("--force", is_flag=True, help="Replace the file if it is there.")
+@click.option("--force", is_flag=True, help="Replace the file if it exists.")
 @json_option
 def command(out: Path | None, force: bool, as_json: bool) -> None:
     """Write one report about this machine, the program and the doctor's findings.
 
-    User name, host name, home folder, serial numbers and addresses are taken out; the report ends
-    with the list of what was. It stays on this machine until you send it.
+    The report leaves out user name, host name, home folder, serial numbers and addresses; a list at
+    its end says what. It stays on this machine until you send it.
     """
     from neurotouch_hid.doctor import examine, list_checks
     from neurotouch_hid.doctor.bug_report import format_report, gather
 
     if out is not None and out.exists() and not force:
         raise NeuroTouchError(
-            f"'{out}' is there already.", hint="Give another name, or --force to replace it."
+            f"'{out}' exists already.", hint="Give another name, or --force to replace it."
         )
-    click.echo("Looking at everything, about a quarter of a minute ...", err=True)
+    echo("Checking everything, about 15 seconds ...", err=True)
     report = gather(examine(list_checks()))
     text = json.dumps(report, indent=2) + "\n" if as_json else format_report(report)
     if out is None:
-        click.echo(text, nl=False)
+        echo(text, nl=False)
         return
-    try:
-        out.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise NeuroTouchError(
-            f"'{out}' cannot be written: {error.strerror}.", hint="Choose another folder."
-        ) from error
-    click.echo(f"OK the report is in {out}. Read it before you send it.", err=True)
+    save_text(out, text)
+    echo(f"OK the report is in {out}. Read it before you send it.", err=True)

@@ -1,4 +1,4 @@
-"""``neurotouch doctor``: what is missing on this machine."""
+"""``neurotouch doctor``: checks this machine and says how to fix it."""
 
 import shlex
 import sys
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.ui.output import json_option, paint, plain_option, print_json
+from neurotouch_hid.cli.ui.output import echo, json_option, paint, plain_option, print_json
 
 if TYPE_CHECKING:
     from neurotouch_hid.doctor import Finding
@@ -20,12 +20,14 @@ _COLOURS = {"OK": "green", "WARNING": "yellow", "FAILED": "red", "SKIPPED": "cya
 @click.command(
     epilog="\b\nExamples:\n"
     "  neurotouch doctor\n"
-    "  neurotouch doctor --keys                   and try the keys that stop everything\n"
+    "  neurotouch doctor --keys                   also try the keys that stop everything\n"
     "  neurotouch doctor --fix-script > fix.sh    read it, then: sh fix.sh\n"
     "  neurotouch doctor --json | jq '.[] | select(.status == \"FAILED\")'\n\n"
     "Exit code 0 if nothing failed, 1 otherwise."
 )
-@click.option("--keys", is_flag=True, help="Try the keys that stop everything, without hurry.")
+@click.option(
+    "--keys", is_flag=True, help="Try the keys that stop everything, without a time limit."
+)
 @click.option(
     "--fix-script", is_flag=True, help="Print a shell script with the fixes; run nothing."
 )
@@ -35,7 +37,7 @@ _COLOURS = {"OK": "green", "WARNING": "yellow", "FAILED": "red", "SKIPPED": "cya
     help="Where to save the picture of the gel. Default: in your cache folder.",
 )
 @click.option(
-    "--source", help="Look at this instead of the camera, as file:NAME.aedat4 or sim:NAME."
+    "--source", help="Check this source instead of the camera: file:NAME.aedat4 or sim:NAME."
 )
 @plain_option
 @json_option
@@ -47,7 +49,7 @@ def command(
     plain: bool,
     as_json: bool,
 ) -> None:
-    """Check this machine and say how to fix what is missing.
+    """Check this machine and say how to fix its faults.
 
     Each check has a time limit: one that hangs is reported and skipped. Nothing is changed.
     """
@@ -55,12 +57,12 @@ def command(
         from neurotouch_hid.source.check import check_source
 
         check_source(source)
-    from neurotouch_hid.doctor import Status, examine, list_checks
+    from neurotouch_hid.doctor import CheckStatus, examine, list_checks
 
     checks = list_checks(picture, source)
     quiet = as_json or fix_script
     findings = []
-    for finding in examine(checks, tell=lambda text: click.echo(text, err=True)):
+    for finding in examine(checks, tell=lambda text: echo(text, err=True)):
         findings.append(finding)
         if not quiet:
             _show(finding, plain=plain)
@@ -72,24 +74,25 @@ def command(
         print_json([finding.as_json() for finding in findings])
     elif fix_script:
         click.echo(_write_script(findings), nl=False)
-    if any(finding.status is Status.FAILED for finding in findings):
+    if any(finding.status is CheckStatus.FAILED for finding in findings):
         raise SystemExit(1)
 
 
 def _show(finding: "Finding", *, plain: bool) -> None:
     status = paint(f"{finding.status:<8}", _COLOURS[finding.status], plain=plain)
-    click.echo(f"{status} {finding.check}: {finding.sentence}")
+    echo(f"{status} ", nl=False)
+    echo(f"{finding.check}: {finding.sentence}")
     if finding.fix:
-        click.echo(f"         Fix: {finding.fix}")
+        echo(f"         Fix: {finding.fix}")
     for line in finding.commands:
-        click.echo(f"           {line}")
+        echo(f"           {line}")
 
 
 def _write_script(findings: "list[Finding]") -> str:
     lines = [
         "#!/bin/sh",
         "# What 'neurotouch doctor --fix-script' proposes for this machine. Read it before you run",
-        "# it: each part says what it is for, and parts can be deleted. Nothing has been run yet.",
+        "# it: each part says its purpose, and you may delete parts. Nothing has been run yet.",
         "set -eu",
     ]
     done: set[str] = set()
@@ -99,7 +102,7 @@ def _write_script(findings: "list[Finding]") -> str:
         if not fresh:
             continue
         about = f"{finding.status} {finding.check}: {finding.sentence}\n{finding.fix or ''}"
-        # A name that a device gave itself may hold anything, but it stays a comment.
+        # A device may have any name; here it must stay a comment.
         lines += ["", *(f"# {line}" for line in about.splitlines())]
         for line in fresh:
             lines += [f"echo {shlex.quote(f'+ {line}')}", line]
@@ -117,17 +120,15 @@ def _try_keys() -> "Finding":
     if not sys.stdin.isatty():
         return replace(skip("They can only be tried in a terminal."), check=name)
     if find_driver() is not None:
-        click.echo(
-            "The running driver obeys them too; 'neurotouch resume' lets it go on.", err=True
-        )
-    finding = try_chords(lambda text: click.echo(text, err=True), _wait_or_skip)
+        echo("The running driver reacts to them too; to continue: neurotouch resume", err=True)
+    finding = try_chords(lambda text: echo(text, err=True), _wait_or_skip)
     return replace(finding, check=name)
 
 
 def _wait_or_skip(happened: Callable[[], bool]) -> bool:
-    """Waits for it to happen; False if the person types S and Enter first.
+    """Waits until the condition is true; returns False if the person types S and Enter first.
 
-    Other lines are no answer: Enter is part of a chord.
+    Other lines do not count, because Enter is part of a chord.
     """
     import select
 

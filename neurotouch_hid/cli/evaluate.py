@@ -1,16 +1,15 @@
-"""``neurotouch evaluate``: the paper's metrics on labelled recordings."""
+"""``neurotouch evaluate``: measures the paper's metrics on labelled recordings."""
 
-import json
 import os
 import shlex
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import click
 
 from neurotouch_hid.cli.ui.options import MethodName, OutFile, rate_option
+from neurotouch_hid.cli.ui.output import echo, save_json
 
 
 @click.command(
@@ -29,7 +28,7 @@ from neurotouch_hid.cli.ui.options import MethodName, OutFile, rate_option
     default=("neurotouch",),
     multiple=True,
     show_default=True,
-    help="How gestures are recognised; several times to compare methods.",
+    help="Method of recognition; give it several times to compare methods.",
 )
 @click.option(
     "--json",
@@ -62,7 +61,7 @@ def command(
     report_path: Path | None,
     jobs: int,
 ) -> None:
-    """Play each FILE.aedat4 and compare what is recognised with FILE.labels.csv beside it."""
+    """Play each FILE.aedat4 and compare the recognised gestures with FILE.labels.csv beside it."""
     from neurotouch_hid.recording import check_labelled
 
     check_labelled(files)
@@ -86,29 +85,23 @@ def command(
     def tell(path: Path) -> None:
         nonlocal done
         done += 1
-        click.echo(f"{done} of {len(files) * len(methods)}: {path}", err=True)
+        echo(f"{done} of {len(files) * len(methods)}: {path}", err=True)
 
     for method in methods:
         if len(methods) > 1:
-            click.echo(f"Method {method}", err=True)
+            echo(f"Method {method}", err=True)
         options = replace(REFERENCE, method=method, rate_hz=rate_hz)
         evaluations[method] = evaluate_files(files, options, jobs=jobs, progress=tell)
     reports = {method: evaluation.report() for method, evaluation in evaluations.items()}
     origin = trace_origin(files, shlex.join(["neurotouch", *sys.argv[1:]]))
     if json_path is not None:
-        _write_json(json_path, combine_reports(reports, origin))
+        save_json(json_path, combine_reports(reports, origin))
     if report_path is not None:
-        write_report(report_path, evaluations, origin, lambda doing: click.echo(doing, err=True))
-    click.echo(f"{origin} {origin.program}, {origin.date}.")
+        write_report(report_path, evaluations, origin, lambda doing: echo(doing, err=True))
+    echo(f"{origin} {origin.program}, {origin.date}.")
     for name, report in reports.items():
         if len(reports) > 1:
-            click.echo(f"\nmethod {name}")
-        click.echo(format_table(report))
+            echo(f"\nmethod {name}")
+        echo(format_table(report))
     if report_path is not None:
-        click.echo(f"\nThe report is in {report_path / 'report.html'}.")
-
-
-def _write_json(path: Path, report: dict[str, Any]) -> None:
-    part = path.with_name(path.name + ".part")
-    part.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-    part.replace(path)
+        echo(f"\nThe report is in {report_path / 'report.html'}.")

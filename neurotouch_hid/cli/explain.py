@@ -1,9 +1,9 @@
-"""``neurotouch explain``: what the code of a fault means."""
+"""``neurotouch explain``: explains the code of a fault."""
 
 import click
 
 from neurotouch_hid.cli.ui.completing import complete_code
-from neurotouch_hid.cli.ui.output import json_option, print_json
+from neurotouch_hid.cli.ui.output import echo, json_option, print_json
 
 
 @click.command(
@@ -12,16 +12,16 @@ from neurotouch_hid.cli.ui.output import json_option, print_json
 @click.argument("code", required=False, shell_complete=complete_code)
 @json_option
 def command(code: str | None, as_json: bool) -> None:
-    """Say what the CODE of a fault means and what to do; without one, list them all."""
-    from neurotouch_hid.profile.diagnostics.codes import CODES, explain
+    """Explain the CODE of a fault and how to fix it; without one, list them all."""
+    from neurotouch_hid.profile.diagnostics import CODES, explain
 
     if as_json:
         chosen = {code.upper(): explain(code)} if code is not None else CODES
         print_json([{"code": key, "title": e.title, "text": e.text} for key, e in chosen.items()])
     elif code is not None:
         explanation = explain(code)
-        click.echo(f"{code.upper()}: {explanation.title}")
-        click.echo(explanation.text)
+        echo(f"{code.upper()}: {explanation.title}")
+        echo(explanation.text)
     else:
         for key, explanation in CODES.items():
-            click.echo(f"{key}: {explanation.title}")
+            echo(f"{key}: {explanation.title}")

@@ -1,6 +1,8 @@
-"""``neurotouch game``: the spacecraft, flown by the gel."""
+"""``neurotouch game``: opens the spacecraft game."""
 
 import click
+
+from neurotouch_hid.cli.ui.output import echo
 
 
 @click.command(
@@ -12,23 +14,22 @@ import click
 @click.option("--open/--no-open", "open_browser", default=True, help="Open it in your browser.")
 @click.option("--port", type=click.IntRange(0, 65535), help="Default: 7878, or any if it is taken.")
 def command(open_browser: bool, port: int | None) -> None:
-    """Open the spacecraft game in your browser: rings, no hurry, no punishment.
+    """Open the spacecraft game in your browser: fly through rings; there is no time limit.
 
     It reads the virtual pad as any game does, so a running driver flies it. Without one it flies by
-    itself. The key P pauses and resumes the driver. Ctrl-C ends; where 'neurotouch view' or a demo
-    serves the page already, this only opens it.
+    itself. The key P pauses and resumes the driver. Ctrl-C ends the page's server; if 'neurotouch
+    view' or a demo serves the page already, this command only opens it.
     """
-    from neurotouch_hid.cli.view import serve_page, show_link
+    from neurotouch_hid.cli.view import open_page, serve_page
     from neurotouch_hid.page.address import Address, read_address
 
     def tell(address: Address) -> None:
-        link = address.link("game")
-        click.echo(f"Spacecraft: {link}")
+        echo(f"Spacecraft: {address.link('game')}")
         if open_browser:
-            show_link(link)
+            open_page(address, "game")
 
     address = read_address()
     if address is not None:
         tell(address)
     else:
-        serve_page(tell, edit=True, port=port)  # else nobody could pause on it
+        serve_page(tell, edit=True, port=port)  # without edit, a person could not pause there

@@ -4,40 +4,42 @@ Only ``click`` is imported before a sub-command is chosen, so that ``neurotouch 
 """
 
 import sys
+from typing import Any
 
 import click
 
 from neurotouch_hid import __version__
 from neurotouch_hid.cli.ui.group import LazyGroup
 from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.printable import make_lines_printable
 from neurotouch_hid.process.interrupts import EXIT_INTERRUPTED, handle_interrupts
 
 _SUMMARIES = {
     "run": "Drive the virtual gamepad from a camera, a recording or the simulator.",
     "demo": "Try it without a camera: a simulated gel drives the pad.",
-    "view": "Show live what the driver does, as a page on this machine.",
-    "monitor": "Show live what the driver does, in the terminal.",
+    "view": "Show the driver live, as a page on this machine.",
+    "monitor": "Show the driver live, in the terminal.",
     "game": "Fly the spacecraft with the gel, in your browser.",
     "pause": "Release everything and stop acting until you resume.",
-    "resume": "Go on after a pause or a panic.",
-    "panic": "Release everything and stay released, whatever happens, until you resume.",
+    "resume": "Continue after a pause or a panic.",
+    "panic": "Release everything and stay released until you resume.",
     "stop": "End the running driver; everything is released first.",
     "reload": "Make the running driver load its profile again.",
-    "status": "Say what the running driver does.",
-    "profile": "Look at profiles, change them, try them, share them.",
-    "calibrate": "Measure your own range of each movement, without hurry.",
-    "explain": "Say what the code of a fault means.",
+    "status": "Show the state of the running driver.",
+    "profile": "List profiles, change them, try them, share them.",
+    "calibrate": "Measure your own range of each movement, without a time limit.",
+    "explain": "Explain the code of a fault.",
     "schema": "Print the JSON Schema of profiles, for editors.",
-    "emulate": "Plug in an emulated camera, for those who have none.",
+    "emulate": "Plug in an emulated camera, for people who have none.",
     "simulate": "Write a simulated data set, recordings with labels.",
     "evaluate": "Measure the recognition on labelled recordings, as the paper does.",
     "bench": "Measure the speed of every stage; how well a person points.",
-    "setup": "Install what the system needs for a camera and a pad, if you use pip.",
+    "setup": "Install the system's rules for a camera and a pad, if you use pip.",
     "service": "Drive the pad as a service of the system; systemd runs this.",
     "session": "Connect the system's service with this session; systemd runs this.",
     "record": "Record events and frames to an AEDAT4 file, alone or while playing.",
     "devices": "List the cameras and the game controllers of this machine.",
-    "doctor": "Check this machine and say how to fix what is missing.",
+    "doctor": "Check this machine and say how to fix its faults.",
     "diagnostics": "Write one report about this machine for a bug report, without personal data.",
     "completion": "Print the tab completion for bash, zsh or fish.",
 }
@@ -63,7 +65,7 @@ def _find_place(name: str) -> tuple[str, str]:
     epilog="\b\nExamples:\n"
     "  neurotouch demo                                  see it work, no camera needed\n"
     "  neurotouch run --profile spacecraft --source file:play.aedat4\n"
-    "  neurotouch doctor                                what is missing on this machine",
+    "  neurotouch doctor                                checks this machine",
 )
 @click.version_option(__version__, prog_name="neurotouch")
 @click.pass_context
@@ -91,7 +93,7 @@ def main() -> None:
     """Runs the command line and ends the process with the documented exit code."""
     try:
         handle_interrupts()
-        code = cli.main(prog_name="neurotouch", standalone_mode=False)
+        code = _run()
         sys.stdout.flush()
     except NeuroTouchError as error:
         code = _tell(error.message, error.hint, error.exit_code)
@@ -99,7 +101,7 @@ def main() -> None:
         error.show()
         code = error.exit_code
     except click.UsageError as error:
-        from neurotouch_hid.cli.ui.usage import explain_usage
+        from neurotouch_hid.cli.ui.usage_errors import explain_usage
 
         error.ctx = error.ctx or _find_context(sys.argv[1:])
         code = _tell(*explain_usage(error), error.exit_code)
@@ -130,8 +132,22 @@ def main() -> None:
     sys.exit(code if isinstance(code, int) else 0)
 
 
+def _run() -> Any:
+    """Runs the command line and returns the exit code.
+
+    click takes every EOFError for Ctrl-D at one of its questions; but a question of its own ends in
+    an Abort without a cause.
+    """
+    try:
+        return cli.main(prog_name="neurotouch", standalone_mode=False)
+    except click.Abort as error:
+        if isinstance(error.__cause__, EOFError):
+            raise error.__cause__ from None
+        raise
+
+
 def _find_context(words: list[str]) -> click.Context:
-    """Returns the context of the command that words call, which click leaves out of some errors."""
+    """Returns the context of the called command, which click leaves out of some errors."""
     ctx = click.Context(cli, info_name="neurotouch")
     for word in words:
         group = ctx.command
@@ -142,8 +158,8 @@ def _find_context(words: list[str]) -> click.Context:
 
 
 def _tell(message: str, hint: str | None, exit_code: int) -> int:
-    """Prints an error and the way out of it; returns the exit code."""
-    click.echo(f"Error: {message}", err=True)
+    """Prints an error and its fix; returns the exit code."""
+    click.echo(make_lines_printable(f"Error: {message}"), err=True)
     if hint:
-        click.echo(f"Fix: {hint}", err=True)
+        click.echo(make_lines_printable(f"Fix: {hint}"), err=True)
     return exit_code

@@ -3,11 +3,12 @@
 import click
 
 from neurotouch_hid.cli.ui.options import Finite
-from neurotouch_hid.cli.ui.output import plain_option
+from neurotouch_hid.cli.ui.output import echo, plain_option
+from neurotouch_hid.printable import make_printable
 
 PICTURE_HZ = 12
 LOOK_S = 0.25
-"""How often it looks for a driver while none runs."""
+"""Interval at which it looks for a driver while none runs."""
 
 
 @click.command(
@@ -16,16 +17,16 @@ LOOK_S = 0.25
     "  neurotouch monitor --plain           one line for each change, for screen readers\n"
     "  neurotouch monitor --json | jq .say\n\n"
     "Without a driver it waits until one starts. It ends with the driver, after --seconds or by\n"
-    "Ctrl-C; the driver goes on. The same as a page: neurotouch view"
+    "Ctrl-C; the driver continues. The same as a page: neurotouch view"
 )
 @plain_option
 @click.option("--json", "as_json", is_flag=True, help="Print each state as one line of JSON.")
-@click.option("--seconds", type=Finite(min=0.1), help="End by itself after so long.")
+@click.option("--seconds", type=Finite(min=0.1), help="End after this many seconds.")
 def command(plain: bool, as_json: bool, seconds: float | None) -> None:
-    """Show what the running driver does: gesture, pad, what it ignored and why, times, health.
+    """Show the running driver: gesture, pad, ignored gestures with the reason, times, health.
 
-    Exit code 0 when the driver or the time ends, 8 if no driver came within --seconds, 130 after
-    Ctrl-C.
+    Exit code 0 when the driver or the time ends, 8 if no driver started within --seconds, 130
+    after Ctrl-C.
     """
     import json
     import select
@@ -43,7 +44,7 @@ def command(plain: bool, as_json: bool, seconds: float | None) -> None:
     listener.want(PICTURE_HZ)
     if listener.connect() is None:
         text = f"No driver is running; waiting for one (Ctrl-C stops). {explain_start()}"
-        click.echo(text, err=True)
+        echo(text, err=True)
     while (peer := listener.connect()) is None:
         if time.monotonic() >= end:
             raise NotRunningError("No driver has started.", hint=explain_start())
@@ -57,17 +58,18 @@ def command(plain: bool, as_json: bool, seconds: float | None) -> None:
             continue
         head = read_head(state)
         if as_json:
-            click.echo(json.dumps(head, ensure_ascii=False))
+            echo(json.dumps(head, ensure_ascii=False))
         elif plain:
             for line in writer.write(head, time.monotonic()):
-                click.echo(line)
+                echo(line)
         else:
             columns, rows = shutil.get_terminal_size()
-            lines = [line[: columns - 1] for line in draw_picture(head)[: rows - 1]]
+            drawn = map(make_printable, draw_picture(head)[: rows - 1])
+            lines = [line[: columns - 1] for line in drawn]
             lines += [""] * (height - len(lines))
             up = f"\x1b[{height}A" if height else ""
             height = len(lines)
             click.echo(up + "".join(f"\r{line}\x1b[K\n" for line in lines), nl=False)
     listener.close()
     if left_s > 0.0:
-        click.echo("The driver has ended.", err=True)
+        echo("The driver has ended.", err=True)

@@ -1,13 +1,12 @@
-"""``neurotouch bench pointing``: how well a person points, before and after a change."""
+"""``neurotouch bench pointing``: measures how well a person points, also after a change."""
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from neurotouch_hid.cli.follow import is_guided, open_silent_driver
+from neurotouch_hid.cli.shared.silent_driver import is_guided, open_silent_driver
 from neurotouch_hid.cli.ui.options import (
     OutFile,
     method_option,
@@ -16,7 +15,8 @@ from neurotouch_hid.cli.ui.options import (
     source_option,
     speed_option,
 )
-from neurotouch_hid.cli.ui.usage import WrongUsage
+from neurotouch_hid.cli.ui.output import echo, save_json
+from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ _SIMULATED = "SIMULATED: a program moved, so the figures say nothing about a per
     epilog="\b\nExamples:\n"
     "  neurotouch bench pointing --json before.json     then change something, and:\n"
     "  neurotouch bench pointing --compare before.json\n"
-    "  neurotouch bench pointing --simulated            see how it goes, no gel needed",
+    "  neurotouch bench pointing --simulated            a simulated test, no gel needed",
 )
 @profile_option
 @source_option
@@ -50,7 +50,7 @@ _SIMULATED = "SIMULATED: a program moved, so the figures say nothing about a per
     type=click.Choice(["3", "5", "7", "9", "11", "13", "25"]),
     default="9",
     show_default=True,
-    help="How many of each of the two sizes.",
+    help="Number of targets of each of the two sizes.",
 )
 @click.option("--simulated", is_flag=True, help="A simulated subject takes the test.")
 @seed_option
@@ -80,8 +80,8 @@ def command(
 ) -> None:
     """Measure how well you point: targets around a circle, one after the other (ISO 9241-411).
 
-    Nothing hurries you: Enter begins a trial, its time begins with your first movement. Pushes move
-    the pointer as the profile moves the left stick or the mouse.
+    There is no time limit: Enter begins a trial, and its time begins with your first movement.
+    Pushes move the pointer as the profile moves the left stick or the mouse.
     """
     from neurotouch_hid.evaluation.people.pointing import Pointing
     from neurotouch_hid.evaluation.people.subject import perform_pointing
@@ -93,20 +93,18 @@ def command(
     from neurotouch_hid.profile import Mapping, load_profile, load_user
 
     if simulated and select == "button":
-        raise WrongUsage(
-            "The simulated subject selects by dwell only.", hint="Leave --select away."
-        )
+        raise WrongUsage("The simulated subject selects by dwell only.", hint="Leave out --select.")
     before = read_result(compare) if compare is not None else None
     user = load_user()
     name = profile or user.slots[0]
     test = Pointing(dwell=select == "dwell", targets=int(targets))
     is_simulated = simulated or find_source_kind(source) is SourceKind.SIMULATION
     if is_simulated:
-        click.echo(_SIMULATED)
+        echo(_SIMULATED)
     if simulated:
         perform_pointing(test, Mapping(load_profile(name), user), seed)
         for number, trial in enumerate(test.trials, 1):
-            click.echo(_describe(number, test.total, trial))
+            echo(_describe(number, test.total, trial))
     else:
         with open_silent_driver(source, speed, seed, method, profile=name) as driver:
             pads = (step.pad for step in driver.steps())
@@ -114,16 +112,16 @@ def command(
     figures = measure_pointing(test.trials)
     head = {"version": 1, "simulated": is_simulated, "profile": name, "select": select}
     result = {**head, "source": "subject" if simulated else source, **figures}
-    click.echo("\n".join(_format(result, test.total)))
+    echo("\n".join(_format(result, test.total)))
     if json_path is not None:
-        json_path.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+        save_json(json_path, result)
     if before is not None:
         for key in ("simulated", "select"):
             if before.get(key) != result[key]:
-                click.echo(f"WARNING: '{key}' differs; comparing the two means little.")
+                echo(f"WARNING: '{key}' differs; comparing the two means little.")
         mark = "SIMULATED " if is_simulated else ""
         for line in compare_results(before, result):
-            click.echo(f"{mark}{line}")
+            echo(f"{mark}{line}")
 
 
 def _play(test: "Pointing", pads: Iterator["GamepadState"], *, guided: bool) -> None:
@@ -132,12 +130,12 @@ def _play(test: "Pointing", pads: Iterator["GamepadState"], *, guided: bool) -> 
 
     keyboard = Keyboard() if guided else None
     if guided:
-        click.echo("Enter = begin the next trial, Q = stop and measure what there is.")
+        echo("Enter = begin the next trial, Q = stop and measure the finished ones.")
     asked, told_us = -1, 0
     for pad in pads:
         if not test.is_running and asked != len(test.trials):
             asked, told_us = len(test.trials), pad.t_us
-            click.echo(_ask(test))
+            echo(_ask(test))
         key = "" if keyboard is None else keyboard.poll()
         if key is not None and key.lower() == "q":
             return
@@ -145,13 +143,13 @@ def _play(test: "Pointing", pads: Iterator["GamepadState"], *, guided: bool) -> 
             test.begin()
         trial = test.update(pad)
         if trial is not None:
-            click.echo(_describe(len(test.trials), test.total, trial))
+            echo(_describe(len(test.trials), test.total, trial))
             if test.is_over:
                 return
         elif test.is_running and guided and pad.t_us - told_us >= _TOLD_US:
             told_us = pad.t_us
-            click.echo(_tell_way(test))
-    click.echo(f"The source has ended after {len(test.trials)} of {test.total} targets.")
+            echo(_tell_way(test))
+    echo(f"The source has ended after {len(test.trials)} of {test.total} targets.")
 
 
 def _ask(test: "Pointing") -> str:

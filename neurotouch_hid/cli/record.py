@@ -1,4 +1,4 @@
-"""``neurotouch record``: events and frames to a file."""
+"""``neurotouch record``: writes events and frames to a file."""
 
 import logging
 import shutil
@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 import click
 
 from neurotouch_hid.cli.ui.options import Finite
-from neurotouch_hid.cli.ui.output import json_option, plain_option, print_json, say
+from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_json, say
 from neurotouch_hid.errors import NeuroTouchError, NotRunningError, RecordingError, SourceError
+from neurotouch_hid.partial_file import is_plain
 from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
 if TYPE_CHECKING:
@@ -26,17 +27,17 @@ if TYPE_CHECKING:
 
 _ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGALRM)
 _PATIENCE_S = 10.0
-"""A live source that has been silent for so long does not keep ``--seconds`` from ending."""
+"""Silence of a live source after which a recording with ``--seconds`` ends."""
 
 _MAX_DELAY_US = 10_000_000
-"""A recording wants late slices as well: so much may wait while the machine is busy."""
+"""Longest delay of slices in the camera's queue: a recording needs late slices, too."""
 
 _TERMINAL_S, _PLAIN_S = 1.0, 10.0
-"""How often progress is told: in one line on a terminal, else line by line."""
+"""Interval of progress reports: in one line on a terminal, else line by line."""
 
 
 class _Opened(NamedTuple):
-    """What is recorded: its name, its packets, and whether it goes on without us."""
+    """The opened source: its name, its packets, and whether it continues without this command."""
 
     name: str
     packets: "Iterable[EventPacket]"
@@ -44,7 +45,7 @@ class _Opened(NamedTuple):
 
 
 class _Silence(KeyboardInterrupt):
-    """A live source gives nothing any more."""
+    """A live source sends nothing any more."""
 
 
 @click.command(
@@ -57,12 +58,12 @@ class _Silence(KeyboardInterrupt):
 @click.argument("out", type=click.Path(path_type=Path, dir_okay=False))
 @click.option(
     "--source",
-    show_default="what the running driver sees, else davis:",
+    show_default="the running driver's data, else davis:",
     help="davis:SERIAL (a camera), file:NAME.aedat4 (a recording) or sim:NAME (the simulator).",
 )
-@click.option("--seconds", type=Finite(min=0.1), help="End after so much sensor time.")
+@click.option("--seconds", type=Finite(min=0.1), help="End after this many seconds of sensor time.")
 @click.option("--seed", default=0, show_default=True, help="Seed of the simulator.")
-@click.option("--force", is_flag=True, help="Replace OUT if it is there.")
+@click.option("--force", is_flag=True, help="Replace OUT if it exists.")
 @plain_option
 @json_option
 def command(
@@ -76,8 +77,8 @@ def command(
 ) -> None:
     """Record events and frames to the AEDAT4 file OUT, until Ctrl-C or the source ends.
 
-    While the driver runs this records what it sees, and the game goes on undisturbed. The file
-    stays readable, up to the last write: after Ctrl-C, on a full disk, and if this is killed.
+    While the driver runs, this command records the driver's data, and the game goes on. The file
+    stays readable up to the last write: after Ctrl-C, on a full disk, and if the command is killed.
 
     If a camera or driver ends before --seconds, or is silent for 10 s, a message says so and the
     exit code is 3.
@@ -96,7 +97,7 @@ def command(
         opened = _open(stack, source, "max" if seconds or whole else "recorded", seed)
         stack.callback(_restore_signals)  # before the source is closed: that may hang
         recorder = Recorder(RecordingWriter(out, in_place=True))
-        click.echo(f"Recording {opened.name} to {out}. Ctrl-C ends.", err=True)
+        echo(f"Recording {opened.name} to {out}. Ctrl-C ends.", err=True)
         with _Progress(recorder, out, plain=plain or not sys.stderr.isatty()):
             try:
                 with _until_interrupted():
@@ -107,7 +108,8 @@ def command(
                 recorder.close()
         stats, fault = recorder.stats(), recorder.error or fault
         if not stats.events and not stats.frames:
-            out.unlink(missing_ok=True)
+            if is_plain(out):
+                out.unlink(missing_ok=True)
             raise fault or RecordingError(
                 "Nothing was recorded, so no file was made.",
                 hint="Is the camera plugged in? Check: neurotouch doctor",
@@ -118,17 +120,17 @@ def command(
 def _require_place(out: Path, source: str | None, *, force: bool) -> None:
     if out.suffix.lower() != ".aedat4":
         raise RecordingError(
-            f"'{out}' does not end in .aedat4, the only format that is written.",
+            f"'{out}' does not end in .aedat4, the only supported format.",
             hint="Give a name that ends in .aedat4.",
         )
     if not out.exists():
         return
     played = Path((source or "").removeprefix("file:"))
     if source is not None and played.is_file() and played.samefile(out):
-        raise RecordingError(f"'{out}' cannot be recorded to itself.", hint="Give another name.")
+        raise RecordingError(f"'{out}' is source and output at once.", hint="Give another name.")
     if not force:
         raise RecordingError(
-            f"'{out}' is there already.", hint="Give another name, or --force to replace it."
+            f"'{out}' exists already.", hint="Give another name, or --force to replace it."
         )
 
 
@@ -145,7 +147,7 @@ def _open(stack: ExitStack, source: str | None, speed: "Speed", seed: int) -> _O
     if source is None:
         with suppress(NotRunningError):
             packets = open_one("driver:")
-            name = f"what the running driver sees ({packets.name.removeprefix('driver: ')})"
+            name = f"the running driver's data ({packets.name.removeprefix('driver: ')})"
             return _Opened(name, packets, live=True)
     packets = open_one(source or "davis:")
     return _Opened(packets.name, packets, live=packets.is_live)
@@ -155,7 +157,7 @@ def _record(opened: _Opened, recorder: "Recorder", seconds: float | None) -> Non
     """Records until there is enough or the source ends.
 
     Raises:
-        SourceError: a live one has given less than was asked for.
+        SourceError: a live source ended or fell silent before ``--seconds``.
     """
     patience_s = _PATIENCE_S if opened.live and seconds is not None else 0.0  # 0: no limit
     begin_us: int | None = None
@@ -169,7 +171,7 @@ def _record(opened: _Opened, recorder: "Recorder", seconds: float | None) -> Non
         if seconds is not None and packet.t_end_us - begin_us >= seconds * 1e6:
             return
     if opened.live and seconds is not None:
-        raise SourceError(f"The source ended before it had given {seconds:g} s.")
+        raise SourceError(f"The source ended before {seconds:g} s were recorded.")
 
 
 @contextmanager
@@ -177,7 +179,7 @@ def _until_interrupted() -> Iterator[None]:
     """Ends the block on Ctrl-C, SIGTERM, SIGHUP or silence, and ignores later signals.
 
     Raises:
-        SourceError: it was silence.
+        SourceError: the source was silent.
     """
     ends = [number for number in _ENDS if signal.getsignal(number) is not signal.SIG_IGN]  # nohup
 
@@ -193,7 +195,7 @@ def _until_interrupted() -> Iterator[None]:
     except _Silence:
         raise SourceError(
             f"The source has been silent for {_PATIENCE_S:g} s, so the recording is shorter than "
-            "was asked for.",
+            "requested.",
             hint="Is the camera plugged in? Check: neurotouch doctor",
         ) from None
     except KeyboardInterrupt:
@@ -210,14 +212,14 @@ def _restore_signals() -> None:
 
 
 class _AboveLine(logging.Handler):
-    """Puts what is logged above the line of progress, not into it."""
+    """Writes log messages above the line of progress, not into it."""
 
     def emit(self, record: logging.LogRecord) -> None:
         click.echo(f"\r\x1b[K{self.format(record)}", err=True)
 
 
 class _Progress:
-    """Tells how the recording goes, in a thread of its own: a silent source does not silence it."""
+    """Reports progress in a separate thread, so that it also appears while the source is silent."""
 
     def __init__(self, recorder: "Recorder", out: Path, *, plain: bool) -> None:
         self._recorder, self._folder, self._plain = recorder, out.parent, plain
@@ -253,7 +255,7 @@ class _Progress:
             click.echo("\r\x1b[K", err=True, nl=False)
 
     def _describe(self, before: "RecorderStats", now: "RecorderStats") -> str:
-        """Rates are per second of the source, which may be quicker or slower than ours."""
+        """Returns the progress in words; rates are per second of the source's time."""
         free = shutil.disk_usage(self._folder).free
         seconds, grown = now.seconds - before.seconds, now.size_bytes - before.size_bytes
         per_second = 1.0 / seconds if seconds else 0.0
@@ -266,7 +268,7 @@ class _Progress:
             f"{free / 1e9:,.1f} GB free",
         ]
         if not seconds:
-            parts.append("WARNING nothing comes from the source")
+            parts.append("WARNING no data from the source")
         elif grown:
             parts.append(f"room for {free / grown * seconds / 60:,.0f} min")
         return ", ".join(parts)
@@ -275,7 +277,7 @@ class _Progress:
 def _tell(
     source: str, out: Path, stats: "RecorderStats", fault: NeuroTouchError | None, *, as_json: bool
 ) -> None:
-    """Reports what has been recorded; a fault that ended it is raised, or put into the JSON."""
+    """Reports the recorded data; raises the error that ended it, or puts it into the JSON."""
     lost = stats.lost_before + stats.lost_here
     status = "WARNING" if lost or fault is not None else "OK"
     message = (
@@ -283,7 +285,7 @@ def _tell(
         f"{stats.frames:,} frames, {stats.size_bytes / 1e6:.1f} MB."
     )
     if stats.lost_before:
-        message += f" {stats.lost_before:,} events were lost before they came here."
+        message += f" {stats.lost_before:,} events were lost in the camera or the driver."
     if stats.lost_here:
         message += f" {stats.lost_here:,} events were dropped, the disk was too slow."
     if not as_json:

@@ -1,4 +1,4 @@
-"""``neurotouch run``: drives the gamepad from a source."""
+"""``neurotouch run``: drives the gamepad from a source, by ``driver/driver.py``."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     type=click.Choice(["uinput", "hid", "memory"]),
     default="uinput",
     show_default=True,
-    help="uinput makes a gamepad that every program sees; hid a true HID one; memory none.",
+    help="uinput: a gamepad that every program sees; hid: a HID gamepad; memory: none.",
 )
 @click.option(
     "--identity",
@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     help="A pad, keyboard or switch that plays along: auto, a node, or a part of its name.",
 )
 @click.option(
-    "--rumble", is_flag=True, help="Let games shake the pad although only the live view shows it."
+    "--rumble", is_flag=True, help="Offer rumble to games, although only the live view shows it."
 )
 @click.option(
     "--player",
@@ -119,7 +119,7 @@ def command(
         shows_rumble=rumble,
     )
     check_start(options)
-    from neurotouch_hid.cli.play import announce, play
+    from neurotouch_hid.cli.shared.play import announce, play
     from neurotouch_hid.driver import Driver
 
     try:

@@ -1,4 +1,4 @@
-"""``neurotouch schema``: the file formats, for editors."""
+"""``neurotouch schema``: prints the file formats, for editors."""
 
 import click
 
@@ -12,14 +12,13 @@ from neurotouch_hid.cli.ui.output import print_json
     "  neurotouch schema --line            the first line of a profile, for editors"
 )
 @click.argument("what", type=click.Choice(["profile", "user"]), default="profile")
-@click.option("--line", is_flag=True, help="Print the line that tells an editor where it is.")
+@click.option("--line", is_flag=True, help="Print the line that refers an editor to the schema.")
 def command(what: str, line: bool) -> None:
     """Print the JSON Schema of a profile, or of your own values (user)."""
     from neurotouch_hid.players import find_user_file
     from neurotouch_hid.profile import profile_schema, user_schema
-    from neurotouch_hid.profile.editing.edited_file import find_schema
-    from neurotouch_hid.profile.editing.revision import MODELINE
-    from neurotouch_hid.profile.reading.library import find_user_folder
+    from neurotouch_hid.profile.editing import MODELINE, find_schema
+    from neurotouch_hid.profile.reading import find_user_folder
 
     if line:
         path = find_user_file() if what == "user" else find_user_folder() / "any.yaml"

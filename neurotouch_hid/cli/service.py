@@ -1,4 +1,4 @@
-"""``neurotouch service``: the driver as systemd runs it, there as long as the machine is on."""
+"""``neurotouch service``: runs the driver as a service of systemd."""
 
 from functools import partial
 from typing import TYPE_CHECKING
@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from neurotouch_hid.device.outputs.identity import PadKind
     from neurotouch_hid.device.outputs.rumble import HearRumble
     from neurotouch_hid.driver.systemd import ServiceManager
-    from neurotouch_hid.source import Source
 
 
 @click.command(
@@ -20,35 +19,39 @@ if TYPE_CHECKING:
     "  sudo systemctl start neurotouch          the usual way\n"
     "  neurotouch service --source sim:tour     try it without a camera\n"
     "  neurotouch service --compile             only compile for this processor\n\n"
-    "Exit codes: 0 ended by a signal, 3 source, 6 a file of settings, 7 virtual gamepad, 75 "
-    "another driver runs."
+    "Exit codes: 0 ended by a signal, 3 source, 6 a file of settings, 7 virtual gamepad, 8 no such "
+    "player or no control socket, 75 another driver runs."
 )
 @click.option(
     "--source",
     show_default="davis:, with the serial number in service.yaml",
-    help="What to play instead of the camera.",
+    help="Source to use instead of the camera.",
 )
 @click.option("--compile", "only_compile", is_flag=True, help="Compile for this processor and end.")
 def command(source: str | None, only_compile: bool) -> None:
     """Drive the gamepad as a service: it waits for the camera, and keeps the pad without it.
 
-    The settings of the person at the machine apply, who changes them as everywhere: by 'neurotouch
-    calibrate', 'neurotouch profile' and the page. While nobody is there, and for people without
-    settings, those in /etc/neurotouch apply: service.yaml, user.yaml and profiles. Another player's
-    service is neurotouch@2, its folder /etc/neurotouch/player-2.
+    The settings of the person at the machine apply. The person changes them with 'neurotouch
+    calibrate', 'neurotouch profile' or the page. If no person is at the machine, or the person has
+    no settings, those in /etc/neurotouch apply: service.yaml, user.yaml and profiles. The service
+    of player 2 is neurotouch@2, with the folder /etc/neurotouch/player-2.
     """
-    from neurotouch_hid.cli.play import announce
+    from neurotouch_hid.cli.shared.play import announce
     from neurotouch_hid.driver import Driver, DriverOptions
     from neurotouch_hid.driver.admission import find_seated_users
-    from neurotouch_hid.driver.blind_camera import CameraWatchdog
+    from neurotouch_hid.driver.camera_watchdog import CameraWatchdog
     from neurotouch_hid.driver.people import People, find_people_folder
-    from neurotouch_hid.driver.service_settings import load_service_settings
+    from neurotouch_hid.driver.service_settings import (
+        check_service_settings,
+        load_service_settings,
+    )
     from neurotouch_hid.driver.systemd import ServiceManager
     from neurotouch_hid.players import find_player
     from neurotouch_hid.process.signals import stop_on_signals
 
     manager = ServiceManager()
     choices = load_service_settings()
+    check_service_settings(choices)
     options = DriverOptions(
         source=source or choices.source,
         profile=choices.profile,
@@ -63,10 +66,6 @@ def command(source: str | None, only_compile: bool) -> None:
         make_device=partial(_make_pad, manager),
         guests=find_seated_users,
         people=People(find_people_folder(), options.player),
-        facts={
-            "source": lambda: _describe(driver.source),
-            "keyboard": lambda: "the service may not read keyboards, so none stops it",
-        },
     )
     if only_compile:
         driver.compile()
@@ -88,14 +87,6 @@ def command(source: str | None, only_compile: bool) -> None:
         manager.report_stopping()
 
 
-def _describe(source: "Source") -> str:
-    """Returns the source, and why nothing comes from it."""
-    from neurotouch_hid.source.davis import DavisSource
-
-    trouble = source.stats().trouble if isinstance(source, DavisSource) else ""
-    return f"{source.name}. {trouble}" if trouble else source.name
-
-
 def _make_pad(
     manager: "ServiceManager",
     kind: "PadKind",
@@ -105,9 +96,9 @@ def _make_pad(
     player: int,
     hear_rumble: "HearRumble | None",
 ) -> "Device":
-    """Gives the pad at rest, through descriptors from systemd, or opened here.
+    """Yields the pad at rest, made through descriptors from systemd, or opened here.
 
-    One for each node there may ever be: the right to open more may end once the service is up.
+    Opens a descriptor for every possible node: the service may lose the right to open more.
 
     Raises:
         DeviceError: the kernel's node cannot be used.

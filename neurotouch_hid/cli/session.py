@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
+from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.closing import Closing
 
 if TYPE_CHECKING:
@@ -20,17 +21,17 @@ if TYPE_CHECKING:
     from neurotouch_hid.monitor.stream_sound import StreamSound
 
 AGAIN_S: Final = 2.0
-"""How often a driver is looked for; the first pause before settings are handed over again."""
+"""Interval of looking for a driver; also the first pause before settings are handed over again."""
 
 MOST_S: Final = 60.0
 """The longest such pause. It doubles: a profile with errors is refused again, and each time the
 service's journal says so."""
 
 LOOK_S: Final = 1.0
-"""How often the person's files are looked at."""
+"""Interval of looking for changes of the person's files."""
 
 HZ: Final = 30
-"""States a second. Two sounds are further apart than two states."""
+"""States a second, more than there are sounds a second."""
 
 HandOver = Callable[[int], bool]
 """Hands the settings of a player to the running driver; returns whether the driver has them."""
@@ -41,8 +42,8 @@ _Stamp = tuple[str, int, int, int]
 
 @click.command(
     epilog="\b\nExamples:\n"
-    "  systemctl --user status neurotouch-session       what it does; it starts with your session\n"
-    "  systemctl --user mask --now neurotouch-session   do without it; 'unmask' is the way back\n"
+    "  systemctl --user status neurotouch-session       its state; it starts with your session\n"
+    "  systemctl --user mask --now neurotouch-session   switch it off; 'unmask' switches it on\n"
     "  neurotouch session                               the same by hand; Ctrl-C ends it\n\n"
     "Exit codes: 0 ended by a signal, 75 it already runs for this user."
 )
@@ -60,7 +61,7 @@ def command() -> None:
 
     def announce(sentence: str) -> None:
         with suppress(OSError):  # the terminal has gone
-            click.echo(sentence, err=True)
+            echo(sentence, err=True)
 
     players = [find_player()] if PLAYER in os.environ else [int(name) for name in PLAYERS]
     stop = stop_on_signals()
@@ -71,13 +72,13 @@ def command() -> None:
 def serve(
     players: Iterable[int], hand_over: HandOver, stop: Event, announce: Callable[[str], object]
 ) -> None:
-    """Hands settings over and plays sounds until it is told to stop.
+    """Hands settings over and plays sounds until ``stop`` is set.
 
     Args:
-        players: whose drivers.
-        hand_over: is called when a player's files have changed, until it says True.
+        players: numbers of the players.
+        hand_over: called when a player's files have changed, until it returns True.
         stop: ends it within a second, or when a driver has answered.
-        announce: tells the person a sentence; called from several threads.
+        announce: shows the person a sentence; called from several threads.
     """
     with ExitStack() as stack:
         links = [stack.enter_context(_Link(player, hand_over, announce)) for player in players]
@@ -97,12 +98,12 @@ def serve(
 
 
 class _Link(Closing):
-    """What connects the person with the driver of one player.
+    """Connection between the person and the driver of one player.
 
     Args:
-        player: whose driver.
+        player: number of the player.
         hand_over: see ``serve``.
-        announce: tells the person a sentence.
+        announce: shows the person a sentence.
     """
 
     def __init__(self, player: int, hand_over: HandOver, announce: Callable[[str], object]) -> None:
@@ -121,14 +122,14 @@ class _Link(Closing):
 
     @property
     def peer(self) -> "socket.socket | None":
-        """The connection to a driver's feed; None without one, or where no sound is wanted."""
+        """The connection to a driver's states; None without one, or if no sound is wanted."""
         return self._subscriber.peer
 
     def look(self, now_s: float) -> None:
-        """Looks at files and drivers; to be called about once a second.
+        """Checks files and drivers; to be called about once a second.
 
         Args:
-            now_s: the present moment on a clock that never goes back.
+            now_s: present time on a steady clock.
         """
         self._look_at_values()
         self._give(now_s)
@@ -142,15 +143,17 @@ class _Link(Closing):
             self._leave(now_s)
 
     def hear(self) -> None:
-        """Plays what the newest state has to be heard of."""
+        """Plays the sounds of the newest state."""
         state = self._subscriber.take()
         if state is not None and self._sound is not None and not self._sound.hear(state):
-            self._subscriber.want(0)  # it plays itself; the connection tells when it ends
+            self._subscriber.want(
+                0
+            )  # that driver plays its own sounds; the connection shows when it ends
         if self.peer is None:  # the driver has ended, or does not admit this person now
             self._leave(time.monotonic())
 
     def close(self) -> None:
-        """Leaves the driver and ends the player of sounds."""
+        """Disconnects from the driver and ends the sound thread."""
         self._subscriber.close()
         if self._sound is not None:
             self._sound.close()
@@ -162,7 +165,7 @@ class _Link(Closing):
             self._sound.forget()
 
     def _finds_nearer(self, peer: "socket.socket") -> bool:
-        """Returns whether a driver of the person's own has come since the connection was made."""
+        """Returns True if a driver of the person's own has started since the connection."""
         from neurotouch_hid.client import is_served
         from neurotouch_hid.players import list_runtime_folders
 
@@ -225,7 +228,7 @@ def _stamp_settings(player: int) -> list[_Stamp]:
 
 
 def _stamp_values(player: int) -> list[_Stamp]:
-    """Returns the files that may say what this person wants to hear, as they are now."""
+    """Returns the stamps of all files that may contain this person's choice of sounds."""
     from neurotouch_hid.players import find_machine_folder, find_user_file
 
     return _stamp([find_user_file(player), find_user_file(player, find_machine_folder())])
@@ -249,7 +252,7 @@ def _mentions_sound(path: str) -> bool:
 
 @contextmanager
 def _only_one(path: Path) -> Iterator[None]:
-    """Lets one of these run for each user.
+    """Makes sure that only one of these runs for each user.
 
     Raises:
         AlreadyRunningError: one runs.

@@ -1,4 +1,4 @@
-"""``neurotouch setup``: what the system must know about camera and pad, for those who use pip."""
+"""``neurotouch setup``: installs the rules for camera and pad, for people who use pip."""
 
 import os
 import shlex
@@ -6,10 +6,12 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from textwrap import indent
 from typing import Final
 
 import click
 
+from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.resources import find_resources
 
@@ -28,38 +30,37 @@ _MEANING: Final = {
 
 @click.command(
     epilog="\b\nExamples:\n"
-    "  neurotouch setup --dry-run        only say what would be done\n"
-    "  neurotouch setup                  say it, ask, do it (with sudo or pkexec)\n"
-    "  neurotouch setup --uninstall      take everything away again\n\n"
+    "  neurotouch setup --dry-run        only show the changes\n"
+    "  neurotouch setup                  show them, ask, make them (with sudo or pkexec)\n"
+    "  neurotouch setup --uninstall      remove everything again\n\n"
     "Exit codes: 0 done, 1 not done."
 )
-@click.option("--dry-run", is_flag=True, help="Only say what would be done.")
-@click.option("--uninstall", is_flag=True, help="Take away what setup has installed.")
+@click.option("--dry-run", is_flag=True, help="Only show the changes.")
+@click.option("--uninstall", is_flag=True, help="Remove the files that setup has installed.")
 @click.option("--yes", is_flag=True, help="Do not ask.")
 def command(dry_run: bool, uninstall: bool, yes: bool) -> None:
-    """Install the rules that camera and pad need, for those who installed with pip.
+    """Install the rules that camera and pad need, for people who installed with pip.
 
     The Debian package does all this itself, with fewer rights: only its service gets them.
     """
     if _PACKAGED.exists() and not uninstall:
         raise NeuroTouchError(
             "The Debian package is installed, and its service has all the rights it needs.",
-            hint="Nothing is to be done. See: systemctl status neurotouch",
+            hint="There is nothing to do. See: systemctl status neurotouch",
         )
     files = _list_files()
-    click.echo("This will be taken away:" if uninstall else "This will be installed:")
+    echo("These files will be removed:" if uninstall else "These files will be installed:")
     for source, target in files.items():
-        click.echo(f"  {target}\n    {_MEANING[source.name]}")
+        echo(f"  {target}\n    {_MEANING[source.name]}")
     script = _remove(files) if uninstall else _install(files)
-    click.echo("by these commands, as root:")
-    for line in script:
-        click.echo(f"  {line}")
+    echo("with these commands, as root:")
+    echo(indent("\n".join(script), "  "))
     if dry_run:
         return
     if not yes:
-        click.confirm("Go on?", abort=True)
+        click.confirm("Continue?", abort=True)
     _run_as_root(script)
-    click.echo(
+    echo(
         "Done. A camera that is plugged in stays open to you until it is unplugged."
         if uninstall
         else "Done. Check with: neurotouch doctor"
@@ -67,7 +68,7 @@ def command(dry_run: bool, uninstall: bool, yes: bool) -> None:
 
 
 def _list_files() -> dict[Path, Path]:
-    """Gives each file that comes with the program, and where it goes."""
+    """Yields each file that comes with the program, and its destination."""
     rules, modules = find_resources("udev"), find_resources("modules-load.d")
     return {
         rules / "70-neurotouch-uinput.rules": _RULES / "70-neurotouch-uinput.rules",
@@ -77,8 +78,14 @@ def _list_files() -> dict[Path, Path]:
 
 
 def _install(files: dict[Path, Path]) -> list[str]:
+    """Gives the commands that install each file.
+
+    They hold its text: root must not read it from a folder that others can write, where it may
+    have changed since it was shown.
+    """
     copies = [
-        shlex.join(["install", "-D", "-m", "644", str(source), str(target)])
+        f"install -D -m 644 /dev/stdin {shlex.quote(str(target))} << 'END'\n"
+        f"{source.read_text(encoding='utf-8')}END"
         for source, target in files.items()
     ]
     # The module first: without it there is no device to trigger.
@@ -89,9 +96,9 @@ def _remove(files: dict[Path, Path]) -> list[str]:
     return [
         shlex.join(["rm", "-f", *map(str, files.values())]),
         "udevadm control --reload",
-        # The first look still finds the mark that the rule has left, and gives the right once more.
+        # The first trigger still finds the tag of the removed rule, and gives the right once more.
         *_have_udev_look_again(),
-        # Rights once given stay with the node: this hides them, and other rules give theirs again.
+        # A node keeps rights once given: this removes them, and other rules give theirs again.
         "if [ -e /dev/uinput ]; then chmod 600 /dev/uinput; fi",
         *_have_udev_look_again(),
     ]
@@ -129,7 +136,7 @@ def _run_as_root(script: list[str]) -> None:
         gate = next(filter(None, map(shutil.which, _list_gates())), None)
         if gate is None:
             raise NeuroTouchError(
-                "There is neither sudo nor pkexec here to become root with.",
+                "Neither sudo nor pkexec is installed, so this command cannot become root.",
                 hint="Ask an administrator to run the commands above.",
             )
         shell.insert(0, gate)
@@ -137,5 +144,5 @@ def _run_as_root(script: list[str]) -> None:
     if done.returncode != 0:
         raise NeuroTouchError(
             f"It stopped before the end: exit code {done.returncode}.",
-            hint="What went wrong is above. The command can safely be run again.",
+            hint="The cause is above. The command can safely be run again.",
         )

@@ -1,4 +1,4 @@
-"""``neurotouch simulate``: a labelled data set like the paper's."""
+"""``neurotouch simulate``: writes a labelled data set like the paper's."""
 
 import sys
 import time
@@ -7,12 +7,13 @@ from pathlib import Path
 import click
 
 from neurotouch_hid.cli.ui.options import Finite
+from neurotouch_hid.cli.ui.output import echo
 
 
 @click.command(
     epilog="\b\nExamples:\n"
     "  neurotouch simulate play --users 1 --minutes 1\n"
-    "  neurotouch simulate paper-like              as long as the paper's: 5 users, 25 minutes\n"
+    "  neurotouch simulate paper-like              the paper's length: 5 users, 25 minutes\n"
     "  neurotouch simulate hard --gel both --minutes 8"
 )
 @click.argument("out", type=click.Path(path_type=Path, file_okay=False))
@@ -32,12 +33,12 @@ from neurotouch_hid.cli.ui.options import Finite
     show_default=True,
     help="How the gel deforms: by closed forms, by finite elements, or half of the set each.",
 )
-@click.option("--force", is_flag=True, help="Replace recordings that were made otherwise.")
+@click.option("--force", is_flag=True, help="Replace recordings that were made with other options.")
 def command(out: Path, users: int, minutes: float, seed: int, gel: str, force: bool) -> None:
     """Write simulated recordings with labels into the folder OUT.
 
-    One recording for each gel, user and gesture. Ctrl-C stops; the same command goes on from
-    there. A set that was made otherwise is never replaced without --force.
+    One recording for each gel, user and gesture. Ctrl-C stops; the same command continues from
+    there. A set that was made with other options is never replaced without --force.
     """
     from neurotouch_hid.source.simulator.dataset import Progress, write_dataset
     from neurotouch_hid.source.simulator.gel import ELASTICITIES
@@ -51,9 +52,9 @@ def command(out: Path, users: int, minutes: float, seed: int, gel: str, force: b
         if percent >= told["percent"] + step:
             told["percent"] = percent
             spent = time.monotonic() - begun
-            click.echo(f"{percent:3d} %  {progress.path.name}  {spent:.0f} s", err=True)
+            echo(f"{percent:3d} %  {progress.path.name}  {spent:.0f} s", err=True)
 
     gels = [name for name in ELASTICITIES if gel in (name, "both")]
     paths = write_dataset(out, users, minutes, seed, tell, gels, replace=force)
     size_mb = sum(path.stat().st_size for path in paths) / 1e6
-    click.echo(f"{len(paths)} recordings with labels, {size_mb:.0f} MB, are in {out}.")
+    echo(f"{len(paths)} recordings with labels, {size_mb:.0f} MB, are in {out}.")

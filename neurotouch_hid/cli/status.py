@@ -1,19 +1,19 @@
-"""``neurotouch status``: what the running driver does."""
+"""``neurotouch status``: prints the state of the running driver."""
 
 import time
 from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.ui.output import json_option, print_json
+from neurotouch_hid.cli.ui.output import echo, json_option, print_json
 
 if TYPE_CHECKING:
-    from neurotouch_hid.client import Fatigue, Status
+    from neurotouch_hid.status import Fatigue, Status
 
 _STATES = {
     "running": "OK: running",
-    "paused": "WARNING: paused. Go on with: neurotouch resume",
-    "panic": "WARNING: stopped by panic. Go on with: neurotouch resume",
+    "paused": "WARNING: paused. To continue: neurotouch resume",
+    "panic": "WARNING: stopped by panic. To continue: neurotouch resume",
 }
 _FIRST = {"profile": "profile", "layer": "layer", "source": "source", "device": "pad"}
 _FACTS = {
@@ -36,7 +36,7 @@ _FACTS = {
 @click.option("--verbose", is_flag=True, help="Add the process, rates and the times of each stage.")
 @json_option
 def command(verbose: bool, as_json: bool) -> None:
-    """Say what the running driver does, one fact on each line: the state first.
+    """Print the state of the running driver, one fact on each line.
 
     Exit code 0 if a driver runs, 8 if none does.
     """
@@ -46,16 +46,16 @@ def command(verbose: bool, as_json: bool) -> None:
     if as_json:
         print_json(status)
         return
-    click.echo("\n".join(_list_facts(status)))
+    echo("\n".join(_list_facts(status)))
     if verbose:
-        click.echo("\n".join(_list_times(status)))
+        echo("\n".join(_list_times(status)))
 
 
 def _list_facts(status: "Status") -> list[str]:
-    """Returns what concerns a person, the most important first."""
+    """Returns the facts for a person, the most important first."""
     lines = [_STATES.get(status["state"], status["state"])]
     if status["silent_s"]:
-        lines.append(f"WARNING: nothing has come from the source for {status['silent_s']:.1f} s")
+        lines.append(f"WARNING: no data from the source for {status['silent_s']:.1f} s")
     for error in status["errors"]:
         at = time.strftime("%H:%M:%S", time.localtime(error["at"]))
         lines.append(f"error at {at}: {error['error']}")
@@ -66,8 +66,8 @@ def _list_facts(status: "Status") -> list[str]:
         lines.append(f"events lost: {status['events_lost']:,}")
     lines += [_describe_fatigue(fading) for fading in status["fatigue"]]
     lines += [
-        f"long holds: {movement.replace('_', ' ')}, {times} of more than 5 s. 'mode: toggle' in "
-        "the profile holds for you"
+        f"long holds: {movement.replace('_', ' ')}, {times} of more than 5 s. With 'mode: toggle' "
+        "in the profile, the press stays on without holding"
         for movement, times in status["long_holds"].items()
     ]
     if status.get("ignored"):
@@ -81,7 +81,7 @@ def _name_facts(status: "Status", labels: dict[str, str]) -> list[str]:
 
 
 def _list_times(status: "Status") -> list[str]:
-    """Returns what concerns a bug report."""
+    """Returns the facts for a bug report."""
     lines = [
         f"process: {status['pid']}, for {status['uptime_s']:.0f} s",
         f"events: {status['events_hz']:,} per second, {status['events_lost']:,} lost",

@@ -1,11 +1,12 @@
-"""``neurotouch view``: everything on a page of this machine."""
+"""``neurotouch view``: serves the page on this machine."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.ui.usage import WrongUsage
+from neurotouch_hid.cli.ui.output import echo
+from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -17,12 +18,16 @@ if TYPE_CHECKING:
     epilog="\b\nExamples:\n"
     "  neurotouch view                      prints the link of the page\n"
     "  neurotouch view --open               opens it in your browser\n"
-    "  neurotouch view --edit               everything can be changed, and saved\n"
-    "  ssh -L 7878:localhost:7878 HOST      looks at a machine far away, safely\n"
+    "  neurotouch view --edit               the page may change everything\n"
+    "  ssh -L 7878:localhost:7878 HOST      shows a remote machine, encrypted\n"
     "  neurotouch view --listen 192.168.1.5 --token-file ~/page-token\n\n"
-    "It shows whatever driver runs, now or later; closing either disturbs nobody. Ctrl-C ends."
+    "It shows the running driver, also one that starts later. Ctrl-C ends the page, not the driver."
 )
-@click.option("--edit", is_flag=True, help="Let the page start, pause, measure and change things.")
+@click.option(
+    "--edit",
+    is_flag=True,
+    help="Allow the page to start and pause the driver, calibrate, and change profiles.",
+)
 @click.option("--open", "open_browser", is_flag=True, help="Open the page in your browser.")
 @click.option("--port", type=click.IntRange(0, 65535), help="Default: 7878, or any if it is taken.")
 @click.option(
@@ -34,7 +39,7 @@ if TYPE_CHECKING:
 @click.option(
     "--token-file",
     type=click.Path(path_type=Path, dir_okay=False),
-    help="A file only you can read, with the secret of the link. Default: a new one each time.",
+    help="A file only you can read, with the secret of the link. Default: a new secret each time.",
 )
 @click.option("--until-stdin-ends", is_flag=True, hidden=True)
 def command(
@@ -45,10 +50,10 @@ def command(
     token_file: Path | None,
     until_stdin_ends: bool,
 ) -> None:
-    """Serve the page: start, change what a movement does, measure your range, watch, play.
+    """Serve the page: start, change movements, calibrate, watch, play.
 
-    It also shows live what the driver does: gesture, gel, curves, pad, times, ignored gestures.
-    Terminals and screen readers get the same from 'neurotouch monitor --plain'.
+    It also shows the driver live: gesture, gel, curves, pad, times, ignored gestures. Terminals and
+    screen readers get the same from 'neurotouch monitor --plain'.
     """
     if listen is not None and token_file is None:
         raise WrongUsage("Option --listen needs a token of its own.", hint="Add --token-file FILE.")
@@ -57,31 +62,31 @@ def command(
     token = _read_token(token_file) if token_file is not None else None
 
     def tell(address: "Address") -> None:
-        click.echo(f"Page: {address.link()}")
-        click.echo(f"Live view: {address.link('live')}")
-        click.echo(f"Spacecraft: {address.link('game')}")
+        echo(f"Page: {address.link()}")
+        echo(f"Live view: {address.link('live')}")
+        echo(f"Spacecraft: {address.link('game')}")
         if listen is not None:
             far = address.url.replace("127.0.0.1", f"[{listen}]" if ":" in listen else listen)
-            click.echo(f"From other machines: {far}#k=TOKEN, with the content of {token_file}")
+            echo(f"From other machines: {far}#k=TOKEN, with the content of {token_file}")
         if open_browser:
-            show_link(address.link())
+            open_page(address)
 
     served = read_address() if open_browser and listen is None and port is None else None
     if served is not None and served.may_edit >= edit:  # the icon again, or a demo
-        show_link(served.link())
-        click.echo(f"Page: {served.link()}")
+        open_page(served)
+        echo(f"Page: {served.link()}")
         return
     serve_page(
         tell, edit=edit, port=port, listen=listen, token=token, until_stdin_ends=until_stdin_ends
     )
 
 
-def show_link(link: str) -> None:
-    """Opens a link in the browser; where that is impossible, says so."""
+def open_page(address: "Address", page: str = "") -> None:
+    """Opens a page in the browser; where that is impossible, says so."""
     from neurotouch_hid.cli.ui.browser import open_link
 
-    if not open_link(link):
-        click.echo("No browser can be opened from here: open the link yourself.", err=True)
+    if not open_link(address.link_for_browser(page)):
+        echo("No browser can be opened from here: open the link yourself.", err=True)
 
 
 def serve_page(
@@ -93,7 +98,7 @@ def serve_page(
     token: str | None = None,
     until_stdin_ends: bool = False,
 ) -> None:
-    """Serves the page until Ctrl-C; ``tell`` is given its address once it is there."""
+    """Serves the page until Ctrl-C; calls ``tell`` with its address once it is ready."""
     import asyncio
     import os
     import sys
@@ -123,7 +128,14 @@ def serve_page(
         await server.run(stop)
 
     if read_address() is None:  # else the other commands go on finding the first one
-        write_address(address)
+        try:
+            write_address(address)
+        except OSError as error:
+            echo(
+                f"Warning: other commands will not find this page: {error.strerror} "
+                f"({error.filename}).",
+                err=True,
+            )
     try:
         tell(address)
         sys.stdout.flush()
@@ -138,17 +150,23 @@ def _read_token(path: Path) -> str:
     Raises:
         PageError: it cannot be read, or others can read it too.
     """
+    import errno
+
     from neurotouch_hid.errors import PageError
+    from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
 
     try:
         if path.stat().st_mode & 0o077:
             raise PageError(
-                f"Others can read {path}.", hint=f"Keep it for yourself: chmod 600 {path}"
+                f"Other users can read {path}.",
+                hint=f"Make it readable for yourself only: chmod 600 {path}",
             )
-        return path.read_text(encoding="ascii").strip()
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is not plain ASCII"
+        token = read_text(path, MAX_SETTINGS_BYTES).strip()
+        if not token.isascii():
+            raise OSError(errno.EILSEQ, "it is not plain ASCII")
+    except OSError as error:
         raise PageError(
-            f"The token in {path} cannot be read: {reason}.",
+            f"The token in {path} cannot be read: {error.strerror}.",
             hint=f"Make one: (umask 077; head -c 24 /dev/urandom | base64 | tr +/ -_ > {path})",
         ) from None
+    return token

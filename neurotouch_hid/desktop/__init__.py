@@ -1,4 +1,4 @@
-"""Watches which application is in front, where the desktop tells, for a profile of its own."""
+"""Gives each application a profile of its own, where the desktop says which one is active."""
 
 from neurotouch_hid.desktop.follower import Follower
 from neurotouch_hid.desktop.window import ActiveWindow, open_window

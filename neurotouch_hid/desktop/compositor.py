@@ -1,4 +1,4 @@
-"""The active window of Wayland compositors that have a socket of their own to ask at."""
+"""Asks Wayland compositors with a control socket for the active window."""
 
 import json
 import socket
@@ -32,8 +32,8 @@ class Sway:
     def names(self) -> tuple[str, ...]:
         """Returns the focused window's ``app_id``, or class and instance of an X11 program."""
         request = _HEADER.pack(_MAGIC, 0, _GET_TREE)
-        with _connect(self._path, self.desktop) as line:
-            tree = _parse(_exchange_framed(line, request, self.desktop), self.desktop)
+        with _connect(self._path, self.desktop) as connection:
+            tree = _parse(_exchange_framed(connection, request, self.desktop), self.desktop)
         for node in _walk(tree):
             if node.get("focused") is True:
                 inner = node.get("window_properties") or {}
@@ -42,7 +42,7 @@ class Sway:
         return ()
 
     def close(self) -> None:
-        """Does nothing: nothing stays open between two questions."""
+        """Does nothing: nothing stays open between two calls."""
 
 
 class Hyprland:
@@ -60,35 +60,35 @@ class Hyprland:
 
     def names(self) -> tuple[str, ...]:
         """Returns the active window's class, now and as it was opened."""
-        with _connect(self._path, self.desktop) as line:
-            text = _exchange(line, b"j/activewindow", self.desktop)
+        with _connect(self._path, self.desktop) as connection:
+            text = _exchange(connection, b"j/activewindow", self.desktop)
         window = _parse(text, self.desktop)
         found = (window.get("class"), window.get("initialClass"))
         return tuple(dict.fromkeys(name for name in found if isinstance(name, str) and name))
 
     def close(self) -> None:
-        """Does nothing: nothing stays open between two questions."""
+        """Does nothing: nothing stays open between two calls."""
 
 
 def _connect(path: str, desktop: str) -> socket.socket:
-    line = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-    line.settimeout(_PATIENCE_S)
+    connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    connection.settimeout(_PATIENCE_S)
     try:
-        line.connect(path)
+        connection.connect(path)
     except OSError as error:
-        line.close()
+        connection.close()
         raise DesktopError(
             f"The desktop {desktop} cannot be reached: {error.strerror or error}."
         ) from None
-    return line
+    return connection
 
 
-def _exchange(line: socket.socket, request: bytes, desktop: str) -> bytes:
+def _exchange(connection: socket.socket, request: bytes, desktop: str) -> bytes:
     """Returns the answer up to the end of the connection."""
     text = b""
     try:
-        line.sendall(request)
-        while (piece := line.recv(65536)) and len(text) <= _LONGEST_BYTES:
+        connection.sendall(request)
+        while (piece := connection.recv(65536)) and len(text) <= _LONGEST_BYTES:
             text += piece
     except OSError as error:
         raise DesktopError(
@@ -97,24 +97,24 @@ def _exchange(line: socket.socket, request: bytes, desktop: str) -> bytes:
     return text
 
 
-def _exchange_framed(line: socket.socket, request: bytes, desktop: str) -> bytes:
+def _exchange_framed(connection: socket.socket, request: bytes, desktop: str) -> bytes:
     """Returns the payload of the answer."""
     try:
-        line.sendall(request)
-        magic, length, _ = _HEADER.unpack(_receive(line, _HEADER.size))
+        connection.sendall(request)
+        magic, length, _ = _HEADER.unpack(_receive(connection, _HEADER.size))
         if magic != _MAGIC or length > _LONGEST_BYTES:
-            raise DesktopError(f"What answers for {desktop} does not speak its language.")
-        return _receive(line, length)
+            raise DesktopError(f"The answer at the socket of {desktop} is in another format.")
+        return _receive(connection, length)
     except OSError as error:
         raise DesktopError(
             f"The desktop {desktop} does not answer: {error.strerror or error}."
         ) from None
 
 
-def _receive(line: socket.socket, n_bytes: int) -> bytes:
+def _receive(connection: socket.socket, n_bytes: int) -> bytes:
     text = b""
     while len(text) < n_bytes:
-        piece = line.recv(n_bytes - len(text))
+        piece = connection.recv(n_bytes - len(text))
         if not piece:
             raise ConnectionResetError("the connection has ended")
         text += piece
@@ -125,7 +125,7 @@ def _parse(text: bytes, desktop: str) -> dict[str, Any]:
     try:
         found = json.loads(text or b"{}")
     except (ValueError, RecursionError):
-        raise DesktopError(f"The answer of {desktop} makes no sense.") from None
+        raise DesktopError(f"The answer of {desktop} cannot be read.") from None
     return found if isinstance(found, dict) else {}
 
 

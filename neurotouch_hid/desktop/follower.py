@@ -7,24 +7,24 @@ from typing import Final
 
 from neurotouch_hid.desktop.window import ActiveWindow
 from neurotouch_hid.errors import DesktopError
-from neurotouch_hid.profile.faults import make_printable
+from neurotouch_hid.printable import make_printable
 
 POLL_S: Final = 0.5
 AGAIN_S: Final = 5.0
-"""Until a desktop that does not answer is asked again: it may be starting, or start again."""
+"""Interval at which a desktop that does not answer is asked again: it may still be starting."""
 
 CLOSE_S: Final = 3.0
-"""More than a desktop takes for an answer that it gives."""
+"""Longer than any desktop that answers takes."""
 
 
 class Follower:
-    """Watches the active window in a thread of its own.
+    """Watches the active window in a separate thread.
 
     Args:
         profiles: the profile of each application, by a name of its windows; case does not count.
         open_window: connects to the desktop.
-        follow: is told a profile whenever the wanted one changes, None where an application has
-            none of its own.
+        follow: called with a profile whenever the wanted one changes; with None for an application
+            without a profile.
     """
 
     def __init__(
@@ -43,11 +43,11 @@ class Follower:
         self._thread.start()
 
     def describe(self) -> str:
-        """Returns which application is seen, or why none is."""
+        """Returns the active application, or why it is unknown."""
         return self._said
 
     def close(self) -> None:
-        """Ends the thread; a desktop that hangs is left alone."""
+        """Ends the thread; does not wait for a desktop that hangs."""
         self._done.set()
         self._thread.join(CLOSE_S)
 

@@ -1,4 +1,4 @@
-"""The active window, and the way to ask this desktop for it."""
+"""Interface to the active window, and ``open_window``, which connects to this desktop."""
 
 from collections.abc import Mapping
 from typing import Protocol
@@ -10,13 +10,13 @@ class ActiveWindow(Protocol):
     """A connection to the desktop.
 
     Attributes:
-        desktop: what is asked, for people.
+        desktop: name of the desktop, for people.
     """
 
     desktop: str
 
     def names(self) -> tuple[str, ...]:
-        """Returns what the active window's application calls itself; empty if no window is active.
+        """Returns the names of the active window's application; empty if no window is active.
 
         Raises:
             DesktopError: the desktop does not answer any more.
@@ -29,11 +29,11 @@ class ActiveWindow(Protocol):
 def open_window(environment: Mapping[str, str]) -> ActiveWindow:
     """Returns a connection to the desktop that the environment names.
 
-    Under Wayland there is no common way to ask: sway and Hyprland have one of their own, GNOME and
-    KDE have none. Where X11 programs run beside Wayland's, theirs are the only windows seen.
+    Wayland has no common interface for this: sway and Hyprland have their own, GNOME and KDE have
+    none. There, only the windows of X11 programs are known.
 
     Raises:
-        DesktopError: there is no desktop, or it does not tell.
+        DesktopError: there is no desktop, or it has no such interface.
     """
     from neurotouch_hid.desktop.compositor import Hyprland, Sway  # noqa: PLC0415
     from neurotouch_hid.desktop.x11 import XServer  # noqa: PLC0415
@@ -51,7 +51,7 @@ def open_window(environment: Mapping[str, str]) -> ActiveWindow:
     if environment.get("WAYLAND_DISPLAY"):
         desktop = environment.get("XDG_CURRENT_DESKTOP") or "This desktop"
         raise DesktopError(
-            f"The desktop {desktop} tells no program under Wayland which window is active.",
+            f"The desktop {desktop} does not tell programs under Wayland which window is active.",
             hint="Switch by hand: neurotouch profile use NAME, or a gesture with next_profile.",
         )
     raise DesktopError("No desktop is running here.")

@@ -12,7 +12,7 @@ class XServer:
 
     Args:
         display: the server, ``:0``.
-        desktop: what it is called in messages.
+        desktop: its name in messages.
 
     Raises:
         DesktopError: the server cannot be reached, or the library for it is missing.

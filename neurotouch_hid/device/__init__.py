@@ -1,14 +1,14 @@
-"""Fifth stage: the virtual gamepad that every program takes for a standard controller.
+"""Stage 5: the virtual gamepad, which every program treats as a standard controller.
 
-Where a profile asks for them, a keyboard and a mouse belong to it.
+A keyboard and a mouse are added where a profile uses them.
 """
 
 from neurotouch_hid.device.device import Device, check_device, open_device, shows_change
 from neurotouch_hid.device.inputs.copilot import Copilot
 from neurotouch_hid.device.inputs.discovery import find_copilot
 from neurotouch_hid.device.inputs.hotkeys import ChordReader, explain_keyboards, find_keyboards
-from neurotouch_hid.device.inputs.merge import SharedDevice
 from neurotouch_hid.device.inputs.nodes import is_input_name
+from neurotouch_hid.device.inputs.shared_device import SharedDevice
 from neurotouch_hid.device.outputs.composite import CompositeDevice
 from neurotouch_hid.device.outputs.memory import MemoryDevice
 from neurotouch_hid.device.outputs.rumble_router import RumbleRouter

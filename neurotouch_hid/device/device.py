@@ -1,4 +1,4 @@
-"""What every device can do, and the way to get one by its name."""
+"""Interface of all devices, and ``open_device``, which opens one by its name."""
 
 import os
 from collections.abc import Iterable
@@ -17,31 +17,31 @@ from neurotouch_hid.messages import GamepadState
 
 
 class Device(Protocol):
-    """A pad, and what comes with it, to be pressed. All calls may come from any thread."""
+    """A virtual pad with its keyboard and mouse. Any thread may make any call."""
 
     @property
     def name(self) -> str:
-        """What the user is told it is."""
+        """The name that the user sees."""
 
     def prepare(self, extra_devices: Iterable[ExtraDevice]) -> None:
-        """Makes those of the extra devices that are missing; call it with each new profile.
+        """Creates the extra devices that are still missing; call it with each new profile.
 
         Raises:
             DeviceError: they cannot be made.
         """
 
     def write(self, state: GamepadState) -> None:
-        """Shows everything in this state; one that changes nothing costs nothing.
+        """Writes this state; a state without a change costs nothing.
 
         Raises:
             DeviceError: the state cannot be written.
         """
 
     def neutral(self) -> None:
-        """Releases everything now. Harmless when nothing is pressed or the device is closed."""
+        """Releases everything now; does nothing if nothing is pressed or the device is closed."""
 
     def close(self) -> None:
-        """Releases everything and takes the pad away. Harmless when repeated."""
+        """Releases everything and removes the pad. A second call does nothing."""
 
     def __enter__(self) -> Self:
         """Returns the device itself."""
@@ -56,10 +56,10 @@ class Device(Protocol):
 
 
 def check_device(kind: str, identity: str | None = None) -> None:
-    """Finds out whether ``open_device`` may succeed, without making a pad.
+    """Checks whether ``open_device`` can succeed, without creating a pad.
 
     Raises:
-        DeviceError: the identity is no good, or ``/dev/uinput`` or ``/dev/uhid`` cannot be used.
+        DeviceError: the identity is invalid, or ``/dev/uinput`` or ``/dev/uhid`` cannot be used.
     """
     match kind:
         case "uinput":
@@ -69,7 +69,9 @@ def check_device(kind: str, identity: str | None = None) -> None:
             choose_identity(identity, kind)
             os.close(open_uhid())
         case _:
-            choose_identity(identity, "uinput")  # a name is a name, even where no pad is made
+            choose_identity(
+                identity, "uinput"
+            )  # a wrong name is an error, even where no pad is created
 
 
 def open_device(
@@ -84,10 +86,10 @@ def open_device(
 
     Args:
         kind: its name.
-        extra_devices: what is needed beside the pad.
-        identity: what the pad claims to be: a shipped name, or the path of a file.
-        player: whose pad it is, from 1 on.
-        hear_rumble: is told how games shake the pad; without, it does not claim to rumble.
+        extra_devices: the devices needed beside the pad.
+        identity: the controller model to emulate: a shipped name, or the path of a file.
+        player: number of the player, from 1.
+        hear_rumble: called when games shake the pad; if None, the pad does not offer rumble.
 
     Raises:
         DeviceError: the kind or the identity is unknown, programs would misread it, or
@@ -108,6 +110,6 @@ def open_device(
 
 
 def shows_change(before: GamepadState, after: GamepadState) -> bool:
-    """Says whether a pad of the usual layout shows two states differently."""
+    """Returns True if two states differ on a pad of the usual layout."""
     layout = load_identities()["xbox360"].layout
     return layout.encode(before) != layout.encode(after)

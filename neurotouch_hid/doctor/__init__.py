@@ -1,7 +1,7 @@
-"""Examines a machine from Python to the finished gamepad; every failure comes with its way out."""
+"""Examines a machine from Python to the finished gamepad; every failure comes with its fix."""
 
 from neurotouch_hid.doctor.checks import list_checks
 from neurotouch_hid.doctor.examination import Check, examine
-from neurotouch_hid.doctor.finding import Finding, Status
+from neurotouch_hid.doctor.finding import CheckStatus, Finding
 
-__all__ = ["Check", "Finding", "Status", "examine", "list_checks"]
+__all__ = ["Check", "CheckStatus", "Finding", "examine", "list_checks"]

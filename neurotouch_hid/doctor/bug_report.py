@@ -1,4 +1,4 @@
-"""One report about this machine for a bug thread, with everything private taken out."""
+"""Makes a report about this machine for a bug thread, without private data."""
 
 import importlib.metadata
 import os
@@ -6,7 +6,7 @@ import platform
 import pwd
 import re
 import socket
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
@@ -15,7 +15,11 @@ from typing import Any, Final
 from neurotouch_hid import __version__
 from neurotouch_hid.doctor import Finding
 from neurotouch_hid.doctor.inventory import find_driver, find_pads
+from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.profile import list_profiles, load_user
+from neurotouch_hid.profile.reading import find_shipped_folder
 from neurotouch_hid.source.davis import find_cameras
+from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
 VARIABLES: Final = (
     "container",
@@ -38,28 +42,36 @@ VARIABLES: Final = (
     "XDG_SEAT",
     "XDG_SESSION_TYPE",
 )
-"""The variables that are reported; no other one is."""
+"""The only environment variables that the report contains."""
 
 LEFT_OUT: Final = (
     "your user name, real name, home folder and the name of this machine",
     "serial numbers of cameras, network and Bluetooth addresses",
     "all environment variables but those shown, and names of windows",
-    "your profiles, your calibration, recordings and pictures",
-    "the places of game controllers that are not ours",
+    "your profiles, your calibration, recordings and pictures, and the names of their files",
+    "the lines of your files that have errors",
+    "the names and places of devices that are not ours",
 )
 
 _PRIVATE_FACTS: Final = ("desktop",)
-"""Of the driver's status: it names the window in front."""
+"""Key of the driver's status that names the active window."""
 
 _PACKAGES: Final = (
-    *("click", "evdev-binary", "faery", "hidapi", "libusb1", "lz4", "numba", "numpy"),
+    *("backports.zstd", "click", "evdev-binary", "hidapi", "libusb1", "lz4", "numba", "numpy"),
     *("opencv-contrib-python-headless", "pydantic", "pyusb", "ruamel.yaml", "websockets"),
 )
 _MAC: Final = re.compile(r"\b(?:[0-9A-Fa-f]{2}[:-]){5}[0-9A-Fa-f]{2}\b")
 _ADDRESS: Final = re.compile(r"\b(?!127\.0\.0\.1\b)(?:\d{1,3}\.){3}\d{1,3}\b")
 _SERIAL: Final = re.compile(r"(?<=davis:)[0-9A-Za-z._-]+")
+_RECORDING: Final = re.compile(r"[^\s'\"]*\.aedat4\b")
+_FAULT: Final = re.compile(r"(?m)((?:error|warning)\[NT\d+\]).*$")
+_EXCERPT: Final = re.compile(r"(?m)\n *\d* +\| .*$")
+"""A profile's errors quote its lines; the code and the place are enough for a bug report."""
+
+_INPUTS: Final = Path("/proc/bus/input/devices")
+_INPUT_NAME: Final = re.compile(r'(?m)^N: Name="(.+)"$')
 _LOCAL: Final = {"localhost", "neurotouch", "root"}
-"""Names that are nobody's."""
+"""Names that belong to no person."""
 
 Rule = tuple[re.Pattern[str], str]
 
@@ -68,32 +80,86 @@ def gather(findings: Iterable[Finding]) -> dict[str, Any]:
     """Returns the report, ready for JSON and for publication.
 
     Args:
-        findings: what the doctor has found.
+        findings: the doctor's findings.
     """
     running = find_driver()
     cameras = find_cameras()
+    pads = find_pads()
     report: dict[str, Any] = {
         "program": {"neurotouch": __version__, "at": str(Path(__file__).parents[1])},
         "system": _describe_system(),
         "environment": {name: os.environ[name] for name in VARIABLES if name in os.environ},
         "cameras": [asdict(info) for info in cameras],
-        "pads": [_describe_pad(pad.ours, asdict(pad)) for pad in find_pads()],
+        "pads": [_describe_pad(pad.ours, asdict(pad)) for pad in pads],
         "driver": None if running is None else _strip(running),
         "doctor": [finding.as_json() for finding in findings],
     }
     said = "" if running is None else str(running.get("source", ""))
     serials = {info.serial for info in cameras} | set(_SERIAL.findall(said))
-    clean = make_cleaner(list_rules(serials))
+    ours = {pad.name for pad in pads if pad.ours}
+    names = {
+        "PROFILE": _find_profiles("" if running is None else str(running["profile"])),
+        "RECORDING": _find_recording(said),
+        "DEVICE": sorted(({pad.name for pad in pads} | _find_inputs()) - ours - {""}),
+    }
+    clean = make_cleaner([*_list_names(names), *list_rules(serials)])
     # Some versions look like network addresses; they are public.
     packages = {name: _find_version(name) for name in _PACKAGES}
     return {"packages": packages, **clean(report), "left_out": list(LEFT_OUT)}
 
 
-def list_rules(serials: Iterable[str] = ()) -> list[Rule]:
-    """Returns what is taken out of every text, and what replaces it.
+def _list_names(names: Mapping[str, Iterable[str]]) -> list[Rule]:
+    """Returns what replaces names that say something about a person, ``PROFILE 1``.
 
     Args:
-        serials: numbers of cameras.
+        names: the names to replace, by the word that replaces them.
+    """
+    numbered = [
+        (name, f"{word} {number}") for word, all_ in names.items() for number, name in _count(all_)
+    ]
+    numbered.sort(key=lambda each: -len(each[0]))  # a longer one before the name in it
+    lines = [(_FAULT, r"\1"), (_EXCERPT, "")]
+    return [*lines, *(_match_whole(*each) for each in numbered), (_RECORDING, "RECORDING")]
+
+
+def _count(names: Iterable[str]) -> Iterable[tuple[int, str]]:
+    return enumerate(dict.fromkeys(names), 1)
+
+
+def _find_profiles(active: str) -> list[str]:
+    """Returns the names of profiles that did not come with the program, the active one first."""
+    shipped = {path.stem for path in find_shipped_folder().glob("*.yaml")}
+    names = [active, *list_profiles()]
+    with suppress(NeuroTouchError):
+        names += load_user().slots
+    return [name for name in names if name and name not in shipped]
+
+
+def _find_recording(source: str) -> list[str]:
+    """Returns the recording that a driver plays, as it names it; none for another source."""
+    if find_source_kind(source) is not SourceKind.RECORDING:
+        return []
+    path = source.removeprefix(f"{SourceKind.RECORDING}:")
+    return [path, Path(path).name, Path(path).stem]
+
+
+def _find_inputs() -> set[str]:
+    """Returns what the input devices of this machine call themselves."""
+    with suppress(OSError):
+        return set(_INPUT_NAME.findall(_INPUTS.read_text(errors="replace")))
+    return set()
+
+
+def _match_whole(text: str, instead: str) -> Rule:
+    """Returns the rule that replaces a text, but not a part of a longer word."""
+    return re.compile(rf"(?<![A-Za-z0-9]){re.escape(text)}(?![A-Za-z0-9])"), instead
+
+
+def list_rules(serials: Iterable[str] = ()) -> list[Rule]:
+    """Returns the private texts to remove, and their replacements.
+
+    Args:
+        serials: serial numbers of cameras.
     """
     names, real, homes = _find_person()
     host = socket.gethostname()
@@ -105,10 +171,7 @@ def list_rules(serials: Iterable[str] = ()) -> list[Rule]:
         *((serial, "SERIAL") for serial in serials if serial),
     ]
     secrets.sort(key=lambda secret: -len(secret[0]))  # a path before the name in it
-    exact = [
-        (re.compile(rf"(?<![A-Za-z0-9]){re.escape(text)}(?![A-Za-z0-9])"), instead)
-        for text, instead in secrets
-    ]
+    exact = [_match_whole(*secret) for secret in secrets]
     return [*exact, (_MAC, "ADDRESS"), (_ADDRESS, "ADDRESS"), (_SERIAL, "SERIAL")]
 
 
@@ -210,7 +273,7 @@ def _find_version(package: str) -> str:
 def _describe_pad(ours: bool, pad: dict[str, Any]) -> dict[str, Any]:
     """Describes a pad.
 
-    Where a stranger's pad is plugged in can be a Bluetooth address, so that is left out.
+    The physical path of a foreign pad can be a Bluetooth address, so it is left out.
     """
     return pad if ours else {**pad, "place": "left out"}
 

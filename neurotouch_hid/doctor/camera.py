@@ -1,4 +1,4 @@
-"""Is a camera there, may we use it, and is it connected well?"""
+"""Checks the camera: whether it is present, usable and well connected."""
 
 from pathlib import Path
 from typing import Final
@@ -27,7 +27,7 @@ def check_presence() -> Finding:
     return approve(f"Plugged in: {', '.join(map(_describe, cameras))}.")
 
 
-def check_right() -> Finding:
+def check_camera_right() -> Finding:
     """Checks whether this user may open the camera, and whether it answers."""
     cameras = find_cameras()
     if not cameras:
@@ -51,16 +51,16 @@ def check_right() -> Finding:
         )
     return fail(
         f"The camera {info.serial} cannot be used: {info.reason}.",
-        "Its maker's tools can tell more. This program does not flash cameras.",
+        "The tools of its maker can say more. This program does not flash cameras.",
     )
 
 
 def _explain_right(info: CameraInfo) -> Finding:
-    sentence = f"The camera {info.serial} is there, but not readable: {info.reason}."
+    sentence = f"The camera {info.serial} is present, but not readable: {info.reason}."
     if SERVICE_RULE.exists():
         return fail(
             f"{sentence} It belongs to the service, which does not run.",
-            "Start it; if it ends again, it says why.",
+            "Start it; if it ends again, its status says why.",
             "sudo systemctl start neurotouch",
             "systemctl status neurotouch",
         )

@@ -14,8 +14,8 @@ def list_checks(picture: Path | None = None, source: str | None = None) -> tuple
     """Returns all checks, in the order from the machine to the person.
 
     Args:
-        picture: where the picture of the gel is saved.
-        source: what to look at instead of the camera.
+        picture: path of the saved picture of the gel.
+        source: source to examine instead of the camera.
     """
 
     @cache
@@ -25,7 +25,7 @@ def list_checks(picture: Path | None = None, source: str | None = None) -> tuple
     return (
         Check("python", _find("machine", "check_python")),
         Check("kernel module", _find("rights", "check_module")),
-        Check("right to make a pad", _find("rights", "check_right")),
+        Check("right to make a pad", _find("rights", "check_pad_right")),
         Check("udev rule", _find("rights", "check_rule")),
         Check("HID pad", _find("hid", "check_hid")),
         Check("service", _find("service", "check_service")),
@@ -36,7 +36,7 @@ def list_checks(picture: Path | None = None, source: str | None = None) -> tuple
         Check("remappers", _find("programs", "check_remappers")),
         Check("sandboxes", _find("programs", "check_sandboxes")),
         Check("camera", _find("camera", "check_presence")),
-        Check("right to the camera", _find("camera", "check_right")),
+        Check("right to the camera", _find("camera", "check_camera_right")),
         Check("USB", _find("camera", "check_connection")),
         Check("events and frames", lambda: view().check_stream(), 60.0),
         Check("markers", lambda: view().check_markers(), 60.0),  # kernels may be compiled
@@ -54,7 +54,7 @@ def list_checks(picture: Path | None = None, source: str | None = None) -> tuple
 
 
 def _find(area: str, name: str) -> Callable[[], Finding]:
-    """Returns a check that imports its subject only when it runs: parts of it may be missing."""
+    """Returns a check that imports its module only when it runs: a package may be missing."""
 
     def look() -> Finding:
         finding: Finding = getattr(_import(area), name)()

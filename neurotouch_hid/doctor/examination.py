@@ -1,4 +1,4 @@
-"""Runs checks one after another, each within its time."""
+"""Runs checks one after another, each with a time limit."""
 
 import threading
 import time
@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
-from neurotouch_hid.doctor.finding import Finding, Status, fail
+from neurotouch_hid.doctor.finding import CheckStatus, Finding, fail
 from neurotouch_hid.errors import NeuroTouchError
 
 PATIENCE_S: Final = 10.0
@@ -18,12 +18,12 @@ _AGAIN: Final = "Install it again: pip install --force-reinstall neurotouch-hid"
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """One thing to look at.
+    """One check.
 
     Attributes:
-        name: what it is called in the report.
-        look: looks, and says what it found.
-        patience_s: how long it may take.
+        name: its name in the report.
+        look: runs the check and returns its finding.
+        patience_s: its time limit.
     """
 
     name: str
@@ -40,9 +40,9 @@ def examine(
     """Runs the checks in order; yields each finding as soon as it is known.
 
     Args:
-        checks: what to look at.
-        patience: factor on all times, for slow machines.
-        tell: is told what a check that takes its time is at, and again every ten seconds.
+        checks: the checks.
+        patience: factor on all time limits, for slow machines.
+        tell: called with a sentence about a slow check, and again every ten seconds.
     """
     for check in checks:
         yield replace(_look(check, check.patience_s * patience, tell), check=check.name)
@@ -56,7 +56,7 @@ def _look(check: Check, patience_s: float, tell: Callable[[str], object]) -> Fin
         try:
             findings.append(check.look())
         except NeuroTouchError as error:
-            findings.append(Finding(Status.FAILED, error.message, error.hint))
+            findings.append(Finding(CheckStatus.FAILED, error.message, error.hint))
         except ImportError as error:
             findings.append(fail(f"A part of the program cannot be loaded: {error}.", _AGAIN))
         except OSError as error:
@@ -77,6 +77,6 @@ def _look(check: Check, patience_s: float, tell: Callable[[str], object]) -> Fin
     if thread.is_alive():
         return fail(
             f"There was no answer within {patience_s:.0f} s.",
-            "Something hangs below this program. Try again; if it stays, report this.",
+            "A driver or a library hangs. Try again; if it happens again, report this.",
         )
     return findings[0] if findings else fail("The check itself failed.", "Report this as a bug.")

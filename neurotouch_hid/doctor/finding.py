@@ -1,11 +1,11 @@
-"""What a check finds: a status, a sentence, and the way out."""
+"""The finding of a check: a status, a sentence, and the fix."""
 
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import Any
 
 
-class Status(StrEnum):
+class CheckStatus(StrEnum):
     """Outcome of one check. Only FAILED makes the doctor's exit code 1."""
 
     OK = "OK"
@@ -19,14 +19,14 @@ class Finding:
     """The result of a check.
 
     Attributes:
-        status: how bad it is.
-        sentence: what was found.
-        fix: what to do, for people.
-        commands: the same for a shell, as an ordinary user types them.
+        status: the severity.
+        sentence: the finding in words.
+        fix: the fix, for people.
+        commands: the fix as shell commands, as an ordinary user types them.
         check: the name of the check; empty until the examination fills it in.
     """
 
-    status: Status
+    status: CheckStatus
     sentence: str
     fix: str | None = None
     commands: tuple[str, ...] = ()
@@ -38,20 +38,20 @@ class Finding:
 
 
 def approve(sentence: str) -> Finding:
-    """Returns the finding that all is well."""
-    return Finding(Status.OK, sentence)
+    """Returns the finding that all is in order."""
+    return Finding(CheckStatus.OK, sentence)
 
 
 def warn(sentence: str, fix: str, *commands: str) -> Finding:
     """Returns the finding that something works, but not as it should."""
-    return Finding(Status.WARNING, sentence, fix, commands)
+    return Finding(CheckStatus.WARNING, sentence, fix, commands)
 
 
 def fail(sentence: str, fix: str, *commands: str) -> Finding:
     """Returns the finding that something does not work."""
-    return Finding(Status.FAILED, sentence, fix, commands)
+    return Finding(CheckStatus.FAILED, sentence, fix, commands)
 
 
 def skip(sentence: str) -> Finding:
     """Returns the finding that something could not be, or need not be, checked."""
-    return Finding(Status.SKIPPED, sentence)
+    return Finding(CheckStatus.SKIPPED, sentence)

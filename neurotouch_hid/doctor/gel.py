@@ -1,4 +1,4 @@
-"""What does the camera see: events, frames, the gel with its markers, at rest?"""
+"""Checks the camera's data: events and frames, the gel with its markers, and its rest."""
 
 import os
 import time
@@ -17,6 +17,7 @@ from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
 from neurotouch_hid.errors import NotRunningError
 from neurotouch_hid.geometry import N_MARKERS, fit_rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, EventPacket, Frame
+from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.recording.wire import receive_packets
 from neurotouch_hid.source import open_source
 from neurotouch_hid.source.davis import find_cameras
@@ -28,19 +29,19 @@ LOOK_S: Final = 5.0
 FRAMES_HZ: Final = 25.0
 _MOST_OFF_HZ: Final = 5.0
 _MOST_EVENTS_HZ: Final = 500_000.0
-"""From a gel at rest. Our proposal: a tenth of what the pipeline can follow."""
+"""Limit for a gel at rest: a tenth of the rate that the pipeline can follow."""
 
 _LEAST_MARKERS: Final = 160
 _LEAST_CONTRAST: Final = 40
 """Grey levels between markers and gel; the detector's own limit for a dark picture is 50."""
 
 _MOST_OFF_CENTRE_PX: Final = 25.0
-"""Beyond it the outermost markers leave the picture: the dome's radius is 75 px of 130."""
+"""Offset at which the outermost markers leave the picture: the dome's radius is 75 px of 130."""
 
 _MOST_DRIFT_MM: Final = 0.3
 
 _SAME_PX: Final = 4.0
-"""A dot so near to where a marker belongs is that marker; markers are 10 px apart."""
+"""A dot this near to the place of a marker is that marker; markers are 10 px apart."""
 
 _Colour = tuple[int, int, int]
 _GREEN: Final[_Colour] = (0, 200, 0)
@@ -50,14 +51,14 @@ _RED: Final[_Colour] = (0, 0, 255)
 
 @dataclass(frozen=True, slots=True)
 class _Seen:
-    """What came in some seconds.
+    """The data of some seconds.
 
     Attributes:
-        source: from where.
-        seconds: of sensor time.
-        events: how many.
-        lost: how many were lost.
-        frames: all of them.
+        source: its source.
+        seconds: sensor time.
+        events: number of events.
+        lost: number of lost events.
+        frames: all frames.
     """
 
     source: str
@@ -69,7 +70,7 @@ class _Seen:
 
 @dataclass(frozen=True, slots=True)
 class _Gel:
-    """What the frames show: the detector's last word, and the markers at rest, first and last."""
+    """Content of the frames: the detector's last result, the first and the last markers at rest."""
 
     n_found: int
     reason: str
@@ -79,11 +80,11 @@ class _Gel:
 
 
 class GelView:
-    """Looks once, for five seconds, and answers three checks from it.
+    """Collects data once, for five seconds, and runs three checks on it.
 
     Args:
-        picture: where the picture with the markers is saved; in the cache without.
-        source: what to look at; without, what the running driver sees, or the first camera.
+        picture: path for the picture with the markers; None: a file in the cache folder.
+        source: the source; None: the running driver's data, or the first camera.
     """
 
     def __init__(self, picture: Path | None = None, source: str | None = None) -> None:
@@ -91,19 +92,18 @@ class GelView:
         self._source = source
 
     def check_stream(self) -> Finding:  # noqa: PLR0911
-        """Checks whether frames and events arrive as they should."""
+        """Checks whether frames and events arrive at the usual rates."""
         seen = self._seen
         if seen is None:
             return skip("Needs a camera that can be opened, or a running driver.")
         if not seen.seconds:
-            return fail(
-                f"Nothing comes from {seen.source}.", "Unplug the camera and plug it in again."
-            )
+            return fail(f"No data from {seen.source}.", "Unplug the camera and plug it in again.")
         frames_hz, events_hz = len(seen.frames) / seen.seconds, seen.events / seen.seconds
         sentence = f"{seen.source}: {frames_hz:.0f} frames/s, {events_hz:,.0f} events/s."
         if not seen.frames:
             return fail(
-                f"{sentence} There is no picture.", "Did another program leave a setting behind?"
+                f"{sentence} There is no picture.",
+                "Another program may have changed a setting: plug the camera in again.",
             )
         if not seen.events:
             return fail(f"{sentence} There are no events.", "Is the lens cap off, the lamp on?")
@@ -113,7 +113,8 @@ class GelView:
             return warn(f"{sentence} {seen.lost:,} events were lost.", "Close other programs.")
         if events_hz > _MOST_EVENTS_HZ:
             return warn(
-                sentence, "That is much for a gel at rest: a flickering lamp, or the biases."
+                sentence,
+                "That is a lot for a gel at rest: the lamp may flicker.",
             )
         return approve(sentence)
 
@@ -168,7 +169,9 @@ class GelView:
             f"{RestConfig().max_chamfer_px2} px²), {drift}"
         )
         if drift_mm > _MOST_DRIFT_MM:
-            return warn(sentence, "Something moves: is the gel mounted firmly, and the camera?")
+            return warn(
+                sentence, "Something moves. Check that the gel and the camera are mounted firmly."
+            )
         return approve(sentence)
 
     @cached_property
@@ -186,7 +189,7 @@ class GelView:
         rests = [field.position_px for field in fields if field is not None]
         stats = detector.stats()
         n_found = stats.n_found
-        if not rests:  # then that is the number of bright dots, of whatever they are
+        if not rests:  # then that is the number of bright dots, markers or not
             dots = BlobFinder().find(self._seen.frames[-1].pixels).centroid_px
             lattice = find_lattice(dots, LatticeConfig())
             n_found = 0 if lattice is None else lattice.n_found
@@ -194,7 +197,7 @@ class GelView:
         return _Gel(n_found, stats.reason, stats.chamfer_px2, first, last)
 
     def _open(self, stack: ExitStack) -> tuple[str, Iterable[EventPacket]] | None:
-        """Returns where the packets come from, and the packets; None without a source."""
+        """Returns the source's name and its packets; None without a source."""
         if self._source is not None:
             return self._source, stack.enter_context(open_source(self._source, speed="max"))
         try:
@@ -207,10 +210,12 @@ class GelView:
             return camera.name, camera
         stack.callback(line.close)
         line.settimeout(2 * LOOK_S)
-        return f"the running driver ({answer['source']})", receive_packets(line)
+        return f"the running driver ({answer.get('source', 'unknown source')})", receive_packets(
+            line
+        )
 
     def _save(self, frame: Frame, gel: _Gel) -> str:
-        """Saves the picture, and says where.
+        """Saves the picture, and returns a sentence with its path.
 
         Markers are boxed green, other bright dots yellow, markers that are missing red.
         """
@@ -229,7 +234,7 @@ class GelView:
         done, encoded = cv2.imencode(".png", picture)
         if not done:
             return "the picture could not be made."
-        self._picture.write_bytes(encoded.tobytes())
+        write_whole(self._picture, encoded.tobytes())
         return f"the picture with boxes is {self._picture}."
 
 
@@ -260,7 +265,7 @@ def _box(picture: NDArray[np.uint8], at_px: NDArray[np.float64], colour: _Colour
 
 
 def find_picture() -> Path:
-    """Returns where the picture of the gel is saved."""
+    """Returns the path of the saved picture of the gel."""
     cache = Path(os.environ.get("XDG_CACHE_HOME", ""))
     if not cache.is_absolute():
         cache = Path("~/.cache").expanduser()

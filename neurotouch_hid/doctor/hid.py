@@ -1,4 +1,4 @@
-"""Where a person asks for a true HID pad: can it be made?"""
+"""Checks whether a HID pad can be made, if a person has chosen one."""
 
 import os
 import shlex
@@ -11,11 +11,11 @@ from typing import Final
 from neurotouch_hid.doctor.finding import Finding, approve, fail, skip
 from neurotouch_hid.doctor.rights import SERVICE_RULE, install_rule
 from neurotouch_hid.driver.service_settings import ServiceSettings, find_service_file
-from neurotouch_hid.profile.reading.load import load_settings
+from neurotouch_hid.profile.reading import load_settings
 
 _NODE: Final = Path("/dev/uhid")
 _LOADED: Final = Path("/sys/class/misc/uhid")
-"""There once the module is loaded or was built in."""
+"""This path exists if the module is loaded or built in."""
 
 _SERVICE_FILE: Final = Path("/etc/neurotouch/service.yaml")
 _EXAMPLE: Final = "/usr/share/doc/neurotouch-hid/examples/hid.conf"
@@ -37,16 +37,16 @@ def check_hid(
     """Checks what a HID pad needs: the kernel module, the right, and the service's own right.
 
     Args:
-        files: where the service's choices may be; by default those of this machine and this person.
+        files: possible settings files; by default those of this machine and this person.
         node: the node that makes HID devices.
-        loaded: is there once its module is.
-        package: is there where the Debian package is installed.
+        loaded: path that exists if its module is loaded.
+        package: path that exists if the Debian package is installed.
     """
     asking = _find_asking(files or (_SERVICE_FILE, find_service_file()))
     usable = os.access(node, os.R_OK | os.W_OK)
     if asking is None:
         if usable:
-            return approve("You may make a true HID pad, too: neurotouch run --device hid")
+            return approve("You can also make a HID pad: neurotouch run --device hid")
         return skip("No HID pad is requested ('device: hid' in service.yaml).")
     asks = f"{asking} requests a HID pad"
     if not node.exists() or not loaded.exists():
@@ -59,12 +59,12 @@ def check_hid(
     if package.exists():
         return _check_service(asks)
     if usable:
-        return approve(f"{asks}, and you may make one.")
+        return approve(f"{asks}, and you have the right to make one.")
     mode = stat.S_IMODE(node.stat().st_mode)
     return fail(
         f"{asks}, but you have no right to write to {node} (its mode is {mode:04o}).",
-        "Allow it for the person at the machine. Mind that every program of theirs can then make "
-        "HID devices of any kind.",
+        "Allow it for the person at the machine. Note that all of that person's programs can then "
+        "make HID devices of any kind.",
         install_rule("70-neurotouch-hid.rules"),
         "sudo udevadm control --reload",
         "sudo udevadm trigger --action=change --name-match=/dev/uhid",
@@ -95,10 +95,10 @@ def _check_service(asks: str) -> Finding:
         timeout=_PATIENCE_S,
     )
     if "/dev/uhid" in done.stdout:
-        return approve(f"{asks}, and the service may make one.")
+        return approve(f"{asks}, and the service has the right to make one.")
     return fail(
         f"{asks}, but the service has no right to /dev/uhid.",
-        "Allow it. Mind that this right is enough to make keyboards and security keys, too.",
+        "Allow it. Note that this right also allows keyboards and security keys.",
         shlex.join(["sudo", "install", "-D", "-m", "644", _EXAMPLE, _DROP_IN]),
         "sudo systemctl daemon-reload",
         "sudo systemctl restart neurotouch",

@@ -1,17 +1,17 @@
-"""What is there: game controllers and running programs, told by Linux without opening anything."""
+"""Lists game controllers and running programs, as Linux shows them, without opening anything."""
 
 import os
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, cast
 
 from neurotouch_hid import client as driver
 from neurotouch_hid.errors import DriverError
 
 OURS: Final = "neurotouch/"
-"""Our devices claim to be plugged in at a place that begins so."""
+"""The physical path of our own devices starts with this."""
 
 _INPUT: Final = Path("/sys/class/input")
 _NODES: Final = Path("/dev/input")
@@ -21,7 +21,7 @@ _BTN_JOYSTICK: Final = 0x120
 _BTN_DIGI: Final = 0x140
 _WORD_BITS: Final = 64
 _INTERPRETERS: Final = ("python", "perl", "ruby", "node", "sh", "bash")
-"""The program that they run is their first argument."""
+"""Interpreters: their first argument is the program that they run."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,12 +30,12 @@ class Pad:
 
     Attributes:
         node: its event node.
-        name: what it calls itself.
+        name: its name.
         ids: bus, vendor, product and version.
-        place: where it says it is plugged in.
+        place: its physical path, as the device states it.
         virtual: a program has made it.
-        ours: this program has.
-        readable: we may read it.
+        ours: this program has made it.
+        readable: this user may read it.
     """
 
     node: str
@@ -97,7 +97,7 @@ _IDS: Final = ("bustype", "vendor", "product", "version")
 
 
 def _clean(file: Path) -> str:
-    """Returns a device's own words, made safe for a terminal."""
+    """Returns the text of a device, made safe for a terminal."""
     text = file.read_text(errors="replace").strip()
     return "".join(char for char in text if char.isprintable())
 
@@ -126,6 +126,6 @@ def _list_names(folder: Path) -> Iterator[str]:
 def find_driver() -> dict[str, Any] | None:
     """Returns the running driver's status; None if none runs or it does not answer."""
     try:
-        return driver.ask("status")
+        return cast("dict[str, Any]", driver.ask_status())
     except DriverError:
         return None

@@ -1,4 +1,4 @@
-"""Is the program whole, and is the machine fast enough for it?"""
+"""Checks whether the program is complete, and whether the machine is fast enough."""
 
 import importlib.metadata
 import os
@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 
 _DISTRIBUTION: Final = "neurotouch-hid"
 _LEAST_SPEED: Final = 2.0
-"""Times real time: below it a busy moment makes the pad late."""
+"""Speed in multiples of real time: below it, a busy moment makes the pad late."""
 
 _SLICE_US: Final = 10_000
 _PERIOD_S: Final = _SLICE_US / 1e6
 _TICKS: Final = 200
 _LATE_S: Final = 0.005
-"""Half a slice: later than this the pad is a slice behind."""
+"""Half a slice: with a longer delay the pad is a slice behind."""
 
 _GOVERNOR: Final = Path("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")
 _RTKIT: Final = Path("/usr/share/dbus-1/system-services/org.freedesktop.RealtimeKit1.service")
@@ -90,10 +90,11 @@ def check_pipeline() -> Finding:
     )
     if speed < _LEAST_SPEED:
         return warn(
-            sentence, "Close other programs, use a faster machine, or --method paper, the lighter."
+            sentence,
+            "Close other programs, use a faster machine, or the lighter method: --method paper",
         )
     if cores < 2:
-        return warn(sentence, "With one processor the game takes time from the gel. Give it two.")
+        return warn(sentence, "With one processor the game slows the gel down. Use two.")
     return approve(sentence)
 
 
@@ -107,7 +108,7 @@ def check_timer() -> Finding:
         late_s.append(time.monotonic() - due)
     p99_s = sorted(late_s)[int(0.99 * _TICKS)]
     governor = _GOVERNOR.read_text().strip() if _GOVERNOR.exists() else "unknown"
-    kit = "there" if _RTKIT.exists() else "not there (and not needed)"
+    kit = "there" if _RTKIT.exists() else "not available (and not needed)"
     sentence = (
         f"Of {_TICKS} slices of 10 ms, 99 % come at most {p99_s * 1e3:.1f} ms late; governor "
         f"{governor}, real-time kit {kit}."

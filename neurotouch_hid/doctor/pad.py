@@ -1,4 +1,4 @@
-"""Does a virtual gamepad work, from the kernel to what games make of it?"""
+"""Checks that a virtual gamepad works, from the kernel to the libraries of games."""
 
 import os
 import select
@@ -15,7 +15,7 @@ from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import Button, GamepadState
 
 _PLAYER: Final = 97
-"""A place of its own, so that nobody's pad is taken for the one that is tried."""
+"""A player number of its own, so that no other pad is mistaken for the test pad."""
 
 _APPEAR_S: Final = 3.0
 """udev needs some milliseconds to give the rights, more on a busy machine."""
@@ -81,7 +81,9 @@ def check_recognition() -> Finding:  # noqa: PLR0911
             return skip("Needs the event node of the pad.")
         said = _ask_udev(made.node)
     if not said:
-        return skip("No udev runs here; games then look at the pad's buttons, which are right.")
+        return skip(
+            "No udev runs here; games then judge the pad by its buttons, which are correct."
+        )
     if said.get("ID_INPUT_JOYSTICK") != "1":
         return fail(
             "udev does not take our pad for a game controller (ID_INPUT_JOYSTICK is missing).",
@@ -90,7 +92,7 @@ def check_recognition() -> Finding:  # noqa: PLR0911
     if (made.usb_id, made.ids[3]) not in _KNOWN:
         return warn(
             f"udev says game controller, but SDL has no mapping of its own for {made.usb_id}.",
-            "Use the usual identity, xbox360.",
+            "Use the default identity, xbox360.",
         )
     return approve(f"udev says game controller, and SDL knows {made.usb_id} ({made.name}).")
 

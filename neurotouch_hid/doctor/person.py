@@ -1,4 +1,4 @@
-"""What belongs to the person: profiles, calibration, the keys that stop everything, sound."""
+"""Checks the person's own settings: profiles, calibration, the keys that stop everything, sound."""
 
 import datetime
 import os
@@ -12,10 +12,11 @@ from typing import Final
 from neurotouch_hid.device import ChordReader, explain_keyboards, find_keyboards
 from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
 from neurotouch_hid.driver.settings import load_driver_settings
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
 from neurotouch_hid.monitor.sound_programs import SOUND_PROGRAMS
 from neurotouch_hid.players import find_user_file
 from neurotouch_hid.profile import list_profiles, load_profile, load_user
-from neurotouch_hid.profile.reading.library import find_user_folder
+from neurotouch_hid.profile.reading import find_user_folder
 
 _CALIBRATED: Final = re.compile(r"^# Calibrated (\d{4}-\d{2}-\d{2})\.", re.MULTILINE)
 _OLD_DAYS: Final = 180
@@ -32,7 +33,7 @@ def check_profiles() -> Finding:
         if favourite not in names:
             return fail(
                 f"Your favourite profile '{favourite}' does not exist.",
-                "Choose others: neurotouch profile use NAME, or 'slots' in user.yaml.",
+                "Choose another: neurotouch profile use NAME. All names: neurotouch profile list",
             )
     folder = find_user_folder()
     nearest = next(each for each in (folder, *folder.parents) if each.exists())
@@ -40,21 +41,21 @@ def check_profiles() -> Finding:
         return warn(
             f"{len(names)} profiles are in order, but {nearest} cannot be written, so none can be "
             "changed and no version kept.",
-            f"Become its owner again, with everything in it: chown -R $(id -un) {nearest}",
+            f"Make yourself its owner again: chown -R $(id -un) {nearest}",
         )
     return approve(f"{len(names)} profiles are in order; '{user.slots[0]}' plays first.")
 
 
 def check_calibration(file: Path | None = None) -> Finding:
-    """Has the person been measured, and how long ago?"""
+    """Checks whether the person is calibrated, and how long ago."""
     file = file or find_user_file()
     ranges = load_user().range
     measured = [name for name in type(ranges).model_fields if getattr(ranges, name) is not None]
     if not measured:
         return skip(
-            "Not calibrated: the reference hand is assumed. Whenever you like: neurotouch calibrate"
+            "Not calibrated: the reference hand is assumed. To calibrate: neurotouch calibrate"
         )
-    found = _CALIBRATED.search(file.read_text(encoding="utf-8", errors="replace"))
+    found = _CALIBRATED.search(read_text(file, MAX_SETTINGS_BYTES))
     sentence = f"{len(measured)} of 8 movements are calibrated"
     if found is None:
         return approve(f"{sentence}, by hand.")
@@ -63,7 +64,7 @@ def check_calibration(file: Path | None = None) -> Finding:
     ).days
     sentence = f"{sentence}, {age} days ago."
     if age > _OLD_DAYS:
-        return warn(sentence, "Hands change. Measure again when it suits: neurotouch calibrate")
+        return warn(sentence, "Hands change. To measure again: neurotouch calibrate")
     return approve(sentence)
 
 
@@ -82,12 +83,12 @@ def check_keyboard() -> Finding:
 def try_chords(
     say: Callable[[str], object], wait: Callable[[Callable[[], bool]], bool], **places: Path
 ) -> Finding:
-    """Has the person press each chord, without any hurry.
+    """Asks the person to press each chord, without a time limit.
 
     Args:
-        say: tells the person what to press.
-        wait: waits until the function it is given is true (then true) or the person skips.
-        places: where keyboards are found, for tests.
+        say: shows the person a sentence.
+        wait: waits until its argument returns True (returns True), or the person skips.
+        places: folders in which keyboards are searched, for tests.
     """
     heard: set[str] = set()
     chords = load_driver_settings().keys_of
@@ -96,25 +97,25 @@ def try_chords(
         missed = []
         for name, keys in chords.items():
             words = " + ".join(key.removeprefix("KEY_").capitalize() for key in keys)
-            say(f"Hold {words} together ({name}). No hurry; S and Enter skips.")
+            say(f"Hold {words} together ({name}). There is no time limit; S and Enter skips.")
             if not wait(partial(heard.__contains__, name)):
                 missed.append(name)
             else:
-                say(f"Heard: {name}.")
+                say(f"Received: {name}.")
     finally:
         reader.close()
     if not missed:
-        return approve(f"Heard: {' and '.join(chords)}.")
+        return approve(f"Received: {' and '.join(chords)}.")
     if len(missed) == len(chords):
         return skip("You skipped the keys.")
-    return warn(f"Not heard: {', '.join(missed)}.", "See the check 'keyboard'.")
+    return warn(f"Not received: {', '.join(missed)}.", "See the check 'keyboard'.")
 
 
 def check_sound() -> Finding:
     """Checks whether the sounds the person asked for can be played."""
     sound = load_user().feedback.sound
     if sound == "none":
-        return skip("Sound is off; 'feedback: {sound: tones}' in user.yaml switches it on.")
+        return skip("Sound is off. Switch it on: neurotouch profile set user feedback.sound tones")
     programs = [command[0] for command in SOUND_PROGRAMS[sound]]
     found = next(filter(shutil.which, programs), None)
     if found is None:

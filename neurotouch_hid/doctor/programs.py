@@ -1,4 +1,4 @@
-"""Finds other programs between our pad and the games."""
+"""Checks for other programs that come between our pad and the games."""
 
 import configparser
 import os
@@ -49,7 +49,7 @@ _KDE_KEYS: Final = {"SlowKeys": "slow keys", "BounceKeys": "bounce keys"}
 
 
 def check_steam() -> Finding:
-    """Does Steam run, whose own pad may double ours?"""
+    """Checks whether Steam runs, whose own pad may double ours."""
     if not find_processes(_STEAM):
         return approve("Steam does not run.")
     return warn(
@@ -63,12 +63,12 @@ def check_remappers() -> Finding:
     """Checks whether other programs take input devices for themselves."""
     found = find_processes(set(_REMAPPERS))
     if not found:
-        return approve("No other remapper that we know runs.")
+        return approve("No other known remapper runs.")
     names = ", ".join(f"{_REMAPPERS[each.name]} (PID {each.pid})" for each in found)
     return warn(
-        f"Other remappers run: {names}. They may take our pad, or the keyboard with the keys "
+        f"Other remappers run: {names}. They may grab our pad, or the keyboard with the keys "
         "that stop us, for themselves.",
-        "If buttons do not arrive, have them leave out devices whose place begins with "
+        "If buttons do not arrive, exclude devices whose physical path begins with "
         "'neurotouch/', or end them.",
     )
 
@@ -108,7 +108,7 @@ def _find_shut_flatpaks(folders: tuple[Path, ...], home: Path) -> Iterator[str]:
 
 
 def _read_devices(file: Path) -> list[str]:
-    """Returns the devices that a Flatpak file gives."""
+    """Returns the devices that a Flatpak file grants."""
     said = configparser.ConfigParser(strict=False, interpolation=None)
     with suppress(OSError, configparser.Error):
         said.read_string(file.read_text(errors="replace"))
@@ -117,7 +117,7 @@ def _read_devices(file: Path) -> list[str]:
 
 
 def check_desktop() -> Finding:
-    """Does the desktop itself filter keys, which would filter ours twice?"""
+    """Checks whether the desktop filters keys, which would filter ours twice."""
     on = [*_ask_gnome(), *_ask_kde(Path("~/.config/kaccessrc").expanduser())]
     if not on:
         if not os.environ.get("XDG_CURRENT_DESKTOP"):

@@ -1,4 +1,4 @@
-"""May this person make a virtual gamepad?"""
+"""Checks whether this person has the right to make a virtual gamepad."""
 
 import os
 import shlex
@@ -13,15 +13,15 @@ from neurotouch_hid.resources import find_resources
 
 _NODE: Final = Path("/dev/uinput")
 _LOADED: Final = Path("/sys/class/misc/uinput")
-"""There once the module is loaded or was built in."""
+"""This path exists if the module is loaded or built in."""
 
 FOLDERS: Final = tuple(
     Path(folder) / "udev/rules.d" for folder in ("/etc", "/run", "/usr/local/lib", "/usr/lib")
 )
-"""Where udev reads rules; a file in an earlier one hides the same name in a later."""
+"""Folders of udev's rules; a file hides one of the same name in a later folder."""
 
 _LATEST: Final = "73-seat-late.rules"
-"""Applies the tag uaccess, so a rule that gives it must sort before."""
+"""The file that applies the tag uaccess, so a rule that sets the tag must sort before it."""
 
 SERVICE_RULE: Final = Path("/usr/lib/udev/rules.d/70-neurotouch-service.rules")
 """Part of the Debian package, whose service makes the pad."""
@@ -58,7 +58,7 @@ def check_module() -> Finding:
         )
     return warn(
         "/dev/uinput exists, but the kernel module uinput behind it is not loaded.",
-        "Opening it loads it on most systems; newer ones want it at every start.",
+        "On most systems, opening it loads the module; newer ones must load it at every start.",
         *_LOAD,
     )
 
@@ -75,7 +75,7 @@ def needs_no_right() -> str:
     return ""
 
 
-def check_right() -> Finding:
+def check_pad_right() -> Finding:
     """Checks whether this user may write to it."""
     if reason := needs_no_right():
         return approve(reason)
@@ -91,7 +91,7 @@ def check_right() -> Finding:
 
 
 def check_rule(folders: tuple[Path, ...] = FOLDERS) -> Finding:
-    """Does a rule give it to the person at the machine, and in time?"""
+    """Checks that a rule gives it to the person at the machine, and early enough."""
     found = list(_find_rules(folders))
     if not found:
         if reason := needs_no_right():
@@ -106,7 +106,7 @@ def check_rule(folders: tuple[Path, ...] = FOLDERS) -> Finding:
     if not in_time:
         path = found[0][0]
         return warn(
-            f"{path} comes too late: its name must sort before {_LATEST}.",
+            f"{path} applies too late: its name must sort before {_LATEST}.",
             "Give it a number below 73, or install ours beside it.",
             install_rule("70-neurotouch-uinput.rules"),
             *_LOOK_AGAIN,
@@ -124,7 +124,7 @@ def check_rule(folders: tuple[Path, ...] = FOLDERS) -> Finding:
 
 
 def _find_rules(folders: tuple[Path, ...]) -> Iterator[tuple[Path, str]]:
-    """Gives the rules that tag uinput with uaccess, with their files, hidden ones left out."""
+    """Yields the rules that tag uinput with uaccess, with their files; omits hidden files."""
     files: dict[str, Path] = {}
     for folder in reversed(folders):
         files |= {path.name: path for path in folder.glob("*.rules")}
@@ -141,9 +141,9 @@ def _find_rules(folders: tuple[Path, ...]) -> Iterator[tuple[Path, str]]:
 
 
 def check_seat() -> Finding:
-    """Does this person sit at the machine, in the sense of logind?"""
+    """Checks whether this person's session has a seat at the machine, as logind defines it."""
     if os.geteuid() == 0:
-        return skip("You are root, who needs no seat.")
+        return skip("You are root and need no seat.")
     if os.environ.get("XDG_SEAT"):
         return approve(f"You sit at {os.environ['XDG_SEAT']}.")
     if reason := needs_no_right():

@@ -1,4 +1,4 @@
-"""How does the system's service fare, where it is installed?"""
+"""Checks the system's service, if it is installed."""
 
 import shutil
 import subprocess
@@ -18,7 +18,7 @@ def check_service() -> Finding:
     if said["LoadState"] == "masked":
         return warn(
             "The service is masked: plugging in a camera starts nothing.",
-            "If that was not meant, unmask it.",
+            "If you did not intend that, unmask it.",
             f"sudo systemctl unmask {_UNIT}",
         )
     state = said.get("ActiveState", "unknown")

@@ -1,4 +1,4 @@
-"""The page and the terminal."""
+"""Checks the page and the terminal."""
 
 import os
 import shutil
@@ -16,7 +16,7 @@ def check_page() -> Finding:
     file = find_address_file()
     if file.exists() and stat.S_IMODE(file.stat().st_mode) & 0o077:
         return fail(
-            f"Others can read {file}, which has the secret of the live view.",
+            f"Other users can read {file}, which contains the secret of the live view.",
             "Make it readable for yourself only, and start 'neurotouch view' again.",
             f"chmod 600 {file}",
         )
@@ -30,7 +30,7 @@ def check_page() -> Finding:
         except OSError as error:
             return warn(
                 f"Port {PORT} for the live view is not free: {error.strerror}.",
-                "'neurotouch view' takes another by itself; or choose one with --port.",
+                "'neurotouch view' uses another one automatically; or choose one with --port.",
             )
     return approve(f"Port {PORT} for the live view is free.")
 

@@ -1,6 +1,7 @@
-"""Who may command a driver and watch it: its owner, root, and for a service the person at the seat.
+"""Access rules: the users who may command and watch a driver.
 
-A seat is a screen with its keyboard and mouse; logind knows who uses it now.
+These are its owner, root, and for a service the person at the seat. A seat is a screen with its
+keyboard and mouse; logind knows who uses it now.
 """
 
 import ctypes
@@ -12,7 +13,7 @@ Guests = Callable[[], Collection[int]]
 """Looks up the users, by uid, who may command beside the owner and root."""
 
 _LIBRARY: Final = "libsystemd.so.0"
-"""sd-login(3). Reads what logind wrote under /run/systemd; no message is sent, nobody is asked."""
+"""sd-login(3). Reads files of logind under /run/systemd; no message is sent."""
 
 
 def is_admitted(uid: int, find_guests: Guests) -> bool:
@@ -25,7 +26,7 @@ def find_seated_users() -> tuple[int, ...]:
 
     Empty where there is no logind.
 
-    They are the ones whom udev lets read the pad, and the camera of a program of their own.
+    udev lets the same users read the pad, and open the camera with a program of their own.
     """
     try:
         library = ctypes.CDLL(_LIBRARY, use_errno=True)

@@ -1,4 +1,4 @@
-"""Hands what the running driver sees to others on this machine who ask for it, as to a recorder."""
+"""Sends the packets of the running driver to other programs that ask for them, as to a recorder."""
 
 import socket
 import threading
@@ -14,7 +14,7 @@ from neurotouch_hid.recording.wire import send_packet
 
 MAX_SUBSCRIBERS: Final = 4
 QUEUE_BYTES: Final = 16 << 20
-"""What may wait for one subscriber: 0.2 s at 5 million events/s. Beyond it the oldest is lost."""
+"""Bytes that may wait for one subscriber: 0.2 s at 5 million events/s. Then the oldest is lost."""
 
 PATIENCE_S: Final = 10.0
 """A subscriber that takes nothing for so long is given up."""
@@ -36,27 +36,27 @@ class Broadcast:
         for subscriber in self._subscribers:
             subscriber.offer(step.packet)
 
-    def serve(self, line: socket.socket) -> None:
+    def serve(self, connection: socket.socket) -> None:
         """Sends packets until the other end leaves or this is closed; in a thread of its own."""
-        line.settimeout(PATIENCE_S)
+        connection.settimeout(PATIENCE_S)
         with self._subscribe() as subscriber:
             try:
                 while (packet := subscriber.take()) is not None:
-                    send_packet(line, packet)
+                    send_packet(connection, packet)
             except OSError:
-                return  # it has heard enough
+                return  # the other end has left
 
     def require_place(self) -> None:
-        """Checks that one more may listen.
+        """Checks that one more may subscribe.
 
         Raises:
-            DriverError: enough do.
+            DriverError: there are enough subscribers.
         """
         if len(self._subscribers) >= MAX_SUBSCRIBERS:
             raise DriverError(f"Too many programs record or watch already: {MAX_SUBSCRIBERS}.")
 
     def close(self) -> None:
-        """Lets all subscribers have what still waits for them, then the end."""
+        """Sends all subscribers what still waits for them, then the end."""
         for subscriber in self._subscribers:
             subscriber.end()
 

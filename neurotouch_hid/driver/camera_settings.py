@@ -1,4 +1,4 @@
-"""How a person's camera is set up: the file ``camera.yaml`` beside the person's own values."""
+"""The settings of a person's camera: the file ``camera.yaml`` beside the person's own values."""
 
 from pathlib import Path
 from typing import Annotated, Any, Final
@@ -7,9 +7,8 @@ from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
 from neurotouch_hid.players import find_user_file
-from neurotouch_hid.profile.reading.load import load_settings
-from neurotouch_hid.profile.schema.profile import check_version
-from neurotouch_hid.profile.schema.strict import Strict, give_unit
+from neurotouch_hid.profile.reading import load_settings
+from neurotouch_hid.profile.schema import Strict, check_version, give_unit
 from neurotouch_hid.source.davis.config import Biases, DavisConfig
 from neurotouch_hid.source.davis.registers import CoarseFine
 

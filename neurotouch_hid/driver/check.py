@@ -12,7 +12,7 @@ def check_start(options: DriverOptions) -> None:
     """Checks what can be known without opening anything: other drivers, names, values.
 
     Args:
-        options: what the driver is asked to do; its source has been checked.
+        options: of the driver; its source has been checked.
 
     Raises:
         AlreadyRunningError: another driver of this player runs.

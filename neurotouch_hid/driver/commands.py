@@ -1,4 +1,4 @@
-"""What the questions on the control socket mean to a running driver."""
+"""Answers the questions on the control socket of a running driver."""
 
 import re
 from collections.abc import Callable, Mapping
@@ -8,15 +8,15 @@ from typing import Any, Final, cast
 
 from neurotouch_hid.client import LOADING_S, REQUEST_S, Answer
 from neurotouch_hid.driver.broadcast import Broadcast
-from neurotouch_hid.driver.control_socket import STREAM
-from neurotouch_hid.driver.people import People
-from neurotouch_hid.driver.reload import ProfileWatch
+from neurotouch_hid.driver.profile_watch import ProfileWatch
+from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.errors import DriverError, NeuroTouchError
-from neurotouch_hid.profile.faults import make_printable
-from neurotouch_hid.profile.mapping import State
+from neurotouch_hid.printable import make_printable
 from neurotouch_hid.runtime.command_queue import CommandName
-from neurotouch_hid.runtime.session import Session
-from neurotouch_hid.vocabulary import NAME_PATTERN
+from neurotouch_hid.runtime.pipeline_control import PipelineControl
+from neurotouch_hid.snapshot import PadFacts
+from neurotouch_hid.source import Source
+from neurotouch_hid.vocabulary import NAME_PATTERN, PipelineState
 
 COMMANDS: Final = (
     "pause",
@@ -35,65 +35,84 @@ SAID: Final = {
     "resume": "Resumed: the next gesture counts.",
     "panic": "Stopped: everything is released until: neurotouch resume",
 }
-"""What the person is told of an order that has taken effect."""
+"""The sentences about a command that has taken effect."""
 
 _ALREADY: Final = {
     "pause": "Already paused. Go on with: neurotouch resume",
     "resume": "Already running.",
     "panic": "Already stopped by panic. Go on with: neurotouch resume",
 }
-"""What the person is told of an order that changes nothing."""
+"""The sentences about a command that changes nothing."""
 
-_BEGINS: Final[Mapping[State, str]] = {"paused": "pause", "running": "resume", "panic": "panic"}
-"""The order that each state of the pipeline comes from: a pause during a panic leaves the panic."""
+_BEGINS: Final[Mapping[PipelineState, str]] = {
+    "paused": "pause",
+    "running": "resume",
+    "panic": "panic",
+}
+"""The command that leads to each state of the pipeline: a pause during a panic leaves the panic."""
 
 _WAIT_S: Final = 0.8 * REQUEST_S
+
+
+class Described(PadFacts):
+    """A sentence about each thing that surrounds the pipeline, and how a game shakes the pad.
+
+    Attributes:
+        source: the source, and why nothing comes from it.
+        device: the virtual gamepad.
+        keyboard: the keyboards that can stop the driver.
+        desktop: the window that has chosen the profile.
+        sound: the way in which the driver is heard.
+        settings: the owner of the settings that apply.
+    """
+
+    source: str
+    device: str
+    keyboard: str
+    desktop: str
+    sound: str
+    settings: str
 
 
 class Commands:
     """Answers the questions within ``REQUEST_S``, or ``LOADING_S`` where a profile is to be loaded.
 
     Args:
-        session: the running driver.
-        profiles: what loads its profiles.
-        facts: what else ``status`` tells, asked again each time.
-        broadcast: hands out what the pipeline sees.
-        end: ends the driver; a service has none, because systemd ends it.
-        people: keeps the settings that people hand over to a service; the driver of one person
-            reads that person's files instead.
-        is_simulated: no sensor has seen what the pipeline sees.
+        control: takes the commands for the pipeline.
+        profiles: loads its profiles.
+        broadcast: hands out the packets that the pipeline gets.
+        source: gives these packets.
+        surroundings: the people, files and callbacks around the pipeline.
+        describe: describes what surrounds the pipeline; called for each ``status``.
     """
 
     def __init__(
         self,
-        session: Session,
+        control: PipelineControl,
         profiles: ProfileWatch,
-        facts: Mapping[str, Callable[[], str]],
-        broadcast: Broadcast | None = None,
-        end: Callable[[], object] | None = None,
-        people: People | None = None,
-        *,
-        is_simulated: bool = False,
+        broadcast: Broadcast,
+        source: Source,
+        surroundings: Surroundings,
+        describe: Callable[[], Described],
     ) -> None:
-        self._session = session
+        self._control = control
         self._profiles = profiles
-        self._facts = facts
         self._broadcast = broadcast
-        self._end = end
-        self._people = people
-        self._is_simulated = is_simulated
+        self._source = source
+        self._end, self._people = surroundings.end, surroundings.people
+        self._describe = describe
 
     def answer(self, question: dict[str, Any], uid: int) -> Answer:
         """Returns the answer to a question of a user from the socket."""
         try:
-            return {"ok": True, **self._obey(question, uid)}
+            return {"ok": True, **self._apply(question, uid)}
         except NeuroTouchError as error:
             return {"ok": False, "error": error.message, "hint": error.hint}
 
-    def _obey(self, question: dict[str, Any], uid: int) -> dict[str, Any]:
+    def _apply(self, question: dict[str, Any], uid: int) -> dict[str, Any]:
         match question["command"]:
-            case "pause" | "resume" | "panic" as order:
-                return self._submit(cast(CommandName, order))
+            case "pause" | "resume" | "panic" as command:
+                return self._submit(cast(CommandName, command))
             case "stop":
                 return self._stop()
             case "reload" | "settings":
@@ -101,15 +120,13 @@ class Commands:
             case "use":
                 return self._use(question.get("profile"))
             case "status":
-                facts = {name: tell() for name, tell in self._facts.items()}
-                return {"version": 1, **self._session.status(), **facts}
-            case "record" if self._broadcast is not None:
+                return {"version": 1, **self._control.status(), **self._describe()}
+            case "record":
                 self._broadcast.require_place()
                 return {
-                    "source": self._facts["source"]() if "source" in self._facts else "",
-                    "simulated": self._is_simulated,
+                    "source": self._source.name,
+                    "simulated": self._source.is_simulated,
                     "text": "Packets follow.",
-                    STREAM: self._broadcast.serve,
                 }
             case unknown:
                 raise DriverError(
@@ -117,15 +134,15 @@ class Commands:
                     hint=f"Commands: {', '.join(COMMANDS)}.",
                 )
 
-    def _submit(self, order: CommandName) -> dict[str, Any]:
-        before = self._session.mapping.state
-        done = self._session.submit(order).done
+    def _submit(self, command: CommandName) -> dict[str, Any]:
+        before = self._control.mapping.state
+        done = self._control.submit(command).done
         if _is_done(done, _WAIT_S):
             after = done.result()
             said = _ALREADY if after == before else SAID
             return {"done": True, "text": said[_BEGINS[after]]}
         text = (
-            f"No data from the source. The pad is released; '{order}' takes effect when "
+            f"No data from the source. The pad is released; '{command}' takes effect when "
             "data resumes."
         )
         return {"done": False, "text": text}

@@ -1,4 +1,4 @@
-"""The control socket: other processes tell the running driver what to do, if they may."""
+"""The control socket: other processes send commands to the running driver, if they may."""
 
 import errno
 import fcntl
@@ -8,7 +8,7 @@ import socket
 import stat
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
@@ -17,19 +17,24 @@ from neurotouch_hid.client import LIMIT_BYTES, REQUEST_S, Answer, is_served
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.driver.admission import Guests, is_admitted
 from neurotouch_hid.errors import AlreadyRunningError, DriverError
-from neurotouch_hid.ipc import find_peer, listen_at
+from neurotouch_hid.ipc import find_peer, listen_at, read_object
 from neurotouch_hid.players import find_socket
 
 MAX_CLIENTS: Final = 8
 
-_BACKLOG: Final = 64
+_BACKLOG: Final = 1024
+"""Clients in the kernel's queue: a crowd of strangers must not fill it."""
+
+_REFUSED_S: Final = 0.2
+"""For so long a refused user is refused unread: asking logind each time would hold up the queue."""
 
 Answerer = Callable[[dict[str, Any], int], Answer]
-"""Answers a question of a user in the time that ``driver`` promises; may be called from several
-threads at once. What goes on after the answer is a function under ``STREAM``, which gets the socket
-and may take its time."""
+"""Answers a question of a user in the time that ``client`` promises; may be called from several
+threads at once."""
 
-STREAM: Final = "stream"
+Streams = Mapping[str, Callable[[socket.socket], object]]
+"""Functions that go on sending after the answer, by command; each gets the socket and may take its
+time. After a refusal none is called."""
 
 
 class ControlSocket(Closing):
@@ -56,6 +61,7 @@ class ControlSocket(Closing):
         self.has_guests = find_guests is not None
         self._find_guests = find_guests or frozenset
         self._places = threading.BoundedSemaphore(MAX_CLIENTS)
+        self._refused: dict[int, float] = {}
         self._closed = False
         try:
             _prepare_folder(folder, open_to_all=find_guests is not None)
@@ -79,11 +85,10 @@ class ControlSocket(Closing):
         """Returns True if a user may ask, see ``is_admitted``."""
         return is_admitted(uid, self._find_guests)
 
-    def serve(self, answer: Answerer) -> None:
+    def serve(self, answer: Answerer, streams: Streams | None = None) -> None:
         """Starts to answer questions, each in a thread of its own."""
-        threading.Thread(
-            target=self._accept, args=(answer,), name="control socket", daemon=True
-        ).start()
+        self._answer, self._streams = answer, streams or {}
+        threading.Thread(target=self._accept, name="control socket", daemon=True).start()
 
     def close(self) -> None:
         """Takes the socket away. Harmless when repeated."""
@@ -96,7 +101,7 @@ class ControlSocket(Closing):
         self._listener.close()
         os.close(self._lock)
 
-    def _accept(self, answer: Answerer) -> None:
+    def _accept(self) -> None:
         while not self._closed:
             try:
                 client, _ = self._listener.accept()
@@ -106,36 +111,51 @@ class ControlSocket(Closing):
                 time.sleep(0.1)  # too many files are open: the next one may find a place
                 continue
             uid = find_peer(client)
-            if not self.admits(uid):
+            if not self._admits_quickly(uid):
                 _refuse(client, _fail("This driver belongs to another user."))
-            elif not self._begin(client, uid, answer):
+            elif not self._begin(client, uid):
                 _refuse(client, _fail("The driver is busy with other questions.", busy=True))
 
-    def _begin(self, client: socket.socket, uid: int, answer: Answerer) -> bool:
+    def _admits_quickly(self, uid: int) -> bool:
+        """Returns the same as ``admits``, where a refusal stands for a moment."""
+        now_s = time.monotonic()
+        if now_s < self._refused.get(uid, 0.0):
+            return False
+        if self.admits(uid):
+            return True
+        self._refused[uid] = now_s + _REFUSED_S
+        return False
+
+    def _begin(self, client: socket.socket, uid: int) -> bool:
         """Talks to a client in a thread; False if there is no place for it, or no thread."""
         if not self._places.acquire(blocking=False):
             return False
         try:
             threading.Thread(
-                target=self._talk, args=(client, uid, answer), name="control client", daemon=True
+                target=self._talk, args=(client, uid), name="control client", daemon=True
             ).start()
         except RuntimeError:  # this machine gives no more of them just now
             self._places.release()
             return False
         return True
 
-    def _talk(self, client: socket.socket, uid: int, answer: Answerer) -> None:
+    def _talk(self, client: socket.socket, uid: int) -> None:
         try:
             with client:
-                said = _read_question(client)
-                reply = answer(said, uid) if isinstance(said, dict) else _fail(said)
-                stream = reply.pop(STREAM, None)
+                question = _read_question(client)
+                stream = None
+                if isinstance(question, str):
+                    answer = _fail(question)
+                else:
+                    answer = self._answer(question, uid)
+                    if answer.get("ok"):
+                        stream = self._streams.get(question["command"])
                 client.settimeout(REQUEST_S)
-                client.sendall(_encode(reply))
+                client.sendall(_encode(answer))
                 if stream is not None:
                     stream(client)
         except OSError:
-            pass  # the client is gone; what it asked for has been done
+            pass  # the client is gone; its command has been carried out
         finally:
             self._places.release()
 
@@ -211,7 +231,7 @@ def _take_lock(path: Path) -> int:
 
 
 def _read_question(client: socket.socket) -> dict[str, Any] | str:
-    """Returns what is asked, or what is wrong with it."""
+    """Returns the question, or a sentence about its fault."""
     deadline = time.monotonic() + REQUEST_S
     text = b""
     while b"\n" not in text:
@@ -228,12 +248,9 @@ def _read_question(client: socket.socket) -> dict[str, Any] | str:
         text += piece
         if len(text) > LIMIT_BYTES:
             return f"The question is longer than {LIMIT_BYTES // 1024} kB."
-    try:
-        question = json.loads(text.split(b"\n", 1)[0])
-    except (ValueError, RecursionError):
-        return "The question is not a line of JSON."
-    if not isinstance(question, dict) or not isinstance(question.get("command"), str):
-        return "The question is no JSON object with a 'command'."
+    question = read_object(text.split(b"\n", 1)[0])
+    if question is None or not isinstance(question.get("command"), str):
+        return "The question is no line with a JSON object that has a 'command'."
     return question
 
 

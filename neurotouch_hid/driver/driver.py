@@ -1,49 +1,36 @@
 """The running driver: one object that opens source, pipeline and pad and keeps them together."""
 
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, contextmanager
-from itertools import islice
-from threading import Event, Timer
-from typing import Any, Final, Self
+from contextlib import ExitStack
+from functools import partial
+from threading import Event
+from typing import Self
 
-from neurotouch_hid.client import ask_status, is_service_running
+from neurotouch_hid.client import ask_status
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.device import Device, check_device, open_device
 from neurotouch_hid.driver.admission import Guests
-from neurotouch_hid.driver.camera_settings import load_camera_config
+from neurotouch_hid.driver.attachments import Attachments
 from neurotouch_hid.driver.check import check_copilot
-from neurotouch_hid.driver.chosen import load_chosen
+from neurotouch_hid.driver.chosen import Chosen, choose_first
 from neurotouch_hid.driver.control_socket import ControlSocket
-from neurotouch_hid.driver.extra_devices import find_extra_devices
+from neurotouch_hid.driver.kernel_loading import load_kernels
 from neurotouch_hid.driver.options import DriverOptions
-from neurotouch_hid.driver.pad import open_pad
-from neurotouch_hid.driver.people import People, Person
+from neurotouch_hid.driver.pad_opening import open_bare_pad, open_driver_pad
+from neurotouch_hid.driver.people import People
 from neurotouch_hid.driver.settings import load_driver_settings
-from neurotouch_hid.driver.wiring import Wiring
-from neurotouch_hid.errors import (
-    AlreadyRunningError,
-    CameraError,
-    DeviceError,
-    DriverError,
-    ProfileError,
-)
+from neurotouch_hid.driver.source_opening import open_driver_source
+from neurotouch_hid.driver.surroundings import Surroundings
+from neurotouch_hid.driver.time_limit import cut_off, stop_after
+from neurotouch_hid.errors import AlreadyRunningError, DriverError
 from neurotouch_hid.gesture import GestureConfig
-from neurotouch_hid.messages import EventPacket, Step
+from neurotouch_hid.messages import Step
 from neurotouch_hid.players import find_runtime_folder
 from neurotouch_hid.process.realtime import realtime_priority
-from neurotouch_hid.profile import Profile, UserSettings, load_profile
-from neurotouch_hid.runtime import LoopStats, Pipeline, Tap, run_pipeline, warm_up
-from neurotouch_hid.source import Source, open_source
+from neurotouch_hid.profile import Profile
+from neurotouch_hid.runtime import LoopStats, Pipeline, Tap, run_pipeline
+from neurotouch_hid.source import Source
 from neurotouch_hid.source.running_driver import NAME as RUNNING_DRIVER
-from neurotouch_hid.vocabulary import SourceKind, find_source_kind
-
-_PATIENCE_S: Final = 1.0
-"""After this time of loading the person is told why."""
-_WARM_SLICES: Final = 5
-"""Slices of the simulator up to its first frame."""
-
-Facts = dict[str, Callable[[], Any]]
-"""What ``status`` and the page are told beside the state of the pipeline, asked for each time."""
 
 
 class Driver(Closing):
@@ -53,13 +40,12 @@ class Driver(Closing):
     pad. Everything is released when the block ends, the pad first.
 
     Args:
-        options: what to play, how, and into which pad.
+        options: the source, the profile and the pad.
         announce: is told sentences for the person; called from several threads.
         make_source: opens the source instead of ``options.source``, once the control socket is
             there.
         make_device: makes the pad; called as ``open_device`` is.
-        guests: says who else may give commands; nobody but the user and root without.
-        facts: what ``status`` and the page are told beside the rest.
+        guests: looks up the other users who may give commands; without, only this user and root.
         people: a service's settings of the people at the machine.
 
     Attributes:
@@ -78,7 +64,6 @@ class Driver(Closing):
     pipeline: Pipeline
     device: Device
     profile: Profile
-    user: UserSettings | None
 
     def __init__(
         self,
@@ -88,19 +73,16 @@ class Driver(Closing):
         make_source: Callable[[], Source] | None = None,
         make_device: Callable[..., Device] = open_device,
         guests: Guests | None = None,
-        facts: Facts | None = None,
         people: People | None = None,
     ) -> None:
         self.options = options
         self.taps: list[Tap] = []
         self._announce = announce
-        self._make_source = make_source or self._open_source
+        self._make_source = make_source or partial(open_driver_source, options)
         self._make_device = make_device
         self._guests = guests
-        self._facts = facts or {}
         self._people = people
-        self._person: Person | None = None
-        self._wiring: Wiring | None = None
+        self._attachments: Attachments | None = None
         self._stop = Event()
         self._closing = ExitStack()
 
@@ -118,14 +100,14 @@ class Driver(Closing):
 
     def compile(self) -> None:
         """Compiles every kernel for this processor, without a pad."""
-        self._load()
-        self._prepare()
+        self._choose()
+        self._load_kernels()
         self._make_source().close()  # which compiles what reads the camera
 
     def reload(self) -> None:
         """Loads the profile and the person's values again; safe in a signal handler."""
-        if self._wiring is not None:
-            self._wiring.reload()
+        if self._attachments is not None:
+            self._attachments.reload()
 
     def stop(self) -> None:
         """Ends ``run``, now or as soon as it begins; from any thread."""
@@ -154,10 +136,10 @@ class Driver(Closing):
         if self._stop.is_set():  # before the loop begins
             stop.set()
         self._stop = stop
-        timed = () if seconds is None else (_stop_after(seconds, stop),)
-        session = self._wiring.session if self._wiring is not None else None
+        timed = () if seconds is None else (stop_after(seconds, stop),)
+        control = self._attachments.control if self._attachments is not None else None
         with ExitStack() as stack:
-            if self.pipeline.has_frame_thread or session is not None:
+            if self.pipeline.has_frame_thread or control is not None:
                 stack.enter_context(realtime_priority())
             every = [*self.taps, *taps, *timed]
             return run_pipeline(
@@ -166,7 +148,7 @@ class Driver(Closing):
                 self.device,
                 every,
                 stop=stop,
-                session=session,
+                control=control,
                 on_round=on_round,
             )
 
@@ -176,7 +158,7 @@ class Driver(Closing):
         Args:
             seconds: ends after so much sensor time.
         """
-        packets = self.source if seconds is None else _cut_off(self.source, seconds)
+        packets = self.source if seconds is None else cut_off(self.source, seconds)
         for packet in packets:
             step = self.pipeline.advance(packet)
             yield step
@@ -184,72 +166,57 @@ class Driver(Closing):
 
     def _open(self) -> None:
         options, closing = self.options, self._closing
-        self._load()
-        control = self._listen() if options.is_listening else None
-        if self._is_prepared_first():
-            self._prepare()
+        chosen = self._choose()
+        socket = self._listen() if options.is_listening else None
+        if self._is_loaded_first():
+            self._load_kernels()
             self.source = closing.enter_context(self._make_source())
         else:
             self.source = closing.enter_context(self._make_source())
             if options.needs_device or options.identity:  # before the kernels compile, and again
                 check_device(options.device, options.identity)
             check_copilot(options)
-            self._prepare()
+            self._load_kernels()
         self.pipeline = Pipeline.build(
             self.profile,
             GestureConfig(method=options.method),
-            user=self.user,
+            user=chosen.user if options.personal else None,
             rig=self.source.rig,
             frame_thread=options.speed == "recorded"
             and (self.source.is_live or self.source.is_simulated),
         )
         closing.callback(self.pipeline.close)
-        if not options.is_listening:
-            self.device = closing.enter_context(self._open_bare_device())
-            return
-        settings = load_driver_settings(options.player)
-        try:
-            played = open_pad(
-                options.device,
-                find_extra_devices(self.profile),
-                settings,
-                identity=options.identity,
-                player=options.player,
-                copilot=options.copilot,
-                shows_rumble=options.shows_rumble,
-                wait=options.wait,
-                make=self._make_device,
-            )
-        except DeviceError as error:
-            if options.needs_device:
-                raise
-            self._announce(f"No real controller this time: {error.message} Going on without.")
-            played = open_pad("memory", (), settings, player=options.player, copilot="")
-        self.device = closing.enter_context(played.device)
-        own: Facts = getattr(self.source, "facts", {})
-        self._wiring = closing.enter_context(
-            Wiring(
-                control,
-                self.pipeline,
-                self.device,
-                name=self._profile_name,
-                profile=self.profile,
-                user=self.user or UserSettings(),
-                settings=settings,
-                source=self.source,
-                player=options.player,
-                announce=self._announce,
-                facts={**played.facts, **own, **self._facts},
-                copilot=played.copilot,
-                end=self.stop if self._guests is None else None,
-                people=self._people,
-                person=self._person,
-                default=options.profile,
-            )
-        )
-        self.taps += self._wiring.taps
+        if options.is_listening:
+            self._attach(chosen, socket)
+        else:
+            bare = open_bare_pad(options, self.profile, self._make_device)
+            self.device = closing.enter_context(bare)
 
-    def _is_prepared_first(self) -> bool:
+    def _attach(self, chosen: Chosen, socket: ControlSocket | None) -> None:
+        """Opens the pad with all who play on it, and everything around the pipeline."""
+        options = self.options
+        surroundings = Surroundings(
+            announce=self._announce,
+            end=self.stop if self._guests is None else None,
+            people=self._people,
+            default=options.profile,
+            player=options.player,
+            settings=load_driver_settings(options.player),
+        )
+        pad = open_driver_pad(
+            options,
+            self.profile,
+            surroundings.settings,
+            announce=self._announce,
+            make=self._make_device,
+        )
+        self.device = self._closing.enter_context(pad.device)
+        self._attachments = self._closing.enter_context(
+            Attachments(socket, self.pipeline, self.source, pad, chosen, surroundings)
+        )
+        self.taps += self._attachments.taps
+
+    def _is_loaded_first(self) -> bool:
         """Returns whether kernels are loaded before the source is opened.
 
         A camera that is waited for may come meanwhile. Another driver's packets must be taken as
@@ -263,28 +230,13 @@ class Driver(Closing):
         ask_status()
         return True
 
-    def _load(self) -> None:
-        """Loads the profile and the values; a service those of the person at the machine.
+    def _choose(self) -> Chosen:
+        chosen = choose_first(self.options, self._people, self._announce)
+        self.profile = chosen.profile
+        return chosen
 
-        Raises:
-            ProfileError: they cannot be used; for a service, the machine's cannot.
-        """
-        options = self.options
-        if not options.personal:
-            self.user, self._profile_name = None, options.profile or UserSettings().slots[0]
-            self.profile = load_profile(self._profile_name)
-            return
-        if self._people is not None and (person := self._people.find_present()) is not None:
-            try:
-                chosen = load_chosen(person, options.profile, options.player)
-            except ProfileError as error:  # the machine still plays
-                self._announce(f"The settings of user {person.uid} cannot be used: {error.message}")
-            else:
-                self._person = person
-                self._profile_name, self.profile, self.user = chosen
-                return
-        chosen = load_chosen(None, options.profile, options.player)
-        self._profile_name, self.profile, self.user = chosen
+    def _load_kernels(self) -> None:
+        load_kernels(self.options, self.profile, self._announce)
 
     def _listen(self) -> ControlSocket | None:
         """Opens the control socket; where none can be made, says so and goes on without.
@@ -303,89 +255,3 @@ class Driver(Closing):
                 raise
             self._announce(f"Warning: {error.message} 'neurotouch pause' will not work.")
             return None
-
-    def _open_source(self) -> Source:
-        """Opens the source of the options.
-
-        Raises:
-            AlreadyRunningError: the service has the camera.
-            NeuroTouchError: as ``open_source``.
-        """
-        options = self.options
-        try:
-            return open_source(
-                options.source,
-                slice_us=options.slice_us,
-                speed=options.speed,
-                seed=options.seed,
-                camera=load_camera_config(options.player),
-                wait=options.wait,
-            )
-        except CameraError as error:
-            from neurotouch_hid.source.davis import find_cameras  # noqa: PLC0415
-
-            if not (find_cameras() and is_service_running()):
-                raise
-            raise AlreadyRunningError(
-                "The neurotouch service is already running, and it has the camera.",
-                hint="See what it does: neurotouch status. To play without it: "
-                "sudo systemctl stop neurotouch",
-            ) from error
-
-    def _open_bare_device(self) -> Device:
-        options = self.options
-        return self._make_device(
-            options.device,
-            find_extra_devices(self.profile),
-            identity=options.identity,
-            player=options.player,
-        )
-
-    def _prepare(self) -> None:
-        """Loads the kernels, so that no first slice waits for them.
-
-        Of the sources only the simulator has kernels of its own that a first slice needs.
-        """
-        text = "Loading (the first time compiles for this processor, half a minute) ..."
-        with _notice(text, self._announce):
-            warm_up(Pipeline.build(self.profile, GestureConfig(method=self.options.method)))
-            if find_source_kind(self.options.source) is SourceKind.SIMULATION:
-                with open_source(self.options.source, speed="max") as first_slices:
-                    for _ in islice(first_slices, _WARM_SLICES):
-                        pass
-
-
-def _stop_after(seconds: float, stop: Event) -> Tap:
-    """Returns a tap that sets ``stop`` after so much sensor time.
-
-    The loop itself still sees the source, because a live one must go round while it is silent.
-    """
-    begin_us: int | None = None
-
-    def check(step: Step) -> None:
-        nonlocal begin_us
-        begin_us = step.packet.t_begin_us if begin_us is None else begin_us
-        if step.packet.t_end_us - begin_us >= seconds * 1e6:
-            stop.set()
-
-    return check
-
-
-def _cut_off(packets: Source, seconds: float) -> Iterator[EventPacket]:
-    begin_us: int | None = None
-    for packet in packets:
-        begin_us = packet.t_begin_us if begin_us is None else begin_us
-        yield packet
-        if packet.t_end_us - begin_us >= seconds * 1e6:
-            return
-
-
-@contextmanager
-def _notice(text: str, announce: Callable[[str], object]) -> Iterator[None]:
-    timer = Timer(_PATIENCE_S, announce, (text,))
-    timer.daemon = True
-    timer.start()
-    try:
-        yield
-    finally:
-        timer.cancel()

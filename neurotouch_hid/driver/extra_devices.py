@@ -1,8 +1,8 @@
-"""What a profile needs beside the pad."""
+"""Finds the virtual keyboard and mouse that a profile needs beside the pad."""
 
 from neurotouch_hid.device import ExtraDevice
 from neurotouch_hid.profile import Profile
-from neurotouch_hid.profile.schema.targets import (
+from neurotouch_hid.profile.schema import (
     KeyTarget,
     MouseButtonTarget,
     MouseMotionTarget,

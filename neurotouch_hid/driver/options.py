@@ -1,4 +1,4 @@
-"""What a driver is asked to do."""
+"""The options of a driver."""
 
 from dataclasses import dataclass
 from typing import Final, Literal

@@ -1,7 +1,7 @@
 """The settings of the people at a machine, as they have handed them over to its service.
 
-A service may not read anybody's home folder. Each person's commands send it a copy of what they
-saved; the copy applies while that person is at the machine, and to nobody else.
+A service may not read home folders. Each person's commands send it a copy of the saved settings.
+The copy applies while that person is at the machine, and to no other person.
 """
 
 import os
@@ -15,10 +15,10 @@ from typing import Any, Final
 
 from neurotouch_hid.driver.admission import find_seated_users
 from neurotouch_hid.errors import DriverError
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
+from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.players import find_runtime_folder, find_user_file
-from neurotouch_hid.profile.editing.store import write_whole
-from neurotouch_hid.profile.reading.library import find_user_folder
-from neurotouch_hid.profile.reading.load import MAX_BYTES
+from neurotouch_hid.profile.reading import find_user_folder
 from neurotouch_hid.vocabulary import NAME_PATTERN
 
 MAX_PROFILES: Final = 100
@@ -47,11 +47,11 @@ class Person:
 
 
 class People:
-    """A folder for each person, which nobody but the service reads.
+    """A folder for each person, which only the service reads.
 
     Args:
-        folder: where they are kept.
-        player: whose values they are; None means the one of the environment.
+        folder: the settings are kept in it.
+        player: the player number; None means the one of the environment.
         find_seated: finds the users at the machine, the one at the first seat first.
     """
 
@@ -75,8 +75,8 @@ class People:
             return None
         folder = self._folder / str(seated[0])
         try:
-            return Person(seated[0], folder, Path((folder / _ORIGIN).read_text()))
-        except (OSError, ValueError):
+            return Person(seated[0], folder, Path(read_text(folder / _ORIGIN, MAX_SETTINGS_BYTES)))
+        except OSError:
             return None
 
     def keep(self, uid: int, settings: dict[str, Any]) -> None:
@@ -144,8 +144,8 @@ def _read_settings(settings: dict[str, Any], player: int | None) -> tuple[str, d
             raise DriverError("One of the profiles has no name.")
         texts[str((find_user_folder(here) / f"{name}.yaml").relative_to(here))] = text
     for text in texts.values():
-        if not isinstance(text, str) or len(text) > MAX_BYTES:
-            raise DriverError(f"One of the files is larger than {MAX_BYTES // 1024} kB.")
+        if not isinstance(text, str) or len(text) > MAX_SETTINGS_BYTES:
+            raise DriverError(f"One of the files is larger than {MAX_SETTINGS_BYTES // 1024} kB.")
         with suppress(UnicodeEncodeError):
             text.encode()
             continue

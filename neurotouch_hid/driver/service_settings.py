@@ -1,14 +1,15 @@
-"""What an administrator chooses for the service: the file ``/etc/neurotouch/service.yaml``."""
+"""An administrator's choices for the service: the file ``/etc/neurotouch/service.yaml``."""
 
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
 from pydantic import AfterValidator, Field
 
+from neurotouch_hid.device.outputs.identity import choose_identity
+from neurotouch_hid.errors import DeviceError, ProfileError
 from neurotouch_hid.players import find_user_file
-from neurotouch_hid.profile.reading.load import load_settings
-from neurotouch_hid.profile.schema.profile import check_version
-from neurotouch_hid.profile.schema.strict import Strict, make_optional
+from neurotouch_hid.profile.reading import load_settings
+from neurotouch_hid.profile.schema import Strict, check_version, make_optional
 from neurotouch_hid.vocabulary import NAME_PATTERN
 
 FILE: Final = "service.yaml"
@@ -68,3 +69,21 @@ def load_service_settings(player: int | None = None) -> ServiceSettings:
         ProfileError: the file says something we cannot do; every mistake has line and column.
     """
     return load_settings(find_service_file(player), ServiceSettings)
+
+
+def check_service_settings(choices: ServiceSettings, player: int | None = None) -> None:
+    """Checks what only the pad's own modules can judge.
+
+    Args:
+        choices: what the file says.
+        player: the player number; None means the one of the environment.
+
+    Raises:
+        ProfileError: there is no such identity, or programs would misread it.
+    """
+    try:
+        choose_identity(choices.identity, choices.device)
+    except DeviceError as error:
+        raise ProfileError(
+            f"{find_service_file(player)}: identity: {error.message}", hint=error.hint
+        ) from error

@@ -1,4 +1,4 @@
-"""What belongs to the driver on this machine: profiles of applications, chords of the keyboard."""
+"""The settings of the driver on this machine: profiles of applications, chords of the keyboard."""
 
 from pathlib import Path
 from typing import Annotated, Final, Literal
@@ -8,10 +8,14 @@ from pydantic_core import PydanticCustomError
 
 from neurotouch_hid.device import is_input_name
 from neurotouch_hid.players import find_user_file
-from neurotouch_hid.profile.reading.load import load_settings
-from neurotouch_hid.profile.schema.keyboard_keys import parse_chord
-from neurotouch_hid.profile.schema.profile import check_version
-from neurotouch_hid.profile.schema.strict import Strict, give_unit, make_optional
+from neurotouch_hid.profile.reading import load_settings
+from neurotouch_hid.profile.schema import (
+    Strict,
+    check_version,
+    give_unit,
+    make_optional,
+    parse_chord,
+)
 from neurotouch_hid.vocabulary import NAME_PATTERN, Button
 
 FILE: Final = "driver.yaml"

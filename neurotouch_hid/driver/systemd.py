@@ -4,18 +4,19 @@ import os
 import socket
 import time
 from collections.abc import Callable, MutableMapping
+from contextlib import suppress
 from typing import Final
 
 _FIRST_DESCRIPTOR: Final = 3
-"""Where handed over descriptors begin, sd_listen_fds(3)."""
+"""The first descriptor that systemd hands over, sd_listen_fds(3)."""
 
 
 class ServiceManager:
-    """Tells systemd how the service fares and takes what it hands over; silent without systemd.
+    """Reports the state of the service to systemd and takes its descriptors, if systemd is there.
 
     Args:
-        environment: of the process; what systemd put there is taken out, so that no child of ours
-            speaks in our name.
+        environment: of the process; systemd's variables are taken out, so that no child process
+            reports in our name.
         clock_s: host time.
     """
 
@@ -56,24 +57,25 @@ class ServiceManager:
     def report_alive(self) -> None:
         """Reports that the loop runs, at most four times in the watchdog's limit.
 
-        Only the loop that does the work may call this: a hang is what the watchdog is for.
+        Only the loop that does the work may call this: the watchdog is for hangs.
         """
         now_s = self._clock_s()
         if self._interval_s and now_s - self._fed_s >= self._interval_s:
             self._fed_s = now_s
-            self._tell("WATCHDOG=1")
+            with suppress(OSError):  # systemd starts over, or is slow: the loop does not wait
+                self._tell("WATCHDOG=1", socket.MSG_DONTWAIT)
 
     def report_stopping(self) -> None:
         """Reports that the service is about to end."""
         self._tell("STOPPING=1")
 
-    def _tell(self, state: str) -> None:
+    def _tell(self, state: str, flags: int = 0) -> None:
         if not self._address:
             return
         # An address with @ is in the abstract namespace, whose names begin with a NUL.
         address = self._address.replace("@", "\0", 1)
-        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC) as line:
-            line.sendto(state.encode(), address)
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC) as connection:
+            connection.sendto(state.encode(), flags, address)
 
 
 def _take_descriptors(environment: MutableMapping[str, str]) -> dict[int, str]:

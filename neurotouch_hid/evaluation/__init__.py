@@ -1,1 +1,1 @@
-"""Measures the pipeline: its accuracy, its speed, and how well people do with it."""
+"""Measures the pipeline: its accuracy, its speed, and people's performance with it."""

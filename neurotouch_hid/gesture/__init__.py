@@ -16,8 +16,8 @@ _MODULES = {
     "GestureRecognizer": "recognizer",
     "list_methods": "method",
 }
-"""Where the names come from; each is loaded when it is first asked for. What recognises needs
-compiled kernels, and 'neurotouch session' only a limit."""
+"""The module of each name; it is loaded at the first use of the name. Recognising needs compiled
+kernels, but 'neurotouch session' needs only a limit."""
 
 
 def __getattr__(name: str) -> Any:

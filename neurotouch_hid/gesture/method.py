@@ -1,4 +1,4 @@
-"""Defines what a method is, and finds one by its name."""
+"""Interface of methods, and ``make_method``, which finds one by its name."""
 
 import math
 from typing import Final, Protocol

@@ -10,7 +10,7 @@ Flags = NDArray[np.bool_]
 
 CAPTURE_US = 300_000  # a captured pose is the mean over this time, which contains tremor thrice
 SETTLE_US_PER_MM = 1_000_000  # the more a hand drags the gel, the later it counts as resting
-LIFT_US = 300_000  # if the gel is untouched for so long, the hand was lifted
+LIFT_US = 300_000  # if the gel is untouched for this time, the hand was lifted
 DRIFT_US = 30_000_000  # time constant of the drift correction of a resting hand
 STILL_MM_S = 2.0  # a hand that moves faster makes a gesture
 SMOOTH_US = 250_000  # applied twice before the speed: a tremor of 4 mm at 5 Hz leaves 2 mm/s

@@ -1,11 +1,11 @@
-"""Taps that show or write down what the pipeline does, and never delay it."""
+"""Taps that show, play or write the pipeline's steps, and never delay them."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from neurotouch_hid.monitor.cue import Cue, CueKind
-    from neurotouch_hid.monitor.sentence import describe_gesture, describe_pad
+    from neurotouch_hid.monitor.sentence import describe_gesture, describe_outputs
     from neurotouch_hid.monitor.sound import SoundMonitor
     from neurotouch_hid.monitor.speaker import Speaker
     from neurotouch_hid.monitor.terminal import LinesMonitor, PictureMonitor
@@ -20,7 +20,7 @@ __all__ = [
     "Speaker",
     "TraceWriter",
     "describe_gesture",
-    "describe_pad",
+    "describe_outputs",
 ]
 
 _MODULES = {
@@ -32,10 +32,10 @@ _MODULES = {
     "Speaker": "speaker",
     "TraceWriter": "trace",
     "describe_gesture": "sentence",
-    "describe_pad": "sentence",
+    "describe_outputs": "sentence",
 }
-"""Where the names come from; each is loaded when it is first asked for. A tap needs the pipeline
-and its compiled kernels; what plays a sound in a person's session does not."""
+"""The module of each name; it is loaded at the first use of the name. A tap needs the pipeline and
+its compiled kernels; playing a sound in a person's session does not."""
 
 
 def __getattr__(name: str) -> Any:

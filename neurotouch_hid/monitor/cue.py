@@ -1,4 +1,4 @@
-"""Finds what a person is to hear of what the pipeline does."""
+"""Chooses sound cues from the pipeline's steps."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -9,21 +9,21 @@ import numpy as np
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import GestureKind, Step
 from neurotouch_hid.profile.decision_log import MappingDecision
-from neurotouch_hid.profile.schema.feedback import Volumes
+from neurotouch_hid.profile.schema import Volumes
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile import Mapping
 
 ACCEPT_VOLUME: Final = 60
-"""In percent, where the person has chosen none and has to wait for a gesture to act."""
+"""Volume in percent for a person who has chosen none and whose gestures act only after a while."""
 
 _LOST: Final = GestureConfig().min_tracked
 _FOUND: Final = _LOST + 30
-"""More than are needed, so that a gel at the limit does not come and go with every slice."""
+"""Above the other limit, so that a gel near the limit does not switch with every slice."""
 
 
 class CueKind(StrEnum):
-    """The sounds there are."""
+    """The kinds of sounds."""
 
     PANIC = "panic"
     PAUSE = "pause"
@@ -38,10 +38,10 @@ class CueKind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Cue:
-    """Something to hear.
+    """One sound to play.
 
     Attributes:
-        kind: which sound.
+        kind: the kind of sound.
         words: the same in words, for speech.
     """
 
@@ -50,8 +50,8 @@ class Cue:
 
 
 @dataclass(frozen=True, slots=True)
-class Moment:
-    """The facts that cues are found in, taken from a step or from a published state.
+class CueFacts:
+    """The facts that decide about cues, taken from a step or from a published state.
 
     Attributes:
         state: ``running``, ``paused`` or ``panic``.
@@ -70,9 +70,9 @@ class Moment:
     decisions: tuple[MappingDecision, ...]
 
 
-def take_moment(step: Step | None, mapping: "Mapping") -> Moment:
+def take_facts(step: Step | None, mapping: "Mapping") -> CueFacts:
     """Returns the facts of a step that ``mapping`` has carried out; None: before the first."""
-    return Moment(
+    return CueFacts(
         mapping.state,
         mapping.profile.name,
         mapping.layer,
@@ -83,16 +83,16 @@ def take_moment(step: Step | None, mapping: "Mapping") -> Moment:
 
 
 class CueFinder:
-    """Compares each moment with the one before.
+    """Compares the facts of each step with those of the step before.
 
     *Press* is a gesture that begins, *accept* a binding that acts, *reject* one that does not, as
     with slow and bounce keys. While nothing acts, gestures are not heard.
 
     Args:
-        first: the moment at the start.
+        first: the facts at the start.
     """
 
-    def __init__(self, first: Moment) -> None:
+    def __init__(self, first: CueFacts) -> None:
         self._state = first.state
         self._place = first.profile, first.layer
         self._last: MappingDecision | None = None
@@ -100,8 +100,8 @@ class CueFinder:
         self._tracked = first.tracked >= _FOUND
         self._take_new(first.decisions)
 
-    def find(self, now: Moment) -> list[Cue]:
-        """Returns what is to be heard of a moment; mostly nothing.
+    def find(self, now: CueFacts) -> list[Cue]:
+        """Returns the cues of a step; mostly none.
 
         Only one sound can be played at a time, so the most important comes first.
         """
@@ -111,7 +111,7 @@ class CueFinder:
             heard += acting
         return [cue for cue in heard if cue is not None]
 
-    def _hear_state(self, now: Moment) -> Cue | None:
+    def _hear_state(self, now: CueFacts) -> Cue | None:
         before, self._state = self._state, now.state
         if self._state == before:
             return None
@@ -122,12 +122,12 @@ class CueFinder:
                 return Cue(CueKind.PAUSE, "paused")
         return Cue(CueKind.RESUME, "resumed")
 
-    def _hear_tracker(self, now: Moment) -> Cue | None:
+    def _hear_tracker(self, now: CueFacts) -> Cue | None:
         before = self._tracked
         self._tracked = now.tracked >= (_LOST if before else _FOUND)
         return Cue(CueKind.LOST, "gel lost") if before and not self._tracked else None
 
-    def _hear_layer(self, now: Moment) -> Cue | None:
+    def _hear_layer(self, now: CueFacts) -> Cue | None:
         before, self._place = self._place, (now.profile, now.layer)
         if self._place == before:
             return None
@@ -135,7 +135,7 @@ class CueFinder:
         words = f"profile {profile}" if profile != before[0] else f"layer {layer}"
         return Cue(CueKind.LAYER, words.replace("-", " "))
 
-    def _hear_decisions(self, now: Moment) -> Cue | None:
+    def _hear_decisions(self, now: CueFacts) -> Cue | None:
         new = self._take_new(now.decisions)
         for decision in reversed(new):
             if decision.verdict == "pressed":
@@ -147,7 +147,7 @@ class CueFinder:
             return Cue(CueKind.REJECT, "not accepted")
         return None
 
-    def _hear_begin(self, now: Moment) -> Cue | None:
+    def _hear_begin(self, now: CueFacts) -> Cue | None:
         rest = GestureKind.NONE.label
         before, self._gesture = self._gesture, now.gesture
         if before != rest or self._gesture == rest:
@@ -166,12 +166,12 @@ class CueFinder:
 
 
 def choose_volume(kind: CueKind, volumes: Volumes, *, waits: bool) -> int:
-    """Returns how loud the person wants a cue to be, in percent.
+    """Returns the volume that the person wants for a cue, in percent.
 
     Args:
         kind: the sound.
         volumes: the person's.
-        waits: gestures act only after a while, which is worth a sound.
+        waits: gestures act only after a while, so the moment of acting deserves a sound.
     """
     match kind:
         case CueKind.STEP:

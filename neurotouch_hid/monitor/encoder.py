@@ -1,59 +1,73 @@
-"""What viewers are told of the pipeline: a sample taken in its thread, put in words in another."""
+"""Encodes the pipeline's state for viewers: one thread samples it, another encodes the sample."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from statistics import median
-from typing import Any, Final, cast
+from typing import Final
 
 from neurotouch_hid.messages import GamepadState, GestureKind, Step
-from neurotouch_hid.monitor.summary import describe_step
+from neurotouch_hid.monitor.sentence import describe_step
 from neurotouch_hid.profile import MappingDecision
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
-from neurotouch_hid.profile.schema.timing import resolve_times
-from neurotouch_hid.runtime import Session
-from neurotouch_hid.snapshot import GestureState, Health, MarkerWriter, PadState, State, pack
+from neurotouch_hid.profile.engine import ConditionedGesture
+from neurotouch_hid.profile.schema import resolve_times
+from neurotouch_hid.runtime import PipelineControl
+from neurotouch_hid.snapshot import (
+    Facts,
+    GestureState,
+    Health,
+    MarkerWriter,
+    PadState,
+    SourceFacts,
+    State,
+    pack,
+)
+from neurotouch_hid.vocabulary import PipelineState
 
 SLOW_S: Final = 0.5
-"""How often facts, rates and times are worked out: nobody reads faster."""
-
-Facts = Mapping[str, Callable[[], Any]]
+"""Interval at which facts, rates and times are updated: people do not read faster."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """A step of the pipeline with what its mapping says, taken in the pipeline's thread."""
+    """A step of the pipeline with the state of its mapping, taken in the pipeline's thread."""
 
     step: Step
     reading: ConditionedGesture
     decisions: tuple[MappingDecision, ...]
-    state: str
+    state: PipelineState
     profile: str
     layer: str
 
 
 class StateEncoder:
-    """Takes samples of the pipeline, and makes bytes of them.
+    """Takes samples of the pipeline, and encodes them.
 
     ``take`` belongs to the pipeline's thread and costs it microseconds; ``encode`` belongs to one
     other thread.
 
     Args:
-        session: the running pipeline.
-        facts: what else is told, or told better, asked for again twice a second: ``source``,
-            ``simulated``, ``device``, ``file``.
+        control: the running pipeline.
+        tell_facts: returns the facts about what surrounds it; called twice a second.
+        tell_source: returns the facts that only some sources know; called as often.
     """
 
-    def __init__(self, session: Session, facts: Facts) -> None:
-        self._session, self._facts = session, facts
+    def __init__(
+        self,
+        control: PipelineControl,
+        tell_facts: Callable[[], Facts],
+        tell_source: Callable[[], SourceFacts] = SourceFacts,
+    ) -> None:
+        self._control = control
+        self._tell_facts, self._tell_source = tell_facts, tell_source
         self._markers = MarkerWriter()
         self._n = 0
         self._health: Health | None = None
         self._health_s = 0.0
 
     def take(self, step: Step) -> Sample:
-        """Returns a sample of the step that has just been finished."""
-        mapping = self._session.mapping
+        """Returns a sample of the step that has just finished."""
+        mapping = self._control.mapping
         return Sample(
             step,
             mapping.reading,
@@ -86,10 +100,10 @@ class StateEncoder:
         return pack(state, self._markers.write(sample.step.markers))
 
     def _measure(self, step: Step) -> Health:
-        meter, mapping = self._session.meter, self._session.mapping
+        meter, mapping = self._control.meter, self._control.mapping
         counts, rates = meter.counts, meter.rates
         rest_us, packet = counts.rest_us, step.packet
-        health: dict[str, Any] = {
+        return {
             "events_hz": round(rates.events_hz),
             "slices_hz": round(rates.slices_hz),
             "frames_hz": round(rates.frames_hz, 1),
@@ -97,16 +111,16 @@ class StateEncoder:
             "backlog_ms": round(1e3 * counts.late_s, 1),
             "tracked": int(step.markers.valid.sum()),
             "rezero_s": None if rest_us is None else round(1e-6 * (step.gesture.t_us - rest_us), 1),
-            "accept_ms": resolve_times(mapping.profile.timing, self._session.user.timing).accept_ms,
+            "accept_ms": resolve_times(mapping.profile.timing, self._control.user.timing).accept_ms,
             "window_ms": 1e-3 * (packet.t_end_us - packet.t_begin_us),
             "stages": {
                 name: _summarise(kept)
-                for name, kept in self._session.timings.recent_ns().items()
+                for name, kept in self._control.timings.recent_ns().items()
                 if kept
             },
-            **{name: tell() for name, tell in self._facts.items()},
+            **self._tell_facts(),
+            **self._tell_source(),
         }
-        return cast(Health, health)
 
 
 def _describe_gesture(sample: Sample) -> GestureState:

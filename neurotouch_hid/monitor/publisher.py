@@ -20,27 +20,27 @@ from neurotouch_hid.monitor.encoder import Sample, StateEncoder
 MOST_HZ: Final = 60
 MOST_SUBSCRIBERS: Final = 8
 AGAIN_S: Final = 1.0
-"""How often it looks whether subscribers may still watch: a person may have left the seat."""
+"""Interval at which it checks whether subscribers may still watch: a person may have left."""
 KEPT_BYTES: Final = 16 * 1024
 """Of the kernel's buffer for each subscriber: a few states, so that one that was slow has little to
 catch up; the largest state is a third of it."""
 
 
 class Publisher(Closing):
-    """A tap that shows its Steps on a Unix socket; a context manager.
+    """A tap that publishes steps on a Unix socket; a context manager.
 
-    A subscriber says at any time how many states a second it wants, as a number in ASCII. All get
-    the highest of these rates, 60 at most. A state for which a subscriber has no room is dropped.
-    While no subscriber wants anything, the tap returns at once.
+    A subscriber can request a rate at any time, in states per second, as a number in ASCII. All get
+    the highest of these rates, 60 at most. If a subscriber's buffer is full, its state is dropped.
+    While no subscriber requests states, the tap returns immediately.
 
-    The pipeline's thread only leaves a sample; a thread beside it writes and sends.
+    The pipeline's thread only takes a sample; another thread encodes and sends it.
 
     Args:
-        folder: where the socket is made; the driver's own.
-        encoder: makes bytes of states.
-        admits: which other users may watch, by uid, asked again every second; the service lets in
-            the person at the machine.
-            Without, nobody else can even reach the socket.
+        folder: the driver's own; the socket is made there.
+        encoder: encodes the states.
+        admits: returns True for each other user, by uid, that may watch; called again every second.
+            The service admits the person at the machine. If None, other users cannot reach the
+            socket.
 
     Raises:
         DriverError: no socket can be made there.
@@ -70,7 +70,7 @@ class Publisher(Closing):
         self._thread.start()
 
     def __call__(self, step: Step) -> None:
-        """Leaves a sample of ``step`` if it is time for one."""
+        """Takes a sample of ``step`` if it is time for one."""
         if not self._period_s:
             return
         now = time.monotonic()
@@ -81,7 +81,7 @@ class Publisher(Closing):
         os.eventfd_write(self._bell, 1)
 
     def close(self) -> None:
-        """Takes the socket away. Harmless when repeated."""
+        """Removes the socket. A second call does nothing."""
         if self._done:
             return
         self._done = True

@@ -1,31 +1,31 @@
-"""Lets the person hear what the gestures do, beside the pipeline."""
+"""Plays sounds for gestures, beside the pipeline."""
 
 from collections.abc import Callable
 
 from neurotouch_hid.messages import Step
-from neurotouch_hid.monitor.cue import CueFinder, choose_volume, take_moment
+from neurotouch_hid.monitor.cue import CueFinder, choose_volume, take_facts
 from neurotouch_hid.monitor.speaker import Speaker
-from neurotouch_hid.profile.schema.timing import resolve_times
-from neurotouch_hid.runtime import Session
+from neurotouch_hid.profile.schema import resolve_times
+from neurotouch_hid.runtime import PipelineControl
 
 
 class SoundMonitor:
-    """A tap that plays what the person's ``feedback`` asks for.
+    """A tap that plays the sounds that the person's ``feedback`` asks for.
 
     Args:
-        session: the running driver, and the person's values that apply.
-        announce: tells the person a sentence, once, when no sound can be made; called in a thread.
+        control: the running driver, and the person's values that apply.
+        announce: called once, in a thread, with a sentence for the person, if no sound is possible.
     """
 
-    def __init__(self, session: Session, announce: Callable[[str], object]) -> None:
-        self._session = session
-        self._finder = CueFinder(take_moment(None, session.mapping))
+    def __init__(self, control: PipelineControl, announce: Callable[[str], object]) -> None:
+        self._control = control
+        self._finder = CueFinder(take_facts(None, control.mapping))
         self._speaker = Speaker(announce)
 
     def __call__(self, step: Step) -> None:
-        """Posts what is to be heard of ``step``; never waits."""
-        mapping, user = self._session.mapping, self._session.user
-        cues = self._finder.find(take_moment(step, mapping))
+        """Posts the sounds of ``step``; never waits."""
+        mapping, user = self._control.mapping, self._control.user
+        cues = self._finder.find(take_facts(step, mapping))
         if not cues:
             return
         waits = resolve_times(mapping.profile.timing, user.timing).accept_ms > 0
@@ -36,10 +36,10 @@ class SoundMonitor:
                 return
 
     def describe(self) -> str:
-        """Returns what is heard, or why nothing is."""
-        sound = self._session.user.feedback.sound
+        """Returns which sounds are played, or why none are."""
+        sound = self._control.user.feedback.sound
         return self._speaker.sentence if sound != "none" and self._speaker.sentence else sound
 
     def close(self) -> None:
-        """Ends its thread; a sound that is being played may end first."""
+        """Ends its thread, after the present sound."""
         self._speaker.close()

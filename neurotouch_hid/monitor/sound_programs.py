@@ -1,4 +1,4 @@
-"""The programs of the desktop that make a sound."""
+"""Plays sounds and speech through the programs of the desktop."""
 
 import os
 import shutil
@@ -11,7 +11,7 @@ from typing import Final
 
 from neurotouch_hid.monitor.cue import Cue
 from neurotouch_hid.monitor.tone import make_wave
-from neurotouch_hid.profile.schema.feedback import SoundName
+from neurotouch_hid.profile.schema import SoundName
 
 SOUND_PROGRAMS: Final[dict[SoundName, tuple[tuple[str, ...], ...]]] = {
     "tones": (
@@ -21,12 +21,14 @@ SOUND_PROGRAMS: Final[dict[SoundName, tuple[tuple[str, ...], ...]]] = {
     ),
     "speech": (("spd-say", "--application-name=neurotouch", "--priority=text"),),
 }
-"""In the order in which they are tried: PipeWire, PulseAudio, ALSA; speech-dispatcher, whose
-volume goes from -100 to 100 and whose texts cut each other short. Without a latency of its own
-paplay fills two seconds of buffer and ends only when they are played."""
+"""The programs in the order in which they are tried: PipeWire, PulseAudio, ALSA;
+speech-dispatcher, with volumes from -100 to 100, where a new text interrupts the one before.
+Without ``--latency-msec`` paplay fills a buffer of two seconds, and ends only after it is played.
+"""
 
 PATIENCE_S: Final[dict[SoundName, float]] = {"tones": 1.5, "speech": 5.0}
-"""For a program to end: three times the longest tone; the first word starts the speech server."""
+"""Time for a program to end: three times the longest tone; the first word starts the speech server.
+"""
 
 _MISSING: Final[dict[SoundName, str]] = {
     "tones": "no sound: none of pw-play, paplay and aplay is installed",
@@ -35,14 +37,14 @@ _MISSING: Final[dict[SoundName, str]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
-    """How playing went: whether it was heard, as far as anybody knows, and a sentence."""
+class PlaybackResult:
+    """Result of playing a cue: True if the program reported success, and a sentence."""
 
     played: bool
     sentence: str
 
 
-def play_cue(cue: Cue, mode: SoundName, volume: int) -> Outcome:
+def play_cue(cue: Cue, mode: SoundName, volume: int) -> PlaybackResult:
     """Plays or speaks a cue with the first program that can; returns when it ends.
 
     Args:
@@ -59,16 +61,16 @@ def play_cue(cue: Cue, mode: SoundName, volume: int) -> Outcome:
         spoken = [] if mode == "tones" else [f"--volume={2 * volume - 100}", "--", cue.words]
         fault = _run([found, *arguments, *spoken], content, PATIENCE_S[mode])
         if not fault:
-            return Outcome(True, f"{mode} through {program}")
+            return PlaybackResult(True, f"{mode} through {program}")
         failed.append(f"{program} {fault}")
-    return Outcome(False, f"no {mode}: {', '.join(failed)}" if failed else _MISSING[mode])
+    return PlaybackResult(False, f"no {mode}: {', '.join(failed)}" if failed else _MISSING[mode])
 
 
 def _run(command: Sequence[str], content: bytes, patience_s: float) -> str:
-    """Runs a program to its end, or to the end of our patience; what went wrong, if anything.
+    """Runs a program to its end, or to a time limit; returns the fault, empty if there is none.
 
-    The content is a file in memory as its standard input: it can be opened as /dev/stdin and
-    searched, and who writes it waits for nobody.
+    The content is a file in memory as its standard input. The program can open it as /dev/stdin
+    and seek in it, and writing it never blocks.
     """
     try:
         with os.fdopen(os.memfd_create("cue"), "w+b") as file:

@@ -1,4 +1,4 @@
-"""Plays one cue after another beside whatever makes them."""
+"""Plays one cue after another in a separate thread."""
 
 import threading
 import time
@@ -8,27 +8,27 @@ from typing import Final
 
 from neurotouch_hid.monitor.cue import Cue
 from neurotouch_hid.monitor.sound_programs import play_cue
-from neurotouch_hid.profile.schema.feedback import SoundName
+from neurotouch_hid.profile.schema import SoundName
 
 GAP_S: Final = 0.12
-"""Between the starts of two sounds: closer ones are a noise, and each costs a process."""
+"""Shortest time between the starts of two sounds: closer ones blur, and each costs a process."""
 
 CLOSE_S: Final = 6.0
-"""More than all players in a row may take before they are ended."""
+"""Longer than the time limits of all players together."""
 
 
 class Speaker:
     """A thread that plays the newest cue.
 
-    The queue before it has one cue and the newest wins: a player that is slow or hangs loses
-    sounds, never time of who posts them.
+    Its queue has room for one cue, and the newest wins: a player that is slow or hangs loses
+    sounds, but never delays the thread that posts them.
 
     Args:
-        announce: tells the person a sentence, once, when no sound can be made; called in the
-            thread.
+        announce: called once, in the thread, with a sentence for the person, if no sound is
+            possible.
 
     Attributes:
-        sentence: how the last cue was played, or why it was not; empty before the first.
+        sentence: the program that played the last cue, or why none did; empty before the first.
     """
 
     def __init__(self, announce: Callable[[str], object]) -> None:
@@ -45,7 +45,7 @@ class Speaker:
         """Posts a cue; never waits.
 
         Args:
-            cue: what to play.
+            cue: the cue.
             mode: ``tones`` or ``speech``; with ``none`` nothing happens.
             volume: 0 to 100 percent; 0 is silence.
         """
@@ -54,7 +54,7 @@ class Speaker:
             self._wake.set()
 
     def close(self) -> None:
-        """Ends the thread; a sound that is being played may end first."""
+        """Ends the thread, after the present sound."""
         self._stopped.set()
         self._wake.set()
         self._thread.join(CLOSE_S)

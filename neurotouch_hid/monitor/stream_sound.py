@@ -1,26 +1,26 @@
-"""Lets a person hear a driver that cannot play sounds itself: the service, by its states."""
+"""Plays sounds in a person's session for a driver that cannot: the service."""
 
 from collections.abc import Callable
 
 from neurotouch_hid.closing import Closing
-from neurotouch_hid.monitor.cue import CueFinder, Moment, choose_volume
+from neurotouch_hid.monitor.cue import CueFacts, CueFinder, choose_volume
 from neurotouch_hid.monitor.speaker import Speaker
 from neurotouch_hid.profile.decision_log import MappingDecision
-from neurotouch_hid.profile.schema.feedback import Feedback
+from neurotouch_hid.profile.schema import Feedback
 from neurotouch_hid.snapshot import read_head, read_markers
 
 
 class StreamSound(Closing):
     """Plays the cues of a driver's states.
 
-    A driver sends only the newest state. A gesture that begins and ends between two of them is not
-    heard as a press. What it did is heard, for every state tells the latest decisions.
+    A driver sends only the newest state. A gesture that begins and ends between two states makes no
+    sound for its press. Its effect makes a sound, because every state has the latest decisions.
 
     Args:
-        announce: tells the person a sentence, once, when no sound can be made; called in a thread.
+        announce: called once, in a thread, with a sentence for the person, if no sound is possible.
 
     Attributes:
-        feedback: what the person wants to hear.
+        feedback: the sounds that the person wants.
     """
 
     def __init__(self, announce: Callable[[str], object]) -> None:
@@ -29,7 +29,7 @@ class StreamSound(Closing):
         self._finder: CueFinder | None = None
 
     def hear(self, state: bytes) -> bool:
-        """Posts what is to be heard of a state; never waits.
+        """Posts the sounds of a state; never waits.
 
         Returns:
             False if the driver plays its sounds itself; then nothing is posted.
@@ -37,7 +37,7 @@ class StreamSound(Closing):
         head = read_head(state)
         if head["slow"].get("plays_sound", True):
             return False
-        moment = Moment(
+        facts = CueFacts(
             head["state"],
             head["profile"],
             head["layer"],
@@ -45,11 +45,11 @@ class StreamSound(Closing):
             head["gesture"]["kind"],
             tuple(MappingDecision(*action) for action in head["actions"]),  # type: ignore[arg-type]
         )
-        if self._finder is None:  # whatever has happened before is old
-            self._finder = CueFinder(moment)
+        if self._finder is None:  # everything before this state is old
+            self._finder = CueFinder(facts)
             return True
         waits = head["slow"].get("accept_ms", 0.0) > 0
-        for cue in self._finder.find(moment):
+        for cue in self._finder.find(facts):
             volume = choose_volume(cue.kind, self.feedback.volume, waits=waits)
             if volume:
                 self._speaker.play(cue, self.feedback.sound, volume)
@@ -57,9 +57,9 @@ class StreamSound(Closing):
         return True
 
     def forget(self) -> None:
-        """Begins again: another driver comes, or the same one after a while."""
+        """Starts again for another driver, or for the same one after a pause."""
         self._finder = None
 
     def close(self) -> None:
-        """Ends its thread; a sound that is being played may end first."""
+        """Ends its thread, after the present sound."""
         self._speaker.close()

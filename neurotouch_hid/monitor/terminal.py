@@ -1,15 +1,16 @@
-"""The gel, the gesture and the pad in a terminal: a live picture, or plain lines."""
+"""Shows gel, gesture and pad in a terminal: a live picture, or plain lines."""
 
 import shutil
 import threading
 from collections.abc import Callable, Sequence
-from typing import TextIO
 
 import numpy as np
 
 from neurotouch_hid.geometry import LATTICE_MM, PITCH_MM, fit_rig
 from neurotouch_hid.messages import Axis, Button, GamepadState, GestureKind, Step
-from neurotouch_hid.monitor.sentence import describe_gesture, describe_pad
+from neurotouch_hid.monitor.output import Writable
+from neurotouch_hid.monitor.sentence import describe_gesture, describe_outputs
+from neurotouch_hid.printable import make_printable
 from neurotouch_hid.profile import MappingDecision
 
 PICTURE_HZ = 12.0
@@ -26,13 +27,13 @@ class LinesMonitor:
     """A tap that prints a line whenever the gesture or the pressed controls change.
 
     Args:
-        out: where the lines go.
-        decisions: gives the latest decisions of the mapping, oldest first; a line tells each
-            gesture that came to nothing, and why.
+        out: the lines are written there.
+        decisions: returns the latest decisions of the mapping, oldest first; a line explains each
+            gesture that had no effect.
     """
 
     def __init__(
-        self, out: TextIO, decisions: Callable[[], Sequence[MappingDecision]] = tuple
+        self, out: Writable, decisions: Callable[[], Sequence[MappingDecision]] = tuple
     ) -> None:
         self._out = out
         self._decisions = decisions
@@ -41,7 +42,7 @@ class LinesMonitor:
         self._due_us = self._told_us = -(1 << 62)
 
     def __call__(self, step: Step) -> None:
-        """Prints what is new in ``step``, if anything is."""
+        """Prints the changes in ``step``, if there are any."""
         for decision in self._decisions():
             if decision.t_us > self._told_us and decision.is_refusal:
                 self._write(step, str(decision))
@@ -58,25 +59,25 @@ class LinesMonitor:
             if step.gesture.kind is GestureKind.NONE:
                 gesture += f" (peak {self._peak_mm:.1f} mm)" if self._peak_mm else ""
                 self._peak_mm = 0.0
-            self._write(step, f"{gesture}; pad {describe_pad(step.pad)}")
+            self._write(step, f"{gesture}; pad {describe_outputs(step.pad) or 'neutral'}")
 
     def _write(self, step: Step, words: str) -> None:
         self._out.write(f"{step.gesture.t_us / 1e6:8.2f} s  {words}\n")
         self._out.flush()
 
     def close(self) -> None:
-        """Does nothing: there is nothing to put back."""
+        """Does nothing: there is nothing to restore."""
 
 
 class PictureMonitor:
-    """A tap that keeps the newest Step; a thread of its own draws it, so the pipeline never waits.
+    """A tap that keeps the newest step; a separate thread draws it, so the pipeline never waits.
 
     Args:
         out: a terminal that understands ANSI escapes.
-        title: what is being watched, first line of the picture.
+        title: first line of the picture.
     """
 
-    def __init__(self, out: TextIO, title: str) -> None:
+    def __init__(self, out: Writable, title: str) -> None:
         self._out = out
         self._title = title
         self._step: Step | None = None
@@ -87,11 +88,11 @@ class PictureMonitor:
         self._thread.start()
 
     def __call__(self, step: Step) -> None:
-        """Leaves ``step`` for the drawing thread."""
+        """Passes ``step`` to the drawing thread."""
         self._step = step
 
     def close(self) -> None:
-        """Leaves the last picture and gives the cursor back."""
+        """Leaves the last picture and shows the cursor again."""
         self._done.set()
         self._thread.join(timeout=1.0)
         self._out.write("\x1b[?25h")
@@ -106,15 +107,15 @@ class PictureMonitor:
         if self._step is None:
             return
         columns = shutil.get_terminal_size().columns  # a longer line would be two, and scroll
-        lines = [line[:columns] for line in draw(self._step, self._title)]
+        lines = [make_printable(line[:columns]) for line in draw_step(self._step, self._title)]
         up = f"\x1b[{self._height}A" if self._height else ""
         self._height = len(lines)
         self._out.write(up + "".join(f"\r{line}\x1b[K\n" for line in lines))
         self._out.flush()
 
 
-def draw(step: Step, title: str) -> list[str]:
-    """Draws one Step as lines of text, 15 rows of gel with the readings beside it."""
+def draw_step(step: Step, title: str) -> list[str]:
+    """Returns one step as lines of text, 15 rows of gel with the readings beside it."""
     gesture, pad = step.gesture, step.pad
     tracked = int(step.markers.valid.sum())
     right = [

@@ -12,7 +12,7 @@ from neurotouch_hid.monitor.cue import CueKind
 
 RATE_HZ: Final = 44_100
 PEAK: Final = 0.5
-"""Of full scale at 100 %: a sine of a few hundred Hz that loud is already piercing."""
+"""Share of full scale at 100 %: a sine of a few hundred Hz is already piercing at this level."""
 FADE_S: Final = 0.006
 """Rise and fall of a note; a sharp edge would click."""
 
@@ -30,8 +30,8 @@ PATTERNS: Final[dict[CueKind, tuple[Note, ...]]] = {
     CueKind.PANIC: ((494.0, 0.1), (330.0, 0.1), (494.0, 0.1), (330.0, 0.2)),
     CueKind.LOST: ((523.0, 0.1), (392.0, 0.1), (262.0, 0.25)),
 }
-"""Told apart by number, direction and pitch of the notes, and all below 1.2 kHz: higher ones fade
-first with age. Good news rises, bad news falls."""
+"""Number, direction and pitch of the notes differ. All are below 1.2 kHz, because age takes the
+hearing of high notes first. Good news rises, bad news falls."""
 
 
 @lru_cache(maxsize=32)
@@ -39,7 +39,7 @@ def make_wave(kind: CueKind, volume: int) -> bytes:
     """Returns a WAV file, 16 bit, mono.
 
     Args:
-        kind: which pattern.
+        kind: the pattern.
         volume: 0 to 100 percent.
     """
     notes = [_make_note(*note) for note in PATTERNS[kind]]

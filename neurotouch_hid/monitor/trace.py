@@ -1,45 +1,65 @@
-"""Writes one JSON line per slice: the record of a run for people and programs to read."""
+"""Writes one line of JSON for each slice, as a record of a run."""
 
+import io
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.messages import Axis, Button, GamepadState, Step
+from neurotouch_hid.monitor.output import Output
 from neurotouch_hid.monitor.sentence import direction_deg
+from neurotouch_hid.partial_file import PartialFile
 
 
 class TraceWriter:
-    """A tap that writes ``path``; it is there under its name only once it is complete.
+    """A tap that writes ``path``; the file gets its name only when it is complete.
 
     Each line has ``t_us`` (end of the slice), ``gesture``, ``intensity_mm``, ``contacts_px``
     ([[x, y], ...]), ``direction_deg`` (0 right, 90 towards the user; null at rest),
     ``markers_tracked`` and ``pad`` (every axis -1..1 or 0..1, every button true or false).
 
+    A disk that becomes full does not end the game: the trace is given up, and a sentence says so.
+
+    Args:
+        path: where the file will be.
+        announce: is told sentences for the person.
+
     Raises:
-        NeuroTouchError: the file cannot be written.
+        NeuroTouchError: the file cannot be made.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(
+        self,
+        path: Path,
+        announce: Callable[[str], object] = str,  # says nothing
+    ) -> None:
         self._path = path
-        # A device or a pipe is written to as it is: it must not be replaced by a file.
-        is_file = path.is_file() or not path.exists()
-        self._part = path.with_name(path.name + ".part") if is_file else path
+        self._announce = announce
         try:
-            self._file = self._part.open("w", encoding="utf-8")
+            self._partial = PartialFile(path)
         except OSError as error:
             raise NeuroTouchError(
                 f"The trace {path} cannot be written: {error.strerror}."
             ) from error
+        self._file = io.TextIOWrapper(io.BufferedWriter(self._partial.file), encoding="utf-8")
+        self._out = Output(self._file, f"the trace {path}", announce)
 
     def __call__(self, step: Step) -> None:
-        """Writes the pipeline of ``step``."""
-        self._file.write(json.dumps(_record(step), separators=(",", ":")) + "\n")
+        """Writes one line of JSON for a step."""
+        self._out.write(json.dumps(_record(step), separators=(",", ":")) + "\n")
 
     def close(self) -> None:
-        """Gives the finished file its name."""
-        self._file.close()
-        self._part.replace(self._path)
+        """Gives the finished file its name; what could not be written whole is removed."""
+        self._out.flush()
+        if self._out.has_failed:
+            self._partial.discard()
+            return
+        try:
+            self._partial.commit()
+        except OSError as error:
+            self._announce(f"Warning: the trace {self._path} is not kept: {error.strerror}.")
 
 
 def _record(step: Step) -> dict[str, Any]:

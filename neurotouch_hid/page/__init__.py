@@ -1,4 +1,4 @@
-"""The local web page: the driver publishes its newest state, another process shows it.
+"""The local web page: the driver publishes its newest state, and another process shows it.
 
 driver: pipeline ─▶ publisher ── Unix socket ──▶ page: subscriber ─▶ hub ─▶ browsers
 """

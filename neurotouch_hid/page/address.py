@@ -1,5 +1,6 @@
-"""Where the page of this person is served just now, for the other commands."""
+"""Address of this person's running page server, for the other commands."""
 
+import errno
 import json
 import os
 from contextlib import suppress
@@ -7,6 +8,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final
 
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
+from neurotouch_hid.ipc import find_believed
+from neurotouch_hid.page.guard import make_ticket
 from neurotouch_hid.players import find_runtime_folder
 
 FILE: Final = "page.json"
@@ -20,7 +24,7 @@ class Address:
         url: its root, ``http://127.0.0.1:7878/``.
         token: its secret.
         pid: its process.
-        may_edit: whether its page may change the profile.
+        may_edit: True if its page may change the profile.
     """
 
     url: str
@@ -32,6 +36,10 @@ class Address:
         """Returns the link that opens a page: browsers never send its fragment, the secret."""
         return f"{self.url}{page}#k={self.token}"
 
+    def link_for_browser(self, page: str = "") -> str:
+        """Returns the same for a program that is started with it: no secret is in it."""
+        return f"{self.url}open/{make_ticket(self.token)}/{page}"
+
 
 def find_address_file() -> Path:
     """Returns the file with the address; only its owner can read it."""
@@ -39,19 +47,30 @@ def find_address_file() -> Path:
 
 
 def write_address(address: Address) -> Path:
-    """Leaves the address for other commands of this person.
+    """Writes the address to a file, for other commands of this person.
 
     Raises:
         OSError: the file cannot be written.
     """
-    path = find_address_file()
+    part = write_secret(f"page.{os.getpid()}", json.dumps(asdict(address)))
+    return part.replace(find_address_file())
+
+
+def write_secret(name: str, text: str) -> Path:
+    """Writes a file that only this user can read, in the folder of this user's driver.
+
+    Raises:
+        OSError: it cannot be written, or the folder is a stranger's.
+    """
+    path = find_runtime_folder() / name
     path.parent.mkdir(mode=0o700, exist_ok=True)
-    part = path.with_suffix(f".{os.getpid()}")
-    part.unlink(missing_ok=True)
-    descriptor = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
+    if not find_believed(path.parent):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path.parent))
+    path.unlink(missing_ok=True)
+    # Neither a link nor a file that another user has just put there is opened.
+    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
     with os.fdopen(descriptor, "w") as file:
-        json.dump(asdict(address), file)
-    part.replace(path)
+        file.write(text)
     return path
 
 
@@ -66,7 +85,7 @@ def read_address() -> Address | None:
 
 
 def forget_address(pid: int) -> None:
-    """Takes the file away if it still names this process, which may have ended."""
+    """Removes the file if it still names this process, which may have ended."""
     address = _read_file()
     if address is not None and address.pid == pid:
         find_address_file().unlink(missing_ok=True)
@@ -76,6 +95,6 @@ def _read_file() -> Address | None:
     with suppress(OSError, ValueError, KeyError, TypeError):
         path = find_address_file()
         if path.lstat().st_uid == os.geteuid():
-            said = json.loads(path.read_text())
+            said = json.loads(read_text(path, MAX_SETTINGS_BYTES))
             return Address(said["url"], said["token"], said["pid"], said.get("may_edit") is True)
     return None

@@ -1,20 +1,23 @@
-"""What the page may change: marks and curves of the bindings of the active profile."""
+"""Saves changes from the page: bindings of the active profile, with their marks and curves."""
 
-import math
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from neurotouch_hid.client import ask
-from neurotouch_hid.errors import NotRunningError, ProfileError
-from neurotouch_hid.page.handed_over import hand_over_now
+from neurotouch_hid.client import ask, get_text
+from neurotouch_hid.errors import DriverError, NotRunningError, ProfileError
+from neurotouch_hid.page.handed_over import pass_on
 from neurotouch_hid.page.profile_view import Place, is_editable, list_places
+from neurotouch_hid.page.reading import read_number
 from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_unused
-from neurotouch_hid.profile.diagnostics.description import describe_target, describe_when
+from neurotouch_hid.profile.diagnostics import describe_target, describe_when
 from neurotouch_hid.profile.editing import (
     EditedFile,
+    ProfileText,
+    hand_over_restored,
+    make_favourite,
     make_profile,
     parse_do,
     parse_when,
@@ -24,9 +27,8 @@ from neurotouch_hid.profile.editing import (
     set_value,
     take_profile,
 )
-from neurotouch_hid.profile.editing.favourites import make_favourite
-from neurotouch_hid.profile.schema.movements import MOVEMENTS
-from neurotouch_hid.profile.schema.profile import Binding
+from neurotouch_hid.profile.reading import OWN_VALUES
+from neurotouch_hid.profile.schema import MOVEMENTS, Binding
 
 MARKS: Final = {
     "on_mm": "acts from {} mm",
@@ -37,16 +39,16 @@ MARKS: Final = {
     "power": "has a bend of {}",
     "points": "has a curve of its own",
 }
-"""What may be changed, and how the page says it."""
+"""The marks that can be changed, and the page's words for each."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """What a movement is to do.
+    """A binding that a browser requests.
 
     Attributes:
         movement: one of the eight.
-        press: ``tap``, ``double``, ``hold``, ``long``, or empty for as long as it lasts.
+        press: ``tap``, ``double``, ``hold``, ``long``, or empty: as long as the movement lasts.
         mode: ``toggle`` and so on, or empty.
         do: the output as ``parse_do`` takes it.
         layer: the layer; empty: the first.
@@ -62,17 +64,17 @@ class Wish:
 
 
 class Changes:
-    """Saves what has been dragged; each save is a version that can be undone.
+    """Saves changes to profiles; each save is a version that can be undone.
 
     Args:
-        stamp: the present moment, for the names of versions.
+        stamp: returns the present time, for the names of versions.
     """
 
     def __init__(self, stamp: Callable[[], str]) -> None:
         self._stamp = stamp
 
     def set(self, path: Path, key: str, mark: str, value: Any) -> str:
-        """Sets one mark and tells in a sentence what has been saved.
+        """Sets one mark; returns a sentence about the saved change.
 
         Args:
             path: the profile's file, as the driver names it.
@@ -81,89 +83,91 @@ class Changes:
             value: millimetres, the curve's number, or its points.
 
         Raises:
-            ProfileError: there is no such mark, or the value cannot be; nothing has changed.
-            DriverError: it is saved, and the running driver does not play it.
+            ProfileError: there is no such mark, or the value is not possible; nothing has changed.
+            PageError: the value is not a number; nothing has changed.
+            DriverError: it is saved, but the running driver does not use it.
         """
-        paper = self._take(path)
+        edited = self._take(path)
         place = _find_place(path, key)
-        text = _write(paper.text, place, mark, value)
-        if text == paper.text:
-            return f"{paper.name} says so already."
-        _save(paper, text)
-        said = f"Saved in {paper.name}: {_describe(place.binding, mark, value)}."
-        return f"{said} {hand_over_now(paper.name)}"
+        text = _write(edited.text, place, mark, value)
+        if text == edited.text:
+            return f"{edited.name} has this value already."
+        _save(edited, text)
+        said = _describe(place.binding, mark, value)
+        return f"Saved in {edited.name}: {said}. {pass_on(edited.name)}"
 
     def bind(self, path: Path, wish: "Wish") -> str:
-        """Lets a movement do something and tells in a sentence what has been saved.
+        """Binds a movement to an output; returns a sentence about the saved change.
 
         Raises:
             ProfileError: there is no such movement, output or binding; nothing has changed.
-            DriverError: it is saved, and the running driver does not play it.
+            DriverError: it is saved, but the running driver does not use it.
         """
-        paper = self._take(path)
+        edited = self._take(path)
         text = rebind(
-            paper.text,
+            edited.text,
             parse_when(f"{wish.movement.replace('_', ' ')} {wish.press}".strip()),
             parse_do(f"{wish.mode} {wish.do}".strip()),
             wish.layer or None,
             instead=wish.instead or None,
         )
-        _save(paper, text)
+        _save(edited, text)
         words = MOVEMENTS[wish.movement].words if wish.movement in MOVEMENTS else wish.movement
-        return (
-            f"Saved in {paper.name}: {words} {wish.press} → {wish.do}. {hand_over_now(paper.name)}"
-        )
+        return f"Saved in {edited.name}: {words} {wish.press} → {wish.do}. {pass_on(edited.name)}"
 
     def unbind(self, path: Path, key: str) -> str:
-        """Lets a movement no longer do something.
+        """Removes a binding.
 
         Raises:
             ProfileError: there is no such binding, or it is the last one; nothing has changed.
             DriverError: as ``bind``.
         """
-        paper = self._take(path)
-        _save(paper, remove_binding(paper.text, key))
-        return f"Removed from {paper.name}. {hand_over_now(paper.name)}"
+        edited = self._take(path)
+        _save(edited, remove_binding(edited.text, key))
+        return f"Removed from {edited.name}. {pass_on(edited.name)}"
 
     def use(self, name: str) -> str:
-        """Plays with a profile from now on.
+        """Switches to a profile.
 
         Raises:
             ProfileError: there is none, or it has errors.
-            DriverError: the running driver does not play it.
+            DriverError: the running driver does not use it.
         """
         stem, _, _ = make_favourite(name, self._stamp)
-        said = hand_over_now()
+        said = pass_on(OWN_VALUES)
         with suppress(NotRunningError):
-            said = str(ask("use", profile=stem)["text"])
+            said = get_text(ask("use", profile=stem))
         return said
 
     def copy(self, template: str) -> str:
-        """Makes a profile of the person's own as a copy of another, and plays with it.
+        """Makes a copy of a profile that the person can change, and switches to it.
 
-        What needs a movement that the person does not use goes to another one, if one is free.
+        A binding to a movement that the person does not use moves to a free movement, if any.
 
         Raises:
             ProfileError: there is no such template.
-            DriverError: the running driver does not play it.
+            DriverError: the running driver does not use it.
         """
         known = list_profiles()
         names = ("mine", *(f"mine-{number}" for number in range(2, len(known) + 3)))
         name = next(name for name in names if name not in known)
-        paper = make_profile(name, template, self._stamp)
-        paper.save(remap_unused(paper.text, load_unused()).text)
+        edited = make_profile(name, template, self._stamp)
+        edited.save(remap_unused(edited.text, load_unused()).text)
         return f"'{name}' is your own copy of {template}. {self.use(name)}"
 
     def undo(self, path: Path) -> str:
-        """Takes back the last change.
+        """Undoes the last change.
 
         Raises:
             ProfileError: there is none.
             DriverError: as ``set``.
         """
-        paper = self._take(path)
-        version = paper.store.undo()
-        return f"{paper.name} is as in version {version.number} again. {hand_over_now(paper.name)}"
+        version = self._take(path).store.undo()
+        restored = self._take(path)
+        effect = hand_over_restored(restored)
+        if effect.status != "OK":
+            raise DriverError(f"Back, but not in use. {effect.text}", hint=effect.fix)
+        return f"{restored.name} is as in version {version.number} again. {effect.text}"
 
     def _take(self, path: Path) -> EditedFile:
         if not is_editable(path):
@@ -174,27 +178,29 @@ class Changes:
         return take_profile(path.stem, self._stamp)
 
 
-def _save(paper: EditedFile, text: str) -> None:
+def _save(edited: EditedFile, text: ProfileText) -> None:
     """Saves a changed text if it is right.
 
     Raises:
-        ProfileError: it is not; the first mistake is told as people say it, without the file.
+        ProfileError: it is not; the first mistake is told without its place in the file.
     """
-    checked = paper.check(text)
+    checked = edited.check(text)
     if checked.whole is None:
-        known = {(each.path, each.sentence) for each in paper.check(paper.text).faults}
+        known = {(each.path, each.sentence) for each in edited.check(edited.text).faults}
         errors = [each for each in checked.faults if each.severity == "error"]
         new = [each for each in errors if (each.path, each.sentence) not in known]
         fault = (new or errors)[0]
         hint = f"{fault.hint[:1].upper()}{fault.hint[1:]}"
         raise ProfileError(f"Nothing was saved: {fault.sentence}.", hint=hint or None)
-    paper.save(text)
+    edited.save(text)
 
 
 def _describe(binding: Binding, mark: str, value: Any) -> str:
     """Returns for example ``pinch → button a acts from 4.1 mm``."""
     when = describe_when(binding)
-    if binding.condition.on_mm is not None:  # it is in the words, and may be what has changed
+    if (
+        binding.condition.on_mm is not None
+    ):  # the sentence names it anyway, and it may be the changed value
         when = when.removesuffix(f" from {binding.condition.on_mm:g} mm")
     number = "" if mark == "points" else f"{round(value, 2 if mark in ('expo', 'power') else 1):g}"
     if mark in ("rest", "full"):
@@ -203,7 +209,7 @@ def _describe(binding: Binding, mark: str, value: Any) -> str:
 
 
 def _find_place(path: Path, key: str) -> Place:
-    """Returns the binding of that name, from the file alone: nothing else is ever touched."""
+    """Returns the binding of that name from the profile's own file; no other file may change."""
     written = check_profile(path).written
     places = list_places(written) if isinstance(written, Profile) else []
     found = next((place for place in places if place.key == key), None)
@@ -212,12 +218,12 @@ def _find_place(path: Path, key: str) -> Place:
     return found
 
 
-def _write(text: str, place: Place, mark: str, value: Any) -> str:
+def _write(text: ProfileText, place: Place, mark: str, value: Any) -> ProfileText:
     if mark not in MARKS:
         raise ProfileError("There is no such mark.")
     if mark == "points":
         return set_value(text, f"{place.key}.curve", {"points": _read_points(value)})
-    number = _read_number(value)
+    number = read_number(value)
     if mark in ("on_mm", "off_mm"):
         return set_value(text, f"{place.key}.{mark}", round(number, 1))
     if mark in ("rest", "full"):
@@ -231,16 +237,10 @@ def _write(text: str, place: Place, mark: str, value: Any) -> str:
     return set_value(text, f"{place.key}.curve", {mark: round(number, 2)})
 
 
-def _read_number(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise ProfileError("A mark needs a finite number.")
-    return float(value)
-
-
 def _read_points(value: Any) -> list[list[float]]:
     if not isinstance(value, list) or not 1 <= len(value) <= 16:
         raise ProfileError("A curve needs 1 to 16 points.")
     for point in value:
         if not isinstance(point, list) or len(point) != 2:
             raise ProfileError("A point of a curve needs two numbers, [x, y].")
-    return [[round(_read_number(x), 2), round(_read_number(y), 2)] for x, y in value]
+    return [[round(read_number(x), 2), round(read_number(y), 2)] for x, y in value]

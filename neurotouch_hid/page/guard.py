@@ -1,16 +1,21 @@
-"""Who may talk to the page's server, and how much."""
+"""Access rules of the page's server: host, origin, token, and limits on clients and messages."""
 
+import hashlib
+import hmac
 import ipaddress
 import re
 import secrets
 import time
-from typing import Final
+from collections import Counter
+from typing import Final, Protocol, cast
 
 from neurotouch_hid.errors import PageError
 
 MOST_CLIENTS: Final = 4
-MOST_CONNECTIONS: Final = 12
-"""Clients, those who have not shown their token yet, and those who fetch a file."""
+"""Those who have shown the token. Nobody else can take these places."""
+
+MOST_WAITING: Final = 256
+"""Connections that have not shown the token yet, or fetch a file. Beyond it the oldest one goes."""
 
 MOST_BYTES: Final = 8 * 1024
 """The longest message a browser sends."""
@@ -19,10 +24,13 @@ MESSAGES_PER_S: Final = 250.0
 """A mouse reports 125 times a second, a very quick one 1000, which the page thins out."""
 
 TOKEN_S: Final = 5.0
-"""In which a client must show its token."""
+"""Time within which a client must send its token."""
+
+TICKET_S: Final = 60.0
+"""For so long a ticket opens the page: a browser may have to start first."""
 
 SILENCE_S: Final = 20.0
-"""A browser answers by itself; one whose machine has gone is forgotten after twice this time."""
+"""Interval of pings to a client; without an answer, it is dropped after twice this time."""
 
 LEAST_TOKEN: Final = 22
 """Characters of 64 kinds: 132 bits."""
@@ -38,7 +46,7 @@ HEADERS: Final = {
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
-"""With every answer. No CORS header, ever: another site has no business here."""
+"""Headers of every answer. There is no CORS header, so that other sites cannot read anything."""
 
 LOCAL: Final = ("localhost", "127.0.0.1", "[::1]")
 
@@ -48,18 +56,32 @@ def make_token() -> str:
     return secrets.token_urlsafe(24)
 
 
+def make_ticket(token: str) -> str:
+    """Returns what opens the page once more within a minute, without saying the token.
+
+    Every user of the machine can read the arguments of a browser that is started, so the token must
+    not be one of them. A ticket helps only who has it and is the owner, see ``Server``.
+    """
+    return _sign(token.encode(), int(time.monotonic() + TICKET_S))
+
+
+def _sign(token: bytes, until_s: int) -> str:
+    """Returns a ticket that ends at a moment of the machine's clock since its start."""
+    return f"{until_s}-{hmac.new(token, str(until_s).encode(), hashlib.sha256).hexdigest()}"
+
+
 class Guard:
-    """Knows what this server is called, and the secret of this run.
+    """Knows the server's names, and the secret of this run.
 
     Host and Origin are each compared with a list: a site that rebinds its name to this machine
     sends its own name in both, so comparing them with each other proves nothing.
 
     Args:
-        token: the secret, shown as the first message by every client that wants to see anything.
-        address: an address beside this machine's own that is listened at; None: only here.
+        token: the secret; every client must send it as its first message.
+        address: a further address to listen at; None: only this machine.
 
     Raises:
-        PageError: the address is none of one interface, or there is no token fit for it.
+        PageError: the address is not that of one interface, or the token is too weak.
     """
 
     def __init__(self, token: str, address: str | None = None) -> None:
@@ -78,17 +100,30 @@ class Guard:
 
     @property
     def hosts(self) -> frozenset[str]:
-        """What a Host header may say."""
+        """The permitted values of a Host header."""
         return frozenset(f"{name}:{port}" for name in self._names for port in self._ports)
 
     @property
     def origins(self) -> frozenset[str]:
-        """What an Origin header must say."""
+        """The permitted values of an Origin header."""
         return frozenset(f"http://{host}" for host in self.hosts)
 
     def knows(self, token: object) -> bool:
         """Returns True if it is the secret; takes as long if it is not."""
-        return isinstance(token, str) and secrets.compare_digest(token.encode(), self._token)
+        said = token.encode("utf-8", "replace") if isinstance(token, str) else b""
+        return secrets.compare_digest(said, self._token)
+
+    def accepts(self, ticket: str) -> bool:
+        """Returns True if a ticket was made with the secret and has not ended."""
+        until_s, now_s = ticket.partition("-")[0], time.monotonic()
+        if not re.fullmatch("[0-9]{1,12}", until_s) or not ticket.isascii():
+            return False
+        is_true = secrets.compare_digest(ticket, _sign(self._token, int(until_s)))
+        return is_true and now_s <= int(until_s)
+
+    def link(self, page: str) -> str:
+        """Returns where a page is on this server, with the secret."""
+        return f"/{page}#k={self._token.decode()}"
 
 
 def _write_host(address: str) -> str:
@@ -96,19 +131,51 @@ def _write_host(address: str) -> str:
         parsed = ipaddress.ip_address(address)
     except ValueError:
         raise PageError(
-            f"'{address}' is no address.",
+            f"'{address}' is not an IP address.",
             hint="Give the address of one interface of this machine, see: ip address",
         ) from None
     if parsed.is_unspecified or parsed.is_multicast:
         raise PageError(
-            f"Address {address} would let everybody in who can reach this machine in any way.",
+            f"At the address {address}, anyone who can reach this machine could open the page.",
             hint="Give the address of one interface of this machine, see: ip address",
         )
     return f"[{parsed}]" if parsed.version == 6 else str(parsed)
 
 
+class Connection(Protocol):
+    """A connection that can be ended at once."""
+
+    def drop(self) -> None:
+        """Ends it."""
+
+
+class Waiting:
+    """The connections whose token has not been seen. None of them can keep a new one out.
+
+    A page shows its token as soon as it is connected, so an old one is hardly the owner's. Where
+    there are too many, the oldest one goes, of the address with the most.
+    """
+
+    def __init__(self, most: int = MOST_WAITING) -> None:
+        self._most = most
+        self._addresses: dict[Connection, str] = {}  # the oldest first
+
+    def add(self, connection: Connection, address: str) -> None:
+        """Takes one in; another one may have to go."""
+        self._addresses[connection] = address
+        if len(self._addresses) > self._most:
+            crowd = Counter(self._addresses.values()).most_common(1)[0][0]
+            oldest = next(each for each, its in self._addresses.items() if its == crowd)
+            self.remove(oldest)
+            oldest.drop()
+
+    def remove(self, connection: object) -> None:
+        """Forgets one that has shown the token or gone. Harmless when repeated."""
+        self._addresses.pop(cast(Connection, connection), None)
+
+
 class Rate:
-    """Counts the messages of a client; a bucket that fills as time goes on."""
+    """Limits the messages of a client: a token bucket."""
 
     def __init__(self, per_s: float = MESSAGES_PER_S) -> None:
         self._per_s = per_s
@@ -116,7 +183,7 @@ class Rate:
         self._at = time.monotonic()
 
     def allows(self) -> bool:
-        """Returns True unless it is too many."""
+        """Returns False if there are too many messages."""
         now = time.monotonic()
         self._left = min(self._left + (now - self._at) * self._per_s, self._per_s)
         self._at = now

@@ -1,23 +1,19 @@
-"""What the page says of saved settings: whether they apply already."""
+"""Passes saved settings to the running driver, and says on the page whether they apply."""
 
 from neurotouch_hid.errors import DriverError
-from neurotouch_hid.handover import hand_over
+from neurotouch_hid.profile.editing import hand_over_saved
 
 
-def hand_over_now(profile: str = "") -> str:
-    """Gives what has been saved to the running driver, and tells what became of it.
+def pass_on(name: str) -> str:
+    """Passes the saved change to the running driver; returns a sentence about the result.
 
     Args:
-        profile: what has been saved; empty: the person's own values, which always apply.
+        name: the profile, or ``user`` for the person's own values.
 
     Raises:
-        DriverError: it goes on with what it had.
+        DriverError: the saved change has no effect.
     """
-    done = hand_over()
-    if done.status == "refused":
-        raise DriverError(f"Saved, but not in use. {done.text}", hint=done.fix)
-    if done.status != "plays":
-        return done.text
-    if profile and profile not in done.profiles:
-        return f"Another profile is active. Choose '{profile}' and press 'Play with it'."
-    return "It applies now."
+    effect = hand_over_saved(name)
+    if effect.status != "OK":
+        raise DriverError(f"Saved, but not in use. {effect.text}", hint=effect.fix)
+    return effect.text

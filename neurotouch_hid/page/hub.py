@@ -1,21 +1,21 @@
-"""Between the driver and the browsers: the newest state to each as fast as it can take it."""
+"""Forwards the driver's newest state to each browser, as fast as the browser can take it."""
 
 import asyncio
 import json
 import time
 from contextlib import suppress
-from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Final, Literal, TypedDict, Unpack
+from typing import TYPE_CHECKING, Any, Final, Unpack
 
 from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 
 from neurotouch_hid.errors import NeuroTouchError
-from neurotouch_hid.ipc import HAND, connect_to
+from neurotouch_hid.files.small_file import find_real_path
+from neurotouch_hid.ipc import HAND, connect_to, read_object
 from neurotouch_hid.page.edits import Changes
 from neurotouch_hid.page.guard import Rate
-from neurotouch_hid.page.outputs import OutputGroup
+from neurotouch_hid.page.messages import PageMessage, SituationState
 from neurotouch_hid.page.own_values import (
     OwnValues,
     OwnValuesView,
@@ -23,15 +23,19 @@ from neurotouch_hid.page.own_values import (
     load_usable_user,
 )
 from neurotouch_hid.page.profile_view import ProfileFault, ProfileView, describe_profile
+from neurotouch_hid.page.reading import read_number
 from neurotouch_hid.page.requests import Requests
 from neurotouch_hid.page.situation import find_situation
 from neurotouch_hid.players import find_runtime_folder, find_user_file
-from neurotouch_hid.profile.reading.library import find_profile
+from neurotouch_hid.profile.reading import find_profile
 from neurotouch_hid.snapshot import read_head
 from neurotouch_hid.subscriber import Subscriber
 
+if TYPE_CHECKING:
+    from neurotouch_hid.evaluation.people.throughput import Figures
+
 LOOK_S: Final = 0.5
-"""How often a driver is looked for, and its profile's file for changes."""
+"""Interval at which it looks for a driver, and for changes of the profile's file."""
 
 SILENT_S: Final = 3.0
 """A driver that has shown nothing for so long waits for its camera."""
@@ -40,52 +44,8 @@ MOST_HZ: Final = 60
 MOST_TRIALS: Final = 500
 
 
-class PageMessage(TypedDict, total=False):
-    """What a browser is told beside the states; each message holds some of these keys.
-
-    Attributes:
-        hello: the browser may stay.
-        edit: the browser may change profiles and pause the driver; comes with ``hello``.
-        far: the page is served to other machines; comes with ``hello``.
-        driver: a driver runs.
-        about: the active profile; while no driver runs, the one it would play.
-        own: the person's own values, as far as the page changes them.
-        saved: what has been done, in a sentence; empty where the next state says it.
-        refused: what has not been done, and why.
-        throughput: the figures of a game.
-        situation: what keeps the gel from playing while no driver runs.
-        outputs: what a movement can do.
-        profiles: those there are.
-        picture: what the camera sees, as the address of a picture.
-        program: output or end of a program that the page has started.
-        started: such a program, by name.
-        stopped: the same.
-        remote: the link for another device; None when its right has ended.
-        n: the number of the browser's message that this answers.
-    """
-
-    hello: Literal[True]
-    edit: bool
-    far: bool
-    driver: bool
-    about: ProfileView | ProfileFault | None
-    own: OwnValuesView
-    saved: str
-    refused: str
-    throughput: dict[str, Any]
-    situation: dict[str, str]
-    outputs: list[OutputGroup]
-    profiles: list[dict[str, Any]]
-    picture: str
-    program: dict[str, Any]
-    started: str
-    stopped: str
-    remote: dict[str, Any] | None
-    n: int | None
-
-
 class Client:
-    """A browser. What it has no time for is dropped: only the newest state waits.
+    """A browser. A slow one misses states: only the newest state waits.
 
     Attributes:
         pauses: the driver is paused for as long as this browser waits for a movement.
@@ -101,8 +61,8 @@ class Client:
         self._due_s = 0.0
         self._bell = asyncio.Event()
 
-    def show(self, state: bytes) -> None:
-        """Leaves the newest state, if it is time for one."""
+    def queue_state(self, state: bytes) -> None:
+        """Queues the newest state, if it is time for one."""
         now = time.monotonic()
         if self.hz and now >= self._due_s:
             # A little early is in time, or 30 of 60 would become 20.
@@ -115,12 +75,12 @@ class Client:
         self._state = None
 
     def tell(self, **message: Unpack[PageMessage]) -> None:
-        """Leaves a message; none of these is dropped, and there are few."""
+        """Queues a message; none of these is dropped, and there are few."""
         self._words.append(json.dumps(message, separators=(",", ":")))
         self._bell.set()
 
     async def send(self) -> None:
-        """Sends what is left, until the browser goes."""
+        """Sends queued messages until the browser disconnects."""
         while True:
             await self._bell.wait()
             self._bell.clear()
@@ -133,11 +93,11 @@ class Client:
 
 
 class Hub:
-    """All browsers of a server, and the one driver they look at.
+    """All browsers of a server, and the one driver that they watch.
 
     Args:
-        edit: whether anything may be changed, paused or started.
-        stamp: the present moment, for the names of versions.
+        edit: True if browsers may change, pause or start anything.
+        stamp: returns the present time, for the names of versions.
         is_far: the page is served to other machines too.
     """
 
@@ -150,7 +110,7 @@ class Hub:
             own=OwnValues(stamp),
             tell_all=self._tell_all,
         )
-        self._situation: dict[str, str] | None = None
+        self._situation: SituationState | None = None
         self._listener = Subscriber()
         self._clients: set[Client] = set()
         self._came = asyncio.Event()  # a browser, which waits for nothing
@@ -164,11 +124,11 @@ class Hub:
 
     @property
     def n_clients(self) -> int:
-        """How many browsers watch."""
+        """The number of browsers."""
         return len(self._clients)
 
     async def run(self) -> None:
-        """Looks for a driver, and again when that has ended; never returns."""
+        """Connects to a driver, and to the next one when it has ended; never returns."""
         while True:
             if self._clients:
                 self._connect()
@@ -189,12 +149,18 @@ class Hub:
             if self._newest is not None:
                 self._situation = None
             return
-        found = asdict(await asyncio.to_thread(find_situation, waits=runs))
+        situation = await asyncio.to_thread(find_situation, waits=runs)
+        found: SituationState = {
+            "kind": situation.kind,
+            "text": situation.text,
+            "next": situation.next,
+            "mend": situation.mend,
+        }
         if found != self._situation:
             self._situation = found
             self._tell_all({"situation": found})
 
-    def _tell_all(self, message: dict[str, Any]) -> None:
+    def _tell_all(self, message: PageMessage) -> None:
         for client in self._clients:
             client.tell(**message)
 
@@ -221,8 +187,8 @@ class Hub:
             client.tell(driver=False)
 
     async def serve(self, client: Client, hz: int) -> None:
-        """Serves a browser that has shown the token, until it goes."""
-        self._look_at_profile()  # tells those who are there; this one is told below
+        """Serves a browser that has sent the token, until it disconnects."""
+        self._look_at_profile()  # for the other browsers; this one gets the profile below
         self._clients.add(client)
         self._came.set()
         sender = asyncio.create_task(client.send())
@@ -257,7 +223,7 @@ class Hub:
                 await sender
 
     async def close(self) -> None:
-        """Parts from the driver, and ends what the page has started."""
+        """Disconnects from the driver, and ends the programs that the page has started."""
         await self._requests.close()
         self._listener.close()
         if self._hand is not None:
@@ -281,7 +247,7 @@ class Hub:
             return
         self._heard_s = time.monotonic()
         for client in self._clients:
-            client.show(state)
+            client.queue_state(state)
         is_first, self._newest = self._newest is None, state
         if is_first:
             self._look_at_profile()
@@ -307,14 +273,13 @@ class Hub:
             client.tell(about=self._about, own=self._own, driver=runs)
 
     async def _hear(self, client: Client, message: str | bytes) -> None:
-        """Does what a browser asks for; what it may not ask for, it is told."""
-        try:
-            request = json.loads(message)
-        except (ValueError, RecursionError):
-            request = None
-        if not isinstance(request, dict):
-            client.tell(refused="That is no message.")
+        """Carries out a browser's request; reports refused ones to the browser."""
+        request = read_object(message)
+        if request is None:
+            client.tell(refused="The message cannot be read.")
             return
+        number = request.get("n")
+        n = number if isinstance(number, int) else None
         try:
             match request.get("do"):
                 case "rate" if isinstance(request.get("hz"), int):
@@ -328,19 +293,20 @@ class Hub:
                     reply = await self._requests.carry_out(request, self._path)
                     if verb in ("pause", "resume"):
                         client.pauses = verb == "pause" and request.get("for") == "movement"
+                    answer: PageMessage = {**reply, "n": n}
                     self._look_at_profile()  # first: what is said to be saved is shown already
-                    client.tell(**reply, n=request.get("n"))
+                    client.tell(**answer)
         except NeuroTouchError as error:
             hint = f" {error.hint}" if error.hint else ""
-            client.tell(refused=f"{error.message}{hint}", n=request.get("n"))
+            client.tell(refused=f"{error.message}{hint}", n=n)
             if self._about is not None:
                 client.tell(about=self._about)  # a mark that was dragged goes back
             client.tell(own=self._own)
 
     def _steer(self, message: bytes) -> None:
-        """Hands the mouse's gel on to the simulator, if that is what runs; nothing else hears it.
+        """Forwards a command of the mouse gel to the simulator, if the simulator is the source.
 
-        What has no room is dropped: the next one is newer.
+        If there is no room, the command is dropped: the next one is newer.
         """
         for _ in range(2):
             try:
@@ -358,9 +324,9 @@ class Hub:
 
 
 def _find_favourite() -> str:
-    """Returns the profile that the next driver would play; empty if it cannot be said."""
+    """Returns the profile that the next driver would use; empty if it is unknown."""
     try:
-        return str(find_profile(load_usable_user().slots[0]).resolve())
+        return str(find_real_path(find_profile(load_usable_user().slots[0])))
     except (NeuroTouchError, OSError):
         return ""
 
@@ -372,11 +338,11 @@ def _read_stamp(path: Path) -> tuple[int, ...]:
     return ()
 
 
-def _measure(trials: Any) -> dict[str, Any]:
+def _measure(trials: Any) -> "Figures":
     """Returns the figures of ISO 9241-411 for the trials of a game.
 
     Raises:
-        NeuroTouchError: they are none.
+        NeuroTouchError: the data is not a list of trials.
     """
     # Imports numpy, which the page needs for nothing else.
     from neurotouch_hid.evaluation.people.throughput import (  # noqa: PLC0415
@@ -385,18 +351,18 @@ def _measure(trials: Any) -> dict[str, Any]:
     )
 
     if not isinstance(trials, list) or len(trials) > MOST_TRIALS:
-        raise NeuroTouchError("There is nothing to measure.")
+        raise NeuroTouchError("There are no trials to measure.")
     try:
         read = [
             Trial(
-                float(trial["width"]),
-                (float(trial["start"][0]), float(trial["start"][1])),
-                (float(trial["target"][0]), float(trial["target"][1])),
-                (float(trial["selected"][0]), float(trial["selected"][1])),
-                float(trial["movement_s"]),
+                read_number(trial["width"]),
+                (read_number(trial["start"][0]), read_number(trial["start"][1])),
+                (read_number(trial["target"][0]), read_number(trial["target"][1])),
+                (read_number(trial["selected"][0]), read_number(trial["selected"][1])),
+                read_number(trial["movement_s"]),
             )
             for trial in trials
         ]
         return measure_pointing(read)
     except (KeyError, TypeError, ValueError, IndexError, ZeroDivisionError, OverflowError):
-        raise NeuroTouchError("These are no trials.") from None
+        raise NeuroTouchError("The trials of the game cannot be read.") from None

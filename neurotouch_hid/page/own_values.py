@@ -6,12 +6,14 @@ from functools import partial
 from typing import Any, Final, TypedDict
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.page.handed_over import hand_over_now
+from neurotouch_hid.files.faults import describe_fault
+from neurotouch_hid.page.handed_over import pass_on
 from neurotouch_hid.players import find_user_file
 from neurotouch_hid.profile import UserSettings, check_user, load_user
-from neurotouch_hid.profile.calibration.result import undo_ranges
+from neurotouch_hid.profile.calibration import undo_ranges
 from neurotouch_hid.profile.editing import (
     EditedFile,
+    ProfileText,
     Store,
     read_text,
     reset_value,
@@ -19,9 +21,8 @@ from neurotouch_hid.profile.editing import (
     take_back,
     take_user,
 )
-from neurotouch_hid.profile.faults import describe_fault
-from neurotouch_hid.profile.reading.load import find_values
-from neurotouch_hid.profile.schema.timing import Timing
+from neurotouch_hid.profile.reading import OWN_VALUES, find_values
+from neurotouch_hid.profile.schema import Timing
 
 NAMES: Final = ("filter", "timing", "neutral", "fatigue", "feedback.sound")
 """What a person may set on the page."""
@@ -138,12 +139,12 @@ class OwnValues:
         for version in store.versions():
             if check_user(version.path.read_bytes(), path.name).whole is not None:
                 store.restore(version.number)
-                return f"Your own values are as they were before. {hand_over_now()}"
+                return f"Your own values are as they were before. {pass_on(OWN_VALUES)}"
         store.delete()
-        return f"Your own values were put aside, and the usual ones apply. {hand_over_now()}"
+        return f"Your own values were put aside, and the usual ones apply. {pass_on(OWN_VALUES)}"
 
 
-def _save(edited: EditedFile, text: str) -> str:
+def _save(edited: EditedFile, text: ProfileText) -> str:
     """Saves the text and tells what became of it.
 
     Raises:
@@ -154,7 +155,7 @@ def _save(edited: EditedFile, text: str) -> str:
     if checked.whole is None:
         raise ProfileError(f"Nothing was saved. {describe_fault(checked.faults[0])}")
     edited.save(text)
-    return hand_over_now()
+    return pass_on(OWN_VALUES)
 
 
 def _list_values(settings: UserSettings) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Pictures for the page: what the camera sees, and a link as a square to photograph."""
+"""Pictures for the page: the camera's newest frame, and a link as a QR code."""
 
 import base64
 
@@ -8,15 +8,15 @@ from neurotouch_hid.recording.wire import receive_packets
 
 _PATIENCE_S = 3.0
 _QUIET = 2
-"""Modules of white around a code, with the two that the encoder makes: the four it needs."""
+"""Modules of white around a code; with the two of the encoder they are the four that it needs."""
 
 
 def take_picture() -> str:
-    """Returns the newest frame of the running driver, as the address of a picture.
+    """Returns the newest frame of the running driver as a data address.
 
     Raises:
         DriverError: none runs, or it does not answer.
-        PageError: no frame comes.
+        PageError: no frame arrives.
     """
     _, line = open_stream("record")
     with line:
@@ -29,13 +29,13 @@ def take_picture() -> str:
             frame = None
     if frame is None:
         raise PageError(
-            "The camera gives no picture.", hint="Look for the cause: neurotouch doctor"
+            "The camera sends no picture.", hint="Find the cause with: neurotouch doctor"
         )
     return _write(frame.pixels)
 
 
 def draw_code(link: str) -> str:
-    """Returns a link as a QR code, as the address of a picture."""
+    """Returns a link as a QR code, as a data address."""
     import cv2  # noqa: PLC0415  # a large import for one picture
     import numpy as np  # noqa: PLC0415
 

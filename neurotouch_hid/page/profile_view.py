@@ -1,4 +1,4 @@
-"""What the page shows of a profile: its bindings, their marks, what may be changed."""
+"""Describes a profile for the page: its bindings, their marks, and which of them can be changed."""
 
 import math
 from dataclasses import dataclass
@@ -6,24 +6,30 @@ from pathlib import Path
 from typing import Final, NotRequired, TypedDict, get_args
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.faults import describe_fault
 from neurotouch_hid.page.own_values import load_usable_user
 from neurotouch_hid.profile import check_profile
-from neurotouch_hid.profile.diagnostics.description import describe_target, describe_when
+from neurotouch_hid.profile.diagnostics import describe_target, describe_when
 from neurotouch_hid.profile.editing import name_bindings
-from neurotouch_hid.profile.engine.one_euro import FILTERS, OneEuro
-from neurotouch_hid.profile.engine.response import make_response
-from neurotouch_hid.profile.faults import describe_fault
-from neurotouch_hid.profile.mapping import choose_filter
-from neurotouch_hid.profile.reading.library import find_shipped_folder, list_profile_folders
-from neurotouch_hid.profile.schema.layering import merge_bindings
-from neurotouch_hid.profile.schema.movements import MovementName
-from neurotouch_hid.profile.schema.profile import FIRST_LAYER, Binding, Profile
-from neurotouch_hid.profile.schema.shaping import Expo, Points, Power, Shaped
-from neurotouch_hid.profile.schema.timing import FilterName
+from neurotouch_hid.profile.engine import FILTERS, OneEuro, make_response
+from neurotouch_hid.profile.reading import find_shipped_folder, list_profile_folders
+from neurotouch_hid.profile.schema import (
+    FIRST_LAYER,
+    Binding,
+    Expo,
+    FilterName,
+    MovementName,
+    Points,
+    Power,
+    Profile,
+    Shaped,
+    choose_filter,
+    merge_bindings,
+)
 from neurotouch_hid.vocabulary import GestureKind
 
 MOVEMENTS: Final = get_args(MovementName)
-"""The eight bars, by the names the person's ranges have."""
+"""The eight bars, by the names of the person's ranges."""
 
 SAMPLES: Final = 33
 """Points of a response curve."""
@@ -35,11 +41,11 @@ PRESS_MS: Final = 300
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a binding is in the profile's own file.
+    """Place of a binding in the profile's own file.
 
     Attributes:
-        key: the way to it as ``set_value`` takes it, ``layers.menu.pinch``.
-        binding: what is there.
+        key: its key for ``set_value``, such as ``layers.menu.pinch``.
+        binding: the binding.
     """
 
     key: str
@@ -47,21 +53,21 @@ class Place:
 
 
 class BindingView(TypedDict):
-    """What the page shows of a binding; the marks only where it has them.
+    """A binding for the page, with the marks that it has.
 
     Attributes:
-        key: the way to it as ``set_value`` takes it; None where it is in another profile.
+        key: its key for ``set_value``; None if it is in another profile.
         when: the movement in words.
-        do: what it does, in words.
-        movements: the bars it shows in.
-        on_mm: where it acts.
-        off_mm: where it is released.
-        unit: of ``rest`` and ``full``: ``mm`` or ``mm/s``.
-        rest: where it begins to move.
-        full: where it reaches its end.
-        most: where the drawn curve ends.
+        do: the output in words.
+        movements: the bars that show it.
+        on_mm: the intensity at which it acts.
+        off_mm: the intensity at which it releases.
+        unit: unit of ``rest`` and ``full``: ``mm`` or ``mm/s``.
+        rest: the start of its range.
+        full: the end of its range.
+        most: the end of the drawn curve.
         samples: the curve, evenly from 0 to ``most``.
-        curve: its one number or its points, by name; missing where it cannot be dragged.
+        curve: its one number or its points, by name; missing if it cannot be dragged.
     """
 
     key: str | None
@@ -86,13 +92,13 @@ class LayerView(TypedDict):
 
 
 class ProfileView(TypedDict):
-    """What the page shows of a profile.
+    """A profile for the page.
 
     Attributes:
         profile: its name.
-        description: what it is for.
+        description: its purpose.
         shipped: it came with the program.
-        edit: it may be changed from the page.
+        edit: the page may change it.
         filter: the tremor filter.
         filter_ms: by how much that delays a press, in ms.
         resting: the neutral pose is that of a resting hand.
@@ -112,17 +118,17 @@ class ProfileView(TypedDict):
 
 
 class ProfileFault(TypedDict):
-    """Why a profile cannot be shown."""
+    """A profile that cannot be shown, with the reason."""
 
     fault: str
 
 
 def describe_profile(path: Path, *, edit: bool) -> ProfileView:
-    """Returns what the page shows of a profile, ready for JSON.
+    """Returns a profile for the page, ready for JSON.
 
     Args:
         path: its file.
-        edit: whether changes are allowed.
+        edit: True if changes are allowed.
 
     Raises:
         ProfileError: the file cannot be used.
@@ -158,16 +164,16 @@ def describe_profile(path: Path, *, edit: bool) -> ProfileView:
 
 
 def is_editable(path: Path) -> bool:
-    """Returns True for profiles in the folders that profiles are looked for in.
+    """Returns True for profiles in one of the profile folders.
 
-    No other file is touched.
+    The page changes no other file.
     """
     folders = {folder.resolve() for folder in list_profile_folders()}
     return path.parent in folders and path.suffix == ".yaml"
 
 
 def list_places(written: Profile) -> list[Place]:
-    """Returns every binding of the profile's own file, and the way to it."""
+    """Returns every binding of the profile's own file, with its key."""
     places = []
     for layer in written.all_layers:
         documents = [binding.model_dump(exclude_unset=True) for binding in layer.bindings]
@@ -183,7 +189,7 @@ def list_places(written: Profile) -> list[Place]:
 
 
 def measure_lag(name: FilterName) -> float:
-    """Returns how much a filter delays the middle of a press of 5 mm in 300 ms, in ms."""
+    """Returns the delay by a filter, in ms, at the middle of a press of 5 mm in 300 ms."""
     if name not in FILTERS:
         return 0.0
     smooth = OneEuro(*FILTERS[name])
@@ -199,7 +205,7 @@ def measure_lag(name: FilterName) -> float:
 
 
 def _find_key(binding: Binding, layer: str, places: list[Place]) -> str | None:
-    """Returns the way to a binding; None where it is in a profile this one is built on."""
+    """Returns the key of a binding; None if it is in a profile that this one is based on."""
     same = [place.key for place in places if place.binding == binding]
     inside = [key for key in same if key.startswith(f"layers.{layer}.")]
     return next(iter(inside or same), None)
@@ -248,9 +254,9 @@ def _add_response(view: BindingView, binding: Binding, kind: GestureKind, do: Sh
 
 
 def _fits(movement: str, kinds: list[str], direction: str | None) -> bool:
-    """Returns True if the bar of a movement shows what a binding waits for.
+    """Returns True if the bar of a movement shows a binding.
 
-    Diagonals show in two.
+    Two bars show a diagonal.
     """
     gesture = "push" if movement.startswith("push") else movement
     if gesture not in kinds:

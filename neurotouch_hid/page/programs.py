@@ -1,4 +1,4 @@
-"""Commands of ours that the page runs for the person: a driver, a calibration, a check, a remote.
+"""Runs commands of this program for the page: a driver, a calibration, a check, a remote page.
 
 Each is the command that a terminal would run, with pipes instead of the terminal.
 """
@@ -6,9 +6,10 @@ Each is the command that a terminal would run, with pipes instead of the termina
 import asyncio
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any, Final
+from typing import Final
 
 from neurotouch_hid.errors import PageError
+from neurotouch_hid.page.messages import ProgramNews
 from neurotouch_hid.process.own_command import make_own_command
 
 COMMANDS: Final = {
@@ -18,14 +19,14 @@ COMMANDS: Final = {
     "check": ("doctor", "--json"),
     "setup": ("setup", "--yes"),
 }
-"""What a browser may have run, by the name it asks for. It gives no argument of its own."""
+"""The commands that a browser may start, by name. It cannot add arguments."""
 
 SERVICE: Final = ("pkexec", "systemctl", "start", "neurotouch")
 """The only command of the list that is not ours: ``service``."""
 
 DRIVERS: Final = ("camera", "mouse")
 MOST_LINES: Final = 400
-"""Of a program's output; a calibration needs a tenth of it."""
+"""Limit for a program's output; a calibration needs a tenth of it."""
 
 _PATIENCE_S: Final = 5.0
 
@@ -34,19 +35,18 @@ class Programs:
     """At most one driver and one other program at a time.
 
     Args:
-        tell: is given what happens, as keys and values for the browsers: ``program`` with its
-            ``name`` and a ``line`` of output, or its ``code`` when it has ended.
+        tell: called with each line of output, and with the end of each program.
     """
 
-    def __init__(self, tell: Callable[[dict[str, Any]], object]) -> None:
+    def __init__(self, tell: Callable[[ProgramNews], object]) -> None:
         self._tell = tell
         self._running: dict[str, asyncio.subprocess.Process] = {}
         self._lines: dict[str, list[str]] = {}
         self._readers: set[asyncio.Task[None]] = set()
 
     @property
-    def news(self) -> list[dict[str, Any]]:
-        """What a browser that comes later needs to be told: the output of what runs."""
+    def news(self) -> list[ProgramNews]:
+        """The messages for a browser that connects later: the output of running programs."""
         return [
             {"name": name, "line": line} for name in self._running for line in self._lines[name]
         ]
@@ -55,11 +55,11 @@ class Programs:
         """Starts a command of the list.
 
         Args:
-            name: of the list, or ``remote``.
+            name: a name of the list, or ``remote``.
             arguments: the whole command of ``remote``.
 
         Raises:
-            PageError: there is none of this name, or one like it runs.
+            PageError: there is none of this name, or such a program runs already.
         """
         if name == "service":
             command = [*SERVICE]
@@ -85,7 +85,7 @@ class Programs:
         reader.add_done_callback(self._readers.discard)
 
     def answer(self, name: str, text: str) -> None:
-        """Gives a program a line, as if it had been typed.
+        """Sends a line to a program, as if a person had typed it.
 
         Raises:
             PageError: it does not run.

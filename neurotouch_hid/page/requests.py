@@ -1,4 +1,4 @@
-"""What a browser may ask for, and what is done about it."""
+"""Carries out the requests of browsers."""
 
 import asyncio
 import re
@@ -7,40 +7,45 @@ from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any, Final
 
-from neurotouch_hid.client import ask, is_served
+from neurotouch_hid.client import ask, ask_every, get_text, is_served
 from neurotouch_hid.errors import PageError, ProfileError
+from neurotouch_hid.page.address import write_secret
 from neurotouch_hid.page.edits import Changes, Wish
 from neurotouch_hid.page.guard import make_token
-from neurotouch_hid.page.outputs import list_outputs
+from neurotouch_hid.page.messages import PageMessage, ProfileRow, ProgramNews, Remote
+from neurotouch_hid.page.output_choices import OutputGroup, list_outputs
 from neurotouch_hid.page.own_values import OwnValues, load_usable_user
 from neurotouch_hid.page.pictures import draw_code, take_picture
 from neurotouch_hid.page.programs import DRIVERS, Programs
+from neurotouch_hid.page.reading import read_word
 from neurotouch_hid.page.situation import MENDS
-from neurotouch_hid.players import find_runtime_folder
+from neurotouch_hid.players import find_player, find_runtime_folder
 from neurotouch_hid.profile import Profile, check_profile, list_profiles
-from neurotouch_hid.profile.reading.library import find_user_folder
+from neurotouch_hid.profile.reading import find_user_folder
 
 Request = dict[str, Any]
-Reply = dict[str, Any]
+"""The message of a browser, which may hold anything: each value is checked where it is read."""
+
+Reply = PageMessage
 Handler = Callable[[Request, Path], Awaitable[Reply]]
 
 REMOTE_S: Final = 3600.0
-"""The right of another device to this page ends by itself."""
+"""The access of another device to this page ends after this time."""
 
 _REMOTE_FILE: Final = "remote-token"
 _FAR_LINK = re.compile(r"From other machines: (\S+)#k=TOKEN")
 
 
 class Requests:
-    """Carries out what browsers ask for.
+    """Carries out the requests of browsers.
 
     Args:
-        edit: whether anything may be changed.
-        is_far: the page is served to other machines, and may not let in more.
-        changes: saves what belongs to a profile.
-        own: saves what belongs to the person.
-        tell_all: tells every browser something.
-        remote_s: for how long another device may see this page.
+        edit: True if changes are allowed.
+        is_far: the page is served to other machines, and may not admit more of them.
+        changes: saves changes to profiles.
+        own: saves changes to the person's own values.
+        tell_all: sends a message to every browser.
+        remote_s: how long another device may use the page.
     """
 
     def __init__(
@@ -58,7 +63,7 @@ class Requests:
         self._tell_all = tell_all
         self._programs = Programs(self._hear_program)
         self._token = ""
-        self._remote: Reply | None = None
+        self._remote: Remote | None = None
         self._remote_s = remote_s
         self._expiry: asyncio.TimerHandle | None = None
         self._looks: dict[str, Handler] = {
@@ -87,37 +92,37 @@ class Requests:
 
     @property
     def news(self) -> list[Reply]:
-        """What a browser that comes later needs to be told."""
-        remote = [] if self._remote is None else [{"remote": self._remote}]
-        return [{"program": each} for each in self._programs.news] + remote
+        """The messages for a browser that connects later."""
+        news: list[Reply] = [{"program": each} for each in self._programs.news]
+        return news if self._remote is None else [*news, {"remote": self._remote}]
 
     async def carry_out(self, request: Request, file: Path) -> Reply:
         """Returns the answer to a request.
 
         Args:
-            request: of the browser; ``do`` says what.
+            request: the request; ``do`` is its kind.
             file: the active profile.
 
         Raises:
-            NeuroTouchError: it cannot be done, or may not.
+            NeuroTouchError: the request fails or is not allowed.
         """
-        verb = str(request.get("do"))
+        verb = read_word(request, "do", "")
         if verb in self._looks:
             return await self._looks[verb](request, file)
         if verb not in self._changers:
             raise PageError("There is no such request.")
         if not self._edit:
             raise PageError(
-                "This page only shows.", hint="To change things: neurotouch view --edit"
+                "This page is read-only.", hint="To change things: neurotouch view --edit"
             )
         return await self._changers[verb](request, file)
 
     async def close(self) -> None:
-        """Ends everything that was started."""
+        """Ends all programs that it has started."""
         await self._programs.close()
 
     async def _set(self, request: Request, file: Path) -> Reply:
-        key, mark = str(request.get("key")), str(request.get("mark"))
+        key, mark = read_word(request, "key"), read_word(request, "mark")
         said = await asyncio.to_thread(self._changes.set, file, key, mark, request.get("value"))
         return {"saved": said}
 
@@ -126,23 +131,23 @@ class Requests:
 
     async def _bind(self, request: Request, file: Path) -> Reply:
         parts = ("movement", "press", "mode", "do_this", "layer", "instead")
-        wish = Wish(*(str(request.get(part) or "")[:80] for part in parts))
+        wish = Wish(*(read_word(request, part, "") for part in parts))
         return {"saved": await asyncio.to_thread(self._changes.bind, file, wish)}
 
     async def _unbind(self, request: Request, file: Path) -> Reply:
-        key = str(request.get("key"))
+        key = read_word(request, "key")
         return {"saved": await asyncio.to_thread(self._changes.unbind, file, key)}
 
     async def _use(self, request: Request, _file: Path) -> Reply:
-        name = str(request.get("profile"))
+        name = read_word(request, "profile")
         return {"saved": await asyncio.to_thread(self._changes.use, _take_name(name))}
 
     async def _copy(self, request: Request, _file: Path) -> Reply:
-        name = str(request.get("profile"))
+        name = read_word(request, "profile")
         return {"saved": await asyncio.to_thread(self._changes.copy, _take_name(name))}
 
     async def _set_own(self, request: Request, _file: Path) -> Reply:
-        name, value = str(request.get("name")), str(request.get("value"))
+        name, value = read_word(request, "name"), read_word(request, "value")
         return {"saved": await asyncio.to_thread(self._own.set, name, value)}
 
     async def _undo_own(self, _request: Request, _file: Path) -> Reply:
@@ -155,12 +160,16 @@ class Requests:
         return {"saved": await asyncio.to_thread(self._own.mend)}
 
     async def _command(self, request: Request, _file: Path) -> Reply:
-        answer = await asyncio.to_thread(ask, request["do"])
+        """Pauses or resumes every driver of this player: the page shows the nearest one only."""
+        reached = await asyncio.to_thread(ask_every, request["do"], [find_player()])
+        for each in reached:
+            if each.error is not None:
+                raise each.error
         # The next state says what is done, beside the button that takes it back.
-        return {"saved": "" if answer.get("done") else str(answer.get("text"))}
+        return {"saved": "" if reached[0].is_done else reached[0].text}
 
     async def _start(self, request: Request, _file: Path) -> Reply:
-        name = str(request.get("what"))
+        name = read_word(request, "what")
         if name == "remote":
             raise PageError("There is no such program.")
         if name in MENDS.values() and self._is_far:
@@ -171,19 +180,19 @@ class Requests:
         return {"started": name}
 
     async def _stop(self, request: Request, _file: Path) -> Reply:
-        name = str(request.get("what"))
+        name = read_word(request, "what")
         if name == "driver":  # whoever has started it
             answer = await asyncio.to_thread(ask, "stop")
-            return {"saved": str(answer.get("text"))}
+            return {"saved": get_text(answer)}
         await self._programs.stop(name)
         return {"stopped": name}
 
     async def _answer(self, request: Request, _file: Path) -> Reply:
-        self._programs.answer(str(request.get("what")), str(request.get("text"))[:80])
+        self._programs.answer(read_word(request, "what"), read_word(request, "text"))
         return {}
 
     async def _list_outputs(self, _request: Request, file: Path) -> Reply:
-        def look() -> Any:
+        def look() -> list[OutputGroup]:
             whole = check_profile(file).whole if file.is_file() else None
             return list_outputs(whole if isinstance(whole, Profile) else None)
 
@@ -196,16 +205,15 @@ class Requests:
         return {"picture": await asyncio.to_thread(take_picture)}
 
     async def _let_in(self, _request: Request, _file: Path) -> Reply:
-        """Serves the page to other devices, from a process of its own, until it is stopped."""
+        """Serves the page to other devices, from a separate process, until it is stopped."""
         if self._is_far:
-            raise PageError("Only the machine itself may let in another device.")
+            raise PageError("Only the machine itself can give access to another device.")
         address = _find_own_address()
         self._token = make_token()
-        path = find_runtime_folder() / _REMOTE_FILE
-        path.parent.mkdir(mode=0o700, exist_ok=True)
-        path.unlink(missing_ok=True)
-        path.touch(mode=0o600)
-        path.write_text(self._token)
+        try:
+            path = write_secret(_REMOTE_FILE, self._token)
+        except OSError as error:
+            raise PageError(f"The secret cannot be kept: {error.strerror}.") from error
         command = ("view", "--edit", "--listen", address, "--token-file", str(path))
         await self._programs.start("remote", *command)
         self._expiry = asyncio.get_running_loop().call_later(self._remote_s, self._end_remote)
@@ -214,11 +222,11 @@ class Requests:
     def _end_remote(self) -> None:
         self._ending = asyncio.create_task(self._programs.stop("remote"))
 
-    def _hear_program(self, news: Reply) -> None:
-        """Passes on what a program says; of a remote, the link to photograph."""
+    def _hear_program(self, news: ProgramNews) -> None:
+        """Forwards the output of a program; of a remote page, its link as a QR code."""
         if news["name"] != "remote":
             self._tell_all({"program": news})
-        elif "code" in news:
+        elif "line" not in news:
             if self._expiry is not None:
                 self._expiry.cancel()  # the next phone has an hour of its own
             self._remote = None
@@ -233,19 +241,19 @@ class Requests:
 
 
 def _take_name(name: str) -> str:
-    """Returns a name of the list of profiles; a browser names no path.
+    """Returns a name that is in the list of profiles; a browser cannot name a path.
 
     Raises:
-        ProfileError: it is none.
+        ProfileError: it is not in the list.
     """
     if name not in list_profiles():
         raise ProfileError("There is no such profile.")
     return name
 
 
-def _describe_profiles() -> list[Reply]:
+def _describe_profiles() -> list[ProfileRow]:
     favourites, own = load_usable_user().slots, find_user_folder()
-    rows = []
+    rows: list[ProfileRow] = []
     for name, path in list_profiles().items():
         written = check_profile(path).written
         rows.append(
@@ -261,16 +269,17 @@ def _describe_profiles() -> list[Reply]:
 
 
 def _find_own_address() -> str:
-    """Returns the address that other devices of this network reach this machine at.
+    """Returns the address of this machine in its network.
 
     Raises:
-        PageError: it is in no network.
+        PageError: it is not in a network.
     """
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asker:
         try:
             asker.connect(("192.0.2.1", 9))  # sends nothing: the kernel only chooses the way
         except OSError:
             raise PageError(
-                "This machine is in no network.", hint="Connect it to the phone's Wi-Fi."
+                "This machine is not connected to a network.",
+                hint="Connect it to the phone's Wi-Fi.",
             ) from None
         return str(asker.getsockname()[0])

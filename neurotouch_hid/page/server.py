@@ -3,13 +3,14 @@
 import asyncio
 import errno
 import http
-import json
+import os
 import signal
 import socket
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import Any, Final, cast
 
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.datastructures import Headers
@@ -18,20 +19,23 @@ from websockets.http11 import Request, Response
 from websockets.typing import Origin
 
 from neurotouch_hid.errors import PageError
+from neurotouch_hid.ipc import find_tcp_user, read_object
 from neurotouch_hid.page.guard import (
     HEADERS,
     LOCAL,
     MOST_BYTES,
     MOST_CLIENTS,
-    MOST_CONNECTIONS,
     SILENCE_S,
     TOKEN_S,
     Guard,
+    Waiting,
 )
 from neurotouch_hid.page.hub import Client, Hub
 
 PORT: Final = 7878
 STREAM: Final = "/stream"
+OPEN: Final = "/open/"
+"""Followed by a ticket, a slash and a page's name."""
 _OWN: Final = {"127.0.0.1", "::1"}
 STATIC: Final = Path(__file__).with_name("static")
 PAGES: Final = {
@@ -48,7 +52,7 @@ KINDS: Final = {
     ".svg": "image/svg+xml",
 }
 SEND_BYTES: Final = 16 * 1024
-"""Of a browser's buffer before its newest state waits instead."""
+"""Limit of a browser's buffer; beyond it, the newest state waits."""
 
 
 class EndBySignal:
@@ -69,7 +73,7 @@ class EndBySignal:
             signal.signal(number, self._note)
 
     def tell(self, loop: asyncio.AbstractEventLoop, stop: asyncio.Event) -> None:
-        """Has a signal set ``stop`` in a running loop; at once, if one has come already."""
+        """Sets ``stop`` in a running loop when a signal arrives, or now if one has arrived."""
 
         def tell() -> None:
             with suppress(RuntimeError):  # the loop is closed: it ends anyway
@@ -85,14 +89,14 @@ class EndBySignal:
 
 
 def open_sockets(address: str | None, port: int | None) -> list[socket.socket]:
-    """Opens listening sockets for this machine alone and, if there is one, for the address.
+    """Opens listening sockets for this machine only and, if given, for a further address.
 
     Args:
         address: the address of an interface, or None.
         port: the port; None: the usual one, or any if that is taken.
 
     Raises:
-        PageError: nobody can be served there.
+        PageError: the server cannot listen there.
     """
     sockets: list[socket.socket] = []
     try:
@@ -123,7 +127,7 @@ def _explain_refusal(error: OSError, address: str | None, port: int | None) -> P
     if error.errno == errno.EADDRINUSE:
         return PageError(
             f"Another program uses port {port}.",
-            hint="Leave --port away, and a free one is used.",
+            hint="Without --port, a free port is used.",
         )
     if error.errno == errno.EACCES:
         return PageError(
@@ -131,20 +135,41 @@ def _explain_refusal(error: OSError, address: str | None, port: int | None) -> P
         )
     return PageError(
         f"The page cannot be served at port {port}: {error.strerror}.",
-        hint="Leave --port away, and a free one is used.",
+        hint="Without --port, a free port is used.",
     )
+
+
+class _Line(ServerConnection):
+    """A connection that is counted from its first moment, long before it says anything."""
+
+    def __init__(self, waiting: Waiting, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self._waiting = waiting
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Begins: the other end has connected."""
+        super().connection_made(transport)
+        self._waiting.add(self, str(transport.get_extra_info("peername", ("",))[0]))
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Ends: it is closed."""
+        self._waiting.remove(self)
+        super().connection_lost(exc)
+
+    def drop(self) -> None:
+        """Ends it at once, without a word."""
+        self.transport.abort()
 
 
 class Server:
     """The page's server.
 
     Args:
-        guard: who may talk to it.
-        sockets: where it listens.
-        edit: whether profiles may be changed.
-        stamp: the present moment, for the names of versions.
-        silence_s: after which a client is asked whether it still is there, and as long again to
-            answer.
+        guard: its access rules.
+        sockets: its listening sockets.
+        edit: True if browsers may change profiles.
+        stamp: returns the present time, for the names of versions.
+        silence_s: interval of pings to a client; it must answer within the same time.
     """
 
     def __init__(
@@ -162,7 +187,7 @@ class Server:
         is_far = any(each.getsockname()[0] not in _OWN for each in sockets)
         self._hub = Hub(edit=edit, stamp=stamp, is_far=is_far)
         self._files = _read_files()
-        self._n_connections = 0
+        self._waiting = Waiting()
 
     @property
     def url(self) -> str:
@@ -173,6 +198,7 @@ class Server:
     async def run(self, stop: asyncio.Event) -> None:
         """Serves until ``stop`` is set."""
         looking = asyncio.create_task(self._hub.run())
+        line = cast("type[ServerConnection]", partial(_Line, self._waiting))
         servers = [
             await serve(
                 self._talk,
@@ -188,6 +214,7 @@ class Server:
                 ping_interval=self._silence_s,
                 ping_timeout=self._silence_s,
                 server_header=None,
+                create_connection=line,
             )
             for each in self._sockets
         ]
@@ -201,7 +228,7 @@ class Server:
                 await server.wait_closed()
             await self._hub.close()
 
-    def _answer(self, _connection: ServerConnection, request: Request) -> Response | None:
+    def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
         """Returns a file, a refusal, or None for the stream, whose Origin is then compared."""
         hosts = request.headers.get_all("Host")
         if len(hosts) != 1 or hosts[0] not in self._guard.hosts:
@@ -209,9 +236,9 @@ class Server:
         if request.path == STREAM:
             if "Origin" not in request.headers:  # browsers always send it
                 return _reply(http.HTTPStatus.FORBIDDEN, b"Missing Origin header\n")
-            if self._n_connections >= MOST_CONNECTIONS:
-                return _reply(http.HTTPStatus.SERVICE_UNAVAILABLE, b"Too many viewers.\n")
             return None
+        if request.path.startswith(OPEN):
+            return self._open(connection, *request.path.removeprefix(OPEN).partition("/")[::2])
         if request.path not in self._files:
             return _reply(http.HTTPStatus.NOT_FOUND, b"There is no such page.\n")
         kind, content = self._files[request.path]
@@ -221,26 +248,39 @@ class Server:
             del reply.headers["Cross-Origin-Opener-Policy"]
         return reply
 
+    def _open(self, connection: ServerConnection, ticket: str, page: str) -> Response:
+        """Sends the owner's browser to a page with its secret.
+
+        The kernel says whose browser it is: a ticket is in the arguments of the browser, where
+        every user of this machine can read it.
+        """
+        is_known = self._guard.accepts(ticket) and f"/{page}" in PAGES
+        here, there = connection.local_address, connection.remote_address
+        if not is_known or find_tcp_user(there, here) != os.geteuid():
+            sentence = b"Open the link that the command has printed.\n"
+            return _reply(http.HTTPStatus.FORBIDDEN, sentence)
+        reply = _reply(http.HTTPStatus.FOUND, b"")
+        reply.headers["Location"] = self._guard.link(page)
+        return reply
+
     async def _talk(self, connection: ServerConnection) -> None:
         """Lets in who shows the token."""
-        self._n_connections += 1
         try:
             shown = await asyncio.wait_for(connection.recv(), TOKEN_S)
-            said = json.loads(shown)
-            if not isinstance(said, dict) or not self._guard.knows(said.get("token")):
+            said = read_object(shown)
+            if said is None or not self._guard.knows(said.get("token")):
                 await connection.close(1008, "the token is wrong")
                 return
             if self._hub.n_clients >= MOST_CLIENTS:
                 await connection.close(1013, "too many viewers (4)")
                 return
+            self._waiting.remove(connection)
             hz = said.get("hz")
             await self._hub.serve(Client(connection), hz if isinstance(hz, int) else 30)
-        except (TimeoutError, ValueError, RecursionError):
+        except TimeoutError:
             await connection.close(1008, "the token is missing")
         except ConnectionClosed:
             pass
-        finally:
-            self._n_connections -= 1
 
 
 def _listen(address: str, port: int) -> socket.socket:
@@ -251,7 +291,7 @@ def _listen(address: str, port: int) -> socket.socket:
         if family == socket.AF_INET6:
             listener.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
         listener.bind((address, port))
-        listener.listen()  # from here on nobody else gets the port
+        listener.listen()  # from here on no other program gets the port
     except OSError:
         listener.close()
         raise
@@ -259,9 +299,9 @@ def _listen(address: str, port: int) -> socket.socket:
 
 
 def _read_files() -> dict[str, tuple[str, bytes]]:
-    """Returns every file there is to serve, by its path in the address.
+    """Returns all files that are served, by their path in the address.
 
-    Nothing else can be asked for.
+    No other file can be requested.
     """
     files = {
         f"/{path.relative_to(STATIC)}": (KINDS[path.suffix], path.read_bytes())

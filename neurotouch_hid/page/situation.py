@@ -1,11 +1,13 @@
-"""What keeps the gel from playing, and the next step."""
+"""Finds out why the gamepad does not work, and the next step."""
 
 import os
 import shutil
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
 
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
 from neurotouch_hid.players import SERVICE_UNIT, explain_start, find_user_file
 
 SituationKind = Literal[
@@ -19,12 +21,12 @@ _PAD_NODE: Final = Path("/dev/uinput")
 
 @dataclass(frozen=True, slots=True)
 class Situation:
-    """Where a person stands who wants to play.
+    """The reason why the gamepad does not work, and the next step.
 
     Attributes:
-        kind: in a word.
-        text: in a sentence.
-        next: the command that leads on.
+        kind: the reason in a word.
+        text: the reason in a sentence.
+        next: the next step, with its command.
         mend: what the page can start to mend it; empty if it can do nothing.
     """
 
@@ -72,7 +74,8 @@ def _judge_readable() -> tuple[SituationKind, str, str]:
     if not os.access(_PAD_NODE, os.R_OK | os.W_OK):
         text = "Camera found, but you have no right to make a gamepad."
         return "no_pad", text, "Fix: neurotouch setup"
-    user = find_user_file()
-    measured = user.exists() and "range:" in user.read_text(encoding="utf-8", errors="replace")
-    step = "run" if measured else "calibrate (about 3 minutes, no time limit)"
+    step = "calibrate (about 3 minutes, no time limit)"
+    with suppress(OSError):  # no values yet, or none that can be read
+        if "range:" in read_text(find_user_file(), MAX_SETTINGS_BYTES):
+            step = "run"
     return "ready", "Ready.", f"Next: neurotouch {step}"

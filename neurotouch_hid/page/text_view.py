@@ -1,4 +1,4 @@
-"""The live view as lines of text: for terminals, screen readers and pipes."""
+"""Writes the live view as lines of text, for terminals, screen readers and pipes."""
 
 import re
 from collections.abc import Iterator
@@ -8,7 +8,7 @@ from neurotouch_hid.profile.decision_log import describe_decision
 from neurotouch_hid.snapshot import Action, Health, State
 
 SAY_S: Final = 0.5
-"""Shortest time between two sentences about the same thing, so that a reader can follow."""
+"""Shortest time between two sentences about one subject, so that a screen reader can follow."""
 
 HEALTH_S: Final = 20.0
 
@@ -23,7 +23,7 @@ _STAGES: Final = {
 
 
 class LineWriter:
-    """Turns states into lines; each says what has changed, and begins with what it is about."""
+    """Turns states into lines of text; each line begins with its subject and says the change."""
 
     def __init__(self) -> None:
         self._shape = self._said = ""
@@ -32,11 +32,11 @@ class LineWriter:
         self._told: tuple[int, str] | None = None
 
     def write(self, head: State, now_s: float) -> Iterator[str]:
-        """Gives what is new in a state.
+        """Returns lines about the changes in a state.
 
         Args:
-            head: of the state.
-            now_s: the present moment on any clock that goes on.
+            head: head of the state.
+            now_s: present time on any steady clock.
         """
         slow = head["slow"]
         place = (head["profile"], head["layer"], head["state"], slow["source"])
@@ -91,7 +91,7 @@ def describe_times(slow: Health) -> str:
 
 
 def draw_picture(head: State) -> list[str]:
-    """Returns the same as a picture of text that is drawn over and over."""
+    """Returns a state as a picture of text, for repeated drawing."""
     gesture, slow = head["gesture"], head["slow"]
     filled = round(_BAR * min(gesture["felt_mm"] / _MOST_MM, 1.0))
     bar = "█" * filled + "░" * (_BAR - filled)

@@ -1,1 +1,1 @@
-"""Start-up and interpreter tricks; each module says what breaks without it."""
+"""Starts, runs and ends our process; ``docs/develop/process-tricks.md`` lists the tricks."""

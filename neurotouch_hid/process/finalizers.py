@@ -8,7 +8,7 @@ def skip_finalizers(module: str) -> None:
 
     usb1 waits at the end of the program, without limit, for every transfer that it has cancelled.
     One that Linux has lost would keep the program for ever. The list of finalizers is private:
-    Python has no public way to reach those of other people's objects.
+    Python has no public way to reach those of another library's objects.
 
     Args:
         module: its name, as in ``usb1``.

@@ -1,4 +1,4 @@
-"""How Ctrl-C and SIGTERM end a command, also one that is still being loaded."""
+"""Ends a command on Ctrl-C and SIGTERM, also while it is still being loaded."""
 
 import _thread
 import os
@@ -12,17 +12,17 @@ EXIT_INTERRUPTED: Final = 130
 _COMMANDS: Final = "neurotouch_hid.cli"
 _IMPORT: Final = frozenset({"importlib", "_frozen_importlib"})
 _DELICATE: Final = _IMPORT | {"pydantic", "llvmlite", "weakref", "_weakrefset"}
-"""Where an exception may get lost. A library that is imported swallows it or stays half made;
-pydantic takes it for a fault of a schema; llvmlite tidies up what it has not yet made, and says so;
-Python only prints what comes out of a weak reference's end, as out of ``__del__``."""
+"""Modules in which an exception may get lost. A library that is imported swallows it or stays half
+made. pydantic takes it for a fault of a schema. llvmlite prints a traceback while it tidies up. Of
+an exception in a weak reference's callback, as in ``__del__``, Python only prints a warning."""
 _SOON_S: Final = 0.01
 
 
 def handle_interrupts() -> None:
     """Makes Ctrl-C and SIGTERM raise KeyboardInterrupt, except where it could get lost.
 
-    While a command imports what it needs, nothing is open yet, and the process just ends. Where
-    it might get lost otherwise, the signal comes again when that is over. Who ignores Ctrl-C, as
+    While a command imports its libraries, nothing is open yet, and the process just ends. In other
+    code that might lose it, the signal is sent again 10 ms later. A process that ignores Ctrl-C, as
     programs in the background do, goes on ignoring it.
     """
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:

@@ -1,83 +1,149 @@
-"""Where compiled loops are kept, and when they are compiled again.
+"""Compiles kernels, and keeps what was compiled for the next start.
 
-numba looks whether the file of a loop has changed. But a loop contains the loops that it calls, and
-the constants of their files: after an update that changed only these, it would go on as before.
+numba's own cache believes whatever it reads, and asks only whether the kernel's own file has
+changed. Here a damaged file is compiled again, and so is a kernel that calls one that has changed.
 """
 
-import hashlib
-import re
+import os
+import pickle
+import platform
+from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
+from hashlib import sha1, sha256
 from pathlib import Path
+from tempfile import TemporaryFile
+from typing import Any, Final
 
-from numba.core import caching
+import numba
+from numba.core.serialize import dumps
 
-_PACKAGE = Path(__file__).parents[1]
-_IMPORT = re.compile(rb"^from neurotouch_hid\.([\w.]+) import", re.MULTILINE)
+from neurotouch_hid.partial_file import write_whole
+from neurotouch_hid.process.source_stamp import stamp
+
+_DIGEST_BYTES: Final = sha256().digest_size
+_troubles: list[str] = []
 
 
-def stamp(path: Path) -> str:
-    """Tells one state of a file, and of all of the package that it imports, from another.
+def kernel(function: Callable[..., Any] | None = None, /, **options: Any) -> Any:
+    """Makes a function a kernel, which runs without the interpreter's lock.
 
     Args:
-        path: a Python file.
+        function: what is compiled when it is first called.
+        options: of ``numba.njit``.
     """
-    digest, found, todo = hashlib.sha256(), set[Path](), [path]
-    while todo:
-        source = todo.pop()
-        if source not in found:
-            found.add(source)
-            own, imported = _read(source)
-            digest.update(own)
-            todo += imported
-    return digest.hexdigest()
+    if function is None:
+        return lambda function: kernel(function, **options)
+    dispatcher = numba.njit(nogil=True, **options)(function)
+    if not numba.config.DISABLE_JIT:
+        dispatcher._cache = KernelCache(function)
+    return dispatcher
 
 
-@cache
-def _read(path: Path) -> tuple[bytes, list[Path]]:
-    """Tells the state of a file, and which of the package it imports."""
-    if not path.is_file():  # a folder: of what it is made of, files import what they need
-        return b"", []
-    source = path.read_bytes()
-    names = (name.decode().replace(".", "/") for name in _IMPORT.findall(source))
-    return hashlib.sha256(source).digest(), [_PACKAGE / f"{name}.py" for name in names]
+def find_cache_trouble() -> str:
+    """Returns a sentence about why a compiled kernel could not be kept; empty if all were."""
+    return next(iter(_troubles), "")
 
 
-@cache
-def _remove_others(folder: Path, stem: str, mark: str) -> None:
-    """Removes what a file's loops were compiled to in other states of the package."""
-    for path in folder.glob(f"{stem}.*.nb[ci]"):
-        if mark not in path.name:
-            with suppress(OSError):  # a folder of another user, or another process was quicker
+class KernelCache:
+    """What numba asks for a kernel that was compiled before, and hands each new one.
+
+    There is one file for each kernel, signature, processor model and version of Python and numba.
+    It begins with a digest of the rest.
+
+    Args:
+        function: the kernel in Python.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        source = Path(function.__code__.co_filename)
+        state = stamp(source)[:12]
+        self.cache_path = str(_find_folder(source.parent))
+        _remove_others(Path(self.cache_path), source.stem, state)
+        line = function.__code__.co_firstlineno
+        self._name = f"{source.stem}.{function.__qualname__}-{line}-{state}"
+
+    def load_overload(self, signature: Any, target: Any) -> Any:
+        """Returns the compiled kernel, or None; what cannot be used is removed."""
+        target.refresh()
+        path = self._find_path(signature, target.codegen())
+        try:
+            content = memoryview(path.read_bytes())
+            if sha256(content[_DIGEST_BYTES:]).digest() == content[:_DIGEST_BYTES]:
+                *kept, parts = pickle.loads(content[_DIGEST_BYTES:])  # noqa: S301  # our own file
+                if kept == [path.name, signature]:
+                    return numba.core.compiler.CompileResult._rebuild(target, *parts)
+        except FileNotFoundError:
+            return None
+        except Exception:  # noqa: S110  # whatever is wrong with it, it can be compiled again
+            pass
+        with suppress(OSError):
+            path.unlink()
+        return None
+
+    def save_overload(self, signature: Any, result: Any) -> None:
+        """Keeps a compiled kernel, if it can be kept."""
+        if result.library.has_dynamic_globals:  # addresses of this process
+            return
+        path = self._find_path(signature, result.library.codegen)
+        content = dumps((path.name, signature, result._reduce()))
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_whole(path, sha256(content).digest() + content)
+        except OSError as error:
+            _troubles.append(
+                f"What was compiled for this processor cannot be kept in '{path.parent}': "
+                f"{error.strerror}. Each start will compile it again."
+            )
+
+    def flush(self) -> None:
+        """Forgets what was compiled, before numba compiles it again."""
+        for path in Path(self.cache_path).glob(f"{self._name}.*.nbc"):
+            with suppress(OSError):
                 path.unlink()
 
+    def _find_path(self, signature: Any, codegen: Any) -> Path:
+        machine = (platform.python_version(), numba.__version__, *codegen.magic_tuple())
+        key = sha256(repr((str(signature), machine)).encode()).hexdigest()[:16]
+        return Path(self.cache_path, f"{self._name}.{key}.nbc")
 
-class _Stamped:
-    """Puts the state into the names of the files, too.
 
-    numba reads a file before it compares the state in it. If that file names a class that an update
-    has renamed, reading it fails, and the program with it.
+@cache
+def _find_folder(beside: Path) -> Path:
+    """Returns where the kernels of a folder are kept.
+
+    That is in ``NUMBA_CACHE_DIR``, beside their source or in the person's own cache, whichever can
+    be written. If none can, it is the first that is asked for: it may hold what fits.
+
+    Args:
+        beside: the folder of their source.
     """
-
-    _py_file: str
-    _cache_path: str
-
-    def get_source_stamp(self) -> str:
-        return stamp(Path(self._py_file))
-
-    def get_disambiguator(self) -> str:
-        mark = f"-{self.get_source_stamp()[:12]}."
-        _remove_others(Path(self._cache_path), Path(self._py_file).stem, mark)
-        return f"{super().get_disambiguator()}{mark[:-1]}"  # type: ignore[misc]  # of the locator
-
-
-class Chosen(_Stamped, caching.UserProvidedCacheLocator):  # type: ignore[misc]  # numba has no types
-    """In ``NUMBA_CACHE_DIR``."""
+    name = f"{beside.name}_{sha1(str(beside).encode(), usedforsecurity=False).hexdigest()}"
+    chosen = numba.config.CACHE_DIR
+    places = [Path(chosen, name)] if chosen else []
+    places.append(beside / "__pycache__")
+    personal = Path(os.environ.get("XDG_CACHE_HOME", ""))
+    if not personal.is_absolute():
+        with suppress(RuntimeError):  # nobody knows the home
+            personal = Path("~/.cache").expanduser()
+    if personal.is_absolute():
+        places.append(personal / "neurotouch" / name)
+    return next(filter(_is_writable, places), places[0])
 
 
-class Beside(_Stamped, caching.InTreeCacheLocator):  # type: ignore[misc]  # numba has no types
-    """Beside the file of the loop."""
+def _is_writable(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        TemporaryFile(dir=folder).close()
+    except OSError:
+        return False
+    return True
 
 
-class Personal(_Stamped, caching.UserWideCacheLocator):  # type: ignore[misc]  # numba has no types
-    """In the user's own cache."""
+@cache
+def _remove_others(folder: Path, stem: str, state: str) -> None:
+    """Removes what a file's kernels were compiled to in other states of the package."""
+    for path in folder.glob(f"{stem}.*.nb[ci]"):
+        if f"-{state}." not in path.name:
+            with suppress(OSError):  # a folder of another user, or another process was quicker
+                path.unlink()

@@ -1,7 +1,8 @@
-"""How this program starts itself again, however it was installed.
+"""Makes the command that starts this program again, however it was installed.
 
 ``python -m neurotouch_hid`` finds the package only where Python looks by itself. The Debian package
-keeps its libraries in a folder of their own, which only its launcher knows.
+keeps its libraries in a folder of their own, which only its launcher knows. And Python would look
+in the current folder first, where others may have left a ``json.py``.
 """
 
 import sys
@@ -20,8 +21,8 @@ def make_own_command(*arguments: str, module: str = "neurotouch_hid.__main__") -
 
     Args:
         arguments: of the command line, such as ``view``.
-        module: what runs; by default the ``neurotouch`` command.
+        module: the module that runs; by default the ``neurotouch`` command.
     """
-    isolated = ["-I"] if sys.flags.isolated else []
+    safety = "-I" if sys.flags.isolated else "-P"
     start = _START.format(module)
-    return [sys.executable, *isolated, "-c", start, str(_LIBRARIES), *arguments]
+    return [sys.executable, safety, "-c", start, str(_LIBRARIES), *arguments]

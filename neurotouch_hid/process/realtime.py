@@ -15,21 +15,21 @@ from pathlib import Path
 from neurotouch_hid.process.gc_freeze import freeze_gc
 
 NICE = -10
-"""Before everything usual, behind sound. It counts only among what Linux shares the processor out
-to as one: the programs of one terminal or of one service."""
+"""Before all usual programs, behind sound. It counts only within a group to which Linux gives a
+share of the processor: the programs of one terminal or of one service."""
 PRIORITY = 1
-"""Of SCHED_RR, the lowest: before everything usual wherever that runs, behind sound."""
+"""The lowest of SCHED_RR: before all usual programs of all groups, behind sound."""
 MOST_BUSY_US = 100_000
 """A thread that works for so long without waiting does not keep up, or hangs, and gets the usual
 priority again; so a pipeline that hangs does not stop the machine."""
 PAUSE_S = 1.0
-"""How long it then stays there. A line that was only held up for a moment must not be slow for the
-rest of the day; one that hangs takes a tenth of one core before others."""
+"""After this pause the thread is preferred again. A pipeline that was held up for a moment must not
+be slow for the rest of the day; one that hangs takes a tenth of one core before others."""
 SLACK_NS = 1_000
-"""How late the kernel may wake us to save power; it takes 50 µs without being asked."""
+"""The kernel may wake us late by this time to save power; its default is 50 µs."""
 SWITCH_S = 0.0001
-"""How long a thread that computes in Python may keep the others from running. For Python's own 5 ms
-a slice would wait for the look at a frame, and a game that shakes the pad for its answer."""
+"""A thread that computes in Python gives way to others after this time. With Python's own 5 ms a
+slice would wait while a frame is processed, and a game that shakes the pad for its answer."""
 
 _PR_SET_TIMERSLACK = 29  # prctl(2)
 _RTKIT = "org.freedesktop.RealtimeKit1"
@@ -40,11 +40,11 @@ _PATIENCE_S = 2.0
 def realtime_priority() -> Iterator[None]:
     """Prefers the calling thread meanwhile, as far as this machine permits; it works without.
 
-    By our own right with SCHED_RR, and the threads that it starts as well; else rtkit is asked,
-    which grants a better nice value to the person at the machine. (It grants SCHED_RR too, but only
-    to who accepts to be killed for being busy for 0.2 s.) Only the main thread gets SCHED_RR, for
-    only there is heard that it has been busy for too long. Nor does it wait for long while Python
-    looks for garbage.
+    With the right to it, the thread and those that it starts get SCHED_RR. Otherwise rtkit is
+    asked, which grants a better nice value to the person at the machine. (It grants SCHED_RR too,
+    but Linux then kills a process that is busy for 0.2 s.) Only the main thread gets SCHED_RR,
+    because the signal for a thread that is busy for too long arrives there. Meanwhile garbage
+    collection is short.
     """
     sys.setswitchinterval(SWITCH_S)
     with suppress(OSError, AttributeError):  # no Linux, no prctl

@@ -1,4 +1,4 @@
-"""Turns signals into an orderly end of the pipeline, SIGHUP into a fresh look at the profile."""
+"""Ends the pipeline in order on signals; SIGHUP loads the profile again."""
 
 import os
 import signal
@@ -15,7 +15,8 @@ def stop_on_signals(reload: Callable[[], object] | None = None) -> threading.Eve
     thread may call this.
 
     Args:
-        reload: what SIGHUP does; without, it ends the pipeline. Must be safe in a signal handler.
+        reload: is called on SIGHUP and must be safe in a signal handler; without, SIGHUP ends the
+            pipeline.
     """
     stop = threading.Event()
     outlives = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN  # nohup has set this
@@ -24,7 +25,7 @@ def stop_on_signals(reload: Callable[[], object] | None = None) -> threading.Eve
 
     def end(*_: object) -> None:
         nonlocal is_ending
-        if not is_ending:  # a signal in the middle of ``set`` would wait for what it interrupts
+        if not is_ending:  # a signal in the middle of ``set`` would wait for the code it interrupts
             is_ending = True
             stop.set()
 

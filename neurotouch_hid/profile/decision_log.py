@@ -1,4 +1,4 @@
-"""What the mapping decided, for viewers: the live view, ``profile test``, bug reports."""
+"""Log of the mapping's decisions, for the live view, ``profile test`` and bug reports."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ class MappingDecision:
 
     @property
     def is_refusal(self) -> bool:
-        """Whether a gesture came to nothing."""
+        """True if the gesture had no effect."""
         return self.verdict in REFUSALS
 
     def __str__(self) -> str:

@@ -1,25 +1,24 @@
-"""From gestures to the outputs: a pure function of the gesture stream.
+"""Maps gestures to outputs: a pure function of the gesture stream.
 
 Host time never enters, so the same gestures give the same outputs, whatever the speed.
 """
 
-from typing import Final, Literal
+from typing import Final
 
 from neurotouch_hid.messages import Button, GamepadState, Gesture
 from neurotouch_hid.profile.decision_log import DecisionLog, MappingDecision
 from neurotouch_hid.profile.engine.binding_runner import BindingRunner
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
-from neurotouch_hid.profile.engine.conditioner import InputConditioner
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
 from neurotouch_hid.profile.engine.fatigue import FatigueMonitor
+from neurotouch_hid.profile.engine.input_conditioner import InputConditioner
 from neurotouch_hid.profile.engine.layer_stack import LayerStack, make_runner
+from neurotouch_hid.profile.engine.movement_usage import MovementUsage
 from neurotouch_hid.profile.engine.output import Outputs
-from neurotouch_hid.profile.engine.usage import MovementUsage
 from neurotouch_hid.profile.schema.profile import Binding, Profile, SafetyGesture
 from neurotouch_hid.profile.schema.targets import CommandName, CommandTarget
-from neurotouch_hid.profile.schema.timing import PRESETS, FilterName, resolve_times
-from neurotouch_hid.profile.schema.user import UserSettings
-
-State = Literal["running", "paused", "panic"]
+from neurotouch_hid.profile.schema.timing import PRESETS, resolve_times
+from neurotouch_hid.profile.schema.user import UserSettings, choose_filter
+from neurotouch_hid.vocabulary import PipelineState
 
 SILENCE_US: Final = 200_000
 """After a gap of this length in the stream everything is released: the hand may have left."""
@@ -44,7 +43,7 @@ class Mapping:
     def __init__(self, profile: Profile, user: UserSettings | None = None) -> None:
         self._user = user or UserSettings()
         self._log = DecisionLog()
-        self._state: State = "running"
+        self._state: PipelineState = "running"
         self._commands: list[str] = []
         self._t_us: int | None = None
         self._helper: frozenset[Button] = frozenset()
@@ -63,13 +62,13 @@ class Mapping:
         return self._layers.name
 
     @property
-    def state(self) -> State:
-        """Whether gestures act: running, paused (the same gesture goes on) or panic."""
+    def state(self) -> PipelineState:
+        """The state: running, paused (the same gesture resumes) or panic."""
         return self._state
 
     @property
     def reading(self) -> ConditionedGesture:
-        """What the bindings were last asked about, in millimetres of the reference hand."""
+        """The last conditioned gesture, in millimetres of the reference hand."""
         return self._reading
 
     def decisions(self) -> tuple[MappingDecision, ...]:
@@ -77,7 +76,7 @@ class Mapping:
         return self._log.read()
 
     def usages(self) -> tuple[MovementUsage, ...]:
-        """Returns what the movements have cost so far: which fade, which are held long."""
+        """Returns the usage of each movement so far: which fade, which are held long."""
         return self._fatigue.usages()
 
     def shares(self) -> dict[str, float]:
@@ -108,9 +107,14 @@ class Mapping:
             self._enter("panic", "panic")
 
     def resume(self) -> None:
-        """Goes on at the next gesture."""
+        """Resumes at the next gesture."""
         if self._state != "running":
             self._enter("running", "resume")
+
+    def release(self) -> None:
+        """Releases everything; a gesture in progress is ignored, the next one counts."""
+        self._conditioner.forget()
+        self._layers.release()
 
     def set_helper_buttons(self, buttons: frozenset[Button]) -> None:
         """Sets the buttons that are down on the co-pilot's device."""
@@ -120,8 +124,7 @@ class Mapping:
         """Returns all outputs for this gesture, given what came before it."""
         t_us = self._log.t_us = gesture.t_us
         if self._t_us is not None and not 0 <= t_us - self._t_us <= SILENCE_US:
-            self._conditioner.forget()
-            self._layers.release()
+            self.release()
         self._t_us = t_us
         reading = self._reading = self._conditioner.read(gesture)
         reading.helper = self._helper
@@ -149,24 +152,24 @@ class Mapping:
         elif self._state == "paused" and not wanted:
             self._layers.listen(reading, wanted)
         for command in wanted:
-            self._obey(command)
+            self._apply(command)
         return outputs if self._state == "running" else Outputs()
 
     def _hear_safety(self, reading: ConditionedGesture) -> list[str]:
-        """Returns the safety gestures that have just been held long enough.
+        """Returns the commands of safety gestures that have just been held long enough.
 
         They work in every state.
         """
         heard = []
-        for channel, command in self._safety:
-            before = channel.down
-            if channel.busy or reading.kind in channel.kinds:
-                channel.update(reading)
-            if channel.down and not before:
+        for runner, command in self._safety:
+            before = runner.down
+            if runner.busy or reading.kind in runner.kinds:
+                runner.update(reading)
+            if runner.down and not before:
                 heard.append(command)
         return heard
 
-    def _obey(self, command: str) -> None:
+    def _apply(self, command: str) -> None:
         match command:
             case "pause" if self._state == "paused":
                 self.resume()
@@ -178,7 +181,7 @@ class Mapping:
                 self._commands.append(command)
                 self._log.note("command", command)
 
-    def _enter(self, state: State, command: str) -> None:
+    def _enter(self, state: PipelineState, command: str) -> None:
         self._fatigue.rest()
         self._state = state
         self._layers.release()
@@ -190,7 +193,7 @@ class Mapping:
         times = resolve_times(profile.timing, self._user.timing)
         self._layers = LayerStack(profile, times, self._log)
         self._safety = self._make_safety(profile)
-        kinds = self._layers.kinds.union(*(channel.kinds for channel, _ in self._safety))
+        kinds = self._layers.kinds.union(*(runner.kinds for runner, _ in self._safety))
         latch = profile.latch is not False
         self._conditioner = InputConditioner(
             self._user, choose_filter(profile, self._user), kinds, latch=latch
@@ -214,11 +217,3 @@ class Mapping:
             for name, gesture in gestures
             if gesture is not None
         ]
-
-
-def choose_filter(profile: Profile, user: UserSettings) -> FilterName:
-    """Returns the tremor filter: the person's own, that of their patience, or the profile's."""
-    own = user.filter
-    if own is None and user.timing is None:
-        own = profile.filter
-    return own or resolve_times(profile.timing, user.timing).filter

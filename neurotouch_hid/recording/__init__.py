@@ -1,4 +1,4 @@
-"""AEDAT4 in and out, and the labels beside a recording."""
+"""Reads and writes AEDAT4 recordings and the labels beside them."""
 
 from neurotouch_hid.recording.labels import check_labelled, labels_path, read_labels, write_labels
 from neurotouch_hid.recording.reader import Batch, Recording

@@ -1,89 +1,77 @@
-"""The size of a decompressed packet, read from its framing before anything is decompressed.
-
-The formats: LZ4 frame format 1.6.4 and RFC 8878 (Zstandard). Both cut their content in blocks; so
-many bytes of file can mean a gigabyte of memory, but only with many blocks.
-"""
+"""Decompresses packets, never to more than a limit, whatever their bytes say."""
 
 import struct
-from collections.abc import Callable
-from typing import Final
+import sys
+from typing import Any, Final
 
-MAX_BYTES: Final = 256 << 20
-"""No packet is larger: 16 million events, or 2 900 frames. Writers put some thousand events or one
+import lz4.frame
+
+MAX_BYTES: Final = 32 << 20
+"""No packet is larger: 2 million events, or 370 frames. Writers put some thousand events or one
 frame in a packet."""
 
-_LZ4_MAGIC: Final = 0x184D2204
-_LZ4_BLOCK_BYTES: Final = {4: 64 << 10, 5: 256 << 10, 6: 1 << 20, 7: 4 << 20}
-_ZSTD_MAGIC: Final = 0xFD2FB528
-_ZSTD_SKIPPABLE: Final = range(0x184D2A50, 0x184D2A60)
-_ZSTD_BLOCK_BYTES: Final = 128 << 10
-_ZSTD_RUN: Final = 1  # of the block types: one byte, repeated
+NONE, LZ4, LZ4_HIGH, ZSTD, ZSTD_HIGH = range(5)
+COMPRESSIONS: Final = range(5)
+"""The compressions of the format, by their number."""
 
-Read = Callable[[int, int], bytes]
-"""So many bytes from a position on; fewer at the end."""
+_SIZE: Final = struct.Struct("<I")
+_WINDOW_LOG: Final = MAX_BYTES.bit_length() - 1  # what the decoder of Zstandard itself may take
 
 
-def bound_lz4(read: Read, begin: int, end: int) -> int:
-    """Returns the most that an LZ4 frame which fills these bytes exactly decompresses to.
+class TooLargeError(ValueError):
+    """A packet says that it has more than ``MAX_BYTES``; ``size`` has how many."""
 
-    -1 if none does.
+    def __init__(self, size: int) -> None:
+        super().__init__(size)
+        self.size = size
 
-    A frame that ends early decompresses to nothing, which no reader expects: it counts as none.
+
+def decompress(data: bytes, compression: int) -> bytes | memoryview:
+    """Returns the FlatBuffer in a packet, without the size in front of it.
+
+    The size is read first, so no more memory is taken than the packet says and ``MAX_BYTES``.
 
     Args:
-        read: gives bytes of the file.
-        begin: position of the first byte.
-        end: position after the last.
+        data: the packet as it is in the file.
+        compression: one of ``COMPRESSIONS``.
+
+    Raises:
+        ValueError: it is damaged, or larger than ``MAX_BYTES``.
     """
-    head = read(begin, 6)
-    if len(head) < 6 or struct.unpack_from("<I", head)[0] != _LZ4_MAGIC:
-        return -1
-    flags, largest = head[4], _LZ4_BLOCK_BYTES.get(head[5] >> 4 & 7, 0)
-    position = begin + 7 + (8 if flags & 8 else 0) + (4 if flags & 1 else 0)
-    n_blocks = 0
-    while position + 4 <= end:
-        (block,) = struct.unpack("<I", read(position, 4))
-        position += 4
-        if block == 0:
-            whole = n_blocks > 0 and position + (4 if flags & 4 else 0) == end
-            return n_blocks * largest if whole else -1
-        position += (block & 0x7FFFFFFF) + (4 if flags & 16 else 0)
-        n_blocks += 1
-    return -1
+    if compression == NONE:
+        size = _read_size(data)
+        if size != len(data) - _SIZE.size:
+            raise ValueError("the size is not that of the packet")
+        return memoryview(data)[_SIZE.size :]
+    decoder, failures = _make_decoder(compression)
+    try:
+        head = decoder.decompress(data, _SIZE.size)
+        size = _read_size(head)
+        body = b"" if decoder.eof or not size else decoder.decompress(b"", size)
+        rest = b"" if decoder.eof else decoder.decompress(b"", 1)
+    except failures as error:
+        raise ValueError(str(error)) from error
+    if len(body) < size or rest or not decoder.eof or decoder.unused_data:
+        raise ValueError("the compressed data do not end with the packet")
+    return bytes(body)
 
 
-def bound_zstd(read: Read, begin: int, end: int) -> int:
-    """Returns the most that the Zstandard frames in these bytes decompress to.
-
-    What is no frame is 0.
-
-    The library says itself what is wrong with a frame that is not whole.
-    """
-    most, position = 0, begin
-    while position + 8 <= end:
-        (magic,) = struct.unpack("<I", read(position, 4))
-        if magic in _ZSTD_SKIPPABLE:
-            position += 8 + int(struct.unpack("<I", read(position + 4, 4))[0])
-        elif magic == _ZSTD_MAGIC:
-            size, position = _walk_zstd(read, position, end)
-            most += size
-        else:
-            break
-    return most
+def _read_size(head: bytes) -> int:
+    if len(head) < _SIZE.size:
+        raise ValueError("there is no size")
+    size = int(_SIZE.unpack_from(head)[0])
+    if size > MAX_BYTES:
+        raise TooLargeError(size)
+    return size
 
 
-def _walk_zstd(read: Read, begin: int, end: int) -> tuple[int, int]:
-    """Returns the most that one frame decompresses to, and the position after it."""
-    flags = read(begin + 4, 1)[0]
-    single, size_code = flags >> 5 & 1, flags >> 6
-    size_bytes = (single, 2, 4, 8)[size_code]
-    position = begin + 5 + (1 - single) + (0, 1, 2, 4)[flags & 3] + size_bytes
-    most = 0
-    while position + 3 <= end:
-        block = int.from_bytes(read(position, 3), "little")
-        is_last, kind, size = block & 1, block >> 1 & 3, block >> 3
-        position += 3 + (1 if kind == _ZSTD_RUN else size)
-        most += max(size, _ZSTD_BLOCK_BYTES)
-        if is_last:
-            break
-    return most, position + (4 if flags & 4 else 0)
+def _make_decoder(compression: int) -> tuple[Any, tuple[type[Exception], ...]]:
+    """Returns a decoder with the interface of ``bz2``, and what it raises for damaged data."""
+    if compression in (LZ4, LZ4_HIGH):
+        return lz4.frame.LZ4FrameDecompressor(), (RuntimeError, EOFError)
+    if sys.version_info >= (3, 14):
+        from compression import zstd  # noqa: PLC0415 - few recordings need it
+    else:
+        from backports import zstd  # noqa: PLC0415
+    options: dict[int, int] = {zstd.DecompressionParameter.window_log_max: _WINDOW_LOG}
+    return zstd.ZstdDecompressor(options=options), (zstd.ZstdError, EOFError)

@@ -1,32 +1,135 @@
-r"""The outside of an AEDAT4 file, checked here because no library survives every damaged one.
+"""The outside of a recording: a regular file with a header, and packets one after the other.
 
-Measured on files with single flipped bits: ``dv-processing`` never returns from some of them, and
-``faery`` panics (and prints) on a damaged header. Both do well once the framing below is sound.
-
-A file is ``#!AER-DAT4.0\r\n``, a size-prefixed FlatBuffer ``IOHE`` (compression, position of the
-table at the end or -1, an XML text that names the streams), then packets: stream number and size,
-both int32, and so many bytes.
+A packet is its stream's number and its size, both int32, and so many bytes. Everything is compared
+with the length of the file before any memory is taken.
 """
 
 import difflib
+import os
 import struct
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import IO
+from types import TracebackType
+from typing import Final, Self
 
 from neurotouch_hid.errors import RecordingError
-from neurotouch_hid.recording.compression import MAX_BYTES, bound_lz4, bound_zstd
+from neurotouch_hid.files.small_file import open_regular
+from neurotouch_hid.recording.compression import MAX_BYTES, TooLargeError, decompress
+from neurotouch_hid.recording.header import MAX_HEADER_BYTES, parse_header
 
-MAGIC = b"#!AER-DAT4.0\r\n"
-_AEDAT = b"#!AER-DAT"
-_MAX_HEADER_BYTES = 16 << 20
-_COMPRESSION_SLOT, _TABLE_SLOT, _TEXT_SLOT = 4, 6, 8  # bytes into the vtable
-_COMPRESSIONS = range(5)  # none, LZ4, LZ4 high, Zstandard, Zstandard high
-_LZ4 = (1, 2)
-_ZSTD = (3, 4)
-_MIN_PACKET_BYTES = 12  # the smallest FlatBuffer with a size and a name
-_MAX_STREAMS = 1 << 16
+_PACKET_HEAD: Final = struct.Struct("<ii")
+
+
+class DamageError(Exception):
+    """The file cannot be read from a place on.
+
+    Attributes:
+        position: the place, in bytes.
+        what: what is wrong, as a sentence about the file goes on: ``is cut off``.
+    """
+
+    def __init__(self, position: int, what: str = "is damaged") -> None:
+        super().__init__(what)
+        self.position = position
+        self.what = what
+
+
+class Container:
+    """An open recording; several walks can read it side by side.
+
+    Args:
+        path: the file.
+
+    Attributes:
+        header: its header.
+
+    Raises:
+        RecordingError: the file is missing, not a file, of another format or damaged.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        if path.is_dir():
+            raise RecordingError(
+                f"'{path}' is a folder.", hint=f"Give a recording in it: {path}/NAME.aedat4"
+            )
+        try:
+            self._descriptor = open_regular(path)
+        except FileNotFoundError as error:
+            raise RecordingError(f"There is no file '{path}'.", hint=_name_near(path)) from error
+        except OSError as error:
+            raise self._refuse(error) from error
+        try:
+            self._size = os.fstat(self._descriptor).st_size
+            self.header = parse_header(path, self._read(0, MAX_HEADER_BYTES))
+        except BaseException:
+            os.close(self._descriptor)
+            raise
+
+    def walk(self, stream: int | None) -> Iterator[tuple[int, bytes | memoryview]]:
+        """Gives the packets of a stream in the order of the file, with the place of each.
+
+        Args:
+            stream: its number; None gives none.
+
+        Raises:
+            DamageError: the file breaks off, or a packet cannot be unpacked.
+        """
+        position, table = self.header.begin, self.header.table
+        end = self._size if table < 0 else min(table, self._size)
+        what = "is damaged" if 0 <= table <= self._size else "is cut off"
+        while stream is not None and position + _PACKET_HEAD.size <= end:
+            head = self._read(position, _PACKET_HEAD.size)
+            if len(head) < _PACKET_HEAD.size:
+                break  # a program has made the file shorter
+            number, size = _PACKET_HEAD.unpack(head)
+            begin = position + _PACKET_HEAD.size
+            if size <= 0 or number not in self.header.streams:
+                raise DamageError(position)
+            if begin + size > end:
+                raise DamageError(position, what)
+            if number == stream:
+                yield position, self._unpack(position, begin, size)
+            position = begin + size
+        if stream is not None and (position != end or table > self._size):
+            raise DamageError(position, what)
+
+    def close(self) -> None:
+        """Closes the file."""
+        os.close(self._descriptor)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _unpack(self, position: int, begin: int, size: int) -> bytes | memoryview:
+        # Nothing grows by being compressed, but for a few bytes for each block.
+        try:
+            if size > MAX_BYTES + (MAX_BYTES >> 8):
+                raise TooLargeError(size)
+            return decompress(self._read(begin, size), self.header.compression)
+        except TooLargeError as error:
+            what = f"has a packet of {error.size >> 20} MB, more than any camera gives,"
+            raise DamageError(position, what) from error
+        except ValueError as error:
+            raise DamageError(position) from error
+
+    def _read(self, position: int, n: int) -> bytes:
+        try:
+            return os.pread(self._descriptor, n, position)
+        except OSError as error:
+            raise self._refuse(error) from error
+
+    def _refuse(self, error: OSError) -> RecordingError:
+        return RecordingError(f"'{self._path}' cannot be read: {error.strerror}.")
 
 
 def check_recording(path: Path) -> None:
@@ -35,13 +138,7 @@ def check_recording(path: Path) -> None:
     Raises:
         RecordingError: the file is missing, a folder, empty, of another format or damaged.
     """
-    if path.is_dir():
-        raise RecordingError(
-            f"'{path}' is a folder.", hint=f"Give a recording in it: {path}/NAME.aedat4"
-        )
-    if not path.exists():
-        raise RecordingError(f"There is no file '{path}'.", hint=_name_near(path))
-    next(packet_sizes(path))
+    Container(path).close()
 
 
 def _name_near(path: Path) -> str:
@@ -52,138 +149,3 @@ def _name_near(path: Path) -> str:
         if near:
             return f"Did you mean {path.with_name(near[0])}.aedat4?"
     return "Check the name. To record one: neurotouch record NAME.aedat4"
-
-
-def packet_sizes(path: Path) -> Iterator[int]:
-    """Checks the header at once, then each packet's frame before the reader comes to it.
-
-    Yields:
-        The size of each packet in bytes, up to the end of the packets or of the file.
-
-    Raises:
-        RecordingError: the file is missing, empty, of another format or damaged.
-    """
-    try:
-        with path.open("rb", buffering=0) as file:
-            yield from _walk(path, file)
-    except OSError as error:
-        raise RecordingError(f"'{path}' cannot be read: {error.strerror}.") from error
-
-
-def _walk(path: Path, file: IO[bytes]) -> Iterator[int]:
-    end = file.seek(0, 2)
-    file.seek(0)
-    position, compression, table = _read_header(path, file, end)
-    stop = end if table < 0 else min(table, end)
-    _check_size(path, stop, _bound(file, compression, stop, end))  # the table
-    yield 0  # the header is sound
-    while position + 8 <= stop:
-        file.seek(position)
-        stream, size = struct.unpack("<ii", file.read(8))
-        position += 8
-        if size < _MIN_PACKET_BYTES or not 0 <= stream < _MAX_STREAMS:
-            raise RecordingError(f"'{path}' is damaged at byte {position - 8}.")
-        if position + size > end:
-            return  # cut off: the library says so
-        most = _bound(file, compression, position, position + size)
-        if most < 0:
-            raise RecordingError(f"'{path}' is damaged at byte {position}.")
-        _check_size(path, position, most)
-        yield size
-        position += size
-
-
-def _bound(file: IO[bytes], compression: int, begin: int, end: int) -> int:
-    """Returns the most that these bytes decompress to; -1 if they are damaged."""
-
-    def read(position: int, n: int) -> bytes:
-        file.seek(position)
-        return file.read(n)
-
-    if compression in _LZ4:
-        return bound_lz4(read, begin, end)
-    return bound_zstd(read, begin, end) if compression in _ZSTD else end - begin
-
-
-def _check_size(path: Path, begin: int, most: int) -> None:
-    if most > MAX_BYTES:
-        raise RecordingError(
-            f"'{path}' has {most >> 20} MB in one piece at byte {begin}, far more than any camera "
-            "gives.",
-            hint="It is damaged, or made to harm.",
-        )
-
-
-def _read_header(path: Path, file: IO[bytes], end: int) -> tuple[int, int, int]:
-    """Returns the first packet's position, compression, and the table's (-1: never closed)."""
-    if end == 0:
-        raise RecordingError(f"'{path}' is empty (0 bytes).", hint="Record it again.")
-    magic = file.read(len(MAGIC))
-    if magic != MAGIC:
-        raise _not_aedat4(path, magic)
-    cut = RecordingError(f"'{path}' is cut off inside its header.", hint="Copy or record it again.")
-    damaged = RecordingError(
-        f"'{path}' has a damaged header.", hint="Copy it again from its origin."
-    )
-    prefix = file.read(4)
-    if len(prefix) < 4:
-        raise cut
-    (size,) = struct.unpack("<I", prefix)
-    if size > _MAX_HEADER_BYTES:
-        raise damaged
-    header = file.read(size)
-    if len(header) < size:
-        raise cut
-    try:
-        compression, table = _parse_header(header)
-    except (struct.error, ValueError) as error:
-        raise damaged from error
-    return len(MAGIC) + 4 + size, compression, table
-
-
-def _not_aedat4(path: Path, magic: bytes) -> RecordingError:
-    if MAGIC.startswith(magic):
-        return RecordingError(f"'{path}' is cut off inside its header.", hint="Record it again.")
-    if magic.startswith(_AEDAT):
-        version = magic[len(_AEDAT) :].decode("ascii", "replace").strip()
-        return RecordingError(
-            f"'{path}' is an AEDAT {version} file, not AEDAT4.",
-            hint="Convert it to AEDAT4 with the camera maker's software.",
-        )
-    return RecordingError(f"'{path}' is not an AEDAT4 recording.", hint="Give a file NAME.aedat4.")
-
-
-def _parse_header(header: bytes) -> tuple[int, int]:
-    """Returns the compression and the table's position.
-
-    Raises:
-        ValueError, struct.error: a field points outside the header.
-    """
-
-    def read(kind: str, at: int) -> int:
-        if at < 0:
-            raise ValueError(at)
-        return int(struct.unpack_from(kind, header, at)[0])
-
-    if header[4:8] != b"IOHE":
-        raise ValueError(header[4:8])
-    root = read("<I", 0)
-    vtable = root - read("<i", root)
-    length = read("<H", vtable)
-
-    def field(slot: int) -> int:
-        offset = read("<H", vtable + slot) if slot + 2 <= length else 0
-        return root + offset if offset else -1
-
-    at = field(_COMPRESSION_SLOT)
-    compression = read("<i", at) if at >= 0 else 0
-    if compression not in _COMPRESSIONS:
-        raise ValueError(compression)
-    text = field(_TEXT_SLOT)
-    begin = text + read("<I", text) + 4
-    stop = begin + read("<I", begin - 4)
-    if stop > len(header):
-        raise ValueError(stop)
-    header[begin:stop].decode("utf-8")
-    table = field(_TABLE_SLOT)
-    return compression, read("<q", table) if table >= 0 else -1

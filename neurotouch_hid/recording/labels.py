@@ -2,26 +2,39 @@
 
 import csv
 import difflib
-import math
+import io
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from neurotouch_hid.errors import RecordingError
+from neurotouch_hid.files.faults import SHOWN_COLUMNS
+from neurotouch_hid.files.small_file import read_text
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, GestureKind, Truth
+from neurotouch_hid.partial_file import write_whole
+from neurotouch_hid.printable import make_printable
 from neurotouch_hid.recording.container import check_recording
-from neurotouch_hid.recording.partial_file import PartialFile
 
 if TYPE_CHECKING:
     import _csv
 
+MAX_LABELS_BYTES = 16 << 20
+"""An hour of labels at 60 Hz."""
+MAX_INTENSITY_MM = 100
+"""Wider than the gel."""
+MAX_STAMP_US = 1 << 62
+"""Differences of smaller stamps fit 64 bits."""
 MAX_CONTACTS = 3
 POINT_COLUMNS = tuple(f"{axis}{i}_px" for i in range(1, MAX_CONTACTS + 1) for axis in "xy")
 COLUMNS = ("timestamp_us", "gesture", "intensity_mm", "contacts", *POINT_COLUMNS)
 _KINDS = {kind.label: kind for kind in GestureKind}
+_INTEGER = re.compile(r"[-+]?[0-9]{1,19}")
+_NUMBER = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _DECIMALS = 3  # a thousandth of a pixel or millimetre
 
 
@@ -40,18 +53,17 @@ def write_labels(path: Path | str, truths: Iterable[Truth]) -> None:
     Raises:
         RecordingError: the file cannot be written, or a truth cannot be said in a row.
     """
-    file = PartialFile(Path(path))
+    text = io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    writer.writerows(_row(truth) for truth in truths)
     try:
-        with file.partial.open("w", encoding="utf-8", newline="") as stream:
-            writer = csv.writer(stream, lineterminator="\n")
-            writer.writerow(COLUMNS)
-            writer.writerows(_row(truth) for truth in truths)
+        write_whole(Path(path), text.getvalue().encode())
     except OSError as error:
-        raise RecordingError(f"'{path}' cannot be written: {error.strerror}.") from error
-    else:
-        file.commit()
-    finally:
-        file.discard()
+        raise RecordingError(
+            f"'{path}' cannot be written: {error.strerror}.",
+            hint="Choose a folder that exists and that you may write to.",
+        ) from error
 
 
 def _row(truth: Truth) -> list[str]:
@@ -103,14 +115,14 @@ def read_labels(path: Path | str) -> list[Truth]:
     """
     path = Path(path)
     try:
-        with path.open(encoding="utf-8-sig", newline="") as stream:
-            truths = list(_parse(path, csv.reader(stream, strict=True)))
+        text = read_text(path, MAX_LABELS_BYTES)
+        truths = list(_parse(path, csv.reader(StringIO(text, newline=""), strict=True)))
     except FileNotFoundError as error:
         raise _refuse_unlabelled(path) from error
     except OSError as error:
         raise RecordingError(f"'{path}' cannot be read: {error.strerror}.") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise RecordingError(f"'{path}' is not a CSV file in UTF-8: {error}.") from error
+    except csv.Error as error:
+        raise RecordingError(f"'{path}' is not a CSV file: {error}.") from error
     if not truths:
         raise RecordingError(
             f"'{path}' has no labels.", hint="Write one row for each labelled moment."
@@ -120,32 +132,27 @@ def read_labels(path: Path | str) -> list[Truth]:
 
 @dataclass(frozen=True, slots=True)
 class _Row:
-    """One row and its place, so that every complaint can name it."""
+    """One row and its place, so that every error can name it."""
 
     place: str
     values: dict[str, str]
 
     def error(self, column: str, expected: str) -> RecordingError:
-        found = self.values[column]
+        found = make_printable(self.values[column][:SHOWN_COLUMNS])
         return RecordingError(
             f"{self.place}: column {column}: expected {expected}, found "
-            + (f"{found!r}" if found else "nothing")
+            + (f"'{found}'" if found else "nothing")
         )
 
     def integer(self, column: str, expected: str) -> int:
-        try:
-            return int(self.values[column])
-        except ValueError:
-            raise self.error(column, expected) from None
+        if not _INTEGER.fullmatch(self.values[column]):
+            raise self.error(column, expected)
+        return int(self.values[column])
 
     def number(self, column: str, expected: str) -> float:
-        try:
-            value = float(self.values[column])
-        except ValueError:
-            raise self.error(column, expected) from None
-        if not math.isfinite(value):
+        if not _NUMBER.fullmatch(self.values[column]):
             raise self.error(column, expected)
-        return value
+        return float(self.values[column])
 
 
 def _parse(path: Path, reader: "_csv.Reader") -> Iterator[Truth]:
@@ -175,20 +182,23 @@ def _header_fault(header: list[str]) -> str:
     if missing:
         return f"column {missing[0]} is missing"
     if unknown:
-        return f"unknown column {unknown[0]!r}"
+        return f"unknown column '{make_printable(unknown[0][:SHOWN_COLUMNS])}'"
     return "the columns are in another order or appear twice"
 
 
 def _truth(row: _Row) -> Truth:
     t_us = row.integer("timestamp_us", "a whole number of microseconds")
+    if abs(t_us) > MAX_STAMP_US:
+        raise row.error("timestamp_us", "a time that a recording can have")
     label = row.values["gesture"]
     if label not in _KINDS:
-        close = difflib.get_close_matches(label.lower(), _KINDS, n=1)
+        close = difflib.get_close_matches(label[:SHOWN_COLUMNS].lower(), _KINDS, n=1)
         meant = f" (did you mean {close[0]}?)" if close else ""
         raise row.error("gesture", f"one of {' '.join(_KINDS)}{meant}")
-    intensity_mm = row.number("intensity_mm", "a number of millimetres, 0 or more")
-    if intensity_mm < 0:
-        raise row.error("intensity_mm", "a number of millimetres, 0 or more")
+    millimetres = f"a number of millimetres from 0 to {MAX_INTENSITY_MM}"
+    intensity_mm = row.number("intensity_mm", millimetres)
+    if not 0 <= intensity_mm <= MAX_INTENSITY_MM:
+        raise row.error("intensity_mm", millimetres)
     n = row.integer("contacts", f"a whole number from 0 to {MAX_CONTACTS}")
     if not 0 <= n <= MAX_CONTACTS:
         raise row.error("contacts", f"a whole number from 0 to {MAX_CONTACTS}")

@@ -1,30 +1,43 @@
-"""Recordings in: the events and frames of an AEDAT4 file in order of time, a batch at a time."""
+"""Recordings in: the events and frames of an AEDAT4 file in order of time, a batch at a time.
 
-import heapq
-from collections.abc import Iterator
+The file is walked twice side by side, once for its events and once for its frames, so no packet
+waits for another one, however far apart they are in the file. What one slice can hold is bounded,
+too: a camera gives so many events and frames in a moment, and more are damage.
+"""
+
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from types import TracebackType
+from typing import Final, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
-from neurotouch_hid.recording.container import check_recording, packet_sizes
+from neurotouch_hid.recording.container import Container, DamageError
+from neurotouch_hid.recording.header import Stream
+from neurotouch_hid.recording.unpacking import (
+    MAX_STAMP_US,
+    UnfitError,
+    unpack_events,
+    unpack_frame,
+)
 
 Batch = tuple[NDArray[np.void], tuple[Frame, ...]]
-"""Events ((n,) EVENT_DTYPE, ascending) and the frames whose exposure ended before the last one."""
+"""Events ((n,) EVENT_DTYPE, ascending), and frames. No event of a later batch is older than the end
+of these frames' exposures."""
 
-MAX_LAG_US = 500_000
-"""How far frames may be from their events in the file before it is read in two passes. A camera
-delivers a frame some 20 ms after its exposure; half a second of events is 16 MB at worst."""
-TOLERATED_STEP_BACK_US = 10_000
+TOLERATED_STEP_BACK_US: Final = 10_000
 """Smaller steps back are rounding between packets; the events keep the later stamp."""
-MAX_STAMP_US = 1 << 62
-"""Stamps beyond this are damage: differences of smaller ones fit 64 bits."""
-_RESOLUTION = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX)
+MOST_WAITING: Final = 64
+"""So many frames go out without waiting for the next event: 6 MB."""
 
-_Item = NDArray[np.void] | Frame
+Item = TypeVar("Item")
+
+_PIECE: Final = 1 << 16
+"""Events of a batch, at most: 1 MB."""
+_RESOLUTION: Final = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX)
 
 
 class Recording:
@@ -45,190 +58,207 @@ class Recording:
 
     def __init__(self, path: Path | str) -> None:
         self.path = Path(path)
-        check_recording(self.path)
-        decoder = self._open()
-        with decoder:
-            tracks = {track.data_type: track for track in reversed(decoder.tracks())}
-            table = decoder.file_data_definitions()
-        self.has_frames = "frame" in tracks
-        if "events" not in tracks:
+        with Container(self.path) as file:
+            streams = file.header.streams
+        self._events = _find(streams, "EVTS")
+        self._frames = _find(streams, "FRME")
+        self.has_frames = self._frames is not None
+        if self._events is None:
             raise RecordingError(
                 f"'{self.path}' has no stream of events.",
                 hint="Record with the events switched on.",
             )
-        for kind in ("events", "frame"):
-            if kind in tracks and tuple(tracks[kind].dimensions) != _RESOLUTION:
-                width, height = tracks[kind].dimensions
+        for number in (self._events, self._frames):
+            if number is not None and (size := streams[number].size) != _RESOLUTION:
+                what = "of unknown size" if size is None else f"{size[0]}×{size[1]}"
                 raise RecordingError(
-                    f"'{self.path}' is {width}×{height}, not the 346×260 of a DAVIS-346.",
+                    f"'{self.path}' is {what}, not the 346×260 of a DAVIS-346.",
                     hint="Only recordings of a DAVIS-346 can be used.",
                 )
-        self._ids = {track.id: kind for kind, track in tracks.items()}
-        self._apart = self._is_apart(table)
 
     def __iter__(self) -> Iterator[Batch]:
-        items: Iterator[_Item]
-        if self._apart:
-            items = heapq.merge(self._read({"events"}), self._read({"frame"}), key=_end_us)
-        else:
-            items = _sort_nearby(self._read({"events", "frame"}))
-        frames: list[Frame] = []
-        n_events = 0
-        for item in items:
-            if isinstance(item, Frame):
-                frames.append(item)
-                continue
-            yield item, tuple(frames)
-            n_events += len(item)
-            frames.clear()
-        if not n_events:
-            raise RecordingError(
-                f"'{self.path}' has no events.", hint="Check the camera's cable and event output."
-            )
-        if frames:
-            yield np.empty(0, EVENT_DTYPE), tuple(frames)
+        with _Reading(self.path, self._events, self._frames) as reading:
+            frames = reading.frames()
+            frame = next(frames, None)
+            for piece in reading.events():
+                events, waiting = piece, list[Frame]()
+                while frame is not None and frame.exposure_end_us <= events["t"][-1]:
+                    waiting.append(frame)
+                    frame = next(frames, None)
+                    if len(waiting) == MOST_WAITING:
+                        end_us = max(each.exposure_end_us for each in waiting)
+                        before = int(np.searchsorted(events["t"], end_us))
+                        yield events[:before], tuple(waiting)
+                        events = events[before:]
+                        waiting = []
+                yield events, tuple(waiting)
+            if not reading.has_events:
+                raise reading.damage or RecordingError(
+                    f"'{self.path}' has no events.",
+                    hint="Check the camera's cable and event output.",
+                )
+            while frame is not None:
+                yield np.empty(0, EVENT_DTYPE), (frame,)
+                frame = next(frames, None)
+            if damage := reading.damage:
+                raise damage
 
-    def _open(self) -> Any:
-        # Imported here: it takes 0.15 s, and only recordings need it.
-        from faery.extension import aedat  # noqa: PLC0415
 
+def _find(streams: dict[int, Stream], kind: str) -> int | None:
+    """Returns the number of the first stream of a kind."""
+    return next((number for number, stream in streams.items() if stream.kind == kind), None)
+
+
+class _Reading:
+    """One reading of a file: two walks, and the first damage that one of them meets."""
+
+    def __init__(self, path: Path, events: int | None, frames: int | None) -> None:
+        self._path = path
+        self._events, self._frames = events, frames
+        self._file = Container(path)
+        self._end: float = float("inf")  # position of the damage: the other walk ends there, too
+        self._damage: RecordingError | str = ""
+        self._first_us: int | None = None
+        self._last_us = -1
+        self._frame_us = -MAX_STAMP_US
+        # A DAVIS-346 gives at most 12 events/µs and 40 frames/s.
+        self._event_rate = _Rate(most=1_000_000, per_us=20)
+        self._frame_rate = _Rate(most=MOST_WAITING, per_us=0.001)
+
+    def events(self) -> Iterator[NDArray[np.void]]:
+        """Gives the events, none of the arrays empty."""
+        return self._walk(self._events, self._take_events)
+
+    def frames(self) -> Iterator[Frame]:
+        """Gives the frames."""
+        return self._walk(self._frames, self._take_frame)
+
+    @property
+    def has_events(self) -> bool:
+        """Whether there has been an event."""
+        return self._first_us is not None
+
+    @property
+    def damage(self) -> RecordingError | None:
+        """What has ended the walks; None so far."""
+        if isinstance(self._damage, RecordingError) or not self._damage:
+            return self._damage or None
+        where = "before its first event"
+        if self._first_us is not None:
+            where = f"{(self._last_us - self._first_us) / 1e6:.3f} s after its first event"
+        return RecordingError(
+            f"'{self._path}' {self._damage} {where}.", hint="Copy it again from its origin."
+        )
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._file.close()
+
+    def _walk(
+        self, stream: int | None, take: Callable[[bytes | memoryview], Iterator[Item]]
+    ) -> Iterator[Item]:
+        position = 0
         try:
-            return aedat.Decoder(self.path)
-        except RuntimeError as error:
-            raise RecordingError(
-                f"'{self.path}' is cut off or damaged ({error}).",
-                hint="Copy it again from its origin.",
-            ) from error
+            for position, data in self._file.walk(stream):
+                if position >= self._end:
+                    return
+                yield from take(data)
+        except DamageError as error:
+            self._stop(error.position, error.what)
+        except UnfitError as error:
+            self._stop(position, RecordingError(f"'{self._path}' has {error}."))
+        except ValueError:
+            self._stop(position, "is damaged")
+        except RecordingError as error:
+            self._stop(position, error)
 
-    def _is_apart(self, table: list[Any]) -> bool:
-        """Tells whether the table has something later in the file than the reader would wait for.
+    def _stop(self, position: int, damage: RecordingError | str) -> None:
+        if position < self._end:
+            self._end, self._damage = position, damage
 
-        Raises:
-            RecordingError: the table shows that the stamps of a stream go back.
-        """
-        apart = False
-        newest = dict.fromkeys(self._ids, -MAX_STAMP_US)
-        for entry in table:
-            if self._ids.get(entry.track_id) in {"events", "frame"} and entry.end_t:
-                self._check_order(newest[entry.track_id], entry.start_t)
-                apart = apart or entry.end_t < max(newest.values()) - MAX_LAG_US
-                newest[entry.track_id] = max(newest[entry.track_id], entry.end_t)
-        return apart
+    def _take_events(self, data: bytes | memoryview) -> Iterator[NDArray[np.void]]:
+        packet = unpack_events(data)
+        for begin in range(0, len(packet), _PIECE):
+            yield self._check_events(packet[begin : begin + _PIECE])
+
+    def _check_events(self, given: NDArray[np.void]) -> NDArray[np.void]:
+        """Returns our own records of some events: in the picture and ascending."""
+        events = np.zeros(len(given), EVENT_DTYPE)
+        for name in ("t", "x", "y"):
+            events[name] = given[name]
+        events["p"] = given["p"].view(np.uint8) != 0
+        for name, size in zip("xy", _RESOLUTION, strict=True):
+            if events[name].view(np.uint16).max() >= size:
+                raise RecordingError(
+                    f"'{self._path}' has an event outside the 346×260 pixels of a DAVIS-346.",
+                    hint="The file is damaged or of another camera.",
+                )
+        t = events["t"]
+        for impossible in (int(t.min()), int(t.max())):
+            if not 0 <= impossible < MAX_STAMP_US:
+                raise RecordingError(f"'{self._path}' has an impossible stamp ({impossible} µs).")
+        if t[0] < self._last_us or (t[1:] < t[:-1]).any():
+            t[:] = self._straighten(t)
+        self._require(self._event_rate.allows(len(t), int(t[-1])), "events")
+        self._first_us = int(t[0]) if self._first_us is None else self._first_us
+        self._last_us = int(t[-1])
+        return events
+
+    def _straighten(self, t: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Returns the stamps, each no earlier than the one before."""
+        reached = np.maximum(np.maximum.accumulate(t), self._last_us)
+        back = np.flatnonzero(reached - t > TOLERATED_STEP_BACK_US)
+        if len(back):
+            self._check_order(int(reached[back[0]]), int(t[back[0]]))
+        return reached
+
+    def _take_frame(self, data: bytes | memoryview) -> Iterator[Frame]:
+        frame = unpack_frame(data)
+        end_us = frame.exposure_end_us
+        self._check_order(self._frame_us, end_us)
+        self._require(self._frame_rate.allows(1, end_us), "frames")
+        self._frame_us = end_us
+        yield frame
 
     def _check_order(self, before_us: int, t_us: int) -> None:
         if t_us < before_us - TOLERATED_STEP_BACK_US:
             raise RecordingError(
-                f"{self.path}: the stamps go back from {before_us} to {t_us} µs.",
+                f"{self._path}: the stamps go back from {before_us} to {t_us} µs.",
                 hint="The camera's clock was reset while recording; cut the recording there.",
             )
 
-    def _read(self, kinds: set[str]) -> Iterator[_Item]:
-        """Gives the items of these kinds in the order of the file, checked."""
-        guard = packet_sizes(self.path)
-        next(guard)
-        first_us: int | None = None
-        last_us = frame_us = -MAX_STAMP_US
-        with self._open() as decoder:
-            while True:
-                next(guard, None)
-                try:
-                    track, packet = next(decoder)
-                except StopIteration:
-                    return
-                except RuntimeError as error:
-                    raise self._broken(error, first_us, last_us) from error
-                kind = self._ids.get(track.id)
-                if kind not in kinds:
-                    continue
-                if kind == "frame":
-                    frame = self._frame(packet)
-                    self._check_order(frame_us, frame.exposure_end_us)
-                    frame_us = frame.exposure_end_us
-                    yield frame
-                elif len(packet):
-                    events = self._events(packet)
-                    first_us = int(events["t"][0]) if first_us is None else first_us
-                    last_us = int(events["t"][-1])
-                    yield events
-
-    def _broken(self, error: RuntimeError, first_us: int | None, last_us: int) -> RecordingError:
-        if "overflow" in str(error):
-            return RecordingError(
-                f"'{self.path}' has an event outside the 346×260 pixels of a DAVIS-346.",
-                hint="The file is damaged or of another camera.",
-            )
-        what = "is cut off" if "fill whole buffer" in str(error) else "is damaged"
-        where = (
-            "before its first event"
-            if first_us is None
-            else f"{(last_us - first_us) / 1e6:.3f} s after its first event"
-        )
-        return RecordingError(
-            f"'{self.path}' {what} {where}.", hint="Copy it again from its origin."
-        )
-
-    def _events(self, packet: NDArray[np.void]) -> NDArray[np.void]:
-        """Returns our records of the library's events, checked to be in the picture and ascending.
-
-        The library refuses events outside the picture and lifts a stamp before its predecessor's
-        to that one, so what is wrong with stamps has to be seen in the table and in the frames.
-        """
-        events = np.zeros(len(packet), EVENT_DTYPE)
-        t = events["t"]
-        t[:] = packet["t"].view(np.int64)
-        events["x"] = packet["x"]
-        events["y"] = packet["y"]
-        events["p"] = packet["on"].view(np.uint8) != 0
-        if int(t[-1]) >= MAX_STAMP_US:
-            raise RecordingError(f"'{self.path}' has an impossible stamp ({int(t[-1])} µs).")
-        return events
-
-    def _frame(self, packet: Any) -> Frame:
-        try:
-            pixels = packet.pixels
-        except ValueError as error:  # fewer bytes than width × height
-            raise RecordingError(f"'{self.path}' has a damaged frame ({error}).") from error
-        if pixels.dtype != np.uint8 or pixels.shape[:2] != _RESOLUTION[::-1]:
-            size = "×".join(str(n) for n in pixels.shape[1::-1])
+    def _require(self, is_possible: bool, what: str) -> None:
+        if not is_possible:
             raise RecordingError(
-                f"'{self.path}' has a frame of {size} pixels ({pixels.dtype}), "
-                "not 346×260 of 8 bit."
+                f"'{self._path}' has more {what} in one moment than any camera gives.",
+                hint="It is damaged, or made to harm.",
             )
-        if pixels.ndim == 3:  # a colour camera: the gel is black and white
-            pixels = pixels[..., :3].mean(axis=2).astype(np.uint8)
-        begin, end = (_signed(t) for t in (packet.exposure_start_t, packet.exposure_end_t))
-        if begin == 0 and end == 0:
-            begin = end = _signed(packet.t)
-        if max(abs(begin), abs(end)) > MAX_STAMP_US:
-            raise RecordingError(
-                f"'{self.path}' has a frame with an impossible stamp ({begin} µs)."
-            )
-        return Frame(np.array(pixels), begin, max(begin, end))
 
 
-def _signed(stamp: int) -> int:
-    return stamp - (1 << 64) if stamp >= 1 << 63 else stamp
+class _Rate:
+    """What can come in a moment: a vessel with a hole, which must not run over.
 
+    Args:
+        most: what it holds.
+        per_us: what flows out in each µs.
+    """
 
-def _end_us(item: _Item) -> int:
-    return item.exposure_end_us if isinstance(item, Frame) else int(item["t"][-1])
+    def __init__(self, most: int, per_us: float) -> None:
+        self._most = most
+        self._per_us = per_us
+        self._level = 0.0
+        self._t_us = -MAX_STAMP_US
 
-
-def _sort_nearby(items: Iterator[_Item]) -> Iterator[_Item]:
-    """Items in order of their end, if none is further than ``MAX_LAG_US`` from its place."""
-    heap: list[tuple[int, int, _Item]] = []
-    newest = -MAX_STAMP_US
-    broken: RecordingError | None = None
-    try:
-        for n, item in enumerate(items):
-            end = _end_us(item)
-            newest = max(newest, end)
-            heapq.heappush(heap, (end, n, item))
-            while heap[0][0] <= newest - MAX_LAG_US:
-                yield heapq.heappop(heap)[2]
-    except RecordingError as error:  # what was read before the break is still good
-        broken = error
-    while heap:
-        yield heapq.heappop(heap)[2]
-    if broken is not None:
-        raise broken
+    def allows(self, n: int, t_us: int) -> bool:
+        """Takes what has come up to ``t_us`` and tells whether a camera can give so much."""
+        gone_us = max(0, t_us - self._t_us)
+        self._level = max(0.0, self._level - self._per_us * gone_us) + n
+        self._t_us = max(self._t_us, t_us)
+        return self._level <= self._most

@@ -1,4 +1,4 @@
-"""Writes a recording in a thread of its own, through a queue with a limit."""
+"""Writes a recording in a separate thread, through a queue with a limit."""
 
 import threading
 from collections import deque
@@ -10,19 +10,19 @@ from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.recording.writer import RecordingWriter
 
 QUEUE_BYTES: Final = 64 << 20
-"""What may wait to be written: 0.8 s at 5 million events/s, minutes of an ordinary gel."""
+"""Limit of the queue: 0.8 s at 5 million events/s, minutes of an ordinary gel."""
 
 
 @dataclass(frozen=True, slots=True)
 class RecorderStats:
-    """What a recording has so far.
+    """Counts of a recording so far.
 
     Attributes:
         seconds: sensor time from the first packet written to the end of the last.
         events: events written.
         frames: frames written.
-        lost_before: events lost before they came here, in the camera or the driver.
-        lost_here: events dropped here, because the disk was slower than the camera.
+        lost_before: events lost earlier, in the camera or the driver.
+        lost_here: events that the recorder dropped, because the disk was slower than the camera.
         size_bytes: length of the file.
     """
 
@@ -35,13 +35,13 @@ class RecorderStats:
 
 
 class Recorder:
-    """Writes packets in a thread of its own; the caller never waits unless it asks to.
+    """Writes packets in a separate thread; the caller never waits unless it asks to.
 
-    A fault of the writing ends the recording, not the caller: ``error`` has it.
+    A failed write ends the recording, not the caller: ``error`` has the reason.
 
     Args:
-        writer: what writes; it is closed by ``close``.
-        queue_bytes: what may wait to be written.
+        writer: writes the file; ``close`` closes it.
+        queue_bytes: limit of the queue, in bytes.
 
     Attributes:
         error: why nothing is written any more, or None.
@@ -65,7 +65,7 @@ class Recorder:
         """Queues a packet for writing; False without room, and then its events count as lost.
 
         Args:
-            packet: what is written; it must not change afterwards.
+            packet: the packet; it must not change afterwards.
             wait: wait for room instead, for sources that can be stopped.
         """
         size = _size_of(packet)
@@ -82,7 +82,7 @@ class Recorder:
         return True
 
     def stats(self) -> RecorderStats:
-        """Returns what has been written so far."""
+        """Returns counts of the written data so far."""
         seconds = 0.0 if self._first_us is None else (self._end_us - self._first_us) / 1e6
         return RecorderStats(
             seconds,
@@ -94,7 +94,7 @@ class Recorder:
         )
 
     def close(self) -> None:
-        """Writes what waits, finishes the file, ends the thread; a second call does nothing."""
+        """Writes the queue, finishes the file, ends the thread; a second call does nothing."""
         with self._changed:
             self._ending = True
             self._changed.notify_all()

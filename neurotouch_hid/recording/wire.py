@@ -1,4 +1,4 @@
-"""Packets through a socket to another process on the same machine."""
+"""Sends packets through a socket to another process on the same machine."""
 
 import socket
 import struct
@@ -39,15 +39,15 @@ def send_packet(line: socket.socket, packet: EventPacket) -> None:
 
 
 def receive_packets(line: socket.socket) -> Iterator[EventPacket]:
-    """Gives the packets that come, until the other end closes, also in the middle of one.
+    """Yields the packets that arrive, until the other end closes, also in the middle of one.
 
     Raises:
-        RecordingError: what comes are no packets.
+        RecordingError: the data is no packet.
     """
     while head := _read(line, _PACKET.size):
         mark, begin_us, end_us, gap, n_events, n_frames = _PACKET.unpack(head)
         if mark != _MARK or n_events > _MAX_EVENTS or n_frames > _MAX_FRAMES:
-            raise RecordingError("What the driver sends cannot be understood.")
+            raise RecordingError("The data from the driver cannot be read.")
         data = _read(line, n_events * EVENT_DTYPE.itemsize)
         if len(data) < n_events * EVENT_DTYPE.itemsize:
             return
@@ -64,7 +64,7 @@ def receive_packets(line: socket.socket) -> Iterator[EventPacket]:
 
 
 def _read(line: socket.socket, n: int) -> bytes:
-    """Returns so many bytes, or none if the other end closes first."""
+    """Returns this many bytes, or none if the other end closes first."""
     data = bytearray(n)
     filled = 0
     while filled < n:

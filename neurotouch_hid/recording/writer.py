@@ -1,4 +1,4 @@
-"""Recordings out: events and frames to one AEDAT4 file that is readable at every moment."""
+"""Writes events and frames to one AEDAT4 file that is readable at every moment."""
 
 import os
 import shutil
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.messages import EventPacket, Frame
+from neurotouch_hid.partial_file import PartialFile, is_plain
 from neurotouch_hid.recording.packing import (
     EVENTS,
     FRAMES,
@@ -21,10 +22,9 @@ from neurotouch_hid.recording.packing import (
     pack_header,
     pack_table,
 )
-from neurotouch_hid.recording.partial_file import PartialFile
 
 MIN_FREE_BYTES = 64 << 20
-"""Space that is left on the disk, so that a recording takes no other program's room to breathe."""
+"""Space that a recording leaves free on the disk, for other programs."""
 
 _COLUMNS = 6  # of the table
 
@@ -32,21 +32,21 @@ _COLUMNS = 6  # of the table
 class RecordingWriter:
     """Writes packets to an AEDAT4 file with the streams ``events`` and ``frames``.
 
-    Each packet is written at once and whole. Whatever ends the writing, the file can be read up to
-    there; a failed write is taken back.
+    Each packet is written immediately and completely. Whatever ends the writing, the file can be
+    read up to there; a failed write is undone.
 
     Either the file takes its name only when it is complete (a recording that exists is complete,
     and an exception in the ``with`` block removes what was written), or it is written
-    ``in_place``: it is there from the start, and an exception leaves what there is.
+    ``in_place``: it has its name from the start, and an exception leaves the part written so far.
 
     Args:
-        path: where the recording will be; an existing one is replaced.
+        path: the future path of the recording; an existing one is replaced.
         in_place: write under the name itself, from the start.
         min_free_bytes: how much of the disk to leave free.
 
     Attributes:
-        path: where the recording will be.
-        size_bytes: how long it is now.
+        path: the future path of the recording.
+        size_bytes: its present size.
 
     Raises:
         RecordingError: the file cannot be made.
@@ -58,14 +58,13 @@ class RecordingWriter:
         self.path = Path(path)
         self.size_bytes = 0
         self._min_free_bytes = min_free_bytes
-        self._partial = None if in_place else PartialFile(self.path)
         self._table = array("q")
         self._last_us = 0  # the format's readers take no events before the origin
         self._frame_us = 0
         self._closed = False
         try:
-            name = self.path if self._partial is None else self._partial.partial
-            self._file = name.open("wb", buffering=0)
+            self._partial = None if in_place else PartialFile(self.path)
+            self._file = self._partial.file if self._partial else self.path.open("wb", buffering=0)
         except OSError as error:
             raise self._failure(error) from error
         try:
@@ -152,13 +151,17 @@ class RecordingWriter:
         if self._closed:
             return
         self._closed = True
-        with self._file:
-            self._write_table()
-        if self._partial is not None:
+        self._write_table()
+        if self._partial is None:
+            self._file.close()
+            return
+        try:
             self._partial.commit()
+        except OSError as error:
+            raise self._failure(error) from error
 
     def _write_table(self) -> None:
-        """Lets readers find things at once; a file without a table is read from start to end."""
+        """Writes the table, an index; without it, readers must read the file from start to end."""
         entries = np.frombuffer(self._table, np.int64).reshape(-1, _COLUMNS)
         position = self.size_bytes
         try:
@@ -175,7 +178,7 @@ class RecordingWriter:
         self._file.close()
         if self._partial is not None:
             self._partial.discard()
-        else:
+        elif is_plain(self.path):
             self.path.unlink(missing_ok=True)
 
     def __enter__(self) -> Self:

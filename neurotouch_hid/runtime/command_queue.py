@@ -8,7 +8,7 @@ from typing import Final, Literal
 
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.profile import Profile, UserSettings
-from neurotouch_hid.profile.mapping import State
+from neurotouch_hid.vocabulary import PipelineState
 
 CommandName = Literal["pause", "resume", "toggle", "panic", "switch"]
 """``toggle`` pauses, or resumes from a pause; only ``resume`` ends a panic."""
@@ -22,7 +22,7 @@ class Command:
     """One command.
 
     Attributes:
-        name: what to do.
+        name: of the command.
         profile: the new profile, for ``switch``.
         user: the person's values from then on, for ``switch``.
         done: gets the state of the mapping once the command has been applied; a command may leave
@@ -32,7 +32,7 @@ class Command:
     name: CommandName
     profile: Profile | None = None
     user: UserSettings | None = None
-    done: Future[State] = field(default_factory=Future)
+    done: Future[PipelineState] = field(default_factory=Future)
 
 
 class CommandQueue:

@@ -3,7 +3,7 @@
 from typing import Final
 
 CLASSES: Final = 320
-"""Up to 2**42 ns, more than an hour; what takes longer counts as that."""
+"""Up to 2**42 ns, more than an hour; a longer duration counts as that."""
 
 
 class Histogram:
@@ -18,9 +18,9 @@ class Histogram:
         self._counts[min(8 * shift + (took_ns >> shift), CLASSES - 1)] += 1
 
     def percentiles(self, *ranks: float) -> tuple[float, ...]:
-        """Returns the durations in ns that so many per cent do not exceed, by up to 12 % too large.
+        """Returns percentiles of the durations in ns, by up to 12 % too large.
 
-        From any thread; 0 while nothing has been counted.
+        Any thread may call it. They are 0 while nothing has been counted.
 
         Args:
             ranks: per cent, 0 to 100.
@@ -31,7 +31,7 @@ class Histogram:
 
 
 def _find(counts: list[int], n_below: float) -> float:
-    """Returns the upper edge of the class with which so many are counted."""
+    """Returns the upper edge of the first class up to which ``n_below`` or more are counted."""
     n = 0
     for k, count in enumerate(counts):
         n += count

@@ -9,7 +9,7 @@ from neurotouch_hid.device import Device
 from neurotouch_hid.errors import GelNotFoundError
 from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.runtime.pipeline import Pipeline
-from neurotouch_hid.runtime.session import Session
+from neurotouch_hid.runtime.pipeline_control import PipelineControl
 from neurotouch_hid.runtime.stall_guard import LIVE_STALL_S, STALL_S, StallGuard
 from neurotouch_hid.source import ActivityAware, LiveSource
 
@@ -19,7 +19,7 @@ Tap = Callable[[Step], None]
 
 @dataclass(frozen=True, slots=True)
 class LoopStats:
-    """What a run did: slices, events and sensor time that it processed, and its host time."""
+    """The slices, events and sensor time that a run has processed, and its host time."""
 
     slices: int
     events: int
@@ -34,21 +34,21 @@ def run_pipeline(
     taps: Iterable[Tap] = (),
     *,
     stop: threading.Event | None = None,
-    session: Session | None = None,
+    control: PipelineControl | None = None,
     on_round: Callable[[], object] | None = None,
 ) -> LoopStats:
     """Drives the pad until the source ends or ``stop`` is set; the pad is neutral afterwards.
 
-    Commands of ``session`` are applied between two slices. While a live source has nothing, the
+    Commands of ``control`` are applied between two slices. While a live source has nothing, the
     loop goes round all the same, so that it takes commands and can end.
 
     Args:
-        source: what to play.
+        source: gives the packets.
         pipeline: the stages.
         device: the pad.
         taps: read every Step.
         stop: ends the loop.
-        session: takes commands for the pipeline.
+        control: takes commands for the pipeline.
         on_round: is called after every round of the loop, also one without a slice.
 
     Raises:
@@ -66,17 +66,20 @@ def run_pipeline(
     try:
         with StallGuard(device, stall_s) as guard:
             for packet in polled:
-                if session is not None:
-                    session.apply_commands()
+                if control is not None:
+                    control.apply_commands()
                 if packet is not None and packet.is_partial:
                     pipeline.advance_partial(packet)
                 elif packet is not None:
+                    # A recording gives the same Steps, however slow this machine is.
+                    if guard.take_stall() and pipeline.has_frame_thread:
+                        pipeline.mapping.release()
                     step = pipeline.advance(packet)
                     with pipeline.timings.device:
                         device.write(step.pad)
                     guard.feed()
-                    if session is not None:
-                        session.record(step)
+                    if control is not None:
+                        control.record(step)
                     for tap in taps:
                         tap(step)
                     pipeline.process_frames(step)

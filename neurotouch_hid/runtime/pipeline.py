@@ -12,18 +12,18 @@ from neurotouch_hid.runtime.worker import FrameExchange, InlineRest, ThreadedRes
 from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector
 
 IDLE_US: Final = 500_000
-"""After so long without a gesture the pipeline counts as idle."""
+"""The pipeline counts as idle after this time without a gesture."""
 IDLE_FRAME_US: Final = 240_000
-"""An idle pipeline skips frames for so long after one that showed the gel at rest."""
+"""After a frame that showed the gel at rest, an idle pipeline skips frames for this time."""
 
 
 class Pipeline:
     """Tracker, gesture and profile in a row, with rest detection beside them.
 
     Args:
-        rest: answers which frames show the gel at rest.
+        rest: finds the frames that show the gel at rest.
         tracker: follows the markers.
-        recognizer: reads the gesture from the markers.
+        recognizer: recognises the gesture from the markers.
         mapping: turns the gesture into a pad state.
         frame_thread: frames are processed beside the pipeline, so no pad state waits for them.
 
@@ -63,8 +63,8 @@ class Pipeline:
         """Builds the pipeline as it is shipped.
 
         Args:
-            profile: what the gestures mean.
-            gesture: how they are recognised.
+            profile: the bindings of the gestures.
+            gesture: the method that recognises them.
             user: the person's own values with their neutral pose; without, the reference hand.
             rig: known view of the sensor, if there is a rig file.
             frame_thread: process frames in a thread beside the pipeline. Otherwise the pipeline

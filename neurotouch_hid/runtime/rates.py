@@ -1,4 +1,4 @@
-"""Counts what goes through the pipeline, and how much of it in a second."""
+"""Counts the steps, events and frames of the pipeline, and their rates."""
 
 import time
 from dataclasses import dataclass, replace
@@ -13,7 +13,7 @@ WINDOW_S: Final = 1.0
 
 @dataclass(slots=True)
 class Counts:
-    """What has gone through since the start.
+    """Counts of the steps since the start.
 
     Attributes:
         slices: finished steps.
@@ -50,8 +50,8 @@ class RateMeter:
         timings: the host time of each stage.
 
     Attributes:
-        counts: what has gone through.
-        rates: how much of it in a second.
+        counts: since the start.
+        rates: the same in a second.
         step_s: the host time of the newest step, or of the start.
     """
 

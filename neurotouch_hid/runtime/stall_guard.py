@@ -16,17 +16,21 @@ within 100 ms. Recordings and simulations have no such beat."""
 
 
 class StallGuard(Closing):
-    """Sends neutral when no step has been finished for too long, or when the machine has slept.
+    """Sends neutral when no step has been finished for too long.
+
+    The time counts in which the machine sleeps, or in which this process is stopped. What the pad
+    showed before belongs to a gesture that may long be over.
 
     Args:
         device: the pad.
-        stall_s: how long a step may take, waiting for the source included.
+        stall_s: the longest time of a step, waiting for the source included.
     """
 
     def __init__(self, device: Device, stall_s: float) -> None:
         self._device = device
         self._stall_s = stall_s
-        self._fed = time.monotonic()
+        self._fed_s = _read_clock_s()
+        self._has_stalled = False
         self._done = threading.Event()
         self._thread = threading.Thread(target=self._watch, name="stall guard", daemon=True)
         self._thread.start()
@@ -38,21 +42,32 @@ class StallGuard(Closing):
 
     def feed(self) -> None:
         """Reports a finished step."""
-        self._fed = time.monotonic()
+        self._has_stalled |= self._left_s() <= 0
+        self._fed_s = _read_clock_s()
+
+    def take_stall(self) -> bool:
+        """Returns whether a step took too long since this was last asked, the present one included.
+
+        The pipeline's thread asks: after a stall it may be awake before the thread that sends
+        neutral.
+        """
+        has_stalled = self._has_stalled or self._left_s() <= 0
+        self._has_stalled = False
+        return has_stalled
 
     def _watch(self) -> None:
-        asleep, wait_s = _time_asleep(), self._stall_s
+        wait_s = self._stall_s
         while not self._done.wait(wait_s):
-            slept = _time_asleep() - asleep > self._stall_s
-            if slept:
-                asleep = _time_asleep()
-            left_s = self._fed + self._stall_s - time.monotonic()
-            if slept or left_s <= 0:
+            left_s = self._left_s()
+            if left_s <= 0:
                 with suppress(DeviceError):  # the next write of the pipeline reports it
                     self._device.neutral()
             wait_s = left_s if left_s > 0 else self._stall_s
 
+    def _left_s(self) -> float:
+        return self._fed_s + self._stall_s - _read_clock_s()
 
-def _time_asleep() -> float:
-    """Returns the seconds that the machine has spent in suspend since boot."""
-    return time.clock_gettime(time.CLOCK_BOOTTIME) - time.clock_gettime(time.CLOCK_MONOTONIC)
+
+def _read_clock_s() -> float:
+    """Returns host time that goes on while the machine sleeps."""
+    return time.clock_gettime(time.CLOCK_BOOTTIME)

@@ -11,10 +11,10 @@ WATCHED_PACKETS = 64  # with events, that wait until the gel is found; 0.6 s of 
 
 
 class FrameResult(NamedTuple):
-    """What a frame has shown.
+    """The result of a frame.
 
     Attributes:
-        rest: where all markers are, if the gel is at rest.
+        rest: the places of all markers, if the gel is at rest.
         searched: a frame that still has to correct the tracker, and its blobs, a copy; None if
             events showed the gel, or if the tracker processes frames itself.
     """
@@ -24,7 +24,7 @@ class FrameResult(NamedTuple):
 
 
 class FrameExchange(Protocol):
-    """Where the pipeline hands over frames and takes the newest result."""
+    """Takes frames from the pipeline and gives it the newest result."""
 
     detector: RestDetector
 

@@ -1,18 +1,20 @@
-"""Where packets come from: the camera, recordings and the simulator."""
+"""Sources of packets: the camera, recordings and the simulator."""
 
 from neurotouch_hid.source.check import FORMS, check_source
 from neurotouch_hid.source.opening import Speed, open_source
-from neurotouch_hid.source.protocol import ActivityAware, LiveSource, Source
-from neurotouch_hid.source.slicer import Slicer, slice_stream
+from neurotouch_hid.source.protocol import ActivityAware, FactTelling, LiveSource, Source, Troubled
+from neurotouch_hid.source.slicer import Slicer, slice_recording
 
 __all__ = [
     "FORMS",
     "ActivityAware",
+    "FactTelling",
     "LiveSource",
     "Slicer",
     "Source",
     "Speed",
+    "Troubled",
     "check_source",
     "open_source",
-    "slice_stream",
+    "slice_recording",
 ]

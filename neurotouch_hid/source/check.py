@@ -1,4 +1,4 @@
-"""Refuses a source that cannot be opened, before the libraries are loaded that would play it."""
+"""Refuses a source that cannot be opened, before any library to play it is loaded."""
 
 import difflib
 from pathlib import Path
@@ -33,14 +33,14 @@ FORMS: Final = ("davis:", "davis:SERIAL", "file:NAME.aedat4", "sim:NAME", "drive
 
 
 def check_source(spec: str) -> None:
-    """Checks what can be known of a source without opening it; a camera may come and go.
+    """Checks a source as far as possible without opening it; a camera may come and go.
 
     Args:
         spec: the source as a person writes it.
 
     Raises:
         SourceError: there is no such source.
-        RecordingError: the recording is missing, or is none.
+        RecordingError: the file is missing, or is no recording.
     """
     kind, rest = find_source_kind(spec), spec.partition(":")[2]
     if kind is SourceKind.SIMULATION:

@@ -1,4 +1,4 @@
-"""Slices in which nothing happens come together, so that an idle pipeline is seldom woken."""
+"""Merges slices that contain only noise, so that an idle pipeline seldom wakes."""
 
 from typing import Final
 
@@ -10,20 +10,20 @@ LONGEST_US: Final = 48_000
 what frames show. More events than the noise makes end the wait at once. A push so slow that it
 makes fewer (a twentieth of the usual events) is answered later, by half of this on average."""
 MOST_EVENTS: Final = 4_000
-"""The tracker takes 0.1 ms for so many; the slice after the joined ones must not be late. Where
-noise alone makes so many events, these cost time, not the number of times the pipeline wakes."""
+"""The tracker takes 0.1 ms for this many; the slice after the joined ones must not be late. Where
+noise alone makes this many events, they cost more time than waking the pipeline does."""
 MOST_PER_US: Final = 2
 """The same for slices shorter than 2 ms, which leave less time: events a µs of one slice."""
 CALM_US: Final = 100_000
-"""How long nothing must have happened before slices wait for each other."""
+"""Time without activity after which slices are merged."""
 
-_LEARN: Final = 1 / 64  # share of a slice in what is known of the noise: a quarter of a second
+_LEARN: Final = 1 / 64  # weight of a slice in the estimate of the noise: a quarter of a second
 _STANDS_OUT: Final = 5.0  # mean deviations, four standard ones: by chance once in two minutes
 _FEW: Final = 8.0  # events; a quiet sensor's deviation may be 0
 
 
 class IdleMerger:
-    """Holds slices back while the pipeline is idle and they have nothing but noise.
+    """Merges slices while the pipeline is idle and they contain only noise.
 
     Attributes:
         is_idle: the pipeline has nothing to do; None while unknown. Set from any thread.
@@ -40,16 +40,16 @@ class IdleMerger:
 
     @property
     def takes_partials(self) -> bool:
-        """The next slice will hardly wait here: the one before did not."""
+        """True if the next slice will probably not wait here: the one before did not."""
         return self.is_idle is not None and self._passes
 
     @property
     def is_calm(self) -> bool:
-        """The line is idle and for a while there has been nothing but noise."""
+        """True while the pipeline is idle and recent events were only noise."""
         return self._calm_us > CALM_US
 
     def take(self, packet: EventPacket) -> tuple[EventPacket, ...]:
-        """Returns what is ready now: nothing, or this slice joined with all that waited.
+        """Returns nothing, or this slice joined with all slices that waited.
 
         Args:
             packet: the next slice, all of one length.
@@ -75,7 +75,7 @@ class IdleMerger:
         return ()
 
     def flush(self) -> tuple[EventPacket, ...]:
-        """Returns what waits, or None."""
+        """Returns the waiting slices as one, if any."""
         waiting, self._waiting, self._n_waiting = self._waiting, [], 0
         return (_join(waiting),) if waiting else ()
 
@@ -92,14 +92,14 @@ class IdleMerger:
         self._n_waiting += len(packet.events)
 
     def _listen(self, n_events: int) -> bool:
-        """Tells whether so many events are noise; learns the noise while idle."""
+        """Returns True if this many events are noise; learns the noise while idle."""
         if not self._n_heard:
             self._mean = n_events
         self._n_heard += 1
         share = max(_LEARN, 1.0 / self._n_heard)  # fast at first
         off = n_events - self._mean
         most = _STANDS_OUT * self._deviation + _FEW
-        learnt = min(off, most)  # a burst teaches little, a new lamp is got used to
+        learnt = min(off, most)  # a burst changes it little, a new lamp does over time
         self._mean += share * learnt
         self._deviation += share * (abs(learnt) - self._deviation)
         return off <= most

@@ -1,4 +1,4 @@
-"""From a source's name on the command line to the source."""
+"""Opens a source by its name on the command line."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
@@ -15,7 +15,7 @@ Speed = Literal["recorded", "max"]
 PAPER_US = 10_000
 """Slices of recordings and simulations [NT, "Results"], so that figures stay comparable."""
 LIVE_US = 4_000
-"""Slices of a camera: an event waits for the end of its slice, for half of one on average."""
+"""Slices of a camera: an event waits until its slice ends, half a slice on average."""
 
 
 def open_source(
@@ -33,18 +33,18 @@ def open_source(
 
     Args:
         spec: ``davis:`` (the first camera) or ``davis:SERIAL``, ``file:NAME.aedat4`` (or just the
-            path), ``sim:NAME``, ``driver:`` (what the running driver sees), or ``KIND:REST`` of
+            path), ``sim:NAME``, ``driver:`` (packets of the running driver), or ``KIND:REST`` of
             another package: its entry point KIND in ``neurotouch.sources`` is called as
             ``make(REST, slice_us=..., seed=...)``.
         slice_us: length of a slice of sensor time; without, ``LIVE_US`` of a camera and
             ``PAPER_US`` of anything else.
-        speed: ``recorded`` plays no faster than it happened, ``max`` as fast as it is asked for; a
-            camera has only its own.
+        speed: ``recorded`` plays no faster than it happened, ``max`` as fast as possible; ignored
+            for a camera.
         seed: of the simulator's chance; recordings have none.
         camera: how a camera is set up.
         wait: a camera need not be there yet.
         max_delay_us: slices of a camera that wait longer to be taken are dropped;
-            without, so long as suits the pipeline.
+            if None, a limit that suits the pipeline.
         repeats: a simulated scene starts again at its end, for ever.
 
     Raises:

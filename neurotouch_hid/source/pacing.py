@@ -21,7 +21,7 @@ class PacedSource(Closing):
     ``set_activity`` allows it.
 
     Args:
-        source: what is played.
+        source: the other source.
         clock_ns: host time.
         sleep_s: how to wait.
 
@@ -68,7 +68,7 @@ class PacedSource(Closing):
         self._merger.is_idle = is_idle
 
     def _wait(self, until_ns: int) -> bool:
-        """Waits until then; false if that has passed already."""
+        """Waits until ``until_ns``; returns False if that has passed already."""
         ahead_ns = until_ns - self._clock_ns()
         if ahead_ns <= 0:
             return False

@@ -1,4 +1,4 @@
-"""Opens the source of another package, and checks what it gives."""
+"""Opens the source of another package, and checks its packets."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -24,7 +24,7 @@ def open_plugin(spec: str, slice_us: int, seed: int) -> Source:
 
     Raises:
         SourceError: no package offers KIND.
-        PluginError: the package cannot be loaded, or what it makes is no source.
+        PluginError: the package cannot be loaded, or its object is no source.
     """
     kind, colon, rest = spec.partition(":")
     source = make_plugin(SOURCES, kind, rest, slice_us=slice_us, seed=seed) if colon else None
@@ -40,7 +40,7 @@ def open_plugin(spec: str, slice_us: int, seed: int) -> Source:
 
 
 class _Checked(Closing):
-    """A source of another package; what it gives is checked, so that mistakes are named."""
+    """A source of another package that checks its packets, so that an error names the mistake."""
 
     def __init__(self, kind: str, source: Any) -> None:
         self.name, self.rig = source.name, source.rig
@@ -71,7 +71,7 @@ class _Checked(Closing):
 
 
 class _CheckedLive(_Checked):
-    """The same for a source that may have nothing for a while."""
+    """The same for a source that may have no packets for a while."""
 
     def poll(self) -> Iterator[EventPacket | None]:
         for packet in self._source.poll():

@@ -1,4 +1,4 @@
-"""What every source is."""
+"""Interfaces that sources implement."""
 
 from collections.abc import Iterator
 from types import TracebackType
@@ -6,6 +6,7 @@ from typing import Protocol, Self, runtime_checkable
 
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EventPacket
+from neurotouch_hid.snapshot import SourceFacts
 
 
 class Source(Protocol):
@@ -13,9 +14,9 @@ class Source(Protocol):
 
     Attributes:
         name: the source as the user may write it.
-        rig: how the sensor sees the gel where that is known beforehand, else None.
-        is_live: the packets come from a camera, in its own time, and cannot be had again.
-        is_simulated: no sensor has seen what the packets show.
+        rig: how the sensor sees the gel, if known beforehand, else None.
+        is_live: the packets come from a camera in real time and cannot be repeated.
+        is_simulated: the packets come from a simulation, not from a sensor.
     """
 
     name: str
@@ -24,11 +25,11 @@ class Source(Protocol):
     is_simulated: bool
 
     def __iter__(self) -> Iterator[EventPacket]:
-        """Gives the packets from the start on."""
+        """Yields the packets from the start."""
         ...
 
     def close(self) -> None:
-        """Releases everything that the source has open."""
+        """Closes everything that the source opened."""
         ...
 
     def __enter__(self) -> Self:
@@ -47,22 +48,41 @@ class Source(Protocol):
 
 @runtime_checkable
 class ActivityAware(Protocol):
-    """A source that hands over its slices as the line needs them."""
+    """A source that merges or splits slices to suit the pipeline."""
 
     def set_activity(self, *, is_idle: bool, wants_frames: bool = True) -> None:
-        """Tells the source what the pipeline does; before the first call it does none of this.
+        """Tells the source whether the pipeline is idle; without a call, slices come one by one.
 
-        While the pipeline is idle, slices with nothing but noise may come as one, with fewer
-        frames if it wants no more. Otherwise a partial slice (``EventPacket.is_partial``) may come
+        While the pipeline is idle, slices with only noise may come as one, with fewer frames if
+        it does not want them. Otherwise a partial slice (``EventPacket.is_partial``) may come
         shortly before the end of the slice.
         """
         ...
 
 
 @runtime_checkable
+class FactTelling(Protocol):
+    """A source that knows facts about itself that viewers are shown."""
+
+    def tell_facts(self) -> SourceFacts:
+        """Returns the facts; from any thread."""
+        ...
+
+
+@runtime_checkable
+class Troubled(Protocol):
+    """A source that may be unable to give packets for a while."""
+
+    @property
+    def trouble(self) -> str:
+        """The reason why no packets come, in a sentence; empty while they come."""
+        ...
+
+
+@runtime_checkable
 class LiveSource(Source, Protocol):
-    """A source that may have nothing for a while, such as a camera that was unplugged."""
+    """A source that may have no packets for a while, such as a camera that was unplugged."""
 
     def poll(self) -> Iterator[EventPacket | None]:
-        """Gives the packets as they come, and None whenever none came for a twentieth second."""
+        """Yields the packets as they arrive, and None whenever none arrived for 1/20 s."""
         ...

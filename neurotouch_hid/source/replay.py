@@ -7,11 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.closing import Closing
-from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.messages import SENSOR_WIDTH_PX, EventPacket, Frame
 from neurotouch_hid.recording import Batch, Recording
 from neurotouch_hid.source.rig_file import RigFile, load_rig_file, rig_path
-from neurotouch_hid.source.slicer import Slicer
+from neurotouch_hid.source.slicer import slice_recording
 
 
 class Replay(Closing):
@@ -44,16 +43,7 @@ class Replay(Closing):
         self._slice_us = slice_us
 
     def __iter__(self) -> Iterator[EventPacket]:
-        slicer = Slicer(self._slice_us)
-        broken: RecordingError | None = None
-        try:
-            for events, frames in self._batches():
-                yield from slicer.push(events, frames)
-        except RecordingError as error:  # what was read before the break is still played
-            broken = error
-        yield from slicer.flush()
-        if broken is not None:
-            raise broken
+        return slice_recording(self._batches(), self._slice_us)
 
     def close(self) -> None:
         """Does nothing: nothing stays open between two iterations."""

@@ -1,4 +1,4 @@
-"""The rig file beside a recording: what is known about how the camera saw the gel.
+"""Reads the rig file beside a recording, which says how the camera saw the gel.
 
 ``NAME.rig.yaml`` beside ``NAME.aedat4``, every key optional::
 
@@ -8,22 +8,24 @@
     mirrored: false             # the camera saw the gel mirrored; the source mirrors it back
 """
 
-import difflib
 import math
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ruamel.yaml import YAML
-from ruamel.yaml.comments import CommentedMap
-from ruamel.yaml.error import MarkedYAMLError, YAMLError
-
 from neurotouch_hid.errors import RecordingError
+from neurotouch_hid.files.faults import SHOWN_COLUMNS, Mark, suggest
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
+from neurotouch_hid.files.yaml_document import Node, parse_document
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+from neurotouch_hid.printable import make_printable
 
 KEYS = ("centre_px", "px_per_mm", "rotation_deg", "mirrored")
 SCALE_LIMITS = (0.5, 10.0)  # px/mm: the gel 30 px wide, or only 26 mm of it in the picture
+_CONTENT = re.compile(r"^\s*[^\s#]", re.MULTILINE)
+"""A line that is more than a comment."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,20 +54,18 @@ def load_rig_file(path: Path | str) -> RigFile:
     """
     path = Path(path)
     try:
-        document = YAML(typ="rt").load(path.read_text(encoding="utf-8"))
+        text = read_text(path, MAX_SETTINGS_BYTES)
     except OSError as error:
         raise RecordingError(f"'{path}' cannot be read: {error.strerror}.") from error
-    except UnicodeDecodeError as error:
-        raise RecordingError(f"'{path}' is not text in UTF-8.") from error
-    except MarkedYAMLError as error:
-        mark = error.problem_mark
-        place = f"{path}:{mark.line + 1}:{mark.column + 1}" if mark else str(path)
-        raise RecordingError(f"{place}: {error.problem or 'not valid YAML'}.") from error
-    except (YAMLError, ValueError) as error:  # ValueError: a number such as 0o9
-        raise RecordingError(f"'{path}' is not valid YAML.") from error
-    if document is None:
+    if not _CONTENT.search(text):
         return RigFile()
-    if not isinstance(document, CommentedMap):
+    document, faults = parse_document(text)
+    if faults:
+        fault = min(faults)
+        raise RecordingError(
+            f"{_format_place(path, fault.mark)}: {fault.sentence}.", hint=fault.hint or None
+        )
+    if document is None or not isinstance(document.value, dict):
         raise RecordingError(f"{path}:1:1: expected keys with values: {', '.join(KEYS)}.")
     return _Reader(path, document).read()
 
@@ -73,16 +73,18 @@ def load_rig_file(path: Path | str) -> RigFile:
 class _Reader:
     """Takes the values out of the document and knows the place of each."""
 
-    def __init__(self, path: Path, document: CommentedMap) -> None:
+    def __init__(self, path: Path, document: Node) -> None:
         self._path, self._document = path, document
+        self._values: dict[str, Any] = document.value
 
     def read(self) -> RigFile:
-        for key in self._document:
+        for key, mark in self._document.keys.items():
             if key not in KEYS:
-                close = difflib.get_close_matches(str(key), KEYS, n=1)
-                meant = f"did you mean {close[0]}?" if close else f"known are {', '.join(KEYS)}"
-                raise RecordingError(f"{self._place(key, 0)}: unknown key {key}; {meant}.")
-        mirrored = self._document.get("mirrored", False)
+                meant = suggest(key, KEYS) or f"known are {', '.join(KEYS)}"
+                place = _format_place(self._path, mark)
+                name = make_printable(key[:SHOWN_COLUMNS])
+                raise RecordingError(f"{place}: unknown key {name}; {meant}.")
+        mirrored = self._values.get("mirrored", False)
         if not isinstance(mirrored, bool):
             raise self._error("mirrored", "true or false")
         centre, scale = self._centre(), self._number("px_per_mm", *SCALE_LIMITS)
@@ -91,17 +93,18 @@ class _Reader:
             return RigFile(None, mirrored)
         if centre is None or scale is None:
             missing = "centre_px" if centre is None else "px_per_mm"
-            given = next(key for key in self._document if key != "mirrored")
+            given = next(key for key in self._values if key != "mirrored")
+            place = _format_place(self._path, self._document.keys[given])
             raise RecordingError(
-                f"{self._place(given, 0)}: {given} needs {missing} beside it.",
+                f"{place}: {given} needs {missing} beside it.",
                 hint="Give both, or leave the rig to be found from the resting frame.",
             )
         return RigFile(Rig(centre, scale, math.radians(rotation_deg or 0.0), mirrored), mirrored)
 
     def _centre(self) -> tuple[float, float] | None:
-        if "centre_px" not in self._document:
+        if "centre_px" not in self._values:
             return None
-        value = self._document["centre_px"]
+        value = self._values["centre_px"]
         expected = f"[x, y] within {SENSOR_WIDTH_PX}×{SENSOR_HEIGHT_PX} pixels"
         if not isinstance(value, list) or len(value) != 2:
             raise self._error("centre_px", expected)
@@ -111,25 +114,24 @@ class _Reader:
         return float(value[0]), float(value[1])
 
     def _number(self, key: str, low: float, high: float) -> float | None:
-        if key not in self._document:
+        if key not in self._values:
             return None
-        value = self._document[key]
+        value = self._values[key]
         if not _is_number(value) or not low <= value <= high:
             raise self._error(key, f"a number from {low:g} to {high:g}")
         return float(value)
 
     def _error(self, key: str, expected: str) -> RecordingError:
-        value = self._document[key]
-        found = list(value) if isinstance(value, list) else value
-        return RecordingError(
-            f"{self._place(key, 2)}: {key}: expected {expected}, found {found!r}."
-        )
+        place = _format_place(self._path, self._document.children[key].mark)
+        found = make_printable(repr(self._values[key]))
+        if len(found) > SHOWN_COLUMNS:
+            found = f"{found[:SHOWN_COLUMNS]}…"
+        return RecordingError(f"{place}: {key}: expected {expected}, found {found}.")
 
-    def _place(self, key: object, of: int) -> str:
-        """Returns ``file:line:column`` of a key (``of`` 0) or of its value (``of`` 2)."""
-        line, column = self._document.lc.data[key][of : of + 2]
-        return f"{self._path}:{line + 1}:{column + 1}"
+
+def _format_place(path: Path, mark: Mark) -> str:
+    return f"{path}:{mark.line + 1}:{mark.column + 1}"
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    return isinstance(value, int | float) and not isinstance(value, bool)

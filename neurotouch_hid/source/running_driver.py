@@ -1,4 +1,4 @@
-"""What the running driver sees, as a source: it goes on playing meanwhile."""
+"""Source of the packets that the running driver receives; the driver itself goes on unchanged."""
 
 from collections.abc import Iterator
 
@@ -12,10 +12,10 @@ NAME = "driver:"
 
 
 class RunningDriver(Closing):
-    """Receives the driver's packets; they end when it ends.
+    """Receives the driver's packets until it ends.
 
     Attributes:
-        name: ``driver:``, and what the driver plays.
+        name: ``driver:``, and the driver's own source.
         rig: unknown.
         is_live: True.
         is_simulated: whether the driver's own source is.

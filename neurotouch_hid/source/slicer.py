@@ -5,8 +5,10 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.events import join_events
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
+from neurotouch_hid.recording import Batch
 from neurotouch_hid.source.partial import cut
 
 MAX_SILENCE_US = 10_000_000
@@ -42,7 +44,7 @@ class Slicer:
         Args:
             events: (n,) EVENT_DTYPE, ascending in ``t`` and not older than those before. Packets
                 are views of it, so it must not be written to afterwards.
-            frames: what arrived with them.
+            frames: those that arrived with the events.
         """
         self._frames.extend(frames)
         if not len(events):
@@ -63,7 +65,9 @@ class Slicer:
     def reach(self, now_us: int) -> Iterator[EventPacket]:
         """Yields the slices that end at or before ``now_us``; no later event is older."""
         if self._begin_us is None:
-            return
+            if not self._frames:
+                return
+            self._begin_us = min(f.exposure_end_us for f in self._frames)
         while (end_us := self._begin_us + self._slice_us) <= now_us:
             yield self._cut(np.empty(0, EVENT_DTYPE), end_us)
             self._skip_silence(now_us)
@@ -89,7 +93,7 @@ class Slicer:
         return cut(EventPacket(begin_us, begin_us + self._slice_us, events), now_us)
 
     def flush(self) -> Iterator[EventPacket]:
-        """Yields what is left at the end of the stream, the last slice in full length."""
+        """Yields the remaining slices at the end of the stream, the last one in full length."""
         stamps = [f.exposure_end_us for f in self._frames]
         stamps += [int(part["t"][-1]) for part in self._parts]
         if not stamps:
@@ -121,16 +125,27 @@ class Slicer:
             self._begin_us += (next_us - self._begin_us) // self._slice_us * self._slice_us
 
 
-def slice_stream(
-    batches: Iterable[tuple[NDArray[np.void], Iterable[Frame]]], slice_us: int
-) -> Iterator[EventPacket]:
-    """Yields all slices of a stream of batches, the last one included.
+def slice_recording(batches: Iterable[Batch], slice_us: int) -> Iterator[EventPacket]:
+    """Yields all slices of a recording, the last one included.
+
+    One that breaks off is sliced up to the break; then its error is raised.
 
     Args:
-        batches: events and frames as ``Slicer.push`` takes them.
+        batches: what a ``Recording`` gives.
         slice_us: length of a slice.
+
+    Raises:
+        RecordingError: as reading the recording.
     """
     slicer = Slicer(slice_us)
-    for events, frames in batches:
-        yield from slicer.push(events, frames)
+    broken: RecordingError | None = None
+    try:
+        for events, frames in batches:
+            yield from slicer.push(events, frames)
+            if frames:  # those that come long before the next event do not wait for it
+                yield from slicer.reach(max(frame.exposure_end_us for frame in frames))
+    except RecordingError as error:
+        broken = error
     yield from slicer.flush()
+    if broken is not None:
+        raise broken

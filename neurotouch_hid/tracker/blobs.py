@@ -16,7 +16,7 @@ MAX_BLOBS = 1024  # a picture of a gel has fewer
 
 @dataclass(frozen=True, slots=True)
 class BlobConfig:
-    """How markers are distinguished from the background.
+    """Settings that distinguish markers from the background.
 
     Attributes:
         n_sigma: threshold above the local mean, in local standard deviations. Markers cover about

@@ -46,11 +46,11 @@ class TrackerConfig:
         max_stray_ratio: the other part of that distance, in spreads of these displacements. Near
             the edge of a finger they differ by many pixels.
         rate_us: time over which the rate of a marker's events is averaged.
-        n_sigma: a rate is motion if it is so many standard deviations above that of the noise.
+        n_sigma: a rate is motion if it is this many standard deviations above that of the noise.
         search: ``tiles`` finds the marker of an event in the list of the event's tile; ``all``
             compares all markers, the plain way that the lists are measured against.
-        lead_px: ON events of a fast bright marker are so far ahead of its centre, OFF events so far
-            behind: the centre of a half circle of 1.25 px plus some blur.
+        lead_px: distance by which ON events of a fast bright marker are ahead of its centre, and
+            OFF events behind it: the centre of a half circle of 1.25 px plus some blur.
     """
 
     gate_px: float = 3.5
@@ -199,9 +199,11 @@ class MarkerTracker:
         start, tracks, tuning = 0, self._tracks, self._tuning
         for frame in packet.frames:
             until_us = min(frame.exposure_end_us, packet.t_end_us)
-            start = kernels.advance(events, start, until_us, tracks, tuning, position_px, valid)
+            start = kernels.filter_slice(
+                events, start, until_us, tracks, tuning, position_px, valid
+            )
             self._correction.apply(frame, self._finder.find(frame.pixels))
-        kernels.advance(events, start, packet.t_end_us, tracks, tuning, position_px, valid)
+        kernels.filter_slice(events, start, packet.t_end_us, tracks, tuning, position_px, valid)
         self._end_us = packet.t_end_us
         self._n_events += len(events)
         return MarkerField(packet.t_end_us, self._rest_px, position_px, valid)

@@ -24,7 +24,7 @@ from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig, find_lattice
 
 _SAME_BEND_PX = 0.1  # two pictures of one undeformed gel differ by less
 _STILL_GATE_PX = 2.0  # a longer motion is not small
-_CLEAR_BEND_PX = 0.2  # an untouched gel is bent less, whatever the optics
+_CLEAR_BEND_PX = 0.2  # an untouched gel is bent less, with any optics
 _SINKING_PX = 0.03  # from frame to frame; more means that a touch is just ending
 
 
@@ -44,7 +44,7 @@ class RestConfig:
             fingertip are more; those at its edge move less than the finger. With 5 % of all markers
             instead, F1 is 0.976.
         min_found: least number of markers that must be seen at their places.
-        settle_frames: a gel that is still for so many frames, 1 s at 25 Hz, becomes the reference
+        settle_frames: a gel that is still for this many frames, 1 s at 25 Hz, becomes the reference
             even if it is bent more than an undeformed gel (odd optics). It becomes the new
             reference if it is elsewhere and bent no more than the old one (its mount was bumped,
             or a hand was on it at the start).
@@ -304,7 +304,7 @@ class RestDetector:
 
 
 def _describe(frame: Frame) -> str:
-    """Returns what is wrong with a frame that shows too few markers."""
+    """Returns the fault of a frame that shows too few markers."""
     # Markers cover 1 % of the pixels: half of that is white if half of the gel is well lit.
     if float(np.percentile(frame.pixels, 99.5)) < 50.0:
         return "the frame is too dark"

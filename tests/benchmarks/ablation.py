@@ -73,7 +73,7 @@ def make_scenes():
 
 def _simulated():
     from neurotouch_hid.source.simulator.dataset import KINDS, draw_script
-    from neurotouch_hid.source.simulator.people import meet_person
+    from neurotouch_hid.source.simulator.simulated_people import meet_person
     from neurotouch_hid.source.simulator.simulator import Simulator
 
     for user in range(3):

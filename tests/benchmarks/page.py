@@ -18,7 +18,7 @@ from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.monitor.encoder import StateEncoder
 from neurotouch_hid.monitor.publisher import Publisher
 from neurotouch_hid.profile import UserSettings, load_profile
-from neurotouch_hid.runtime import Pipeline, Session
+from neurotouch_hid.runtime import Pipeline, PipelineControl
 from neurotouch_hid.source.simulator import Simulator, find_scene
 
 SLICE_S = 0.01
@@ -43,11 +43,11 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         os.environ["RUNTIME_DIRECTORY"] = folder
         pipeline = Pipeline.build(load_profile("default"), GestureConfig())
-        session = Session(pipeline, UserSettings())
+        control = PipelineControl(pipeline, UserSettings())
         packets = Simulator(find_scene("tour"), seed=1)
         steps = [pipeline.advance(packet) for packet, _ in zip(packets, range(600), strict=False)]
-        facts = {"source": lambda: "sim:tour", "file": lambda: "", "device": lambda: "memory"}
-        with Publisher(Path(folder), StateEncoder(session, facts)) as feed:
+        facts = {"source": "sim:tour", "file": "", "device": "memory"}
+        with Publisher(Path(folder), StateEncoder(control, lambda: facts)) as feed:
             alone = _play(feed, steps, seconds)
             print(f"the line's process, nobody looks: {alone:.2%} of a core")
             for hz in (30, 60):

@@ -20,7 +20,7 @@ from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.runtime.worker import InlineRest
 from neurotouch_hid.source.simulator import Finger, Script, Simulator, Stroke
-from neurotouch_hid.source.simulator.people import draw_stroke, meet_person
+from neurotouch_hid.source.simulator.simulated_people import draw_stroke, meet_person
 from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector
 
 PEOPLE = 5

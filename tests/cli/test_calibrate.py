@@ -151,8 +151,9 @@ def test_ten_calibrations_are_kept(home):
     from neurotouch_hid.profile.editing import take_user
 
     for i in range(14):
-        paper = take_user(lambda i=i: f"{i:02d}")
-        paper.save(f"version: 1\nrange:\n  zoom: {{rest: 0.6, full: {3 + i / 10}}}\n")
+        edited = take_user(lambda i=i: f"{i:02d}")
+        text = f"version: 1\nrange:\n  zoom: {{rest: 0.6, full: {3 + i / 10}}}\n"
+        edited.save(edited.text.rewrite(text))
     versions = take_user(str).store.versions()
     assert len(versions) == 10
     assert "full: 4.2" in versions[0].path.read_text(encoding="utf-8")
@@ -197,7 +198,7 @@ def test_input_that_ends_leaves_nothing_unsaid(home):
     assert done.returncode == 1
     assert done.stdout.splitlines()[-1] == "Nothing was saved."
     assert done.stderr.splitlines()[-2:] == [
-        "Error: The input has ended, so nothing more can be answered.",
+        "Error: The input has ended, so no more questions can be answered.",
         "Fix: Run this command in a terminal.",
     ]
 

@@ -1,6 +1,7 @@
 """The command line as a user meets it: in a process of its own."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -115,7 +116,7 @@ def test_demo_ends_by_itself_and_shows_the_pad_moving():
     done = neurotouch("demo", "--seconds", "3")
     assert done.returncode == 0
     assert "push up" in done.stdout
-    assert "left_y -" in done.stdout
+    assert "left stick up" in done.stdout
     assert "The pad is neutral." in done.stderr
 
 
@@ -203,3 +204,88 @@ def test_who_lacks_the_development_tools_is_told_how_to_get_them(command):
     assert done.returncode == 1
     assert "belongs to the development tools" in done.stderr
     assert "pip install ./devtools" in done.stderr
+
+
+PLAY = [
+    "run",
+    "--source",
+    "sim:press",
+    "--device",
+    "memory",
+    "--speed",
+    "max",
+    "--seconds",
+    "1",
+    "--show",
+    "lines",
+]
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    """The trace of a run whose outputs can all be written."""
+    path = tmp_path_factory.mktemp("undisturbed") / "play.jsonl"
+    assert neurotouch(*PLAY, "--trace", path).returncode == 0
+    return path.read_text()
+
+
+@pytest.mark.parametrize("lost", ["full", "closed"])
+def test_an_output_that_is_lost_does_not_end_the_game(tmp_path, undisturbed, lost):
+    path = tmp_path / "play.jsonl"
+    read, closed = os.pipe()
+    os.close(read)
+    full = os.open("/dev/full", os.O_WRONLY)
+    done = subprocess.run(
+        [sys.executable, "-m", "neurotouch_hid", *PLAY, "--trace", path],
+        stdout=full if lost == "full" else closed,
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
+    os.close(full)
+    os.close(closed)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("the output cannot be written") == 1
+    assert "The pad is neutral." in done.stderr
+    assert path.read_text() == undisturbed
+
+
+def test_a_trace_on_a_full_disk_does_not_end_the_game():
+    done = neurotouch(*PLAY, "--trace", "/dev/full")
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("the trace /dev/full cannot be written") == 1
+    assert "The pad is neutral." in done.stderr
+
+
+def test_nothing_can_be_said_and_the_game_goes_on(tmp_path, undisturbed):
+    path = tmp_path / "play.jsonl"
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "neurotouch_hid", *PLAY, "--trace", path],
+            stdout=full,
+            stderr=full,
+            check=False,
+        )
+    assert done.returncode == 0
+    assert path.read_text() == undisturbed
+
+
+FAILING = """\
+import sys
+from neurotouch_hid.cli import devices
+def fail(**_):
+    raise EOFError("half a file")
+devices.command.callback = fail
+from neurotouch_hid.__main__ import main
+sys.argv = ["neurotouch", "devices"]
+main()
+"""
+
+
+def test_the_end_of_a_file_is_not_taken_for_ctrl_d():
+    done = subprocess.run(
+        [sys.executable, "-c", FAILING], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1
+    assert "EOFError: half a file" in done.stderr
+    assert "Stopped." not in done.stderr

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from neurotouch_hid.cli.doctor import _write_script
-from neurotouch_hid.doctor import Finding, Status, list_checks
+from neurotouch_hid.doctor import CheckStatus, Finding, list_checks
 
 PROGRAM = [sys.executable, "-m", "neurotouch_hid"]
 STATUS = ("OK", "WARNING", "FAILED", "SKIPPED")
@@ -67,9 +67,11 @@ def test_json_says_the_same_to_programs(call):
 def test_the_script_does_what_the_findings_say_and_nothing_twice(tmp_path):
     marks = [f'echo "it\'s {n}" >> {tmp_path}/done' for n in range(3)]
     findings = [
-        Finding(Status.FAILED, "Broken.", "Mend it.\nThis way.", (marks[0], marks[1]), check="a"),
-        Finding(Status.OK, "Good.", check="b"),
-        Finding(Status.WARNING, "So so.", "Mend it too.", (marks[1], marks[2]), check="c"),
+        Finding(
+            CheckStatus.FAILED, "Broken.", "Mend it.\nThis way.", (marks[0], marks[1]), check="a"
+        ),
+        Finding(CheckStatus.OK, "Good.", check="b"),
+        Finding(CheckStatus.WARNING, "So so.", "Mend it too.", (marks[1], marks[2]), check="c"),
     ]
     script = _write_script(findings)
     assert script.startswith("#!/bin/sh\n")
@@ -82,13 +84,13 @@ def test_the_script_does_what_the_findings_say_and_nothing_twice(tmp_path):
 
 def test_what_a_device_calls_itself_stays_a_comment():
     nasty = "A keyboard\nrm -rf /\r\nrm\x0brm\x85rm"
-    script = _write_script([Finding(Status.FAILED, nasty, nasty, ("true",), check="a")])
+    script = _write_script([Finding(CheckStatus.FAILED, nasty, nasty, ("true",), check="a")])
     code = [line for line in script.split("\n") if line and not line.startswith("#")]
     assert code == ["set -eu", "echo '+ true'", "true"]
 
 
 def test_a_script_without_anything_to_do_says_so():
-    script = _write_script([Finding(Status.OK, "Good.", check="b")])
+    script = _write_script([Finding(CheckStatus.OK, "Good.", check="b")])
     assert "Nothing that a command could fix" in script
     subprocess.run(["sh", "-nc", script], check=True)
 

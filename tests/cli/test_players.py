@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from neurotouch_hid.cli.shared.send_without_click import send_command
+from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.players import find_runtime_folder
 
 LIMIT_S = 180.0
@@ -109,3 +111,24 @@ def test_another_players_service_lies_where_orders_look_for_it(monkeypatch, give
     monkeypatch.setenv("RUNTIME_DIRECTORY", given)
     monkeypatch.setenv("NEUROTOUCH_PLAYER", "2")
     assert find_runtime_folder() == Path("/run/neurotouch-2")
+
+
+@pytest.mark.parametrize("refusing", [1, 2])
+def test_a_driver_that_refuses_does_not_keep_the_panic_from_the_others(
+    tmp_path, monkeypatch, refusing
+):
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path / "run"))
+    heard = []
+
+    def answer(question, player):
+        heard.append((question["command"], player))
+        if player == refusing:
+            return {"ok": False, "error": "The pipeline has stopped."}
+        return {"ok": True, "text": "Stopped."}
+
+    with ExitStack() as stack:
+        for player in (1, 2):
+            control = stack.enter_context(ControlSocket(find_runtime_folder(player)))
+            control.serve(lambda question, _uid, player=player: answer(question, player))
+        assert send_command("panic") == 8
+    assert heard == [("panic", 1), ("panic", 2)]

@@ -7,6 +7,7 @@ import sys
 import click
 import pytest
 from click.testing import CliRunner
+from ruamel.yaml import YAML
 
 from neurotouch_hid.cli.main import cli
 from neurotouch_hid.errors import NeuroTouchError
@@ -90,6 +91,27 @@ def test_what_is_wrong_is_refused_with_its_place_and_nothing_changes(home):
         assert code == 6, arguments
         assert words in output, output
     assert not (home / "profiles").exists()
+
+
+def test_a_key_that_changes_the_name_of_its_binding_can_be_set(home):
+    run("profile", "new", "mine", "--template", "spacecraft")
+    run("profile", "bind", "mine", "twist cw", "button x")
+    output, code = run("profile", "set", "mine", "twist_cw.press", "tap")
+    assert (code, "No such key" in output) == (0, False), output
+    assert "{gesture: twist_cw, press: tap}" in own(home, "mine")
+
+
+def test_setting_a_value_parses_the_old_and_the_new_text_once(home, monkeypatch):
+    run("profile", "new", "mine", "--template", "racing")
+    before, parsed = own(home, "mine"), []
+    for name in ("parse", "compose"):
+        real = getattr(YAML, name)
+        monkeypatch.setattr(
+            YAML, name, lambda self, text, real=real: (parsed.append(text), real(self, text))[1]
+        )
+    assert run("profile", "set", "mine", "description", "Mine.")[1] == 0
+    after = own(home, "mine")
+    assert [parsed.count(text) for text in (before, after)] == [2, 1]  # values and places; values
 
 
 def test_binding_and_unbinding_in_words(home):
@@ -253,6 +275,13 @@ def test_every_change_has_the_same_shape_for_programs(home, tmp_path):
     assert not (home / "profiles" / "c.yaml").exists()
 
 
+def test_a_device_that_a_profile_is_exported_to_stays_one(home, tmp_path):
+    nowhere = tmp_path / "nowhere"
+    nowhere.symlink_to("/dev/null")
+    assert run("profile", "export", "racing", "--output", nowhere, "--force")[1] == 0
+    assert nowhere.is_char_device()
+
+
 def test_a_persons_values_come_back_from_what_was_exported(home, tmp_path):
     mine = "version: 1\nfilter: strong\nunused: [zoom]\n"
     home.mkdir()
@@ -387,7 +416,7 @@ def test_a_change_can_be_tried_on_the_gel_before_it_is_kept(home):
     )
     assert code == 0
     moving = [line for line in output.splitlines() if line.startswith("push left")]
-    assert any("left_x -100 %" in line for line in moving)
+    assert any("left stick left 100 %" in line for line in moving)
     assert "neutral" in moving[0] + moving[-1]
     assert len(moving) > 5
 
@@ -522,3 +551,44 @@ def test_a_persons_own_values_by_questions(home):
     assert "rotate_deg: 12.5\n" in text
     assert "feedback: {sound: tones}" in text
     assert "Nothing has changed" in run("profile", "edit", "user", answers=[9])[0]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        ("profile", "new", "mine"),
+        ("profile", "set", "push-only", "layers.move.push.curve.expo", "0.6"),
+        ("profile", "bind", "racing", "zoom", "button b"),
+    ],
+)
+def test_a_saved_profile_that_will_not_play_is_not_promised(home, change):
+    output, code = run(*change)
+    assert code == 0
+    assert "applies from the next start" not in output
+    assert f"To play it: neurotouch profile use {change[2]}" in output
+
+
+def test_a_saved_profile_that_the_favourite_extends_applies_from_the_next_start(home):
+    run("profile", "new", "base")
+    path = home / "profiles" / "mine.yaml"
+    path.write_text("version: 1\nname: mine\nextends: [base]\n")
+    used, code = run("profile", "use", "mine")
+    assert code == 0, used
+    output, _ = run("profile", "bind", "base", "zoom", "button b")
+    assert "it applies from the next start" in output
+
+
+def test_a_version_with_errors_is_put_back_with_a_warning(home):
+    run("profile", "set", "user", "filter", "strong")
+    path = home / "user.yaml"
+    right = path.read_text()
+    history = home / ".history" / "user"
+    history.mkdir(parents=True, exist_ok=True)
+    (history / "000009-2026-01-01_00-00-00.yaml").write_text(right.replace("strong", "stronk"))
+    output, code = run("profile", "undo", "user")
+    assert code == 0
+    assert "WARNING" in output
+    assert "It has errors, so it cannot be played." in output
+    fix = "neurotouch profile check user"
+    assert fix in output
+    assert "stronk" in run(*fix.split()[1:])[0]

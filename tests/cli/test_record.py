@@ -14,7 +14,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from neurotouch_hid.driver.control_socket import STREAM, ControlSocket
+from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.recording import Recording, RecordingWriter
 from neurotouch_hid.recording.wire import send_packet
 from neurotouch_hid.source.idle import LONGEST_US
@@ -324,7 +324,7 @@ def standing_in(tmp_path):
                     time.sleep(wait_s)
                 send_packet(line, packet)
 
-        control.serve(lambda _question, _uid: {"ok": True, "source": "camera", STREAM: feed})
+        control.serve(lambda _question, _uid: {"ok": True, "source": "camera"}, {"record": feed})
 
     with ControlSocket(tmp_path / "run") as control:
         yield serve
@@ -343,7 +343,7 @@ def test_a_driver_that_ends_before_the_seconds_are_there_is_told_of(tmp_path, re
     done = record(tmp_path / "a.aedat4", "--seconds", "5")
     assert done.returncode == 3
     assert done.stdout.startswith(f"WARNING {tmp_path / 'a.aedat4'} has 0.2 s of what the")
-    assert "Error: The source ended before it had given 5 s." in done.stderr
+    assert "Error: The source ended before 5 s were recorded." in done.stderr
     assert count(tmp_path / "a.aedat4") == (20_000, 5)
 
 

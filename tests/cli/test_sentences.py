@@ -30,12 +30,11 @@ from neurotouch_hid.errors import (
     ProfileError,
     SourceError,
 )
+from neurotouch_hid.files.yaml_document import parse_document
 from neurotouch_hid.page.server import open_sockets
 from neurotouch_hid.players import find_runtime_folder
-from neurotouch_hid.profile.editing import find_own_path
-from neurotouch_hid.profile.editing.revision import find_bindings
+from neurotouch_hid.profile.editing import find_own_path, locate_bindings
 from neurotouch_hid.profile.rehearsal.script import parse_script
-from neurotouch_hid.profile.yaml_document import parse_document
 from neurotouch_hid.source.simulator import find_scene
 
 
@@ -149,7 +148,7 @@ def test_script_of_gestures_proposes_the_near_word_in_a_sentence():
 
 def test_profile_without_layers_is_not_asked_to_choose_one():
     with pytest.raises(ProfileError) as caught:
-        find_bindings({"bindings": []}, "menu")
+        locate_bindings({"bindings": []}, "menu")
     assert caught.value.hint == "This profile has none: name no layer."
 
 
@@ -163,7 +162,7 @@ def test_status_without_a_driver_is_json_too_where_that_is_asked_for():
 def nothing_loads(monkeypatch):
     """A wrong command line is refused before the pipeline's libraries are even looked for."""
     monkeypatch.setitem(sys.modules, "neurotouch_hid.driver.driver", None)
-    monkeypatch.setitem(sys.modules, "neurotouch_hid.cli.play", None)
+    monkeypatch.setitem(sys.modules, "neurotouch_hid.cli.shared.play", None)
 
 
 def refuse(command, *words):

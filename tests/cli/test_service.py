@@ -4,6 +4,7 @@ import os
 import socket
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -19,6 +20,8 @@ os.environ |= {
 }
 os.execv(sys.executable, [sys.executable, "-m", "neurotouch_hid", "service", *sys.argv[1:]])
 """
+
+LIMIT_S = 300
 
 
 @pytest.fixture
@@ -38,7 +41,7 @@ def run(folders, *command: str) -> subprocess.CompletedProcess[str]:
         env=folders,
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=LIMIT_S,
         check=False,
     )
 
@@ -75,6 +78,43 @@ def test_a_profile_that_is_not_there_ends_it(folders):
     assert "racing" in said.stderr
 
 
+@pytest.mark.parametrize("identity", ["xbox361", "/nowhere/pad.toml", r"a\0.toml"])
+def test_an_identity_that_cannot_be_used_is_a_mistake_in_its_settings(folders, identity):
+    file = Path(folders["XDG_CONFIG_HOME"]) / "neurotouch/service.yaml"
+    file.write_text(f'version: 1\nidentity: "{identity}"\n')
+    said = run(folders, "-m", "neurotouch_hid", "service")
+    assert said.returncode == 6
+    assert "service.yaml: identity: " in said.stderr
+    assert "Traceback" not in said.stderr
+
+
 def test_compiling_needs_neither_camera_nor_pad(folders):
     said = run(folders, "-m", "neurotouch_hid", "service", "--compile")
     assert said.returncode == 0, said.stderr
+
+
+IN_MEMORY = """\
+from neurotouch_hid.__main__ import main
+from neurotouch_hid.cli import service
+from neurotouch_hid.device import MemoryDevice
+service._make_pad = lambda *_, **__: MemoryDevice()  # only the kernel can make the true one
+main()
+"""
+
+
+def test_its_loop_feeds_the_watchdog_of_systemd(folders, tmp_path):
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as systemd:
+        systemd.bind(str(tmp_path / "notify"))
+        systemd.settimeout(LIMIT_S)
+        folders |= {"NOTIFY_SOCKET": str(tmp_path / "notify"), "WATCHDOG_USEC": "1000000"}
+        with ThreadPoolExecutor(1) as pool:
+            running = pool.submit(run, folders, "-c", IN_MEMORY, "service", "--source", "sim:press")
+            told = [systemd.recv(1000).decode()]
+            while told[-1] != "STOPPING=1":
+                told.append(systemd.recv(1000).decode())
+        done = running.result()
+    assert done.returncode == 0, done.stderr
+    told = [each for each in told if not each.startswith("STATUS=")]
+    assert told[0] == "READY=1"
+    assert told[-1] == "STOPPING=1"
+    assert set(told[1:-1]) == {"WATCHDOG=1"}

@@ -4,8 +4,11 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from textwrap import dedent
 
 import pytest
+
+ROOT = Path(__file__).parents[2]
 
 
 def run(*options: str, answer: str = "", path: str | None = None) -> subprocess.CompletedProcess:
@@ -43,12 +46,26 @@ def test_a_dry_run_says_each_file_and_each_command():
 def test_what_it_runs_is_what_it_said(programs):
     said = run("--yes", path=str(programs))
     assert said.returncode == 0, said.stderr
-    shown = [line.strip() for line in said.stdout.splitlines() if line.startswith("  ")]
-    commands = [line for line in shown if line.startswith(("install", "modprobe", "udevadm"))]
-    assert len(commands) == 8
-    noted = (programs.parent / "noted").read_text().splitlines()
-    assert noted[-len(commands) :] == commands
-    assert noted[: -len(commands)] in (["sh", "-euc"], ["sudo", "sh", "-euc"])
+    shown = said.stdout.partition("as root:\n")[2].partition("Done.")[0]
+    noted = (programs.parent / "noted").read_text()
+    start = noted.index("install")
+    assert noted[start:] == dedent(shown)
+    assert noted[:start].split() in (["sh", "-euc"], ["sudo", "sh", "-euc"])
+
+
+def test_root_reads_no_file_of_ours_and_the_text_is_shown(tmp_path):
+    shown = run("--dry-run").stdout.partition("as root:\n")[2]
+    assert str(ROOT) not in shown
+    copies = dedent(shown).partition("modprobe")[0].replace("/etc/", f"{tmp_path}/etc/")
+    subprocess.run(["sh", "-euc", copies], check=True)
+    for source in (
+        ROOT / "udev/70-neurotouch-uinput.rules",
+        ROOT / "udev/70-neurotouch-camera.rules",
+        ROOT / "packaging/modules-load.d/neurotouch.conf",
+    ):
+        (installed,) = tmp_path.rglob(source.name)
+        assert installed.read_bytes() == source.read_bytes()
+        assert installed.stat().st_mode & 0o777 == 0o644
 
 
 def test_it_can_all_be_taken_back(programs):

@@ -200,7 +200,7 @@ from neurotouch_hid.__main__ import main
 try:
     main()
 except SystemExit as ended:
-    print(ended.code, sorted({"numba", "cv2", "evdev", "faery"} & set(sys.modules)))
+    print(ended.code, sorted({"numba", "cv2", "evdev"} & set(sys.modules)))
 """
 
 

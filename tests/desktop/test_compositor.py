@@ -126,7 +126,7 @@ def test_compositor_that_is_gone_is_an_error(tmp_path):
 
 
 def test_gnome_and_kde_under_wayland_say_that_they_do_not_tell():
-    with pytest.raises(DesktopError, match="GNOME tells no program") as caught:
+    with pytest.raises(DesktopError, match="GNOME does not tell programs") as caught:
         open_window({"WAYLAND_DISPLAY": "wayland-0", "XDG_CURRENT_DESKTOP": "GNOME"})
     assert "profile use" in caught.value.hint
 

@@ -186,7 +186,7 @@ def test_explanation_of_an_unreadable_keyboard_has_the_rule(machine):
     machine.plug(0)
     (found,) = machine.keyboards()
     assert found.readable
-    assert "chords are heard on Keyboard" in explain_keyboards([found])[0]
+    assert "chords work on Keyboard" in explain_keyboards([found])[0]
     _check_unreadable([type(found)(found.node, found.name, readable=False)])
 
 

@@ -112,7 +112,7 @@ def test_a_pad_that_goes_as_soon_as_it_is_taken_is_a_device_error_at_the_start(s
 
 def test_a_pad_whose_name_is_no_text_is_a_device_error_and_another_is_waited_for(socket):
     socket.name = b"Pa\xff"
-    with pytest.raises(DeviceError, match="name is no text"):
+    with pytest.raises(DeviceError, match="name is not valid text"):
         Copilot("Pad")
     helper = Copilot("Pad", wait=True)
     helper.start(lambda share: None)

@@ -5,10 +5,10 @@ import math
 import pytest
 from evdev import ecodes, ff
 
-from neurotouch_hid.device.outputs.effects import STILL, Effect, Effects, Rumble
+from neurotouch_hid.device.outputs.effects import STILL, Effects, Rumble, RumbleEffect
 from neurotouch_hid.device.outputs.rumble_router import RumbleRouter
 
-HALF = Effect(0.5, 0.25, seconds=1.0, delay_s=0.0)
+HALF = RumbleEffect(0.5, 0.25, seconds=1.0, delay_s=0.0)
 
 
 def describe(kind: int, length_ms: int, delay_ms: int = 0, **body: object) -> ff.Effect:
@@ -23,18 +23,18 @@ def play(effects: Effects, number: int = 0, n_times: int = 1, now: float = 0.0) 
 
 def test_a_rumble_effect():
     effect = describe(ecodes.FF_RUMBLE, 500, 20, ff_rumble_effect=ff.Rumble(0xFFFF, 0x8000))
-    assert Effect.read(effect) == Effect(1.0, pytest.approx(0.5, abs=1e-4), 0.5, 0.02)
+    assert RumbleEffect.read(effect) == RumbleEffect(1.0, pytest.approx(0.5, abs=1e-4), 0.5, 0.02)
 
 
 @pytest.mark.parametrize("magnitude", [0x7FFF, -0x7FFF])
 def test_a_periodic_effect_shakes_both_motors(magnitude):
     periodic = ff.Periodic(ecodes.FF_SINE, 10, magnitude)
-    effect = Effect.read(describe(ecodes.FF_PERIODIC, 0, ff_periodic_effect=periodic))
-    assert effect == Effect(1.0, 1.0, math.inf, 0.0)
+    effect = RumbleEffect.read(describe(ecodes.FF_PERIODIC, 0, ff_periodic_effect=periodic))
+    assert effect == RumbleEffect(1.0, 1.0, math.inf, 0.0)
 
 
 def test_what_we_do_not_know_is_still():
-    assert Effect.read(describe(ecodes.FF_SPRING, 100)).strong == 0.0
+    assert RumbleEffect.read(describe(ecodes.FF_SPRING, 100)).strong == 0.0
 
 
 def test_an_effect_plays_and_ends_by_itself():
@@ -76,7 +76,7 @@ def test_the_gain_weakens_everything():
 
 def test_a_delayed_effect_begins_later():
     effects = Effects()
-    effects.upload(0, Effect(0.5, 0.5, 1.0, delay_s=0.2))
+    effects.upload(0, RumbleEffect(0.5, 0.5, 1.0, delay_s=0.2))
     effects.play(0, 1, 0.0)
     assert effects.sum_up(0.0) == (STILL, 0.2)
     assert effects.sum_up(0.2) == (Rumble(0.5, 0.5, 1.0), 1.2)
@@ -84,7 +84,7 @@ def test_a_delayed_effect_begins_later():
 
 def test_an_effect_without_end_is_told_again():
     effects = Effects()
-    effects.upload(0, Effect(1.0, 1.0, math.inf, 0.0))
+    effects.upload(0, RumbleEffect(1.0, 1.0, math.inf, 0.0))
     effects.play(0, 1, 0.0)
     assert effects.sum_up(0.0) == (Rumble(1.0, 1.0, 30.0), 30.0)
     assert effects.sum_up(30.0) == (Rumble(1.0, 1.0, 30.0), 60.0)

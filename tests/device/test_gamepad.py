@@ -1,4 +1,4 @@
-"""The claim of being an Xbox 360 pad, number by number, and the scaling of values."""
+"""The spec of being an Xbox 360 pad, number by number, and the scaling of values."""
 
 import math
 import struct
@@ -114,7 +114,7 @@ def test_a_playstation_trigger_is_a_button_too(axes, changed):
     layout = PLAYSTATION.layout
     names = [*layout.buttons, "TL2", "TR2", *layout.axes]
     report = layout.encode(GamepadState(0, axes=axes))
-    neutral = PLAYSTATION.make_claim().neutral
+    neutral = PLAYSTATION.make_spec().neutral
     pairs = zip(names, report, neutral, strict=True)
     assert {str(name): value for name, value, rest in pairs if value != rest} == changed
 
@@ -146,10 +146,10 @@ def test_an_axis_moves_only_itself(axis):
 
 
 def test_a_pad_that_nobody_touches_is_all_zero():
-    assert XBOX.layout.encode(GamepadState(5)) == XBOX.make_claim().neutral
+    assert XBOX.layout.encode(GamepadState(5)) == XBOX.make_spec().neutral
     assert (
         XBOX.layout.encode(GamepadState(5, axes=dict.fromkeys(Axis, 0.0)))
-        == XBOX.make_claim().neutral
+        == XBOX.make_spec().neutral
     )
 
 

@@ -1,5 +1,7 @@
 """Identities as data, and the refusal of those that programs would misread."""
 
+import os
+
 import pytest
 
 from neurotouch_hid.device.outputs.identity import (
@@ -31,9 +33,9 @@ def make(**changes: object) -> Identity:
     ],
 )
 def test_what_each_shipped_one_claims(name, text, ids):
-    claim = SHIPPED[name].make_claim(player=2)
-    assert (claim.name, claim.ids, claim.phys) == (text, ids, "neurotouch/pad1")
-    assert not claim.rumbles
+    spec = SHIPPED[name].make_spec(player=2)
+    assert (spec.name, spec.ids, spec.phys) == (text, ids, "neurotouch/pad1")
+    assert not spec.rumbles
     check_identity(SHIPPED[name], "uinput")
 
 
@@ -109,7 +111,7 @@ def test_names_fit_the_kernel(name, kind, right):
     if right:
         check_identity(make(name=name), kind)
     else:
-        with pytest.raises(DeviceError, match="is no name for a pad"):
+        with pytest.raises(DeviceError, match="is not a valid name for a pad"):
             check_identity(make(name=name), kind)
 
 
@@ -134,12 +136,12 @@ def test_an_identity_of_ones_own(tmp_path):
     ("old", "new", "says"),
     [
         ('"xbox"', '"nes"', "'layout' must be one of xbox, playstation"),
-        ("0x1209", "70000", "'vendor' must be there, a number"),
-        ("0x1209", '"1209"', "'vendor' must be there, a number"),
-        ("0x1209", "true", "'vendor' must be there, a number"),
-        ("name", "title", "'name' must be there, text"),
-        ("version", "extra = 1\nversion", "no key 'extra'"),
-        ("version =", "version", "is no TOML"),
+        ("0x1209", "70000", "'vendor' must be set, to a number"),
+        ("0x1209", '"1209"', "'vendor' must be set, to a number"),
+        ("0x1209", "true", "'vendor' must be set, to a number"),
+        ("name", "title", "'name' must be set, to text"),
+        ("version", "extra = 1\nversion", "unknown key 'extra'"),
+        ("version =", "version", "is not valid TOML"),
     ],
 )
 def test_a_wrong_file_is_refused(tmp_path, old, new, says):
@@ -158,3 +160,27 @@ def test_an_unknown_name():
     with pytest.raises(DeviceError, match="no identity called 'nes'") as caught:
         choose_identity("nes", "uinput")
     assert "xbox360, own, playstation" in caught.value.hint
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("a = " + "[" * 20_000, "has too many brackets in one another|is no TOML"),
+        ("a = " + "9" * 5_000, "is no TOML"),
+        ("# " + "x" * (1 << 20), "cannot be read: it is larger than 64 kB"),
+    ],
+    ids=["deep", "long", "large"],
+)
+def test_a_file_made_to_harm(tmp_path, text, says):
+    file = tmp_path / "mine.toml"
+    file.write_text(text)
+    with pytest.raises(DeviceError, match=says):
+        choose_identity(str(file), "uinput")
+
+
+def test_a_path_that_is_no_file(tmp_path):
+    with pytest.raises(DeviceError, match="cannot be read: no file can have this name"):
+        choose_identity("a\0.toml", "uinput")
+    os.mkfifo(tmp_path / "pipe.toml")
+    with pytest.raises(DeviceError, match="cannot be read: it is a pipe, not a file"):
+        choose_identity(str(tmp_path / "pipe.toml"), "uinput")

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from neurotouch_hid.device.inputs.hid_pad_reader import find_hid_pads, read_reports
 from neurotouch_hid.device.inputs.nodes import find_inputs, is_input_name, parse_bits
 from neurotouch_hid.device.outputs.descriptor import ReportFormat
-from neurotouch_hid.device.outputs.hidpad import find_hid_pads, read_reports
 from neurotouch_hid.device.outputs.identity import load_identities
 from neurotouch_hid.errors import DeviceError
 

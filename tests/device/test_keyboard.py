@@ -1,4 +1,4 @@
-"""The keyboard's claim, and its table of keys beside that of the profiles."""
+"""The keyboard's spec, and its table of keys beside that of the profiles."""
 
 import pytest
 
@@ -26,9 +26,9 @@ def test_udev_will_take_it_for_a_keyboard_and_nobody_for_a_pad():
 
 @pytest.mark.parametrize("name", keyboard.KEYS)
 def test_a_key_moves_only_itself(name):
-    report = keyboard.encode(GamepadState(0, keys=frozenset({name})))
+    report = keyboard.encode_keys(GamepadState(0, keys=frozenset({name})))
     assert sum(report) == 1
-    assert keyboard.CLAIM.controls[report.index(1)] == keyboard.KEYS[name]
+    assert keyboard.SPEC.controls[report.index(1)] == keyboard.KEYS[name]
 
 
 # From the kernel's input-event-codes.h, as numbers.
@@ -52,22 +52,22 @@ def test_modifiers_stand_first_so_that_a_chord_begins_with_them():
     }
 
 
-@pytest.mark.parametrize("claim", [keyboard.CLAIM, mouse.CLAIM])
-def test_sdl_and_the_kernel_take_the_names(claim):
-    assert len(claim.name.encode()) < 80
-    assert claim.phys.startswith("neurotouch/")  # the rules and we find them by it
-    assert claim.ids[:2] == (0x06, 0)  # BUS_VIRTUAL, nobody's vendor id
+@pytest.mark.parametrize("spec", [keyboard.SPEC, mouse.SPEC])
+def test_sdl_and_the_kernel_take_the_names(spec):
+    assert len(spec.name.encode()) < 80
+    assert spec.phys.startswith("neurotouch/")  # the rules and we find them by it
+    assert spec.ids[:2] == (0x06, 0)  # BUS_VIRTUAL, nobody's vendor id
 
 
 @pytest.mark.parametrize("alt", ["KEY_LEFTALT", "KEY_RIGHTALT"])
 def test_the_magic_keys_of_the_kernel_stay_out_of_reach(alt):
     """It listens for Print going down while Alt is; a chord may also grow from state to state."""
-    with_alt = keyboard.encode(GamepadState(0, keys=frozenset({alt, "KEY_B"})))
+    with_alt = keyboard.encode_keys(GamepadState(0, keys=frozenset({alt, "KEY_B"})))
     magic = GamepadState(0, keys=frozenset({alt, "KEY_SYSRQ", "KEY_B"}))
-    assert keyboard.encode(magic) == with_alt
-    assert sum(keyboard.encode(GamepadState(0, keys=frozenset({"KEY_SYSRQ", "KEY_B"})))) == 2
+    assert keyboard.encode_keys(magic) == with_alt
+    assert sum(keyboard.encode_keys(GamepadState(0, keys=frozenset({"KEY_SYSRQ", "KEY_B"})))) == 2
 
 
 def test_at_rest_all_is_zero():
-    assert keyboard.encode(GamepadState(0)) == keyboard.CLAIM.neutral
-    assert mouse.encode(GamepadState(0)) == mouse.CLAIM.neutral
+    assert keyboard.encode_keys(GamepadState(0)) == keyboard.SPEC.neutral
+    assert mouse.encode_buttons(GamepadState(0)) == mouse.SPEC.neutral

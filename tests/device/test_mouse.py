@@ -21,7 +21,7 @@ def travel(states: list[GamepadState]) -> dict[int, int]:
     motion = mouse.PointerMotion()
     way = dict.fromkeys((X, Y, WHEEL, FINE), 0)
     for state in states:
-        for code, n_steps in motion.advance(state):
+        for code, n_steps in motion.compute_steps(state):
             way[code] += n_steps
     return way
 
@@ -38,13 +38,15 @@ def every_slice(rates: list[tuple[float, float, float]]) -> list[GamepadState]:
 
 
 def test_the_first_state_only_starts_the_clock():
-    assert mouse.PointerMotion().advance(GamepadState(7_000_000, pointer=(5000.0, 5000.0))) == ()
+    assert (
+        mouse.PointerMotion().compute_steps(GamepadState(7_000_000, pointer=(5000.0, 5000.0))) == ()
+    )
 
 
 def test_a_steady_push_moves_evenly():
     motion = mouse.PointerMotion()
-    motion.advance(GamepadState(0))
-    steps = [motion.advance(state) for state in every_slice([(900.0, -900.0, 0.0)] * 50)[1:]]
+    motion.compute_steps(GamepadState(0))
+    steps = [motion.compute_steps(state) for state in every_slice([(900.0, -900.0, 0.0)] * 50)[1:]]
     assert steps == [((X, 9), (Y, -9))] * 50
 
 
@@ -79,8 +81,8 @@ def test_no_number_spins_the_wheel(speed, fine):
 
 def test_a_slow_wheel_is_smooth_and_clicks_after_120_steps():
     motion = mouse.PointerMotion()
-    motion.advance(GamepadState(0))
-    seen = [motion.advance(state) for state in every_slice([(0.0, 0.0, 10.0)] * 20)[1:]]
+    motion.compute_steps(GamepadState(0))
+    seen = [motion.compute_steps(state) for state in every_slice([(0.0, 0.0, 10.0)] * 20)[1:]]
     assert [dict(steps)[FINE] for steps in seen] == [12] * 20
     assert [n for n, steps in enumerate(seen) if dict(steps).get(WHEEL)] == [9, 19]
 
@@ -104,6 +106,6 @@ def test_the_way_is_the_integral_of_the_speed_to_half_a_step(rates):
 def test_steps_are_never_zero_and_every_code_is_declared(rates):
     motion = mouse.PointerMotion()
     for state in every_slice(rates):
-        for code, n_steps in motion.advance(state):
+        for code, n_steps in motion.compute_steps(state):
             assert n_steps
-            assert code in mouse.CLAIM.motions
+            assert code in mouse.SPEC.motions

@@ -28,7 +28,7 @@ class FakeKernel:
 
     def make(self) -> UhidNode:
         self.send(START)  # it waits in the queue
-        return UhidNode(self.descriptor, OWN.make_claim())
+        return UhidNode(self.descriptor, OWN.make_spec())
 
     def send(self, event: bytes) -> None:
         self._end.send(event.ljust(4380, b"\0"))
@@ -72,16 +72,16 @@ def test_the_event_that_makes_the_pad(kernel):
 
 
 def test_one_report_per_change(kernel, pad):
-    pad.show(A_DOWN)
-    pad.show(A_DOWN)
-    pad.show(OWN.make_claim().neutral)
+    pad.write_report(A_DOWN)
+    pad.write_report(A_DOWN)
+    pad.write_report(OWN.make_spec().neutral)
     head = struct.pack("=IH", 12, 13)
     assert kernel.take() == head + bytes.fromhex("0000 0000 0000 0000 00 00 00 0100")
     assert kernel.take() == head + bytes(13)
 
 
 def test_a_program_that_asks_for_the_report_gets_it(kernel, pad):
-    pad.show(A_DOWN)
+    pad.write_report(A_DOWN)
     kernel.take()
     kernel.send(struct.pack("=IIBB", 9, 77, 0, 2))
     report = bytes.fromhex("0000 0000 0000 0000 00 00 00 0100")
@@ -108,7 +108,7 @@ def test_what_the_kernel_only_tells_needs_no_answer(kernel, pad):
 
 def test_a_pad_that_nobody_drives(kernel):
     with pytest.raises(DeviceError, match="found no driver for the NeuroTouch Gamepad") as caught:
-        UhidNode(kernel.descriptor, OWN.make_claim(), patience_s=0.05)
+        UhidNode(kernel.descriptor, OWN.make_spec(), patience_s=0.05)
     assert "modprobe hid-generic" in caught.value.hint
     kernel.take()
     assert kernel.take() == b"\x01\0\0\0"
@@ -118,7 +118,7 @@ def test_a_pad_that_vanished_is_an_error_and_still_closes(kernel):
     pad = kernel.make()
     kernel.close()
     with pytest.raises(DeviceError, match="no longer takes input for the NeuroTouch Gamepad"):
-        pad.show(A_DOWN)
+        pad.write_report(A_DOWN)
     pad.close()
 
 

@@ -16,7 +16,7 @@ from neurotouch_hid.device.outputs.uinput import RULE, UinputNode, open_uinput
 from neurotouch_hid.errors import DeviceError
 from tests.device.kernel import FakeNode, Kernel
 
-PAD = load_identities()["xbox360"].make_claim()
+PAD = load_identities()["xbox360"].make_spec()
 PHYS, SETUP, ABS_SETUP = 0x4008556C, 0x405C5503, 0x401C5504
 EVBIT, KEYBIT, RELBIT, CREATE, DESTROY = 0x40045564, 0x40045565, 0x40045566, 0x5501, 0x5502
 
@@ -37,15 +37,15 @@ def kernel():
     kernel.close()
 
 
-def make(kernel: Kernel, claim: DeviceSpec) -> tuple[UinputNode, FakeNode]:
-    node = UinputNode(kernel.open(), claim, ioctl=kernel.ioctl)
+def make(kernel: Kernel, spec: DeviceSpec) -> tuple[UinputNode, FakeNode]:
+    node = UinputNode(kernel.open(), spec, ioctl=kernel.ioctl)
     return node, kernel.nodes[-1]
 
 
-def report(claim: DeviceSpec, **values: int) -> tuple[int, ...]:
+def report(spec: DeviceSpec, **values: int) -> tuple[int, ...]:
     """The report in which these codes, named by the kernel, have these values."""
     wanted = {ecodes.ecodes[name]: value for name, value in values.items()}
-    return tuple(wanted.get(control.code, 0) for control in claim.controls)
+    return tuple(wanted.get(control.code, 0) for control in spec.controls)
 
 
 def test_the_calls_that_make_the_pad(kernel):
@@ -73,7 +73,7 @@ def test_the_calls_that_make_the_pad(kernel):
 
 
 def test_the_calls_that_make_the_mouse(kernel):
-    _, node = make(kernel, mouse.CLAIM)
+    _, node = make(kernel, mouse.SPEC)
     name = b"NeuroTouch Mouse".ljust(80, b"\0")
     assert node.calls == [
         (EVBIT, 1),
@@ -87,7 +87,7 @@ def test_the_calls_that_make_the_mouse(kernel):
 
 
 def test_the_calls_that_make_the_keyboard(kernel):
-    _, node = make(kernel, keyboard.CLAIM)
+    _, node = make(kernel, keyboard.SPEC)
     name = b"NeuroTouch Keyboard".ljust(80, b"\0")
     assert [call for call in node.calls if call[0] != KEYBIT] == [
         (EVBIT, 1),  # no EV_REP, no EV_LED
@@ -101,24 +101,24 @@ def test_the_calls_that_make_the_keyboard(kernel):
 
 def test_one_packed_frame_per_change(kernel):
     pad, seen = make(kernel, PAD)
-    pad.show(report(PAD, BTN_SOUTH=1, ABS_X=32767))
+    pad.write_report(report(PAD, BTN_SOUTH=1, ABS_X=32767))
     assert seen.take() == event(1, 0x130, 1) + event(3, 0, 32767) + SYN
-    pad.show(report(PAD, BTN_SOUTH=1, ABS_X=-32767))
+    pad.write_report(report(PAD, BTN_SOUTH=1, ABS_X=-32767))
     assert seen.take() == event(3, 0, -32767) + SYN
-    pad.show(report(PAD, BTN_SOUTH=1, ABS_X=-32767))
+    pad.write_report(report(PAD, BTN_SOUTH=1, ABS_X=-32767))
     assert seen.take() == ""
-    pad.show(PAD.neutral)
+    pad.write_report(PAD.neutral)
     assert seen.take() == event(3, 0, 0) + event(1, 0x130, 0) + SYN
 
 
 def test_steps_come_first_then_releases_backwards_then_presses(kernel):
-    node, seen = make(kernel, mouse.CLAIM)
-    node.show(report(mouse.CLAIM, BTN_LEFT=1, BTN_RIGHT=1))
+    node, seen = make(kernel, mouse.SPEC)
+    node.write_report(report(mouse.SPEC, BTN_LEFT=1, BTN_RIGHT=1))
     assert seen.take() == event(1, 0x110, 1) + event(1, 0x111, 1) + SYN
-    node.show(report(mouse.CLAIM, BTN_MIDDLE=1), ((0, -3), (11, 7)))
+    node.write_report(report(mouse.SPEC, BTN_MIDDLE=1), ((0, -3), (11, 7)))
     rel, released = event(2, 0, -3) + event(2, 11, 7), event(1, 0x111, 0) + event(1, 0x110, 0)
     assert seen.take() == rel + released + event(1, 0x112, 1) + SYN
-    node.show(report(mouse.CLAIM, BTN_MIDDLE=1), ((1, 5),))
+    node.write_report(report(mouse.SPEC, BTN_MIDDLE=1), ((1, 5),))
     assert seen.take() == event(2, 1, 5) + SYN
 
 
@@ -133,7 +133,7 @@ def test_a_refused_node_leaves_nothing_open(kernel):
     kernel.refused = (1, CREATE)
     refusal = r"refuses to create the NeuroTouch Mouse: Invalid argument"
     with pytest.raises(DeviceError, match=refusal):
-        make(kernel, mouse.CLAIM)
+        make(kernel, mouse.SPEC)
     assert kernel.nodes[0].is_closed
 
 
@@ -142,23 +142,23 @@ def test_a_node_that_vanished_is_an_error_each_time_and_still_closes(kernel):
     seen.vanish()
     for _ in range(2):
         with pytest.raises(DeviceError, match="no longer takes input for the Microsoft"):
-            pad.show(report(PAD, BTN_SOUTH=1))
+            pad.write_report(report(PAD, BTN_SOUTH=1))
     kernel.refused = (1, DESTROY)
     pad.close()
     assert seen.is_closed
 
 
 def test_what_a_full_kernel_refused_is_sent_later_but_not_the_steps(kernel):
-    node, seen = make(kernel, mouse.CLAIM)
+    node, seen = make(kernel, mouse.SPEC)
     os.set_blocking(seen.writing, False)
     with contextlib.suppress(BlockingIOError):
         while True:
             os.write(seen.writing, bytes(4096))
     with pytest.raises(DeviceError, match="no longer takes input"):
-        node.show(report(mouse.CLAIM, BTN_LEFT=1), ((0, 900),))
+        node.write_report(report(mouse.SPEC, BTN_LEFT=1), ((0, 900),))
     while seen.take():
         pass
-    node.show(report(mouse.CLAIM, BTN_LEFT=1), ((0, 1),))
+    node.write_report(report(mouse.SPEC, BTN_LEFT=1), ((0, 1),))
     assert seen.take() == event(2, 0, 1) + event(1, 0x110, 1) + SYN
 
 

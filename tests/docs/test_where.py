@@ -28,10 +28,33 @@ def test_import_rules_are_those_of_the_linter():
 
 
 def test_every_room_says_why_to_go_there():
-    page = (ROOT / "docs" / "develop" / "index.md").read_text(encoding="utf-8")
-    _, table = page.split("| room | what it does | go there to |\n| --- | --- | --- |\n")
+    _, table = read_develop().split("| room | what it does | go there to |\n| --- | --- | --- |\n")
     rooms = [row.strip("|").split("|") for row in table.split("\n\n")[0].splitlines()]
     assert [room for room, _, reason in rooms if not reason.strip()] == []
+
+
+def read_develop() -> str:
+    return (ROOT / "docs" / "develop" / "index.md").read_text(encoding="utf-8")
+
+
+def test_every_top_level_module_has_a_room():
+    _, table = read_develop().split("| room | what it does | go there to |\n| --- | --- | --- |\n")
+    rooms = re.findall(
+        r"`([^`]+)`", "\n".join(row.split("|")[1] for row in table.split("\n\n")[0].splitlines())
+    )
+    package = ROOT / "neurotouch_hid"
+    files = {path.name for path in package.glob("*.py")} - {"__init__.py"}
+    folders = {f"{path.parent.name}/" for path in package.glob("*/__init__.py")}
+    assert {room for room in rooms if not room.startswith("../")} >= files | folders
+
+
+def test_the_picture_of_the_layers_is_that_of_the_linter():
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    contracts = settings["tool"]["importlinter"]["contracts"]
+    (layers,) = (contract["layers"] for contract in contracts if contract["type"] == "layers")
+    picture = read_develop().split("## Who may import whom\n")[1].split("\n\n")[1]
+    drawn = [line.strip().split("    ")[0] for line in picture.splitlines()]
+    assert drawn == layers
 
 
 @pytest.mark.parametrize("row", ROWS)

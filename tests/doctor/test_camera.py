@@ -1,7 +1,7 @@
 """A camera that may not be opened; the rest is tried in tests/cli/test_camera.py."""
 
 from neurotouch_hid.doctor import camera
-from neurotouch_hid.doctor.finding import Status
+from neurotouch_hid.doctor.finding import CheckStatus
 from neurotouch_hid.source.davis import CameraInfo
 
 INFO = CameraInfo(2, 5, "2-1", "00000216", "DAVIS 346", 5000, 6, "no right to open it")
@@ -9,7 +9,7 @@ INFO = CameraInfo(2, 5, "2-1", "00000216", "DAVIS 346", 5000, 6, "no right to op
 
 def test_without_right_the_rule_is_given():
     finding = camera._explain_right(INFO)
-    assert finding.status is Status.FAILED
+    assert finding.status is CheckStatus.FAILED
     assert "00000216 is there, but not readable" in finding.sentence
     assert any("70-neurotouch-camera.rules" in line for line in finding.commands)
 

@@ -4,7 +4,7 @@ import threading
 
 import pytest
 
-from neurotouch_hid.doctor import Check, Status, examine, list_checks
+from neurotouch_hid.doctor import Check, CheckStatus, examine, list_checks
 from neurotouch_hid.doctor.finding import approve, skip
 from neurotouch_hid.errors import DeviceError
 
@@ -16,18 +16,18 @@ def raise_(error):
 @pytest.mark.parametrize(
     ("look", "status", "words"),
     [
-        (lambda: approve("Good."), Status.OK, "Good."),
-        (lambda: skip("Not here."), Status.SKIPPED, "Not here."),
-        (lambda: raise_(DeviceError("No pad.", hint="Make one.")), Status.FAILED, "No pad."),
-        (lambda: raise_(OSError(5, "Input/output error", "/dev/x")), Status.FAILED, "/dev/x"),
-        (lambda: raise_(ImportError("No module named 'evdev'")), Status.FAILED, "evdev"),
+        (lambda: approve("Good."), CheckStatus.OK, "Good."),
+        (lambda: skip("Not here."), CheckStatus.SKIPPED, "Not here."),
+        (lambda: raise_(DeviceError("No pad.", hint="Make one.")), CheckStatus.FAILED, "No pad."),
+        (lambda: raise_(OSError(5, "Input/output error", "/dev/x")), CheckStatus.FAILED, "/dev/x"),
+        (lambda: raise_(ImportError("No module named 'evdev'")), CheckStatus.FAILED, "evdev"),
     ],
 )
 def test_what_a_check_may_do(look, status, words):
     (finding,) = examine([Check("it", look)])
     assert (finding.check, finding.status) == ("it", status)
     assert words in finding.sentence
-    assert bool(finding.fix) == (status is Status.FAILED)
+    assert bool(finding.fix) == (status is CheckStatus.FAILED)
 
 
 def test_a_check_that_hangs_is_left_alone():
@@ -39,7 +39,7 @@ def test_a_check_that_hangs_is_left_alone():
 
     findings = list(examine([Check("stuck", hang, 0.05), Check("next", lambda: approve("Good."))]))
     go_on.set()
-    assert [finding.status for finding in findings] == [Status.FAILED, Status.OK]
+    assert [finding.status for finding in findings] == [CheckStatus.FAILED, CheckStatus.OK]
     assert "no answer" in findings[0].sentence
 
 

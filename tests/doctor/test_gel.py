@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from neurotouch_hid.doctor.finding import Status
+from neurotouch_hid.doctor.finding import CheckStatus
 from neurotouch_hid.doctor.gel import GelView
 from neurotouch_hid.geometry import LATTICE_MM, NOMINAL_PX_PER_MM, Rig
 from neurotouch_hid.messages import EVENT_DTYPE, Frame
@@ -57,55 +57,55 @@ def colours(path):
 
 def test_a_gel_at_rest_in_the_middle(view, tmp_path):
     found = view(draw(gel()))
-    assert found.check_stream().status is Status.OK
+    assert found.check_stream().status is CheckStatus.OK
     assert "25 frames/s" in found.check_stream().sentence
     markers = found.check_markers()
-    assert markers.status is Status.OK
+    assert markers.status is CheckStatus.OK
     assert markers.sentence.startswith("177 of 177 markers, contrast ")
-    assert found.check_rest().status is Status.OK
+    assert found.check_rest().status is CheckStatus.OK
     green, red = colours(tmp_path / "cache/gel.png")
     assert green > 177 * 30
     assert red == 0
 
 
 def test_too_few_frames(view):
-    assert view(draw(gel()), frames_hz=10).check_stream().status is Status.WARNING
+    assert view(draw(gel()), frames_hz=10).check_stream().status is CheckStatus.WARNING
 
 
 def test_no_frames(view):
     found = view(draw(gel()), frames_hz=0)
-    assert found.check_stream().status is Status.FAILED
-    assert found.check_markers().status is Status.SKIPPED
-    assert found.check_rest().status is Status.SKIPPED
+    assert found.check_stream().status is CheckStatus.FAILED
+    assert found.check_markers().status is CheckStatus.SKIPPED
+    assert found.check_rest().status is CheckStatus.SKIPPED
 
 
 def test_too_many_events_for_a_gel_at_rest(view):
     finding = view(draw(gel()), events_hz=600_000).check_stream()
-    assert finding.status is Status.WARNING
+    assert finding.status is CheckStatus.WARNING
     assert "flicker" in finding.fix
 
 
 def test_the_lamp_is_off(view):
     finding = view(draw(gel(), light=0.0)).check_markers()
-    assert finding.status is Status.FAILED
+    assert finding.status is CheckStatus.FAILED
     assert "LED ring" in finding.fix
 
 
 def test_many_bright_dots_are_no_gel(view):
     dots = np.random.default_rng(3).uniform((20, 20), (320, 240), (300, 2))
     finding = view(draw(dots)).check_markers()
-    assert finding.status is Status.FAILED
+    assert finding.status is CheckStatus.FAILED
     assert finding.sentence.startswith("No gel can be found, ")
 
 
 def test_the_gel_is_faint(view):
     finding = view(draw(gel(), light=50.0)).check_markers()
-    assert finding.status is not Status.OK
+    assert finding.status is not CheckStatus.OK
 
 
 def test_the_gel_is_off_the_middle(view):
     finding = view(draw(gel((205.0, 129.5)))).check_markers()
-    assert finding.status is Status.WARNING
+    assert finding.status is CheckStatus.WARNING
     assert "+32 px, -0 px off the middle" in finding.sentence.replace("+0", "-0")
 
 
@@ -113,8 +113,8 @@ def test_a_hand_covers_a_part(view, tmp_path):
     seen = gel()
     found = view(draw(seen), draw(seen[seen[:, 0] > 140]))
     finding = found.check_markers()
-    assert finding.status is Status.WARNING
-    assert found.check_rest().status is Status.WARNING
+    assert finding.status is CheckStatus.WARNING
+    assert found.check_rest().status is CheckStatus.WARNING
     _, red = colours(tmp_path / "cache/gel.png")
     assert red > 100  # where markers should be
 
@@ -122,7 +122,7 @@ def test_a_hand_covers_a_part(view, tmp_path):
 def test_a_lamp_beside_the_gel_is_no_marker(view, tmp_path):
     picture = draw([*gel(), (30.0, 40.0)])
     found = view(picture)
-    assert found.check_markers().status is Status.OK
+    assert found.check_markers().status is CheckStatus.OK
     _, green, red = cv2.imread(str(tmp_path / "cache/gel.png")).transpose(2, 0, 1)
     yellow = np.argwhere((green > 200) & (red > 200))
     assert len(yellow) > 50
@@ -133,18 +133,18 @@ def test_a_hand_on_the_gel_from_the_start(view):
     seen = gel()
     pushed = seen + 12.0 * np.exp(-(((seen - (150, 110)) / 30) ** 2).sum(1, keepdims=True))
     found = view(draw(pushed))
-    assert found.check_rest().status is Status.WARNING
+    assert found.check_rest().status is CheckStatus.WARNING
     assert "resting" in found.check_rest().fix
 
 
 def test_a_gel_that_slides(view):
     pictures = [draw(gel((172.5 + shift, 129.5))) for shift in np.linspace(0.0, 1.2, 10)]
     found = view(*pictures)
-    assert found.check_rest().status is Status.WARNING
+    assert found.check_rest().status is CheckStatus.WARNING
 
 
 def test_without_camera_and_driver_nothing_can_be_said(tmp_path, monkeypatch):
     monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path))
     found = GelView(tmp_path / "gel.png")
     looks = (found.check_stream, found.check_markers, found.check_rest)
-    assert {look().status for look in looks} == {Status.SKIPPED}
+    assert {look().status for look in looks} == {CheckStatus.SKIPPED}

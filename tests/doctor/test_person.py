@@ -6,7 +6,7 @@ import pytest
 
 from neurotouch_hid.doctor import person
 from neurotouch_hid.doctor.examination import Check, examine
-from neurotouch_hid.doctor.finding import Status
+from neurotouch_hid.doctor.finding import CheckStatus
 from tests.device.test_chord import Machine
 
 
@@ -29,7 +29,7 @@ def calibrated(days):
 
 def test_the_shipped_profiles_are_in_order(config):
     finding = person.check_profiles()
-    assert finding.status is Status.OK
+    assert finding.status is CheckStatus.OK
     assert "'default' plays first" in finding.sentence
 
 
@@ -37,24 +37,24 @@ def test_a_profile_with_a_fault_is_told_with_its_place(config):
     (config / "profiles").mkdir()
     (config / "profiles/mine.yaml").write_text("version: 1\nname: mine\nbindngs: []\n")
     (finding,) = examine([Check("profiles", person.check_profiles)])
-    assert finding.status is Status.FAILED
+    assert finding.status is CheckStatus.FAILED
     assert "mine.yaml:3:1" in finding.sentence
 
 
 def test_a_favourite_that_is_gone(config):
     (config / "user.yaml").write_text("version: 1\nslots: [default, gone]\n")
     finding = person.check_profiles()
-    assert finding.status is Status.FAILED
+    assert finding.status is CheckStatus.FAILED
     assert "'gone'" in finding.sentence
 
 
 @pytest.mark.parametrize(
     ("write", "status", "words"),
     [
-        (lambda: "version: 1\n", Status.SKIPPED, "neurotouch calibrate"),
-        (lambda: calibrated(3), Status.OK, "1 of 8 movements are calibrated, 3 days ago."),
-        (lambda: calibrated(400), Status.WARNING, "400 days ago"),
-        (lambda: BY_HAND, Status.OK, "by hand"),
+        (lambda: "version: 1\n", CheckStatus.SKIPPED, "neurotouch calibrate"),
+        (lambda: calibrated(3), CheckStatus.OK, "1 of 8 movements are calibrated, 3 days ago."),
+        (lambda: calibrated(400), CheckStatus.WARNING, "400 days ago"),
+        (lambda: BY_HAND, CheckStatus.OK, "by hand"),
     ],
 )
 def test_calibration(config, write, status, words):
@@ -65,18 +65,18 @@ def test_calibration(config, write, status, words):
 
 
 def test_sound_that_nobody_wants(config):
-    assert person.check_sound().status is Status.SKIPPED
+    assert person.check_sound().status is CheckStatus.SKIPPED
 
 
 def test_sound_that_can_be_played_and_cannot(config, tmp_path, monkeypatch):
     (config / "user.yaml").write_text("version: 1\nfeedback: {sound: speech}\n")
     monkeypatch.setenv("PATH", str(tmp_path))
     finding = person.check_sound()
-    assert finding.status is Status.WARNING
+    assert finding.status is CheckStatus.WARNING
     assert finding.commands == ("sudo apt install speech-dispatcher",)
     (tmp_path / "spd-say").write_text("#!/bin/sh\n")
     (tmp_path / "spd-say").chmod(0o755)
-    assert person.check_sound().status is Status.OK
+    assert person.check_sound().status is CheckStatus.OK
 
 
 @pytest.fixture
@@ -98,7 +98,7 @@ def test_the_keys_are_heard_in_any_time(config, machine):
         return True
 
     finding = person.try_chords(said.append, wait, nodes=machine.nodes, system=machine.system)
-    assert finding.status is Status.OK
+    assert finding.status is CheckStatus.OK
     assert "Hold Backspace + Esc + Enter together (panic). No hurry; S and Enter skips." in said
 
 
@@ -106,7 +106,7 @@ def test_one_may_skip(config, machine):
     machine.plug(0)
     places = {"nodes": machine.nodes, "system": machine.system}
     finding = person.try_chords(lambda text: None, lambda happened: False, **places)
-    assert finding.status is Status.SKIPPED
+    assert finding.status is CheckStatus.SKIPPED
     answers = iter([True, False])
     finding = person.try_chords(lambda text: None, lambda happened: next(answers), **places)
-    assert finding.status is Status.WARNING
+    assert finding.status is CheckStatus.WARNING

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import pytest
 
 from neurotouch_hid.doctor import programs
-from neurotouch_hid.doctor.finding import Status
+from neurotouch_hid.doctor.finding import CheckStatus
 
 
 @contextmanager
@@ -40,8 +40,8 @@ def look_until(check, status):
 
 def test_steam(tmp_path):
     with running(tmp_path, "steam"):
-        assert "twice" in look_until(programs.check_steam, Status.WARNING).sentence
-    look_until(programs.check_steam, Status.OK)
+        assert "twice" in look_until(programs.check_steam, CheckStatus.WARNING).sentence
+    look_until(programs.check_steam, CheckStatus.OK)
 
 
 @pytest.mark.parametrize(
@@ -50,7 +50,7 @@ def test_steam(tmp_path):
 )
 def test_a_remapper_is_named(tmp_path, name, script, shown):
     with running(tmp_path, name, script=script) as process:
-        finding = look_until(programs.check_remappers, Status.WARNING)
+        finding = look_until(programs.check_remappers, CheckStatus.WARNING)
         assert f"{shown} (PID {process.pid})" in finding.sentence
 
 
@@ -62,7 +62,7 @@ def test_a_file_that_is_called_so_is_no_remapper(tmp_path):
     try:
         time.sleep(0.2)
         assert process.poll() is None
-        assert programs.check_remappers().status is Status.OK
+        assert programs.check_remappers().status is CheckStatus.OK
     finally:
         process.kill()
         process.wait()
@@ -85,14 +85,14 @@ def look(tmp_path):
 @pytest.mark.parametrize("devices", ["devices=all;", "devices=dri;input;"])
 def test_a_sandbox_with_devices_is_open(tmp_path, flatpaks, devices):
     flatpaks("com.valvesoftware.Steam", devices)
-    assert look(tmp_path).status is Status.OK
+    assert look(tmp_path).status is CheckStatus.OK
 
 
 @pytest.mark.parametrize("devices", ["devices=dri;", "sockets=x11;", "garbage"])
 def test_a_sandbox_without_is_named_with_its_command(tmp_path, flatpaks, devices):
     flatpaks("org.mozilla.firefox", devices)
     finding = look(tmp_path)
-    assert finding.status is Status.WARNING
+    assert finding.status is CheckStatus.WARNING
     assert "Firefox" in finding.sentence
     assert finding.commands == ("flatpak override --user --device=all org.mozilla.firefox",)
 
@@ -102,7 +102,7 @@ def test_what_the_person_has_given_counts(tmp_path, flatpaks):
     overrides = tmp_path / "home/.local/share/flatpak/overrides"
     overrides.mkdir(parents=True)
     (overrides / "org.mozilla.firefox").write_text("[Context]\ndevices=all;\n")
-    assert look(tmp_path).status is Status.OK
+    assert look(tmp_path).status is CheckStatus.OK
 
 
 def test_a_snap(tmp_path):
@@ -118,14 +118,14 @@ def test_gnome_that_filters_keys(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
     monkeypatch.setenv("XDG_CURRENT_DESKTOP", "ubuntu:GNOME")
     finding = programs.check_desktop()
-    assert finding.status is Status.WARNING
+    assert finding.status is CheckStatus.WARNING
     assert "slow keys switched on" in finding.sentence
 
 
 def test_kde_that_filters_keys(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.setenv("XDG_CURRENT_DESKTOP", "KDE")
-    assert programs.check_desktop().status is Status.OK
+    assert programs.check_desktop().status is CheckStatus.OK
     (tmp_path / ".config").mkdir()
     (tmp_path / ".config/kaccessrc").write_text("[Keyboard]\nBounceKeys=true\nSlowKeys=false\n")
     assert "bounce keys switched on" in programs.check_desktop().sentence

@@ -3,7 +3,7 @@
 import pytest
 
 from neurotouch_hid.doctor import rights
-from neurotouch_hid.doctor.finding import Status
+from neurotouch_hid.doctor.finding import CheckStatus
 from neurotouch_hid.resources import find_resources
 
 OURS = (find_resources("udev") / "70-neurotouch-uinput.rules").read_text()
@@ -21,7 +21,7 @@ def folders(tmp_path):
 def test_ours_is_in_order(folders):
     (folders[2] / "70-neurotouch-uinput.rules").write_text(OURS)
     finding = rights.check_rule(folders)
-    assert finding.status is Status.OK
+    assert finding.status is CheckStatus.OK
     assert "70-neurotouch-uinput.rules" in finding.sentence
 
 
@@ -29,13 +29,13 @@ def test_a_rule_over_two_lines_is_read_as_one(folders):
     (folders[0] / "60-x.rules").write_text(
         'KERNEL=="uinput", TAG+="uaccess", \\\n OPTIONS+="static_node=uinput"\n'
     )
-    assert rights.check_rule(folders).status is Status.OK
+    assert rights.check_rule(folders).status is CheckStatus.OK
 
 
 def test_one_that_comes_after_the_seats_is_too_late(folders):
     (folders[0] / "99-steam.rules").write_text(OURS)
     finding = rights.check_rule(folders)
-    assert finding.status is Status.WARNING
+    assert finding.status is CheckStatus.WARNING
     assert "99-steam.rules comes too late" in finding.sentence
     assert finding.commands
 
@@ -43,7 +43,7 @@ def test_one_that_comes_after_the_seats_is_too_late(folders):
 def test_one_without_a_static_node_holds_only_with_the_module(folders):
     (folders[0] / "60-x.rules").write_text(NO_STATIC)
     finding = rights.check_rule(folders)
-    assert finding.status is Status.WARNING
+    assert finding.status is CheckStatus.WARNING
     assert "static_node" in finding.sentence
     assert any("modules-load.d" in line for line in finding.commands)
 
@@ -54,5 +54,5 @@ def test_a_rule_that_is_hidden_or_says_nothing_is_none(folders, text):
     (folders[2] / "70-neurotouch-uinput.rules").write_text(OURS)
     (folders[0] / "70-neurotouch-uinput.rules").write_text(text)
     finding = rights.check_rule(folders)
-    assert finding.status in (Status.WARNING, Status.SKIPPED)
+    assert finding.status in (CheckStatus.WARNING, CheckStatus.SKIPPED)
     assert finding.sentence.startswith("No udev rule ")

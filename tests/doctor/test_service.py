@@ -2,7 +2,7 @@
 
 import pytest
 
-from neurotouch_hid.doctor.finding import Status
+from neurotouch_hid.doctor.finding import CheckStatus
 from neurotouch_hid.doctor.service import check_service
 
 SAID = {
@@ -20,13 +20,13 @@ NAMES = ("LoadState", "ActiveState", "Result", "MainPID", "NRestarts")
 @pytest.mark.parametrize(
     ("state", "status", "words"),
     [
-        ("absent", Status.SKIPPED, "not installed"),
-        ("starts", Status.OK, "is starting"),
-        ("runs", Status.OK, "PID 812, after 2 restarts"),
-        ("waits", Status.OK, "starts when a camera"),
-        ("masked", Status.WARNING, "masked"),
-        ("failed", Status.FAILED, "failed, exit-code, after 7"),
-        ("restarting", Status.FAILED, "activating, watchdog, after 9"),
+        ("absent", CheckStatus.SKIPPED, "not installed"),
+        ("starts", CheckStatus.OK, "is starting"),
+        ("runs", CheckStatus.OK, "PID 812, after 2 restarts"),
+        ("waits", CheckStatus.OK, "starts when a camera"),
+        ("masked", CheckStatus.WARNING, "masked"),
+        ("failed", CheckStatus.FAILED, "failed, exit-code, after 7"),
+        ("restarting", CheckStatus.FAILED, "activating, watchdog, after 9"),
     ],
 )
 def test_what_systemd_says(tmp_path, monkeypatch, state, status, words):
@@ -42,7 +42,7 @@ def test_what_systemd_says(tmp_path, monkeypatch, state, status, words):
 
 def test_without_systemd(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
-    assert check_service().status is Status.SKIPPED
+    assert check_service().status is CheckStatus.SKIPPED
     (tmp_path / "systemctl").write_text("#!/bin/sh\nexit 1\n")  # there, but not PID 1
     (tmp_path / "systemctl").chmod(0o755)
-    assert check_service().status is Status.SKIPPED
+    assert check_service().status is CheckStatus.SKIPPED

@@ -6,7 +6,7 @@ import socket
 import pytest
 
 from neurotouch_hid.doctor import surroundings
-from neurotouch_hid.doctor.finding import Status
+from neurotouch_hid.doctor.finding import CheckStatus
 from neurotouch_hid.page.address import Address, find_address_file, write_address
 
 
@@ -37,7 +37,7 @@ def is_free(number):
 
 
 def test_a_free_port(folder, port):
-    assert surroundings.check_page().status is Status.OK
+    assert surroundings.check_page().status is CheckStatus.OK
 
 
 def test_a_port_that_another_has(folder, port):
@@ -45,14 +45,14 @@ def test_a_port_that_another_has(folder, port):
         other.bind(("127.0.0.1", port))
         other.listen()
         finding = surroundings.check_page()
-    assert finding.status is Status.WARNING
+    assert finding.status is CheckStatus.WARNING
     assert str(port) in finding.sentence
 
 
 def test_a_page_that_is_served(folder, port):
     write_address(Address("http://127.0.0.1:1/", "secret", os.getpid()))
     finding = surroundings.check_page()
-    assert finding.status is Status.OK
+    assert finding.status is CheckStatus.OK
     assert "secret" not in finding.sentence
 
 
@@ -60,7 +60,7 @@ def test_a_secret_that_others_can_read(folder, port):
     write_address(Address("http://127.0.0.1:1/", "secret", os.getpid()))
     find_address_file().chmod(0o644)
     finding = surroundings.check_page()
-    assert finding.status is Status.FAILED
+    assert finding.status is CheckStatus.FAILED
     assert finding.commands == (f"chmod 600 {find_address_file()}",)
 
 
@@ -68,4 +68,4 @@ def test_a_secret_that_others_can_read(folder, port):
 def test_the_terminal(variable, monkeypatch):
     for name, value in variable.items():
         monkeypatch.setenv(name, value)
-    assert surroundings.check_terminal().status is Status.OK
+    assert surroundings.check_terminal().status is CheckStatus.OK

@@ -7,26 +7,42 @@ from threading import Event
 
 import pytest
 
+from neurotouch_hid.driver.broadcast import Broadcast
+from neurotouch_hid.driver.chosen import Chosen
 from neurotouch_hid.driver.commands import Commands
-from neurotouch_hid.driver.reload import ProfileWatch
+from neurotouch_hid.driver.profile_watch import ProfileWatch
+from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.profile import UserSettings, load_profile
-from neurotouch_hid.runtime import Pipeline, Session
+from neurotouch_hid.runtime import Pipeline, PipelineControl
+from neurotouch_hid.source import open_source
 
 PROFILE, USER = load_profile("default"), UserSettings()
+CHOSEN = Chosen("default", PROFILE, USER)
+
+
+def make_commands(control, profiles, **surroundings):
+    return Commands(
+        control,
+        profiles,
+        Broadcast(),
+        open_source("sim:tour", speed="max"),
+        Surroundings(**surroundings),
+        lambda: {"source": "sim:tour"},
+    )
 
 
 @pytest.fixture
-def session():
+def control():
     line = Pipeline.build(PROFILE, GestureConfig(), user=USER)
-    return Session(line, USER)
+    return PipelineControl(line, USER)
 
 
 @pytest.fixture
-def commands(session):
-    watch = ProfileWatch("default", PROFILE, USER, session, lambda said: None, lambda new: None)
-    yield Commands(session, watch, {"source": lambda: "sim:tour"})
+def commands(control):
+    watch = ProfileWatch(CHOSEN, control, Surroundings(), lambda new: None)
+    yield make_commands(control, watch)
     watch.close()
 
 
@@ -36,9 +52,18 @@ def patient(monkeypatch):
     monkeypatch.setattr("neurotouch_hid.driver.commands._WAIT_S", 60.0)
 
 
-def test_stop_ends_the_driver_but_not_the_service(session, commands):
+@pytest.mark.parametrize("path", ["/tmp/\ud800.yaml", "/tmp/\x1b[2J.yaml", "/tmp/\u202e.yaml"])
+def test_after_a_path_that_cannot_be_shown_the_status_can(commands, path):
+    refused = commands.answer({"command": "use", "profile": path}, os.getuid())
+    assert refused["error"].isprintable()
+    status = commands.answer({"command": "status"}, os.getuid())
+    assert status["errors"]
+    assert all(error["error"].isprintable() for error in status["errors"])
+
+
+def test_stop_ends_the_driver_but_not_the_service(control, commands):
     ended = []
-    mine = Commands(session, commands._profiles, {}, end=lambda: ended.append(1))
+    mine = make_commands(control, commands._profiles, end=lambda: ended.append(1))
     assert mine.answer({"command": "stop"}, os.getuid())["ok"]
     assert ended == [1]
     refused = commands.answer({"command": "stop"}, os.getuid())
@@ -67,25 +92,25 @@ def test_order_to_a_silent_source_is_noted(commands):
         (["panic", "pause", "resume", "pause"], "Paused", "paused"),
     ],
 )
-def test_an_answer_says_what_holds_afterwards(commands, session, patient, orders, words, state):
+def test_an_answer_says_what_holds_afterwards(commands, control, patient, orders, words, state):
     with ThreadPoolExecutor(1) as asker:
         for order in orders:
             asked = asker.submit(commands.answer, {"command": order}, os.getuid())
             while not asked.done():  # the line takes its orders between two slices
-                session.apply_commands()
+                control.apply_commands()
                 time.sleep(0.001)
     assert asked.result()["done"]
     assert asked.result()["text"].startswith(words)
     assert commands.answer({"command": "status"}, os.getuid())["state"] == state
 
 
-def test_too_many_orders_are_refused_but_never_a_panic(commands, session):
+def test_too_many_orders_are_refused_but_never_a_panic(commands, control):
     for _ in range(64):
-        session.submit("pause")
+        control.submit("pause")
     refused = commands.answer({"command": "resume"}, os.getuid())
     assert (refused["ok"], "too many" in refused["error"]) == (False, True)
     assert commands.answer({"command": "panic"}, os.getuid())["ok"]
-    session.apply_commands()
+    control.apply_commands()
     assert commands.answer({"command": "status"}, os.getuid())["state"] == "panic"
 
 
@@ -122,7 +147,7 @@ def gate():
 
 
 @pytest.fixture
-def load_through(session, gate):
+def load_through(control, gate):
     """Commands whose profiles wait at the gate, and then cannot be used if there is a fault."""
     watches = []
 
@@ -132,8 +157,8 @@ def load_through(session, gate):
             if fault is not None:
                 raise fault
 
-        watches.append(ProfileWatch("default", PROFILE, USER, session, lambda said: None, prepare))
-        return Commands(session, watches[-1], {})
+        watches.append(ProfileWatch(CHOSEN, control, Surroundings(), prepare))
+        return make_commands(control, watches[-1])
 
     yield make
     gate.set()

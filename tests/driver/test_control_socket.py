@@ -10,6 +10,7 @@ import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -158,15 +159,15 @@ def test_without_a_driver_the_sentence_says_how_to_start_it(folder):
 @pytest.mark.parametrize(
     ("said", "sentence"),
     [
-        (b"\n", "not a line of JSON"),
-        (b"pause\n", "not a line of JSON"),
-        (b"\xff\xfe\x00\n", "not a line of JSON"),
-        (b"[" * 60_000 + b"\n", "not a line of JSON"),
-        (b"1" * 60_000 + b"\n", "not a line of JSON"),
-        (b'["pause"]\n', "no JSON object"),
-        (b'{"command": 7}\n', "no JSON object"),
-        (b"{}\n", "no JSON object"),
-        (b"", "not a line of JSON"),
+        (b"\n", "no line with a JSON object"),
+        (b"pause\n", "no line with a JSON object"),
+        (b"\xff\xfe\x00\n", "no line with a JSON object"),
+        (b"[" * 60_000 + b"\n", "no line with a JSON object"),
+        (b"1" * 60_000 + b"\n", "no line with a JSON object"),
+        (b'["pause"]\n', "no line with a JSON object"),
+        (b'{"command": 7}\n', "no line with a JSON object"),
+        (b"{}\n", "no line with a JSON object"),
+        (b"", "no line with a JSON object"),
         (b"x" * (LIMIT_BYTES + 1), "longer than 1024 kB"),
         (b'{"command": "' + b"x" * LIMIT_BYTES + b'"}\n', "longer than 1024 kB"),
         (b"x" * 5_000_000, "longer than 1024 kB"),
@@ -329,6 +330,41 @@ def test_a_service_answers_its_guests_and_nobody_else(guests, welcome):
             assert answer["ok"] is welcome
             assert welcome or "another user" in answer["error"]
             assert exchange(find_socket(folder), b'{"command": "pause"}\n')["ok"]  # always
+
+
+CROWD_AS_NOBODY = """\
+import os, socket, sys
+os.setgid(65534)
+os.setuid(65534)
+lines = []
+for _ in range(300):
+    line = socket.socket(socket.AF_UNIX)
+    line.settimeout(60)
+    line.connect(sys.argv[1])
+    lines.append(line)
+print(sum(b"another user" in line.recv(1000) for line in lines))
+"""
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="only root can ask as somebody else")
+def test_a_crowd_of_strangers_is_refused_without_asking_who_sits_there_each_time():
+    with TemporaryDirectory() as top:
+        Path(top).chmod(0o755)
+        folder = Path(top) / "neurotouch"
+        looked = []
+
+        def find_guests():
+            looked.append(time.monotonic())
+            return ()
+
+        with ControlSocket(folder, find_guests) as made:
+            program = ["/usr/bin/python3", "-c", CROWD_AS_NOBODY, str(find_socket(folder))]
+            with subprocess.Popen(program, stdout=subprocess.PIPE, text=True) as crowd:
+                made.serve(lambda _question, _uid: {"ok": True})
+                assert exchange(find_socket(folder), b'{"command": "panic"}\n')["ok"]
+                assert crowd.communicate(timeout=LIMIT_S)[0] == "300\n"
+        pauses_s = [later - one for one, later in pairwise(looked)]
+        assert all(pause_s >= 0.2 for pause_s in pauses_s)
 
 
 def test_guests_cannot_reach_the_lock(folder):

@@ -9,14 +9,15 @@ from pathlib import Path
 
 import pytest
 
-from neurotouch_hid.driver.chosen import load_chosen
-from neurotouch_hid.driver.commands import Commands
+from neurotouch_hid.driver.chosen import Chosen, load_chosen
 from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.driver.people import MAX_PROFILES, People
-from neurotouch_hid.driver.reload import ProfileWatch
+from neurotouch_hid.driver.profile_watch import ProfileWatch
+from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.players import find_machine_folder
-from tests.driver.test_reload import LIMIT_S, Driver
+from tests.driver.test_commands import make_commands
+from tests.driver.test_profile_watch import LIMIT_S, Driver
 
 ANNA, BEN = 61001, 61002
 
@@ -61,18 +62,10 @@ class Service(Driver):
     def __init__(self, people: People, default: str) -> None:
         super().__init__(default)
         self.watch.close()
-        profile, user = self.pipeline.mapping.profile, self.session.user
-        self.watch = ProfileWatch(
-            default,
-            profile,
-            user,
-            self.session,
-            self.said.append,
-            lambda new: None,
-            people=people,
-            default=default,
-        )
-        self._commands = Commands(self.session, self.watch, {}, people=people)
+        chosen = Chosen(default, self.pipeline.mapping.profile, self.control.user)
+        surroundings = Surroundings(announce=self.said.append, people=people, default=default)
+        self.watch = ProfileWatch(chosen, self.control, surroundings, lambda new: None)
+        self._commands = make_commands(self.control, self.watch, people=people)
 
     def ask(self, uid: int, **question) -> dict:
         return self._commands.answer(question, uid)
@@ -208,7 +201,7 @@ def test_what_are_no_settings_changes_nothing(people, seated, tmp_path, wrong):
 
 
 @pytest.mark.parametrize("path", ["/etc/shadow", "../people/61002/profiles/mine.yaml", "x.yaml"])
-def test_the_service_reads_no_file_that_somebody_names(service, seated, path):
+def test_the_service_reads_no_file_that_a_guest_names(service, seated, path):
     seated[:] = [ANNA]
     refused = service.ask(ANNA, command="use", profile=path)
     assert not refused["ok"]
@@ -279,13 +272,13 @@ def test_a_command_of_a_real_person_changes_what_the_service_plays(service, seat
             changed = save("set", "user", "filter", "strong")
             assert "It applies now" in changed["notes"][0], changed
             deadline = time.monotonic() + LIMIT_S
-            while service.session.user.filter != "strong":
+            while service.control.user.filter != "strong":
                 assert time.monotonic() < deadline
                 time.sleep(0.01)
             seated[:] = [BEN, ANNA]  # somebody else sits at the first seat, she at another one
             late = save("set", "user", "filter", "light")
             assert late["status"] == "WARNING", late
             assert "not you" in late["notes"][0]
-            assert service.session.user.filter != "light"
+            assert service.control.user.filter != "light"
     finally:
         subprocess.run(["rm", "-rf", folder], check=True)

@@ -54,6 +54,19 @@ def test_the_watchdog_is_fed_four_times_in_its_limit_however_often_the_loop_turn
     assert heard == [b"WATCHDOG=1"] * 4 + [b"STOPPING=1"]
 
 
+def test_a_systemd_that_does_not_read_or_is_not_there_holds_nothing_up(systemd, tmp_path):
+    now_s = [100.0]
+    manager = ServiceManager(
+        environment(systemd, WATCHDOG_USEC="2000000"), clock_s=lambda: now_s[0]
+    )
+    for _ in range(1000):  # more than its queue takes
+        manager.report_alive()
+        now_s[0] += 1.0
+    (tmp_path / "notify").unlink()
+    manager.report_alive()
+    assert systemd.recv(1000) == b"WATCHDOG=1"
+
+
 def test_a_watchdog_for_another_process_is_not_ours_to_feed(systemd):
     manager = ServiceManager(environment(systemd, WATCHDOG_USEC="2000000", WATCHDOG_PID="1"))
     manager.report_alive()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from neurotouch_devtools.emulator.kernels.encode import encode as encode_kernel
+from neurotouch_devtools.emulator.kernels.encode import encode_words
 from neurotouch_devtools.emulator.readout import Readout, Region, read_out
 from neurotouch_devtools.emulator.words import WordEncoder
 
@@ -30,7 +30,7 @@ def to_hex(words):
 @pytest.mark.parametrize("n", [1, 2, 50])
 def test_nothing_is_compiled_once_it_is_made(n):
     encoder = WordEncoder(swap=True)
-    n_before = len(encode_kernel.signatures)
+    n_before = len(encode_words.signatures)
     events = make_events([(k, 1, 2, 1) for k in range(n)])
     events.flags.writeable = False
     readout = read_out(
@@ -41,7 +41,7 @@ def test_nothing_is_compiled_once_it_is_made(n):
         begin_us=0,
     )
     encode(encoder, events, [readout])
-    assert len(encode_kernel.signatures) == n_before == 1
+    assert len(encode_words.signatures) == n_before == 1
 
 
 def test_the_published_events_become_the_published_words():

@@ -5,8 +5,12 @@ from matplotlib.collections import PolyCollection
 from matplotlib.quiver import Quiver
 
 from neurotouch_hid.evaluation.accuracy import Tally, summarise
+from neurotouch_hid.evaluation.accuracy.label_statistics import LabelStatistics
 from neurotouch_hid.evaluation.accuracy.moments import WorstMoment
-from neurotouch_hid.evaluation.accuracy.paper import COUNT_BY_INTENSITY, TYPE_BY_INTENSITY
+from neurotouch_hid.evaluation.accuracy.published_figures import (
+    COUNT_BY_INTENSITY,
+    TYPE_BY_INTENSITY,
+)
 from neurotouch_hid.evaluation.accuracy.report.bars import (
     draw_errors,
     draw_summary,
@@ -20,7 +24,6 @@ from neurotouch_hid.evaluation.accuracy.report.curves import (
 from neurotouch_hid.evaluation.accuracy.report.gallery import Failure, draw_failure
 from neurotouch_hid.evaluation.accuracy.report.label_figures import draw_classes, draw_contacts
 from neurotouch_hid.evaluation.accuracy.report.style import apply_style
-from neurotouch_hid.evaluation.accuracy.statistics import LabelStatistics
 from neurotouch_hid.evaluation.accuracy.type_timing import TypeTiming
 from neurotouch_hid.geometry import N_MARKERS
 from neurotouch_hid.messages import GestureKind

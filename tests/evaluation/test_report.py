@@ -19,9 +19,9 @@ from neurotouch_hid.evaluation.accuracy import (
     trace_origin,
 )
 from neurotouch_hid.evaluation.accuracy.files import Played
+from neurotouch_hid.evaluation.accuracy.label_statistics import LabelStatistics
 from neurotouch_hid.evaluation.accuracy.moments import WorstMoments
 from neurotouch_hid.evaluation.accuracy.report import check_folder, write_report
-from neurotouch_hid.evaluation.accuracy.statistics import LabelStatistics
 from neurotouch_hid.evaluation.accuracy.type_timing import Stopwatch
 from neurotouch_hid.messages import GestureKind
 from tests.evaluation.timelines import RIG, answer, label, markers

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from neurotouch_hid.geometry import LATTICE_MM
 from neurotouch_hid.gesture.elastic.kernels.field import (
     bound_gain,
-    couple,
+    build_compliance,
     fill_responses,
     find_site,
     measure_gains,
@@ -59,11 +59,15 @@ def test_many_points_respond_as_each_alone(points, cx, cy, a):
 def test_couple_equals_its_twin(k):
     rng = np.random.default_rng(k)
     centres, radii = rng.uniform(-18, 18, (k, 2)), rng.uniform(5, 8, k)
-    np.testing.assert_allclose(couple(centres, radii), reference.couple(centres, radii), atol=1e-9)
+    np.testing.assert_allclose(
+        build_compliance(centres, radii), reference.build_compliance(centres, radii), atol=1e-9
+    )
 
 
 def test_a_single_finger_has_its_own_motion():
-    np.testing.assert_allclose(couple(np.zeros((1, 2)), np.full(1, 6.5)), np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(
+        build_compliance(np.zeros((1, 2)), np.full(1, 6.5)), np.eye(3), atol=1e-12
+    )
 
 
 def test_the_push_is_twice_as_large_along_as_across():

@@ -100,7 +100,7 @@ def test_a_search_that_stops_early_finds_the_same_fingers():
         for moved in fields:
             motion = fingers.update(moved, SEES_ALL, 0.05, forming=True)
             motion = motion._replace(parts_mm=motion.parts_mm.tolist())
-            each.append((motion, motion.n_fingers and fingers.show().mm.tolist()))
+            each.append((motion, motion.n_fingers and fingers.locate_shown().mm.tolist()))
         motions.append(each)
         asked.append(int(fingers.state["n_asked"][0]))
     assert motions[0] == motions[1]
@@ -163,7 +163,7 @@ def test_contacts_are_in_gel_and_image_coordinates():
     moved_px = rig.to_px(LATTICE_MM + pinch(4.0)) - rig.to_px(LATTICE_MM)
     for _ in range(4):
         motion = fingers.update(moved_px, SEES_ALL, 0.05, forming=False)
-    contacts = fingers.show()
+    contacts = fingers.locate_shown()
     order = np.argsort(contacts.mm[:, 0])
     np.testing.assert_allclose(contacts.mm[order], [[-5.0, 0.0], [5.0, 0.0]], atol=1.0)
     np.testing.assert_allclose(contacts.px, rig.to_px(contacts.mm), atol=1e-9)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from neurotouch_hid.geometry import LATTICE_MM, Rig
 from neurotouch_hid.gesture.elastic.fingers import FIT, FingerTracker
-from neurotouch_hid.gesture.elastic.kernels.field import couple, rim_window
+from neurotouch_hid.gesture.elastic.kernels.field import build_compliance, rim_window
 from neurotouch_hid.gesture.elastic.kernels.fit import (
     accumulate,
     build_columns,
@@ -84,7 +84,7 @@ def fit_to(fit, moved, weight, *, noise_mm=0.05, model_error=0.02, n_steps):
 
 
 def invert_coupling(centres, radii):
-    inverse = couple(centres, radii)
+    inverse = build_compliance(centres, radii)
     invert(inverse)
     return inverse
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from neurotouch_hid.monitor.cue import Cue, CueFinder, CueKind, choose_volume, take_moment
+from neurotouch_hid.monitor.cue import Cue, CueFinder, CueKind, choose_volume, take_facts
 from neurotouch_hid.monitor.tone import PATTERNS, RATE_HZ, make_wave
 from neurotouch_hid.profile import Mapping, UserSettings, rehearse
 from tests.monitor.stage import BUTTONS, FLICK, parse, turn
@@ -17,11 +17,11 @@ RAW = UserSettings(filter="none")
 
 
 def hear(mapping: Mapping, script: str, start_us: int = 0) -> list[Cue]:
-    finder = CueFinder(take_moment(None, mapping))
+    finder = CueFinder(take_facts(None, mapping))
     cues = []
     for gesture in rehearse(script):
         step = turn(mapping, replace(gesture, t_us=gesture.t_us + start_us))
-        cues += finder.find(take_moment(step, mapping))
+        cues += finder.find(take_facts(step, mapping))
     return cues
 
 
@@ -34,9 +34,9 @@ def test_what_acts_is_accepted_and_named() -> None:
 
 def test_all_that_happens_in_one_turn_is_told() -> None:
     mapping = Mapping(parse(BUTTONS), RAW)
-    finder = CueFinder(take_moment(None, mapping))
+    finder = CueFinder(take_facts(None, mapping))
     turns = [
-        finder.find(take_moment(turn(mapping, gesture), mapping)) for gesture in rehearse(FLICK)
+        finder.find(take_facts(turn(mapping, gesture), mapping)) for gesture in rehearse(FLICK)
     ]
     (cues,) = filter(None, turns)
     assert cues == [Cue(CueKind.ACCEPT, "button a"), Cue(CueKind.PRESS, "push")]
@@ -64,24 +64,24 @@ def test_a_layer_is_heard_by_its_name() -> None:
 
 def test_while_paused_no_gesture_is_heard() -> None:
     mapping = Mapping(parse(BUTTONS), RAW)
-    finder = CueFinder(take_moment(None, mapping))
+    finder = CueFinder(take_facts(None, mapping))
     gestures = rehearse("rest 100ms; push left 8mm 100ms; rest 300ms")
     mapping.pause()
     assert [
         cue.kind
         for gesture in gestures
-        for cue in finder.find(take_moment(turn(mapping, gesture), mapping))
+        for cue in finder.find(take_facts(turn(mapping, gesture), mapping))
     ] == [CueKind.PAUSE]
 
 
 def test_pause_panic_and_their_end_are_heard_whoever_orders_them() -> None:
     mapping = Mapping(parse(BUTTONS), RAW)
-    finder = CueFinder(take_moment(None, mapping))
+    finder = CueFinder(take_facts(None, mapping))
     rest = list(rehearse("rest 100ms"))
     heard = []
     for order in (mapping.pause, mapping.pause, mapping.panic, mapping.resume):
         order()
-        heard.append(finder.find(take_moment(turn(mapping, rest[0]), mapping)))
+        heard.append(finder.find(take_facts(turn(mapping, rest[0]), mapping)))
     assert [[cue.kind for cue in cues] for cues in heard] == [["pause"], [], ["panic"], ["resume"]]
     assert CueKind.PAUSE in [
         cue.kind for cue in hear(mapping, "rest 100ms; pinch 8mm 100ms hold 200ms; rest 300ms")
@@ -90,21 +90,21 @@ def test_pause_panic_and_their_end_are_heard_whoever_orders_them() -> None:
 
 def test_another_mapping_of_another_profile_is_one_cue() -> None:
     mapping = Mapping(parse(BUTTONS), RAW)
-    finder = CueFinder(take_moment(None, mapping))
+    finder = CueFinder(take_facts(None, mapping))
     fresh = Mapping(parse(BUTTONS.replace("name: buttons", "name: my-own")), RAW)
     rest = list(rehearse("rest 100ms"))
-    first, second = (finder.find(take_moment(turn(fresh, gesture), fresh)) for gesture in rest[:2])
+    first, second = (finder.find(take_facts(turn(fresh, gesture), fresh)) for gesture in rest[:2])
     assert first == [Cue(CueKind.LAYER, "profile my own")]
     assert second == []
 
 
 def test_a_lost_gel_is_heard_once_and_only_if_it_was_seen() -> None:
     mapping = Mapping(parse(BUTTONS), RAW)
-    finder = CueFinder(take_moment(None, mapping))
+    finder = CueFinder(take_facts(None, mapping))
     rest = rehearse("rest 200ms")
     seen = [0, 0, 177, 95, 89, 95, 85, 177, 60]
     heard = [
-        finder.find(take_moment(turn(mapping, gesture, n), mapping))
+        finder.find(take_facts(turn(mapping, gesture, n), mapping))
         for gesture, n in zip(rest, seen, strict=False)
     ]
     assert [n for n, cues in enumerate(heard) if cues] == [4, 8]

@@ -4,6 +4,7 @@ import io
 import json
 import os
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -26,9 +27,10 @@ from neurotouch_hid.monitor import (
     PictureMonitor,
     TraceWriter,
     describe_gesture,
-    describe_pad,
+    describe_outputs,
 )
-from neurotouch_hid.monitor.terminal import draw
+from neurotouch_hid.monitor.output import Output
+from neurotouch_hid.monitor.terminal import draw_step
 from neurotouch_hid.profile import MappingDecision
 
 RIG = Rig((173.0, 130.0), 2.5)
@@ -75,8 +77,8 @@ def test_twist_is_described_in_whole_words():
 
 
 def test_pad_is_described_by_what_is_pressed():
-    assert describe_pad(PUSH.pad) == "left_x -50 %, button a"
-    assert describe_pad(REST.pad) == "neutral"
+    assert describe_outputs(PUSH.pad) == "left stick left 50 %, button A"
+    assert not describe_outputs(REST.pad)
 
 
 def test_trace_has_one_line_per_slice_with_every_control(tmp_path):
@@ -100,6 +102,55 @@ def test_trace_has_one_line_per_slice_with_every_control(tmp_path):
     assert second["direction_deg"] is None
     assert not any(second["pad"].values())
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_trace_that_finds_no_room_says_so_once_and_leaves_nothing(tmp_path):
+    full, told = tmp_path / "full", []
+    full.symlink_to("/dev/full")
+    trace = TraceWriter(full, told.append)
+    for _ in range(1000):
+        trace(PUSH)
+    trace.close()
+    assert len(told) == 1
+    assert "No space left on device" in told[0]
+    assert full.is_symlink()
+
+
+def test_a_link_in_the_way_of_a_trace_is_not_followed(tmp_path):
+    victim, path = tmp_path / "victim", tmp_path / "play.jsonl"
+    victim.write_text("precious")
+    for name in (f"{path.name}.part", f".{path.name}.{os.getpid()}.partial"):
+        (tmp_path / name).symlink_to(victim)
+    trace = TraceWriter(path)
+    trace(PUSH)
+    trace.close()
+    assert victim.read_text() == "precious"
+    assert path.read_text().count("\n") == 1
+
+
+def fill_disk():
+    return os.fdopen(os.open("/dev/full", os.O_WRONLY), "w")
+
+
+def lose_reader():
+    """The end of a pipe whose reader has gone."""
+    read, write = os.pipe()
+    os.close(read)
+    return os.fdopen(write, "w")
+
+
+@pytest.mark.parametrize("lost", [fill_disk, lose_reader])
+@pytest.mark.parametrize("make", [LinesMonitor, lambda out: PictureMonitor(out, "x")])
+def test_an_output_that_fails_is_told_once_and_dropped(lost, make):
+    told = []
+    with lost() as stream:  # to close it, and write what is left, fails no more
+        monitor = make(Output(stream, "the output", told.append))
+        for _ in range(3):
+            monitor(PUSH)
+            monitor(replace(REST, gesture=replace(REST.gesture, t_us=3_000_000)))
+        monitor.close()
+    assert len(told) == 1
+    assert "The game goes on without it." in told[0]
 
 
 def test_trace_into_a_missing_folder_is_one_sentence(tmp_path):
@@ -126,7 +177,7 @@ def test_lines_tell_only_changes():
     for one in (PUSH, PUSH, REST, REST):
         monitor(one)
     assert out.getvalue().splitlines() == [
-        "    1.00 s  push left 4.2 mm, 1 finger; pad left_x -50 %, button a",
+        "    1.00 s  push left 4.2 mm, 1 finger; pad left stick left 50 %, button A",
         "    2.00 s  at rest (peak 4.2 mm); pad neutral",
     ]
 
@@ -145,7 +196,7 @@ def test_lines_tell_an_ignored_gesture_once_and_at_once():
 
 
 def test_picture_shows_gel_gesture_and_pad():
-    lines = draw(PUSH, "sim:test")
+    lines = draw_step(PUSH, "sim:test")
     text = "\n".join(lines)
     assert "push left 4.2 mm, 1 finger" in text
     assert "177 of 177" in text
@@ -156,7 +207,7 @@ def test_picture_shows_gel_gesture_and_pad():
 
 
 def test_picture_fits_eighty_columns_and_never_wraps(monkeypatch):
-    assert max(map(len, draw(PUSH, "sim:test"))) <= 80
+    assert max(map(len, draw_step(PUSH, "sim:test"))) <= 80
     monkeypatch.setenv("COLUMNS", "40")
     out = io.StringIO()
     monitor = PictureMonitor(out, "sim:test")

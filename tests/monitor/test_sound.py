@@ -15,7 +15,7 @@ from neurotouch_hid.monitor.cue import Cue, CueKind
 from neurotouch_hid.monitor.sound_programs import play_cue
 from neurotouch_hid.monitor.tone import make_wave
 from neurotouch_hid.profile import Mapping, UserSettings, rehearse
-from neurotouch_hid.runtime import Pipeline, Session
+from neurotouch_hid.runtime import Pipeline, PipelineControl
 from tests.monitor.stage import BUTTONS, FLICK, parse, turn
 
 LIMIT_S = 60.0
@@ -53,8 +53,8 @@ class Stage:
         profile = parse(BUTTONS)
         self.pipeline = Pipeline.build(profile, GestureConfig(), user=user)
         self.said: list[str] = []
-        self.session = Session(self.pipeline, user)
-        self.sound = SoundMonitor(self.session, self.said.append)
+        self.control = PipelineControl(self.pipeline, user)
+        self.sound = SoundMonitor(self.control, self.said.append)
 
     @property
     def mapping(self) -> Mapping:
@@ -151,8 +151,8 @@ def test_nothing_is_started_where_nothing_is_wanted(programs, tmp_path: Path, us
 def test_other_values_of_the_person_hold_at_once(programs, tmp_path: Path) -> None:
     programs("aplay", f"touch {tmp_path}/heard")
     stage = Stage(UserSettings())
-    stage.session.switch(parse(BUTTONS), feedback("tones"))
-    stage.session.apply_commands()
+    stage.control.switch(parse(BUTTONS), feedback("tones"))
+    stage.control.apply_commands()
     stage.mapping.panic()
     stage.turn()
     wait((tmp_path / "heard").exists)

@@ -8,7 +8,7 @@ from neurotouch_hid.monitor.encoder import StateEncoder
 from neurotouch_hid.monitor.sound import SoundMonitor
 from neurotouch_hid.monitor.stream_sound import StreamSound
 from neurotouch_hid.profile import UserSettings, rehearse
-from neurotouch_hid.runtime import Pipeline, Session
+from neurotouch_hid.runtime import Pipeline, PipelineControl
 from tests.monitor.stage import BUTTONS, FLICK, parse, turn
 
 SCRIPT = f"{FLICK}; push right 8mm 100ms hold 1500ms; rest 1s; zoom 8mm 100ms hold 1500ms; rest 1s"
@@ -42,11 +42,10 @@ class Stage:
         self.user = UserSettings.model_validate(user)
         pipeline = Pipeline.build(parse(BUTTONS), GestureConfig(), user=self.user)
         self.mapping = pipeline.mapping
-        self.session = Session(pipeline, self.user)
+        self.control = PipelineControl(pipeline, self.user)
         self.plays_sound = False
-        facts = {"plays_sound": lambda: self.plays_sound}
-        self.encoder = StateEncoder(self.session, facts)
-        self.near = SoundMonitor(self.session, str)
+        self.encoder = StateEncoder(self.control, lambda: {"plays_sound": self.plays_sound})
+        self.near = SoundMonitor(self.control, str)
         self.far = StreamSound(str)
         self.far.feedback = self.user.feedback
 

@@ -31,6 +31,31 @@ def launcher(built, tmp_path_factory):
     return file
 
 
+@pytest.mark.parametrize(
+    ("given", "used"),
+    [("/caches", "/caches"), ("caches", "HOME/.cache"), ("", "HOME/.cache"), (None, "HOME/.cache")],
+)
+def test_code_is_never_loaded_from_below_the_current_folder(tmp_path, given, used):
+    package = tmp_path / "neurotouch_hid"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (package / "__main__.py").write_text(
+        "import os\ndef main():\n    print(os.environ['NUMBA_CACHE_DIR'])\n"
+    )
+    text = (ROOT / "packaging/launcher.py").read_text()
+    file = tmp_path / "neurotouch"
+    file.write_text(text.replace("/usr/lib/neurotouch-hid", str(tmp_path)))
+    named = {} if given is None else {"XDG_CACHE_HOME": given}
+    done = subprocess.run(
+        [sys.executable, "-I", str(file)],
+        env={"HOME": str(tmp_path), **named},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.strip() == f"{used.replace('HOME', str(tmp_path))}/neurotouch"
+
+
 @pytest.fixture
 def run(launcher, tmp_path):
     """Runs the launcher with a Python that knows none of the tests' packages."""

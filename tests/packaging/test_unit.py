@@ -5,7 +5,10 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import click
 import pytest
+
+from neurotouch_hid.errors import DriverError, ProfileError
 
 ROOT = Path(__file__).parents[2]
 UNIT = ROOT / "packaging/systemd/neurotouch.service"
@@ -32,8 +35,9 @@ def find_version() -> int:
 @needs_systemd
 @pytest.mark.parametrize("drop_in", [None, *DROP_INS], ids=lambda path: path.name if path else "-")
 def test_systemd_finds_nothing_wrong(tmp_path, drop_in):
-    if drop_in is not None and "OpenFile" in drop_in.read_text() and find_version() < 253:
-        pytest.skip("OpenFile= is known from systemd 253 on")
+    for word, since in (("OpenFile", 253), ("RestartSteps", 254)):
+        if drop_in is not None and word in drop_in.read_text() and find_version() < since:
+            pytest.skip(f"{word}= is known from systemd {since} on")
     unit = tmp_path / UNIT.name
     # The program and the user are not on this machine.
     unit.write_text(re.sub(r"/usr/bin/neurotouch.*", "/bin/true", UNIT.read_text()))
@@ -71,7 +75,8 @@ def test_another_player_has_folders_of_their_own_and_the_same_limits():
     assert "StateDirectory=neurotouch-%i" in changed
     assert any(line.endswith("NEUROTOUCH_PLAYER=%i") for line in changed)
     assert "WantedBy=multi-user.target" in changed
-    assert len(changed) == 7
+    assert "After=neurotouch.service" in changed  # not both at once
+    assert len(changed) == 8
 
 
 @needs_systemd
@@ -112,6 +117,15 @@ def test_it_is_never_stranded():
     text = UNIT.read_text()
     assert "StartLimitIntervalSec=0" in text
     assert "Restart=always" in text
+
+
+def test_a_fault_that_a_restart_cannot_mend_is_not_tried_again_and_others_ever_more_slowly():
+    text = UNIT.read_text()
+    lasting = {click.UsageError.exit_code, ProfileError.exit_code, DriverError.exit_code}
+    (codes,) = re.findall(r"^RestartPreventExitStatus=(.*)$", text, re.MULTILINE)
+    assert {int(code) for code in codes.split()} == lasting
+    slower = (UNIT.parent / "neurotouch.service.d/restart-ever-later.conf").read_text()
+    assert re.search(r"^RestartSteps=\d+\nRestartMaxDelaySec=60$", slower, re.MULTILINE)
 
 
 def test_nobody_gets_uinput_by_a_group():

@@ -23,16 +23,17 @@ class Process:
         *arguments: str,
         ready: str,
         program: list[str] = PROGRAM,
-        runtime: str | None = "run",
-        config: str = "config",
+        **variables: str | None,
     ) -> None:
         folder.mkdir(exist_ok=True)
         self.folder = folder
-        self.environment = {**os.environ, "XDG_CONFIG_HOME": str(folder / config)}
-        if runtime is None:  # that of the session
-            self.environment.pop("RUNTIME_DIRECTORY", None)
-        else:
-            self.environment["RUNTIME_DIRECTORY"] = str(folder / runtime)
+        changed = {
+            "RUNTIME_DIRECTORY": str(folder / "run"),
+            "XDG_CONFIG_HOME": str(folder / "config"),
+            **variables,
+        }
+        kept = {name: value for name, value in os.environ.items() if name not in changed}
+        self.environment = kept | {name: value for name, value in changed.items() if value}
         self._log = folder / f"{arguments[0] if arguments else 'program'}.txt"
         with self._log.open("w") as log:
             self.process = subprocess.Popen(
@@ -98,7 +99,8 @@ class View(Process):
     """``neurotouch view``."""
 
     def __init__(self, folder: Path, *arguments: str, **how: Any) -> None:
-        super().__init__(folder, "view", "--port", "0", *arguments, ready="Spacecraft: ", **how)
+        command = ("view", "--port", "0", *arguments)
+        super().__init__(folder, *command, ready="Spacecraft: ", **how)
         self.link = re.search(r"Live view: (\S+)", self.said)[1]
         self.home = re.search(r"Page: (\S+)", self.said)[1]
         self.root, self.token = self.home.split("#k=")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.errors import PageError, ProfileError
 from neurotouch_hid.page.edits import Changes
 from neurotouch_hid.page.profile_view import MOVEMENTS, describe_profile, is_editable, measure_lag
 from neurotouch_hid.profile import list_profiles, load_profile
@@ -134,6 +134,8 @@ def test_a_shipped_profile_is_copied_and_stays(mine, changes):
         ("pinch", "on_mm", 0.2),
         ("pinch", "off_mm", 9),
         ("pinch", "on_mm", math.nan),
+        ("pinch", "on_mm", math.inf),
+        ("pinch", "on_mm", 1e308),
         ("pinch", "on_mm", True),
         ("pinch", "on_mm", None),
         ("pinch", "name", 1),
@@ -145,7 +147,7 @@ def test_a_shipped_profile_is_copied_and_stays(mine, changes):
     ],
 )
 def test_what_cannot_be_changes_nothing(mine, changes, key, mark, value):
-    with pytest.raises(ProfileError):
+    with pytest.raises((ProfileError, PageError)):
         changes.set(mine, key, mark, value)
     assert mine.read_text() == LAYERS
 

@@ -16,7 +16,7 @@ from neurotouch_hid.monitor.publisher import MOST_HZ, MOST_SUBSCRIBERS, Publishe
 from neurotouch_hid.page.text_view import LineWriter, draw_picture
 from neurotouch_hid.profile import UserSettings
 from neurotouch_hid.profile.reading.load import parse_profile
-from neurotouch_hid.runtime import Pipeline, Session
+from neurotouch_hid.runtime import Pipeline, PipelineControl
 from neurotouch_hid.snapshot import read_head
 from neurotouch_hid.subscriber import Subscriber
 
@@ -37,15 +37,15 @@ class Line:
         self.packets = packets
         profile = parse_profile(PROFILE, "mine.yaml")
         self.pipeline = Pipeline.build(profile, GestureConfig())
-        self.session = Session(self.pipeline, UserSettings())
-        facts = {"source": lambda: "sim:push", "simulated": lambda: True}
-        self.observer = StateEncoder(self.session, facts)
+        self.control = PipelineControl(self.pipeline, UserSettings())
+        facts = {"source": "sim:push", "simulated": True}
+        self.observer = StateEncoder(self.control, lambda: facts)
         self.feed = Publisher(folder, self.observer)
 
     def play(self, n=None, pace_s=0.0):
         for packet in self.packets[:n]:
             step = self.pipeline.advance(packet)
-            self.session.record(step)
+            self.control.record(step)
             self.feed(step)
             time.sleep(pace_s)
         return step

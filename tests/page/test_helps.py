@@ -28,14 +28,14 @@ def test_own_values_are_chosen_by_label_and_act_at_once(view, folder, open_page)
     assert select.input_value() == ""
     select.focus()
     page.keyboard.press("ArrowDown")
-    wait_for(page, "own-said", "Saved. It applies now.")
+    wait_for(page, "own-said", "Saved. It applies now")
     assert select.input_value() == "none"
     about = page.locator("#own-filter-about")
     assert about.text_content() == "Nothing is smoothed, and nothing comes later."
     page.get_by_label("Hand between movements").select_option("resting")
     wait_on(page, lambda: "neutral: resting" in own.read_text())
     page.click("#own-undo")
-    wait_for(page, "own-said", "These values are as before. It applies now.")
+    wait_for(page, "own-said", "These values are as before. It applies now")
     page.wait_for_function("() => document.getElementById('own-neutral').value === 'lifted'")
     page.click("#range-undo")
     wait_for(page, "notice", "There is no measurement to undo.")
@@ -160,7 +160,7 @@ def test_the_doctor_s_commands_can_be_copied(play):
     ]
     driver.tell(program={"name": "check", "line": f"Checking …\n{json.dumps(found, indent=1)}"})
     driver.tell(program={"name": "check", "code": 1})
-    wait_for(page, "check-state", "1 of 3 need something.")
+    wait_for(page, "check-state", "1 of 3 checks found a fault.")
     assert page.locator("#findings li").count() == 2
     assert page.inner_text("#findings pre") == "\n".join(commands)
     page.get_by_role("button", name="Copy the commands for kernel module").click()
@@ -174,7 +174,7 @@ def test_a_phone_says_before_that_what_it_starts_ends_with_its_right(play):
     driver.tell(hello=True, edit=True, far=True)
     page.wait_for_selector("#far:not([hidden])")
     driver.tell(remote={"link": "http://192.0.2.1/", "code": "data:,", "minutes": 60})
-    wait_for(page, "remote-state", "what was started from the phone ends then, too")
+    wait_for(page, "remote-state", "What was started from the phone ends then, too.")
 
 
 def test_a_hint_of_a_refused_binding_has_no_file_in_it(view, folder, open_page):

@@ -184,7 +184,7 @@ def test_the_machine_is_checked_from_the_page(alone, open_page):
     page = open_page(alone.home)
     page.click("#check")
     page.wait_for_function(
-        "() => /checks: nothing|need something/.test("
+        "() => /checks: everything|found a fault/.test("
         "document.getElementById('check-state').textContent)"
     )
     assert page.locator("#findings li").count() >= 1  # no camera, no right to make a pad
@@ -199,7 +199,7 @@ def test_a_phone_is_let_in_and_out(view, open_page):
     )
     link = read(page, "remote-link")
     if not link:
-        assert "in no network" in read(page, "notice")
+        assert "not connected to a network" in read(page, "notice")
         return
     phone = open_page(link, viewport={"width": 390, "height": 844}, has_touch=True)
     phone.locator("#pause-resume").tap()
@@ -227,7 +227,7 @@ def test_a_page_that_only_shows_changes_and_starts_nothing(open_page, tmp_path):
         wait_for(page, "situation", "No camera found.")
         page.click("#start-mouse")
         page.wait_for_selector("#notice:not([hidden])")
-        assert "only shows" in read(page, "notice")
+        assert "read-only" in read(page, "notice")
         wait_on(page, lambda: page.locator("#start-mouse").is_visible())
         page.close()
     finally:

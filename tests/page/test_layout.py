@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from neurotouch_hid.page.outputs import list_outputs
+from neurotouch_hid.page.output_choices import list_outputs
 from neurotouch_hid.page.pictures import draw_code
 from neurotouch_hid.page.profile_view import describe_profile
 from neurotouch_hid.profile.reading.library import find_shipped_folder

@@ -6,6 +6,7 @@ import json
 import os
 import socket
 import stat
+import subprocess
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, suppress
 from pathlib import Path
@@ -18,14 +19,18 @@ from websockets.sync.client import connect
 from neurotouch_hid.errors import PageError
 from neurotouch_hid.ipc import is_own_peer
 from neurotouch_hid.page import guard
+from neurotouch_hid.page.address import write_secret
 from neurotouch_hid.page.guard import (
     HEADERS,
     MESSAGES_PER_S,
     MOST_BYTES,
     MOST_CLIENTS,
-    MOST_CONNECTIONS,
+    MOST_WAITING,
+    TICKET_S,
     Guard,
     Rate,
+    Waiting,
+    make_ticket,
     make_token,
 )
 from neurotouch_hid.page.server import Server, open_sockets
@@ -99,7 +104,7 @@ def test_a_token_that_others_can_read_is_refused(server, tmp_path):
     secret.chmod(0o644)
     done = server.call("view", "--listen", "127.0.0.2", "--token-file", str(secret))
     assert done.returncode == 1
-    assert "Others can read" in done.stderr
+    assert "Other users can read" in done.stderr
     secret.chmod(0o600)
     secret.write_text("short")
     done = server.call("view", "--listen", "127.0.0.2", "--token-file", str(secret))
@@ -262,7 +267,7 @@ def test_nothing_else_is_served(server, path):
         [],
     ],
 )
-def test_a_page_that_looks_on_can_do_nothing(server, wish):
+def test_a_page_without_edit_can_do_nothing(server, wish):
     with enter(server) as line:
         show_token(line, server.token)
         line.send(json.dumps(wish))
@@ -356,13 +361,45 @@ def test_four_pages_look_on_and_no_fifth(server):
         assert read_to_the_end(fifth) == 1013
 
 
-def test_lines_without_a_token_are_counted_too(server):
+def test_who_shows_no_token_keeps_nobody_out(server):
+    """The newest connection goes in; the oldest that has not shown the token goes."""
     with ExitStack() as stack:
-        for _ in range(MOST_CONNECTIONS):
-            stack.enter_context(enter(server))
-        with pytest.raises(InvalidStatus) as refused, enter(server):
+        strangers = [
+            stack.enter_context(socket.create_connection(("127.0.0.1", server.port), timeout=60))
+            for _ in range(MOST_WAITING)
+        ]
+        owner = stack.enter_context(enter(server))
+        assert show_token(owner, server.token)["hello"]
+        with suppress(ConnectionResetError):
+            assert strangers[0].recv(1) == b""
+        for _ in range(MOST_WAITING):
+            stack.enter_context(socket.create_connection(("127.0.0.1", server.port), timeout=60))
+        owner.send('{"do": "nonsense"}')  # who has shown the token is not counted any more
+        while "refused" not in json.loads(owner.recv(LIMIT_S)):
             pass
-    assert refused.value.response.status_code == 503
+
+
+class Stranger:
+    def __init__(self):
+        self.is_dropped = False
+
+    def drop(self):
+        self.is_dropped = True
+
+
+def test_the_oldest_of_the_address_with_the_most_goes():
+    waiting = Waiting(most=4)
+    first, *crowd = (Stranger() for _ in range(4))
+    waiting.add(first, "127.0.0.1")
+    for each in crowd:
+        waiting.add(each, "192.0.2.9")
+    late = Stranger()
+    waiting.add(late, "127.0.0.1")
+    assert [each.is_dropped for each in (first, *crowd, late)] == [False, True, False, False, False]
+    waiting.remove(late)
+    waiting.remove(late)
+    waiting.add(last := Stranger(), "192.0.2.9")
+    assert not any(each.is_dropped for each in (first, *crowd[1:], last))
 
 
 def test_who_no_longer_answers_is_let_go():
@@ -399,6 +436,73 @@ def read_to_the_end(line) -> int:
         return closed.rcvd.code
 
 
+# A browser that is started is told no secret: everybody can read its arguments.
+
+
+def test_a_started_browser_is_told_a_ticket_and_finds_the_page(tmp_path):
+    programs = tmp_path / "bin"
+    programs.mkdir()
+    opener = programs / "xdg-open"
+    opener.write_text(f'#!/bin/sh\necho "$@" > {tmp_path}/told\n')
+    opener.chmod(0o755)
+    options = {"DISPLAY": ":9", "PATH": f"{programs}:{os.environ['PATH']}"}
+    view = View(tmp_path / "opened", "--open", **options)
+    try:
+        view.wait(lambda: (tmp_path / "told").exists() and (tmp_path / "told").read_text())
+        told = (tmp_path / "told").read_text().strip()
+        assert view.token not in told
+        assert told.startswith(view.root)
+        path = "/" + told.removeprefix(view.root)
+        status, headers, content = get(view, path)
+        assert (status, headers["Location"]) == (302, f"/#k={view.token}")
+        assert content == b""
+        assert get(view, path + "game")[1]["Location"] == f"/game#k={view.token}"
+        assert get(view, path + "nothing")[0] == 403
+    finally:
+        view.end()
+
+
+def test_a_ticket_ends_and_cannot_be_made_up(monkeypatch):
+    now_s = 100.0
+    monkeypatch.setattr(guard, "time", SimpleNamespace(monotonic=lambda: now_s))
+    token = make_token()
+    mine, ticket = Guard(token), make_ticket(token)
+    assert mine.accepts(ticket)
+    until, _, signature = ticket.partition("-")
+    for false in (
+        *("", "-", "1-", until, f"{until}-", f"{int(until) + 1}-{signature}", f"{ticket}0"),
+        *(f"é-{signature}", f"{until}-é", f"٣-{signature}", make_ticket(make_token())),
+    ):
+        assert not mine.accepts(false), false
+    now_s += TICKET_S + 1.0
+    assert not mine.accepts(ticket)
+
+
+GET_AS_NOBODY = """\
+import os, socket, sys
+os.setgid(65534)
+os.setuid(65534)
+with socket.create_connection(("127.0.0.1", int(sys.argv[1]))) as line:
+    host = f"127.0.0.1:{sys.argv[1]}"
+    line.sendall(f"GET {sys.argv[2]} HTTP/1.1\\r\\nHost: {host}\\r\\n\\r\\n".encode())
+    print(line.makefile().read())
+"""
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can be somebody else for a moment")
+def test_another_users_browser_gets_nothing_for_a_ticket(server):
+    path = f"/open/{make_ticket(server.token)}/"
+    said = subprocess.run(
+        ["/usr/bin/python3", "-c", GET_AS_NOBODY, str(server.port), path],
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    assert said.startswith("HTTP/1.1 403 ")
+    assert server.token not in said
+    assert get(server, path)[0] == 302
+
+
 # 8. What other programs of this person need is theirs alone.
 
 
@@ -408,6 +512,25 @@ def test_the_address_file_is_the_owners_alone(server):
     assert stat.S_IMODE(found.st_mode) == 0o600
     assert found.st_uid == os.geteuid()
     assert json.loads(path.read_text())["token"] == server.token
+
+
+def test_no_secret_is_written_to_a_file_of_another_user(tmp_path, monkeypatch):
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path / "run"))
+    (tmp_path / "run").mkdir()
+    (tmp_path / "read-by-all").touch(0o666)
+    (tmp_path / "run/token").symlink_to(tmp_path / "read-by-all")
+    assert write_secret("token", "x").stat().st_mode & 0o777 == 0o600
+    assert (tmp_path / "read-by-all").read_text() == ""
+    (tmp_path / "run/late").symlink_to(tmp_path / "read-by-all")
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "unlink", lambda *_, **__: None)  # it was made a moment later
+        with pytest.raises(FileExistsError):
+            write_secret("late", "x")
+    assert (tmp_path / "read-by-all").read_text() == ""
+    (tmp_path / "link").symlink_to(tmp_path / "run")
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path / "link"))
+    with pytest.raises(PermissionError):
+        write_secret("token", "x")
 
 
 def test_the_feed_is_the_owners_alone(driver):

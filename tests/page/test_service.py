@@ -21,7 +21,7 @@ class Service(Process):
         seated.write_text(f"{os.getuid()}\n")
         program = [sys.executable, "-c", PLAY, str(seated), str(folder / "state/people")]
         (folder / "state").mkdir()
-        super().__init__(folder, program=program, ready="", config="machine")
+        super().__init__(folder, program=program, ready="", XDG_CONFIG_HOME=str(folder / "machine"))
         self.wait((folder / "run/control").exists)
 
     def read_copy(self) -> str:
@@ -57,7 +57,7 @@ def test_what_is_chosen_bound_and_dragged_acts_on_the_service(place, open_page):
     wait_for(page, "saved", "It applies now.")
     assert 'button: "y"' in service.read_copy()
     page.get_by_label("Tremor filter").select_option("light")
-    wait_for(page, "own-said", "It applies now.")
+    wait_for(page, "own-said", "It applies now")
     page.goto(view.page("live"))
     wait_for(page, "pressed", "Y")  # a pinch of the tour
     page.wait_for_selector(f"{ON}.draggable")

@@ -70,7 +70,7 @@ def test_the_mouse_gel_starts_beside_a_service_that_waits(tmp_path, session, ope
         tmp_path,
         "--edit",
         program=[sys.executable, "-c", VIEW, str(service.folder / "run")],
-        runtime=None,
+        RUNTIME_DIRECTORY=None,
     )
     page = open_page(view.home)
     wait_for(page, "situation", "No camera found. The driver waits for one.")

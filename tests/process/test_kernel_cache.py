@@ -1,52 +1,70 @@
-"""A loop is compiled anew when anything that it contains has changed."""
+"""What was compiled is used again, unless it is damaged or anything in it has changed."""
 
+import ctypes
 import os
+import resource
 import shutil
 import subprocess
 import sys
+from hashlib import sha256
+from importlib import import_module
 from pathlib import Path
 
+import numba
 import pytest
 
 import neurotouch_hid
-from neurotouch_hid.process.kernel_cache import Beside, Chosen, stamp
+from neurotouch_hid.process.kernel_cache import KernelCache, _find_folder
+from neurotouch_hid.process.own_command import make_own_command
+from neurotouch_hid.process.source_stamp import stamp
 
 PACKAGE = Path(neurotouch_hid.__file__).parent
+COPIED = (
+    "__init__.py",
+    "partial_file.py",
+    "process/__init__.py",
+    "process/kernel_cache.py",
+    "process/source_stamp.py",
+)
 OUTER = """
-from numba import njit
+from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.inner import FACTOR, double
 
-@njit(cache=True)
+@kernel
 def call(x):
     return FACTOR * double(x)
 """
 INNER = """
-from numba import njit
+from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.constants import TWO
 
 FACTOR = 1
 
-@njit(cache=True)
+@kernel
 def double(x):
     return TWO * x
 """
-CALL = "from neurotouch_hid.outer import call; print(call(3), sum(call.stats.cache_hits.values()))"
+CALL = """
+from neurotouch_hid.outer import call
+from neurotouch_hid.process.kernel_cache import find_cache_trouble
+print(call(3), sum(call.stats.cache_hits.values()), find_cache_trouble())
+"""
 
 
 @pytest.fixture
 def copy(tmp_path):
-    """A package of the same name, with a loop that calls another, which has a constant."""
+    """A package of the same name, with a kernel that calls another, which has a constant."""
     package = tmp_path / "neurotouch_hid"
-    package.mkdir()
-    (package / "process").mkdir()
-    for name in ("__init__.py", "process/__init__.py", "process/kernel_cache.py"):
+    (package / "process").mkdir(parents=True)
+    for name in COPIED:
         shutil.copy(PACKAGE / name, package / name)
     for name, text in (("outer", OUTER), ("inner", INNER), ("constants", "TWO = 2\n")):
         (package / f"{name}.py").write_text(text)
     return package
 
 
-def call(package, **environment):
+def call_aloud(package, prepare=None, **environment):
+    """Returns the value, how many kernels were found compiled, and the sentence of trouble."""
     inherited = {k: v for k, v in os.environ.items() if not k.startswith("NUMBA")}
     out = subprocess.run(
         [sys.executable, "-c", CALL],
@@ -55,9 +73,22 @@ def call(package, **environment):
         check=True,
         capture_output=True,
         text=True,
+        preexec_fn=prepare,
     ).stdout
-    value, hits = out.split()
-    return int(value), int(hits)
+    value, hits, trouble = out.rstrip("\n").split(" ", 2)
+    return int(value), int(hits), trouble
+
+
+def call(package, **environment):
+    value, hits, trouble = call_aloud(package, **environment)
+    assert not trouble
+    return value, hits
+
+
+def find_kept(package):
+    """The compiled outer kernel, which calls the inner one."""
+    (path,) = package.rglob("outer.call-*.nbc")
+    return path
 
 
 @pytest.mark.parametrize("is_chosen", [False, True])
@@ -76,20 +107,20 @@ def test_an_update_of_what_a_loop_calls_is_not_missed(copy, tmp_path, is_chosen)
 def test_an_update_may_rename_a_class_that_a_loop_takes(copy):
     named = """
 from typing import NamedTuple
-from numba import njit
+from neurotouch_hid.process.kernel_cache import kernel
 
 class Pair(NamedTuple):
     a: int
 
-@njit(cache=True)
+@kernel
 def inner(pair):
     return pair.a
 """
     outer = """
-from numba import njit
+from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.inner import Pair, inner
 
-@njit(cache=True)
+@kernel
 def call(x):
     return inner(Pair(x + x))
 """
@@ -100,16 +131,116 @@ def call(x):
     (copy / "outer.py").write_text(outer.replace("Pair", "Couple"))
     assert call(copy) == (6, 0)
     assert call(copy) == (6, 1)
-    kept = [path.name for path in copy.rglob("*.nbi")]
+    kept = [path.name for path in copy.rglob("*.nbc")]
     assert len(kept) == len({name.split("-")[0] for name in kept}) >= 2  # the old ones are gone
 
 
-def test_every_loop_of_ours_is_kept_so():
-    from neurotouch_hid.gesture.elastic.kernels.follow import show
-    from neurotouch_hid.tracker.kernels.filter import advance
+def flip(content, place):
+    return content[:place] + bytes([content[place] ^ 0x10]) + content[place + 1 :]
 
-    for loop in (show, advance):
-        assert isinstance(loop._cache._impl.locator, Beside | Chosen)
+
+def test_what_is_damaged_is_compiled_again(copy):
+    assert call(copy) == (6, 0)
+    path = find_kept(copy)
+    content = path.read_bytes()
+    for damaged in (
+        b"",
+        content[:40],
+        content[:-1],
+        flip(content, 0),
+        flip(content, len(content) // 2),
+        bytes(len(content)),
+        sha256(b"no pickle").digest() + b"no pickle",
+    ):
+        path.write_bytes(damaged)
+        assert call(copy) == (6, 0)
+    assert call(copy) == (6, 1)
+
+
+def test_another_kernel_in_the_place_of_one_is_not_used(copy):
+    assert call(copy) == (6, 0)
+    kept = find_kept(copy)
+    (other,) = copy.rglob("inner.double-*.nbc")
+    other.replace(kept)
+    assert call(copy) == (6, 0)
+
+
+def test_another_processor_has_files_of_its_own(copy):
+    assert call(copy) == (6, 0)
+    assert call(copy, NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="") == (6, 0)
+    assert len([*copy.rglob("outer.call-*.nbc")]) == 2
+    assert call(copy) == (6, 1)
+    assert call(copy, NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="") == (6, 1)
+
+
+def test_a_folder_in_the_place_of_a_file_only_costs_time(copy):
+    assert call(copy) == (6, 0)
+    kept = find_kept(copy)
+    kept.unlink()
+    kept.mkdir()
+    value, hits, trouble = call_aloud(copy)
+    assert (value, hits) == (6, 0)
+    assert str(kept.parent) in trouble
+
+
+def test_without_room_all_is_compiled_and_one_sentence_says_so(copy):
+    def fill_the_disk():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
+
+    value, hits, trouble = call_aloud(copy, fill_the_disk, PYTHONDONTWRITEBYTECODE="1")
+    assert (value, hits) == (6, 0)
+    assert "cannot be kept in" in trouble
+    assert not [*copy.rglob("*.partial"), *copy.rglob("*.nbc")]
+
+
+def test_without_any_place_all_is_compiled(copy):
+    (copy / "__pycache__").write_text("no folder")
+    nowhere = {
+        "NUMBA_CACHE_DIR": "/dev/null/chosen",
+        "XDG_CACHE_HOME": "/dev/null/personal",
+        "PYTHONDONTWRITEBYTECODE": "1",
+    }
+    value, hits, trouble = call_aloud(copy, **nowhere)
+    assert (value, hits) == (6, 0)
+    assert "/dev/null/chosen" in trouble
+
+
+def obey_modes():
+    """Takes from root the right to write where the mode forbids it; others never had it."""
+    pr_capbset_drop, cap_dac_override = 24, 1
+    ctypes.CDLL(None).prctl(pr_capbset_drop, cap_dac_override, 0, 0, 0)
+
+
+def test_what_only_others_may_write_is_still_read(copy):
+    assert call(copy) == (6, 0)
+    folder = copy / "__pycache__"
+    folder.chmod(0o555)
+    try:
+        elsewhere = {"XDG_CACHE_HOME": "/dev/null", "PYTHONDONTWRITEBYTECODE": "1"}
+        assert call_aloud(copy, obey_modes, **elsewhere) == (6, 1, "")
+    finally:
+        folder.chmod(0o755)
+
+
+def test_a_place_relative_to_the_current_folder_is_never_used(copy):
+    (copy / "__pycache__").write_text("no folder")
+    home = copy.parent / "home"
+    call(copy, XDG_CACHE_HOME="somewhere", HOME=str(home), PYTHONDONTWRITEBYTECODE="1")
+    assert not (copy.parent / "somewhere").exists()
+    assert [*home.glob(".cache/neurotouch/*/outer.call-*.nbc")]
+
+
+def list_kernels():
+    for path in PACKAGE.rglob("kernels/[a-z]*.py"):
+        parts = path.relative_to(PACKAGE.parent).with_suffix("").parts
+        module = import_module(".".join(parts))
+        yield from (each for each in vars(module).values() if hasattr(each, "py_func"))
+
+
+def test_every_kernel_of_ours_is_kept_so():
+    kernels = [*list_kernels()]
+    assert len(kernels) > 100
+    assert all(isinstance(each._cache, KernelCache) for each in kernels)
 
 
 def test_the_stamp_of_a_loop_is_that_of_all_it_imports():
@@ -117,3 +248,49 @@ def test_the_stamp_of_a_loop_is_that_of_all_it_imports():
     stamps = {path: stamp(path) for path in loops}
     assert len(stamps) > 15
     assert len(set(stamps.values())) == len(stamps)
+
+
+@pytest.fixture(scope="module")
+def warm(tmp_path_factory):
+    """The compiled kernels of a run, in a folder of their own."""
+    chosen = tmp_path_factory.mktemp("warm")
+    with pytest.MonkeyPatch.context() as patch:
+        for kernels in PACKAGE.rglob("kernels"):
+            usual = _find_folder(kernels)
+            patch.setattr(numba.config, "CACHE_DIR", str(chosen))
+            shutil.copytree(usual, _find_folder.__wrapped__(kernels), dirs_exist_ok=True)
+            patch.undo()
+    play(chosen)
+    return chosen
+
+
+def play(chosen, prepare=None):
+    words = "run --source sim:press --device memory --speed max --seconds 0.2 --show nothing"
+    done = subprocess.run(
+        make_own_command(*words.split()),
+        env={**os.environ, "NUMBA_CACHE_DIR": str(chosen)},
+        check=False,
+        capture_output=True,
+        text=True,
+        preexec_fn=prepare,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "The pad is neutral." in done.stderr
+    return done.stderr
+
+
+def test_a_run_mends_a_damaged_cache_without_a_word(warm):
+    contents = {path: path.read_bytes() for path in warm.rglob("displacement.*.nbc")}
+    assert contents
+    for path, content in contents.items():
+        path.write_bytes(content[:-100])
+    assert "kept" not in play(warm)
+    for path, content in contents.items():
+        assert len(path.read_bytes()) > len(content) - 100
+
+
+def test_a_run_without_room_says_once_that_it_compiles_again(warm):
+    for path in warm.rglob("displacement.*.nbc"):
+        path.unlink()
+    told = play(warm, lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0)))
+    assert told.count("cannot be kept") == 1

@@ -39,6 +39,7 @@ PINCH = "when: {gesture: pinch, %s}, do: {button: a}"
         (one(PINCH % "on_mm: 3, off_mm: 2.5"), ["NT202"]),
         (one(PINCH % "on_mm: 2"), ["NT210", "NT202"]),
         (several(PINCH % "press: tap", PINCH % "press: double"), ["NT203"]),
+        (several(PINCH % "press: tap, phase: hold", PINCH % "press: double"), []),
         (several(PINCH % "press: tap", PINCH % "press: tap"), ["NT204"]),
         (one("when: {gesture: zoom, on_mm: 7.5}, do: {button: a}"), ["NT204"]),
         (one(PINCH % "press: hold, hold_ms: 6000"), ["NT205"]),
@@ -266,3 +267,21 @@ def test_too_much_of_everything_is_refused(folder: Path) -> None:
     write(folder, "b", "extends: [a]\n" + many("hold"))
     with pytest.raises(ProfileError, match="NT136"):
         load_profile("b")
+
+
+@pytest.mark.parametrize(
+    "evil", [r"\e[2K\e]0;owned\a", r"\u202Ehidden", r"\x9B8m", r"\u2066", r"\U000E0041", r"\0"]
+)
+def test_a_description_hides_nothing_from_who_reads_it(evil):
+    text = f'{HEAD}description: "Fine.{evil}"\n{one(PINCH % "on_mm: 5").removeprefix(HEAD)}'
+    (fault,) = check_content(text.encode(), "p.yaml").faults
+    assert fault.code == "NT120"
+    assert fault.path == "description"
+    assert "U+" in fault.sentence
+    assert fault.sentence.isprintable()
+
+
+@pytest.mark.parametrize("said", ["Zum Üben 🎮, for 한국", "می‌خواهم", r"two\nlines", "क्‍ष"])
+def test_a_description_is_in_any_language(said):
+    text = f'{HEAD}description: "{said}"\n{one(PINCH % "on_mm: 5").removeprefix(HEAD)}'
+    assert codes(text) == []

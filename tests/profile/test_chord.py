@@ -5,7 +5,7 @@ import pytest
 from neurotouch_hid.messages import Button
 from neurotouch_hid.profile import Mapping
 from neurotouch_hid.profile.diagnostics.description import describe_binding
-from neurotouch_hid.profile.editing.phrases import parse_when
+from neurotouch_hid.profile.editing.binding_words import parse_when
 from neurotouch_hid.profile.rehearsal.script import rehearse
 from tests.profile.stage import RAW, make_profile, shift
 

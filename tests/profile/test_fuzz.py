@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from ruamel.yaml import YAML
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.yaml_document import parse_document
 from neurotouch_hid.profile.reading.library import find_shipped_folder
 from neurotouch_hid.profile.reading.load import check_user, parse_profile
-from neurotouch_hid.profile.yaml_document import parse_document
 
 LOCATED = re.compile(r"p\.yaml:[1-9]\d*:[1-9]\d*: error\[NT1\d\d\]: \S")
 SHIPPED = [path.read_text(encoding="utf-8") for path in find_shipped_folder().glob("*.yaml")]

@@ -7,7 +7,8 @@ import textwrap
 import pytest
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.reading.load import MAX_BYTES, load_profile, parse_profile
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES
+from neurotouch_hid.profile.reading.load import load_profile, parse_profile
 
 CODE = re.compile(r": error\[NT1\d\d\]: ")
 HEAD = "version: 1\nname: x\nbindings:\n"
@@ -95,8 +96,8 @@ ONE_TARGET = "needs exactly one of: stick, axis, trigger, button, dpad, key, mou
 
 # § stands before each mistake; the sentences follow in that order.
 MISTAKES = [
-    ("§", ["the profile is empty"]),
-    ("§# only a comment\n", ["the profile is empty"]),
+    ("§", ["the file is empty"]),
+    ("§# only a comment\n", ["the file is empty"]),
     ("§- 1\n", ["needs keys with values, not a list"]),
     ("§hello", ["needs keys with values, not 'hello'"]),
     ("§§version: 1\n", ["the key 'bindings' is missing", "the key 'name' is missing"]),
@@ -260,19 +261,21 @@ def test_every_mistake_once_and_in_its_place(marked: str, sentences: list[str]) 
 HOSTILE = [
     (
         "a: &x [1]\nb: *x\n",
-        "1:4: error: a: anchors (&) and aliases (*) are not allowed in a profile",
+        "1:4: error: a: anchors (&) and aliases (*) are not allowed",
     ),
-    ("a: *x\n", "1:4: error: a: anchors (&) and aliases (*) are not allowed in a profile"),
-    ("a: !!python/object:os.system {}\n", "1:4: error: a: tags (!) are not allowed in a profile"),
-    ("a: !!int 3\n", "1:4: error: a: tags (!) are not allowed in a profile"),
-    ("a: 1\n---\nb: 2\n", "2:1: error: a profile is one document, here a second one begins"),
-    ("%YAML 1.1\n---\na: 1\n", "2:1: error: directives (%) are not allowed in a profile"),
+    ("a: *x\n", "1:4: error: a: anchors (&) and aliases (*) are not allowed"),
+    ("a: !!python/object:os.system {}\n", "1:4: error: a: tags (!) are not allowed"),
+    ("a: !!int 3\n", "1:4: error: a: tags (!) are not allowed"),
+    ("a: 1\n---\nb: 2\n", "2:1: error: a second document begins here, and only one is allowed"),
+    ("%YAML 1.1\n---\na: 1\n", "2:1: error: directives (%) are not allowed"),
     ("? [a]\n: 1\n", "1:3: error: a key must be a word"),
-    ("a: " + "[" * 30_000, "1:19: error: a" + "[0]" * 15 + ": a profile is nested at most 16 deep"),
-    ("[" + "1," * 6_000 + "]", "1:10000: error: a profile has at most 5000 values"),
+    ("a: " + "[" * 30_000, "1:19: error: a" + "[0]" * 15 + ": more than 16 levels are not allowed"),
+    ("[" + "1," * 6_000 + "]", "1:10000: error: more than 5000 values are not allowed"),
     ("a: " + "9" * 65, "1:4: error: a: a number has at most 64 characters"),
     ('a: "\\U99999999"\n', "1:1: error: a: this escape is no character"),
     ("name: x\nb: \x1b[31m\n", "2:4: error: the character U+001B is not allowed in YAML"),
+    ('a: "\\ud800+a"\n', "1:4: error: a: this escape is half a character"),
+    ('"\\udfff": 1\n', "1:1: error: this escape is half a character"),
     ("a:\n\tb: 1\n", "2:1: error: a: a tab cannot indent or begin a value"),
     ("a: {b: 1\n", "2:1: error: a: a '{' is opened and not closed before here"),
     (b"a: 1\nb: \xff\n", "2:4: error: byte 0xff is not UTF-8 text"),
@@ -286,9 +289,9 @@ def test_hostile_text_is_refused_before_anything_is_built(text: str | bytes, exp
 
 
 def test_the_size_is_looked_at_first(tmp_path) -> None:
-    message = complain(b"&" * (MAX_BYTES + 1))
+    message = complain(b"&" * (MAX_SETTINGS_BYTES + 1))
     assert message.startswith("p.yaml:1:1: error[NT101]: the file is larger than 64 kB\n")
-    comment = b"#" * (MAX_BYTES - len(binding()) - 1) + b"\n"
+    comment = b"#" * (MAX_SETTINGS_BYTES - len(binding()) - 1) + b"\n"
     parse_profile(comment + binding().encode(), "p.yaml")
     (tmp_path / "large.yaml").write_bytes(b" " * (1 << 20))
     with pytest.raises(ProfileError, match="larger than 64 kB"):
@@ -332,10 +335,10 @@ def test_words_stay_words() -> None:
 def test_paths_that_cannot_be_read(tmp_path) -> None:
     with pytest.raises(ProfileError, match=r"does not exist\.$"):
         load_profile(tmp_path / "gone.yaml")
-    with pytest.raises(ProfileError, match=r"is not a file\.$"):
+    with pytest.raises(ProfileError, match=r"it is a folder, not a file\.$"):
         load_profile(tmp_path)
     os.mkfifo(tmp_path / "pipe.yaml")
-    with pytest.raises(ProfileError, match=r"is not a file\.$"):
+    with pytest.raises(ProfileError, match=r"it is a pipe, not a file\.$"):
         load_profile(tmp_path / "pipe.yaml")
     with pytest.raises(ProfileError, match=r"cannot be read"):
         load_profile("a\0b.yaml")

@@ -8,7 +8,7 @@ from pydantic import TypeAdapter
 from neurotouch_hid.messages import Button, GestureKind
 from neurotouch_hid.profile import profile_schema, user_schema
 from neurotouch_hid.profile.reading.library import find_shipped_folder
-from neurotouch_hid.profile.schema.conditions import GestureName
+from neurotouch_hid.profile.schema.conditions import CONDITION_KEYS, Condition, GestureName
 from neurotouch_hid.profile.schema.shaping import Curve
 
 SCHEMA = profile_schema()
@@ -19,6 +19,10 @@ FIELDS = [
     for name, model in MODELS.items()
     for key, field in model.get("properties", {}).items()
 ]
+
+
+def test_the_ordered_keys_of_a_condition_are_keys_of_the_model() -> None:
+    assert set(CONDITION_KEYS) <= set(Condition.model_fields)
 
 
 @pytest.mark.parametrize(("name", "schema"), [("profile-1", SCHEMA), ("user-1", USER)])

@@ -10,7 +10,7 @@ from neurotouch_hid.profile.schema.shaping import Expo
 from neurotouch_hid.profile.schema.targets import ButtonTarget, MouseMotionTarget, Repeat
 from neurotouch_hid.profile.schema.timing import Timing
 from neurotouch_hid.profile.schema.tree import find_model
-from neurotouch_hid.profile.schema.user import Range, Ranges
+from neurotouch_hid.profile.schema.user import MovementRange, Ranges
 
 
 @pytest.mark.parametrize(
@@ -39,7 +39,7 @@ from neurotouch_hid.profile.schema.user import Range, Ranges
         (Profile, ("safety", "pause"), {}, SafetyGesture),
         (Profile, ("nothing", "here"), {}, None),
         (UserSettings, ("range",), {}, Ranges),
-        (UserSettings, ("range", "push_left"), {}, Range),
+        (UserSettings, ("range", "push_left"), {}, MovementRange),
         (UserSettings, ("feedback", "volume"), {}, Volumes),
     ],
 )

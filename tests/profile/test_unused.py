@@ -5,9 +5,10 @@ import pytest
 from neurotouch_hid.messages import Axis
 from neurotouch_hid.profile import Mapping, UserSettings, check_content, rehearse
 from neurotouch_hid.profile.calibration import CalibrationSession, write_ranges
+from neurotouch_hid.profile.editing import ProfileText
 from neurotouch_hid.profile.reading.load import check_user, parse_profile
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
-from neurotouch_hid.profile.schema.user import Range
+from neurotouch_hid.profile.schema.user import MovementRange
 
 PROFILE = """\
 version: 1
@@ -94,12 +95,15 @@ def test_check_warns_of_what_needs_a_movement_that_is_not_used():
 
 def test_calibration_says_what_is_not_used_and_measures_it_all_the_same():
     text = write_ranges(
-        "version: 1\n", {"zoom": None, "pinch": Range(rest=1, full=5)}, "2026-01-01"
+        ProfileText("version: 1\n"),
+        {"zoom": None, "pinch": MovementRange(rest=1, full=5)},
+        "2026-01-01",
     )
     user = check_user(text.encode(), "user.yaml").require()
     assert user.unused == ["zoom"]
     assert user.range.pinch.full == 5
-    assert write_ranges(text, {"pinch": None}, "2026-01-02").count("unused: [pinch, zoom]") == 1
+    less = write_ranges(text, {"pinch": None}, "2026-01-02").text
+    assert less.count("unused: [pinch, zoom]") == 1
     session = CalibrationSession(user, guided=False)
     for gesture in rehearse("rest 1s; zoom 5mm; rest 1s; zoom 5mm; rest 1s"):
         session.take(gesture)

@@ -6,7 +6,7 @@ import pytest
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.messages import Axis, Button, Gesture, GestureKind
 from neurotouch_hid.profile import Mapping, UserSettings, check_user, load_user, rehearse
-from neurotouch_hid.profile.engine.calibration import make_conversion
+from neurotouch_hid.profile.engine.personal_range import make_conversion
 from tests.profile.stage import make_profile, run
 
 STICK = make_profile("when: push, do: {stick: left, range_mm: [1, 8], deadzone: 0}")

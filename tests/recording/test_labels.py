@@ -67,8 +67,13 @@ def test_a_spreadsheet_may_have_saved_it(tmp_path):
          "twist_ccw (did you mean push?), found 'psuh'"),
         ("5,dance,1,1,1,2,,,,", "twist_ccw, found 'dance'"),
         ("5.5,push,1,1,1,2,,,,", "2: column timestamp_us: expected a whole number of microseconds"),
-        ("5,push,,1,1,2,,,,", "column intensity_mm: expected a number of millimetres, 0 or more, "
-         "found nothing"),
+        ("5,push,,1,1,2,,,,", "expected a number of millimetres from 0 to 100, found nothing"),
+        ("5,push,1e308,1,1,2,,,,", "millimetres from 0 to 100, found '1e308'"),
+        ("5,push,1_0,1,1,2,,,,", "millimetres from 0 to 100, found '1_0'"),
+        ("1_0,push,1,1,1,2,,,,", "whole number of microseconds, found '1_0'"),
+        ("٣,push,1,1,1,2,,,,", "whole number of microseconds, found '٣'"),
+        (f"1{'0' * 30},push,1,1,1,2,,,,", "whole number of microseconds, found '1000"),
+        ("9000000000000000000,push,1,1,1,2,,,,", "a time that a recording can have"),
         ("5,push,nan,1,1,2,,,,", "found 'nan'"),
         ("5,push,-1,1,1,2,,,,", "found '-1'"),
         ("5,push,1,4,1,2,,,,", "column contacts: expected a whole number from 0 to 3, found '4'"),
@@ -111,5 +116,5 @@ def test_missing_and_not_text(tmp_path):
     with pytest.raises(RecordingError, match="There is no file"):
         read_labels(tmp_path / "a.labels.csv")
     (tmp_path / "b.labels.csv").write_bytes(b"\xff\xfe\x00" * 10)
-    with pytest.raises(RecordingError, match="not a CSV file in UTF-8"):
+    with pytest.raises(RecordingError, match="is not UTF-8 text"):
         read_labels(tmp_path / "b.labels.csv")

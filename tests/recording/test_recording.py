@@ -278,7 +278,7 @@ def test_frames_of_another_size(tmp_path):
         writer.writeFrame(dv.Frame(400, np.zeros((100, 200), np.uint8)))
 
     path = with_dv(tmp_path / "a.aedat4", fill=fill)
-    assert refusal(path) == " has a frame of 200×100 pixels (uint8), not 346×260 of 8 bit"
+    assert refusal(path) == " has a frame of 200×100 pixels, not 346×260 of 8 bit"
 
 
 def test_colour_becomes_grey(tmp_path):

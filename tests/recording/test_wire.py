@@ -69,5 +69,5 @@ def test_an_end_in_the_middle_of_a_packet_is_the_end(line, cut):
 def test_nonsense_is_refused_before_memory_is_taken_for_it(line, nonsense):
     here, there = line
     here.sendall(nonsense)
-    with pytest.raises(RecordingError, match="cannot be understood"):
+    with pytest.raises(RecordingError, match="cannot be read"):
         list(receive_packets(there))

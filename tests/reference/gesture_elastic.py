@@ -38,7 +38,7 @@ def respond(x, y, cx, cy, a):
     )
 
 
-def couple(centres, radii):
+def build_compliance(centres, radii):
     k = len(centres)
     matrix = np.zeros((3 * k, 3 * k))
     for i, (c, a) in enumerate(zip(centres, radii, strict=True)):
@@ -55,7 +55,7 @@ def couple(centres, radii):
 def columns(points, centres, radii):
     """(n, 2, 3 k): how each marker moves with each finger's own motion."""
     k = len(centres)
-    inverse = np.linalg.inv(couple(centres, radii))
+    inverse = np.linalg.inv(build_compliance(centres, radii))
     rows = []
     for p in points:
         inside = [j for j in range(k) if math.dist(p, centres[j]) <= radii[j]]
@@ -86,7 +86,7 @@ def presses(points, centres, radii):
 
 def slopes(points, centres, radii, motions):
     """(n, 2, 3 k): how each marker moves with x, y and radius of each finger, the loads held."""
-    loads = np.linalg.solve(couple(centres, radii), np.ravel(motions)).reshape(-1, 3)
+    loads = np.linalg.solve(build_compliance(centres, radii), np.ravel(motions)).reshape(-1, 3)
     out = np.zeros((len(points), 2, 3 * len(centres)))
     for i, p in enumerate(points):
         for j, ((cx, cy), a) in enumerate(zip(centres, radii, strict=True)):

@@ -9,9 +9,10 @@ import pytest
 from neurotouch_hid.device import MemoryDevice
 from neurotouch_hid.errors import GelNotFoundError
 from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.messages import Button, GamepadState
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline, run_pipeline
-from neurotouch_hid.runtime.stall_guard import LIVE_STALL_S, STALL_S
+from neurotouch_hid.runtime.stall_guard import LIVE_STALL_S, STALL_S, StallGuard
 
 
 @pytest.fixture
@@ -72,6 +73,76 @@ def test_stalled_source_sends_neutral_while_it_is_silent(push, line):
 
     run_pipeline(stalling(), line, device)
     assert seen[0].is_neutral
+
+
+@pytest.mark.parametrize("is_live", [True, False])
+def test_a_gesture_held_through_a_stall_counts_no_more_unless_it_is_recorded(push, line, is_live):
+    line.has_frame_thread = is_live
+    device, told = MemoryDevice(), []
+
+    def stalling():
+        yield from held(push)
+        deadline = time.monotonic() + 60.0
+        while not device.states[-1].is_neutral and time.monotonic() < deadline:
+            time.sleep(0.01)
+        told.append(len(device.states))
+        yield from (packet for packet in push.packets if 1_500_000 < packet.t_end_us <= 1_800_000)
+
+    run_pipeline(stalling(), line, device)
+    assert not device.states[told[0] - 2].is_neutral
+    assert all(state.is_neutral for state in [*device.states][told[0] :]) == is_live
+
+
+class Clock:
+    """The kernel's clocks, of which one goes on while the machine sleeps; a test moves it on."""
+
+    def __init__(self):
+        self.now_s = 1000.0
+
+    def read(self, clock):
+        return self.now_s if clock == time.CLOCK_BOOTTIME else 1000.0
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr(time, "clock_gettime", clock.read)
+    return clock
+
+
+def test_a_machine_that_slept_has_stalled(clock):
+    device = MemoryDevice()
+    with StallGuard(device, STALL_S) as guard:
+        guard.feed()
+        assert not guard.take_stall()
+        clock.now_s += 3600.0
+        assert guard.take_stall()  # before the next step
+        guard.feed()
+        assert guard.take_stall()  # and also if it slept within one
+        assert not guard.take_stall()
+
+
+def test_a_machine_that_slept_shows_neutral_before_anything_else_happens(clock):
+    device = MemoryDevice()
+    with StallGuard(device, 0.01) as guard:
+        guard.feed()
+        device.write(GamepadState(0, frozenset({Button.A})))
+        clock.now_s += 3600.0
+        deadline = time.monotonic() + 60.0
+        while not device.states[-1].is_neutral and time.monotonic() < deadline:
+            time.sleep(0.001)
+    assert device.states[-1].is_neutral
+
+
+def test_a_guard_that_is_fed_keeps_quiet(clock):
+    device = MemoryDevice()
+    n_states = len(device.states)
+    with StallGuard(device, 0.001) as guard:
+        for _ in range(20):
+            guard.feed()
+            time.sleep(0.002)  # the guard looks meanwhile; by its clock no time passes
+        assert not guard.take_stall()
+    assert len(device.states) == n_states
 
 
 def test_source_without_a_gel_is_an_error_that_says_why(push, line):

@@ -1,6 +1,7 @@
 """Rig files are read whole or refused with the place of the fault."""
 
 import math
+import os
 
 import pytest
 
@@ -36,7 +37,7 @@ def test_good_files(tmp_path, text, expected):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("centre: [1, 2]\n", ":1:1: unknown key centre; did you mean centre_px?"),
+        ("centre: [1, 2]\n", ":1:1: unknown key centre; did you mean 'centre_px'?"),
         ("zoom: 1\n", ":1:1: unknown key zoom; known are centre_px"),
         ("mirrored: yes please\n", ":1:11: mirrored: expected true or false"),
         ("centre_px: [1, 2]\n", ":1:1: centre_px needs px_per_mm beside it"),
@@ -55,3 +56,52 @@ def test_bad_files(tmp_path, text, words):
         load(tmp_path, text)
     assert words in caught.value.message
     assert "\n" not in caught.value.message
+
+
+def bomb():
+    lines = ["a: &a [x, x, x, x, x, x, x, x, x]"]
+    for one, other in zip("abcdefgh", "bcdefghi", strict=True):
+        lines.append(f"{other}: &{other} [{', '.join([f'*{one}'] * 9)}]")
+    return "\n".join([*lines, "centre_px: *i"])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        bomb(),
+        "px_per_mm: 1" + "0" * 400,
+        "rotation_deg: -1" + "0" * 400,
+        "centre_px: [1" + "0" * 400 + ", 1]\npx_per_mm: 2",
+        "centre_px: " + "[" * 900,
+        "centre_px: " + "[" * 5000,
+        "<<: {px_per_mm: 99}",
+        "<<: {foo: 1}",
+        "!!omap [a: 1]",
+        "px_per_mm: -_",
+        "rotation_deg: !!int",
+        "rotation_deg:",
+        '"\\U99999999": 1',
+        "? [a, b]\n: 1",
+        "#" + "x" * (20 << 20),
+    ],
+    ids=range(15),
+)
+def test_made_to_harm(tmp_path, text):
+    with pytest.raises(RecordingError) as caught:
+        load(tmp_path, text)
+    assert len(caught.value.message) < 500
+
+
+def test_what_is_no_file(tmp_path):
+    path = tmp_path / "a.rig.yaml"
+    os.mkfifo(path)
+    with pytest.raises(RecordingError, match="it is a pipe, not a file"):
+        load_rig_file(path)
+    path.unlink()
+    path.symlink_to("/dev/zero")
+    with pytest.raises(RecordingError, match="it is a device, not a file"):
+        load_rig_file(path)
+    path.unlink()
+    path.write_bytes(b"mirrored: \xff")
+    with pytest.raises(RecordingError, match="byte 0xff in line 1 is not UTF-8 text"):
+        load_rig_file(path)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from neurotouch_hid.messages import EVENT_DTYPE, Frame
-from neurotouch_hid.source.slicer import MAX_SILENCE_US, Slicer, slice_stream
+from neurotouch_hid.source.slicer import MAX_SILENCE_US, Slicer, slice_recording
 
 PIXELS = np.zeros((260, 346), np.uint8)
 SLICE_US = 100
@@ -64,7 +64,7 @@ steps = st.lists(
 def test_any_batching_gives_the_same_slices(origin, gaps, frame_offsets, cuts):
     stamps = [origin + int(t) for t in np.cumsum(gaps)]
     frame_ends = [stamps[0] + offset for offset in frame_offsets]
-    packets = list(slice_stream(batches_of(stamps, frame_ends, cuts), SLICE_US))
+    packets = list(slice_recording(batches_of(stamps, frame_ends, cuts), SLICE_US))
     expected = plain_slices(stamps, sorted(frame_ends), SLICE_US)
     assert [
         (p.t_begin_us, p.events["t"].tolist(), [f.exposure_end_us for f in p.frames])
@@ -76,7 +76,7 @@ def test_any_batching_gives_the_same_slices(origin, gaps, frame_offsets, cuts):
 
 def test_hours_of_silence_are_skipped_on_the_same_grid():
     hour_us = 3_600_000_000
-    packets = list(slice_stream([(events_at([5, 7 * hour_us]), ())], 10_000))
+    packets = list(slice_recording([(events_at([5, 7 * hour_us]), ())], 10_000))
     assert len(packets) == 2
     assert (packets[1].t_begin_us - packets[0].t_begin_us) % 10_000 == 0
     assert packets[1].t_begin_us <= 7 * hour_us < packets[1].t_end_us
@@ -109,11 +109,11 @@ def test_a_partial_slice_can_be_taken_and_changes_nothing():
 
 def test_a_slice_within_a_batch_is_a_view():
     events = events_at(range(0, 1000, 10))
-    packets = list(slice_stream([(events, ())], SLICE_US))
+    packets = list(slice_recording([(events, ())], SLICE_US))
     assert all(np.shares_memory(packet.events, events) for packet in packets)
 
 
 def test_nothing_gives_nothing():
-    assert list(slice_stream([], SLICE_US)) == []
+    assert list(slice_recording([], SLICE_US)) == []
     with pytest.raises(ValueError, match="at least 1"):
         Slicer(0)

@@ -1,1 +1,1 @@
-"""Long benchmarks, which a player never needs."""
+"""Long benchmarks for developers."""

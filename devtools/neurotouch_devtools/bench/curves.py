@@ -1,4 +1,4 @@
-"""How latency grows with the rate of events, and a tracker's cost with the number of markers."""
+"""Draws latency over the rate of events, and the tracker's cost over the number of markers."""
 
 import math
 import time
@@ -23,6 +23,7 @@ from neurotouch_hid.evaluation.accuracy.report.style import (
 from neurotouch_hid.evaluation.speed.pace import choose_device, measure_live
 from neurotouch_hid.evaluation.speed.workload import SPREAD_PX, TOUR_US, DenseSource, load_scene
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.tracker import TrackerConfig
 from neurotouch_hid.tracker.kernels import filter as kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
@@ -31,7 +32,7 @@ from neurotouch_hid.tracker.markers import make_tracks
 RATES: Final = (0.1e6, 0.3e6, 1e6, 3e6, 6e6, 12e6)
 """Events a second: a slow push to the sensor's ceiling."""
 NUMBERS: Final = (50, 100, 177, 350, 700, 1000, 1400, 2000)
-"""Of markers; 2000 are 6.7 px apart, closer than the gates of two allow."""
+"""Numbers of markers; 2000 are 6.7 px apart, closer than the gates of two allow."""
 RANKS: Final = ("p50", "p99", "p99.9")
 
 _SECONDS = 10.0
@@ -46,15 +47,15 @@ def write_curves(
     """Draws both curves into a folder.
 
     Args:
-        folder: made if it is not there.
-        latency: of ``measure_rates``.
+        folder: created if missing.
+        latency: result of ``measure_rates``.
         cost: ns an event, by number of markers.
     """
     folder.mkdir(parents=True, exist_ok=True)
     with apply_style():
         pictures = {"latency.svg": _draw_rates(latency), "markers.svg": _draw_cost(cost)}
         for name, figure in pictures.items():
-            (folder / name).write_text(render_svg(figure), encoding="utf-8")
+            write_whole(folder / name, render_svg(figure).encode())
     return tuple(folder / name for name in pictures)
 
 
@@ -67,10 +68,10 @@ def measure_rates(
     """Measures the latency of the live pipeline in ms, by events a second.
 
     Args:
-        progress: called with what is being done.
+        progress: called with a sentence at each step.
         rates: events a second.
-        seconds: for how long each.
-        length_us: of the scene, which is played again and again.
+        seconds: length of each run.
+        length_us: length of the scene, which repeats.
     """
     kind = choose_device()
     scene = load_scene("tour", _SLICE_US, length_us)
@@ -85,7 +86,7 @@ def measure_rates(
 def measure_markers(n: int) -> float:
     """Measures the filter's processor time per event in ns, with n markers.
 
-    They are on a lattice that fills the sensor, swing together, and make a million events/s.
+    The markers are on a lattice that fills the sensor, swing together, and make a million events/s.
     """
     rest_px, neighbours = lay_lattice(n)
     config = TrackerConfig()
@@ -95,10 +96,12 @@ def measure_markers(n: int) -> float:
     events = _swing(rest_px)
     half = len(events) // 2
     where = np.empty((n, 2), np.float32), np.empty(n, np.bool_)
-    kernels.advance(events[:half].copy(), 0, int(events["t"][half]), tracks, tuning, *where)  # warm
+    kernels.filter_slice(
+        events[:half].copy(), 0, int(events["t"][half]), tracks, tuning, *where
+    )  # warm
     rest = events[half:].copy()
     begun_s = time.thread_time()
-    kernels.advance(rest, 0, int(rest["t"][-1]) + 1, tracks, tuning, *where)
+    kernels.filter_slice(rest, 0, int(rest["t"][-1]) + 1, tracks, tuning, *where)
     return (time.thread_time() - begun_s) / len(rest) * 1e9
 
 

@@ -1,4 +1,4 @@
-"""From the last event of a slice to the moment in which another program has read its input."""
+"""Measures the time from the last event of a slice until another program has read its input."""
 
 import subprocess
 import time
@@ -22,7 +22,7 @@ SCENE: Final = "sim:random"
 PROFILE: Final = "spacecraft"
 SECONDS: Final = 20.0
 PLACE: Final = "neurotouch/pad0"
-"""Where the measured pad claims to be plugged in: it is the first player's."""
+"""Physical path of the measured pad, which is the first player's."""
 
 EDGES_MS: Final = (0.25, 0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 20.0, 50.0)
 """Bounds of the histogram's bins."""
@@ -36,12 +36,12 @@ class Latency:
     """A distribution of times, in ms.
 
     Attributes:
-        n: how many.
+        n: number of times.
         p50: half are shorter.
         p99: 99 % are shorter.
         p999: 99.9 % are shorter.
         most: the longest.
-        histogram: how many up to each of EDGES_MS, and how many above the last.
+        histogram: number of times up to each of EDGES_MS, and above the last.
     """
 
     n: int
@@ -53,7 +53,7 @@ class Latency:
 
     @classmethod
     def of(cls, times_ms: NDArray[np.float64]) -> "Latency":
-        """Returns the distribution of these times, of which there must be one at least."""
+        """Returns the distribution of these times, at least one."""
         p50, p99, p999 = (float(value) for value in np.percentile(times_ms, [50, 99, 99.9]))
         bins = np.histogram(times_ms, [-np.inf, *EDGES_MS, np.inf])[0]
         return cls(len(times_ms), p50, p99, p999, float(times_ms.max()), tuple(map(int, bins)))
@@ -88,20 +88,20 @@ def measure_latency(
     source: str = SCENE,
     seconds: float = SECONDS,
 ) -> dict[str, Any]:
-    """Plays slices in their own time to a real pad, and reads it in another process.
+    """Plays slices in real time to a real pad, and reads it in another process.
 
     The slices are made beforehand, so that a simulator does not compete with the pipeline.
 
     Args:
         kind: ``uinput`` or ``hid``.
-        method: how gestures are recognised.
-        progress: called with what is being done.
-        source: what to play.
-        seconds: of sensor time, at most.
+        method: the method of recognition.
+        progress: called with a sentence at each step.
+        source: the source.
+        seconds: largest sensor time.
 
     Returns:
         ``line`` (from the last event of a slice to the reader) and ``device`` (from our write to
-        the reader), see ``Latency.as_json``; ``frames``, how many changes of the pad; and
+        the reader), see ``Latency.as_json``; ``frames``, the number of changes of the pad; and
         ``sensor_time_kept``, the share of frames whose stamps are as far apart as the sensor's.
 
     Raises:
@@ -131,7 +131,7 @@ def measure_latency(
 
 
 def evaluate(sent: Sequence[Sent], received: Sequence[tuple[int, int]]) -> dict[str, Any]:
-    """Returns the distributions of what was sent and received, one for one.
+    """Returns the distributions of the times between sending and receiving.
 
     Args:
         sent: the slices.
@@ -163,7 +163,7 @@ def _prepare(source: str, seconds: float) -> list[EventPacket]:
 
 
 def _play(packets: list[EventPacket], driver: Driver) -> list[Sent]:
-    """Returns each slice at the moment in which a sensor would have finished it."""
+    """Yields each slice at the moment in which a sensor would have finished it."""
     sent = []
     shown = GamepadState(0)
     offset_ns = time.monotonic_ns() + round(_AHEAD_S * 1e9) - packets[0].t_begin_us * 1_000

@@ -1,4 +1,4 @@
-"""A program that reads a pad as a game does and notes when: ``python -m ... PHYS``.
+"""Reads a pad as a game does and records the times: ``python -m ... PHYS``.
 
 It runs as a process of its own, because in ours it would wait for the pipeline. It prints
 ``ready``. When the pad has gone, it prints for each frame the moment of the kernel's stamp and the
@@ -21,10 +21,10 @@ _SYN, _SYN_REPORT, _SYN_DROPPED = 0, 0, 3
 
 
 def find_node(phys: str) -> Path:
-    """Returns the event node that says it is plugged in at this place, once it can be read.
+    """Returns the event node with this physical path, once it can be read.
 
     Raises:
-        TimeoutError: it does not come, or we may not read it.
+        TimeoutError: it does not appear, or this user may not read it.
     """
     deadline = time.monotonic() + _SEARCH_S
     while time.monotonic() < deadline:
@@ -38,7 +38,7 @@ def find_node(phys: str) -> Path:
 
 
 def receive(node: Path) -> None:
-    """Prints the moments of each frame until the node goes."""
+    """Prints the times of each frame until the node is removed."""
     descriptor = os.open(node, os.O_RDONLY)
     fcntl.ioctl(descriptor, _EVIOCSCLOCKID, struct.pack("@i", time.CLOCK_MONOTONIC))
     print("ready", flush=True)

@@ -1,11 +1,9 @@
-"""What the memory does over hours of play, as fast as it can be played."""
+"""Measures memory over hours of play, as fast as possible."""
 
 import os
 import tempfile
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,12 +15,13 @@ from neurotouch_hid.evaluation.speed.workload import TOUR_US, load_scene, shift_
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.process.gc_freeze import freeze_gc
+from neurotouch_hid.process.own_pool import open_pool
 from neurotouch_hid.recording import RecordingWriter
 from neurotouch_hid.source import open_source
 
 SLICE_US: Final = 10_000
 WARM_SHARE: Final = 0.2
-"""Caches and allocators fill up at first; only what comes after it tells of a leak."""
+"""Share of the run in which caches and allocators fill up; only growth after it shows a leak."""
 
 _PAGE_MB: Final = os.sysconf("SC_PAGE_SIZE") / 2**20
 
@@ -33,16 +32,16 @@ def measure_soak(
     progress: Callable[[str], None],
     length_us: int = TOUR_US,
 ) -> dict[str, Any]:
-    """Plays all gestures again and again, and weighs the process every minute of sensor time.
+    """Repeats all gestures, and measures the memory of the process every minute of sensor time.
 
-    They come from a recording that another process has made, so that what is weighed is a driver.
-    It also compiles what has not been compiled yet, which takes 0.3 GB.
+    The gestures come from a recording that another process has made, so that this process is only a
+    driver. The other process also compiles the kernels, which takes 0.3 GB.
 
     Args:
         method: the recogniser.
-        minutes: of sensor time.
-        progress: called after each.
-        length_us: of the recording, which is played again and again.
+        minutes: sensor time.
+        progress: called after each minute.
+        length_us: length of the recording, which repeats.
 
     Returns:
         ``minutes``; ``rss_mb``, resident memory after each of them; ``kb_per_hour``, its growth
@@ -51,10 +50,13 @@ def measure_soak(
     options = replace(REFERENCE, method=method)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "soak.aedat4"
-        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        with open_pool(1) as pool:
             pool.submit(_prepare, path, length_us, options).result()
         scale = Scale(progress)
-        with Driver(options, make_source=lambda: Repeat(path, minutes)) as driver, freeze_gc():
+        with (
+            Driver(options, make_source=lambda: RepeatedSource(path, minutes)) as driver,
+            freeze_gc(),
+        ):
             stats = driver.run([scale])
     return {
         "minutes": minutes,
@@ -72,12 +74,12 @@ def _prepare(path: Path, length_us: int, options: DriverOptions) -> None:
 
 
 @dataclass
-class Repeat(Closing):
-    """A source that plays a recording again and again; the gel is at rest at both of its ends.
+class RepeatedSource(Closing):
+    """A source that repeats a recording; the gel is at rest at both ends of the recording.
 
     Args:
         path: the recording.
-        minutes: of sensor time.
+        minutes: sensor time.
     """
 
     path: Path
@@ -96,15 +98,15 @@ class Repeat(Closing):
                     now_us += SLICE_US
 
     def close(self) -> None:
-        """Does nothing: nothing is open between two rounds."""
+        """Does nothing: nothing is open between two repetitions."""
 
 
 class Scale:
-    """A tap that weighs the process after every minute of sensor time.
+    """A tap that measures the process's memory after every minute of sensor time.
 
     Args:
-        progress: called with each weight in words.
-        weigh_mb: resident memory.
+        progress: called with each result in words.
+        weigh_mb: returns the resident memory.
     """
 
     def __init__(
@@ -115,7 +117,7 @@ class Scale:
         self._begin_us: int | None = None
 
     def __call__(self, step: Step) -> None:
-        """Weighs when a minute is over."""
+        """Measures when a minute is over."""
         if self._begin_us is None:
             self._begin_us = step.packet.t_begin_us
         if step.packet.t_end_us - self._begin_us >= (len(self.rss_mb) + 1) * 60_000_000:
@@ -124,9 +126,9 @@ class Scale:
 
 
 def measure_growth(rss_mb: list[float]) -> float:
-    """Returns growth in kB an hour of a weight taken every minute.
+    """Returns growth in kB an hour, from a measurement every minute.
 
-    Fewer than three that count give 0.
+    With fewer than three measurements after the start it returns 0.
     """
     settled = rss_mb[int(WARM_SHARE * len(rss_mb)) :]
     if len(settled) < 3:  # two points are no trend

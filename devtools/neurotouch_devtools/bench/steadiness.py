@@ -1,4 +1,4 @@
-"""What the tremor filters leave and delay beside what they were designed for; what a profile costs.
+"""Measures the tremor filters beside the figures of their design, and the cost of a profile.
 
 Signals are made, not measured: a tremor of 1 mm while 5 mm are held, a press of 5 mm within 300 ms
 along a minimum-jerk path, its release, and a slow ramp of 3 mm/s, all at 100 Hz.
@@ -14,29 +14,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.profile import Mapping, rehearse
-from neurotouch_hid.profile.engine.notch import Notch
-from neurotouch_hid.profile.engine.one_euro import FILTERS, OneEuro
-from neurotouch_hid.profile.reading.load import parse_profile
+from neurotouch_hid.profile.engine import FILTERS, Notch, OneEuro
+from neurotouch_hid.profile.reading import parse_profile
 
 STEP_US: Final = 10_000
 HOLD_MM: Final = 5.0
 PRESS_S: Final = 0.3
 RAMP_MM_S: Final = 3.0
 GOAL_MS: Final = 0.05
-"""What the profile stage may cost in a slice of 10 ms, with 60 bindings."""
+"""Limit for the cost of the profile stage in a slice of 10 ms, with 60 bindings."""
 
 N_BINDINGS: Final = 60
 
 
 @dataclass(frozen=True, slots=True)
 class Steadiness:
-    """What a filter does.
+    """Figures of a filter.
 
     Attributes:
         left: percent of a tremor that is left, by its frequency in Hz.
-        press_ms: how late half of a press comes.
-        release_ms: how late a release falls through 20 %.
-        ramp_ms: how far it lags on a slow ramp.
+        press_ms: delay of half of a press.
+        release_ms: delay at which a release falls below 20 %.
+        ramp_ms: lag on a slow ramp.
     """
 
     left: Table[int, float]
@@ -55,11 +54,11 @@ DESIGN: Final[Table[str, Steadiness]] = MappingProxyType(
         NOTCHED: Steadiness({4: 8, 5: 0, 6: 4, 8: 8, 10: 9}, 87, 101, 117),
     }
 )
-"""The values the presets were chosen by, from a simulation apart from this program."""
+"""The design values of the presets, from a simulation outside this program."""
 
 
 def measure_filter(name: str) -> Steadiness:
-    """Returns what the filter of this name in ``DESIGN`` does to the signals."""
+    """Returns the figures of the filter of this name in ``DESIGN``."""
     times = np.arange(-0.5, 6.0, STEP_US * 1e-6)
     share = np.clip(times / PRESS_S, 0.0, 1.0)
     press = HOLD_MM * (10 * share**3 - 15 * share**4 + 6 * share**5)
@@ -93,10 +92,10 @@ def _cross(times: NDArray[np.float64], values: NDArray[np.float64], level: float
 
 
 def measure_engine(repetitions: int = 20) -> dict[str, float]:
-    """Returns what the profile stage costs for a slice, with 60 bindings and the filter ``medium``.
+    """Returns the cost of the profile stage a slice, with 60 bindings and the filter ``medium``.
 
     Returns:
-        ``median`` and ``p99``, in ms of the clock, over every gesture held and tapped.
+        ``median`` and ``p99`` in ms, over every gesture held and tapped.
     """
     ways = ("left", "right", "up", "down")
     places = [f"gesture: push, direction: {way}" for way in ways]

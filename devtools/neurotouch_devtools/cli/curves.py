@@ -1,4 +1,4 @@
-"""``neurotouch bench curves``: the pictures of the documentation that show speed."""
+"""``neurotouch bench curves``: draws the pictures of the documentation that show speed."""
 
 from pathlib import Path
 

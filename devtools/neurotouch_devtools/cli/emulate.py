@@ -21,7 +21,7 @@ _POLL_S = 0.5
     "  sudo neurotouch emulate                          then, elsewhere: neurotouch run\n"
     "  sudo neurotouch emulate --source file:play.aedat4 --serial 00000042 --usb2\n"
     "  sudo neurotouch emulate --fault stall@configure+3 --fault unplug@stream+1000\n\n"
-    "Ctrl-C unplugs it. neurotouch emulate --list-faults says what can go wrong."
+    "Ctrl-C unplugs it. neurotouch emulate --list-faults lists the faults."
 )
 @click.option(
     "--source",
@@ -36,7 +36,7 @@ _POLL_S = 0.5
     "faults",
     multiple=True,
     metavar="KIND[@STAGE][+AFTER][xTIMES]",
-    help="What goes wrong, when, after how many requests or transfers, how often; repeatable.",
+    help="A fault: kind, stage, requests or transfers before it, and how often; repeatable.",
 )
 @click.option("--list-faults", is_flag=True, help="Print the kinds and stages of faults.")
 @seconds_option
@@ -76,7 +76,7 @@ def command(
     with ExitStack() as stack:
         packets = stack.enter_context(open_source(source, speed="max"))
         seen = iter(_repeat(packets))
-        first = next(seen)  # what has to be compiled is compiled before the camera is there
+        first = next(seen)  # the kernels are compiled before the camera is plugged in
         ahead = stack.enter_context(Prefetch(chain([first], seen)))
         camera = EmulatedCamera(ahead, config, chosen)
         cable = stack.enter_context(UsbIp(camera))
@@ -89,15 +89,15 @@ def command(
                 if seconds is not None and time.monotonic() - begun >= seconds:
                     break
             else:
-                click.echo("It was unplugged.", err=True)
+                click.echo("The camera was unplugged.", err=True)
         except KeyboardInterrupt:
             pass  # the way to end it
     if camera.n_dropped:
-        click.echo(f"{camera.n_dropped} events were lost: nobody read fast enough.", err=True)
+        click.echo(f"{camera.n_dropped} events were lost: the driver was too slow.", err=True)
 
 
 def _repeat(packets: "Iterable[EventPacket]") -> "Iterator[EventPacket]":
-    """Gives the source again and again, in one time that goes on."""
+    """Repeats the packets of a source, with times that continue."""
     from dataclasses import replace
 
     shift_us = 0

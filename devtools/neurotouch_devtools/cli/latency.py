@@ -1,4 +1,4 @@
-"""``neurotouch bench latency``: from the last event of a slice to another program."""
+"""``neurotouch bench latency``: measures from the last event of a slice to another program."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -28,22 +28,22 @@ _ROWS = (
     type=click.Choice(["uinput", "hid"]),
     default="uinput",
     show_default=True,
-    help="Which kind of pad.",
+    help="Kind of pad.",
 )
-@click.option("--source", default="sim:random", show_default=True, help="What to play.")
+@click.option("--source", default="sim:random", show_default=True, help="Source.")
 @click.option(
     "--seconds",
     type=Finite(min=1.0, max=600.0),
     default=20.0,
     show_default=True,
-    help="Of sensor time, at most.",
+    help="Largest sensor time, in seconds.",
 )
 @method_option
 @json_option
 def command(device: "DeviceKind", source: str, seconds: float, method: str, as_json: bool) -> None:
-    """Measure how long it takes from the last event of a slice until a game has its input.
+    """Measure the time from the last event of a slice until a game has its input.
 
-    Slices are played in their own time through the whole pipeline; another process reads the pad's
+    Slices are played in real time through the whole pipeline; another process reads the pad's
     event node. The camera's own delay (USB, exposure) is not in it.
     """
     from neurotouch_devtools.bench.latency import measure_latency

@@ -1,4 +1,4 @@
-"""``neurotouch bench soak``: whether memory stays flat over hours of play."""
+"""``neurotouch bench soak``: measures memory over hours of play."""
 
 import click
 
@@ -17,12 +17,12 @@ from neurotouch_hid.cli.ui.output import json_option, print_json
     type=Finite(min=1.0),
     default=30.0,
     show_default=True,
-    help="Of sensor time; it is played as fast as this machine can.",
+    help="Sensor time in minutes; it is played as fast as possible.",
 )
 @method_option
 @json_option
 def command(minutes: float, method: str, as_json: bool) -> None:
-    """Play all gestures again and again through the whole pipeline, and watch the memory."""
+    """Repeat all gestures through the whole pipeline, and measure the memory."""
     from neurotouch_devtools.bench.soak import measure_soak
 
     result = measure_soak(method, minutes, lambda text: click.echo(text, err=True))

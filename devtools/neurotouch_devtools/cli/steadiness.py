@@ -1,4 +1,4 @@
-"""``neurotouch bench profile``: what the tremor filters do, and what a profile costs."""
+"""``neurotouch bench profile``: measures the tremor filters, and the cost of a profile."""
 
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 )
 @json_option
 def command(as_json: bool) -> None:
-    """Measure what each tremor filter leaves and delays, and what a profile costs.
+    """Measure the remaining tremor and the delay of each filter, and the cost of a profile.
 
     Beside each figure, in brackets, is the value the filter was designed for. The signals are
     made by a program: they say nothing about a person.

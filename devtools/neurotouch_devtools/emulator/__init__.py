@@ -1,4 +1,4 @@
-"""An emulated DAVIS-346: what a driver sees of the camera, for tests and for those without one."""
+"""An emulated DAVIS-346, for tests and for people without a camera."""
 
 from neurotouch_devtools.emulator.camera import CameraConfig, EmulatedCamera
 from neurotouch_devtools.emulator.descriptors import Identity

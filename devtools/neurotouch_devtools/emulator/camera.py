@@ -16,7 +16,7 @@ from neurotouch_devtools.emulator.scene import Scene
 from neurotouch_devtools.emulator.words import WordEncoder
 from neurotouch_hid.messages import EventPacket
 
-_HURRY_BYTES = 1 << 16
+_READY_BYTES = 1 << 16
 _LONG_US = 1 << 31
 _NEVER_US = 1 << 60
 _OVERFLOW_NS = 10_000_000
@@ -25,7 +25,7 @@ _SILENCE_NS = 100_000_000
 
 @dataclass(frozen=True, slots=True)
 class CameraConfig:
-    """How an emulated camera is built.
+    """Properties of an emulated camera.
 
     Attributes:
         identity: serial, speed, versions of the USB side.
@@ -33,14 +33,14 @@ class CameraConfig:
         colour: the colour filter.
         logic: version and patch of the FPGA.
         chip: the chip's identifier.
-        fifo_bytes: what the camera keeps while the host does not read. A real one's is not known.
-        lead_us: how long the scene waits after the sensors have been switched on.
-        await_reset: the scene also waits until the host has then reset the clock, as our driver
-            and the vendor's do; however long they take, they miss nothing of it.
-        unpaced: the scene goes as fast as the host reads and nothing is ever lost; otherwise it
-            takes its time, and a slow host loses events, as with a real camera.
-        pace: microseconds of the camera's time in one of the host's. Below 1 the camera lives in
-            slow motion, for a machine too slow to play at its own pace.
+        fifo_bytes: size of its buffer for unread data. That of a real camera is unknown.
+        lead_us: time from switching the sensors on to the start of the scene.
+        await_reset: the scene also waits until the host has reset the clock, as our driver and
+            the vendor's do, so that they never miss its beginning.
+        unpaced: the scene goes as fast as the host reads, and nothing is lost; otherwise it runs in
+            real time, and a slow host loses events, as with a real camera.
+        pace: microseconds of the camera's time in one of the host's. Below 1 the camera runs in
+            slow motion, for a slow machine.
     """
 
     identity: Identity = field(default_factory=Identity)
@@ -56,17 +56,17 @@ class CameraConfig:
 
 
 class EmulatedCamera:
-    """A DAVIS-346 without glass: answers requests and produces the stream, by any transport.
+    """An emulated DAVIS-346: answers requests and produces the stream, for any transport.
 
     Args:
-        packets: what it sees. Time passes there only while the camera streams.
-        config: how it is built.
-        faults: what goes wrong, and when.
+        packets: its scene. Time passes there only while the camera streams.
+        config: its properties.
+        faults: the faults to inject.
         clock_ns: host time.
 
     Attributes:
         registers: the register file.
-        script: counts what the host does, and makes faults.
+        script: counts the host's requests and transfers, and injects faults.
         n_dropped: events lost because the host did not read.
     """
 
@@ -124,15 +124,15 @@ class EmulatedCamera:
 
     @property
     def streaming(self) -> bool:
-        """Data is let through to USB."""
+        """True if data passes to USB."""
         return self._streaming
 
     def put_back(self, data: bytes) -> None:
-        """Puts back what was read but did not reach the host."""
+        """Puts back data that was read but did not reach the host."""
         self._fifo[:0] = data
 
     def disturb(self, kind: FaultKind) -> None:
-        """Makes what the camera sends faulty from now on."""
+        """Makes the camera's data faulty from now on."""
         if kind is FaultKind.RESET:
             self._reset_time()
         elif kind is FaultKind.WRAP:
@@ -149,7 +149,7 @@ class EmulatedCamera:
             self.say(self._encoder.garble(kind))
 
     def say(self, words: Words) -> None:
-        """Puts words into the stream as they are, whatever they do to a host."""
+        """Puts words into the stream as they are, also invalid ones."""
         if not len(words):
             return
         if not self._fifo:
@@ -158,12 +158,12 @@ class EmulatedCamera:
 
     @property
     def ended(self) -> bool:
-        """The scene is over and all of it has been read; the camera stays alive."""
+        """True if the scene is over and all of it has been read; the camera continues."""
         return self._scene.ended and not self._frames.readouts and not self._fifo
 
     @property
     def patience_us(self) -> float:
-        """How long a transport may wait before it asks for data again."""
+        """Time after which a transport must ask for data again."""
         return max(self.registers.early_packet_delay_us, 125.0) / self.config.pace
 
     def read(self, n_bytes: int) -> bytes | None:
@@ -195,13 +195,13 @@ class EmulatedCamera:
             return
         began = self._watching and self._t_ns >= 1000 * self._resume_us
         if self.config.unpaced and began and not self._scene.ended:
-            self._hurry()
+            self._provide_data()
             return
         self._produce(elapsed_ns)
 
-    def _hurry(self) -> None:
-        """Makes sure that something can be read, whatever the clock says."""
-        while len(self._fifo) < _HURRY_BYTES and not self._scene.ended:
+    def _provide_data(self) -> None:
+        """Makes sure that data can be read, at any time of the clock."""
+        while len(self._fifo) < _READY_BYTES and not self._scene.ended:
             self._produce(1_000_000)
 
     def _note_switches(self) -> None:
@@ -235,7 +235,7 @@ class EmulatedCamera:
         self._resume_us += by_us
 
     def _produce(self, elapsed_ns: int) -> None:
-        """Advances camera time, and sends what has happened meanwhile."""
+        """Advances camera time, and sends the data of that time."""
         overflows = self._t_ns < self._full_until_ns  # at its beginning, however long it was
         self._t_ns += elapsed_ns
         if not self._streaming:

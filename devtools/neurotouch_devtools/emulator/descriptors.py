@@ -16,11 +16,11 @@ _BULK, _INTERRUPT = 2, 3
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """What distinguishes one camera from another.
+    """Properties that differ between cameras.
 
     Attributes:
         serial: eight digits on real cameras; None leaves the string out.
-        product: the product's name; a real one's is not known for sure.
+        product: the product's name; that of a real camera is not certain.
         firmware: low byte of the device's version; drivers accept 6 only.
         board: high byte, 2 for the "blue" case, 3 for the "red" one.
         super_speed: on a USB 3 port; else USB 2 high speed.

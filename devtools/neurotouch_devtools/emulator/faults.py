@@ -1,4 +1,4 @@
-"""What can go wrong with a camera, on purpose and at a chosen moment."""
+"""Faults of a camera, injected at a chosen moment."""
 
 import re
 from collections.abc import Sequence
@@ -9,10 +9,10 @@ from neurotouch_hid.errors import SourceError
 
 
 class Stage(StrEnum):
-    """When a fault strikes: during what the host does."""
+    """Stage of the host's work in which a fault happens."""
 
     PLUGGED = "plugged"
-    """Standard requests: the host finds out what has been plugged in."""
+    """Standard requests: the host identifies the new device."""
     OPEN = "open"
     """Vendor requests that read: the driver asks for versions and sizes."""
     CONFIGURE = "configure"
@@ -20,11 +20,11 @@ class Stage(StrEnum):
     STREAM = "stream"
     """Bulk transfers with data."""
     STOP = "stop"
-    """Vendor requests that write, from the first one on that switches off what runs."""
+    """Vendor requests that write, starting with the first that switches something off."""
 
 
 class FaultKind(StrEnum):
-    """What goes wrong. The first group can happen to requests and transfers alike."""
+    """Kinds of faults. Those of the first group can happen to requests and transfers."""
 
     UNPLUG = "unplug"
     STALL = "stall"
@@ -50,13 +50,13 @@ class FaultKind(StrEnum):
     BACKWARD = "backward"
     """A time word that goes back."""
     UNKNOWN = "unknown"
-    """Words that no document knows."""
+    """Words that no document describes."""
     WRAP = "wrap"
-    """The clock jumps over 2**31 µs, as after 36 minutes; wrap words tell."""
+    """The clock jumps over 2**31 µs, as after 36 minutes; wrap words announce it."""
     RESET = "reset"
-    """The clock starts again at 0, in the middle of whatever is being sent."""
+    """The clock starts again at 0, in the middle of the data."""
     SILENCE = "silence"
-    """Nothing comes for 100 ms a time, not even wrap words."""
+    """No data for 100 ms each time, not even wrap words."""
     SUSPEND = "suspend"
     """The camera loses its power for a moment: all registers are as after being plugged in."""
 
@@ -76,10 +76,10 @@ class Fault:
     """One fault.
 
     Attributes:
-        kind: what goes wrong.
-        stage: when.
-        after: so many requests or transfers of the stage are spared.
-        times: how many of them it hits then.
+        kind: the kind.
+        stage: the stage.
+        after: number of requests or transfers of the stage before it.
+        times: number of them that it affects.
     """
 
     kind: FaultKind
@@ -111,7 +111,7 @@ class Fault:
 
 
 class FaultError(Exception):
-    """The current transfer ends in a fault; the transport lets the host feel it."""
+    """The current transfer ends in a fault; the transport passes the fault to the host."""
 
     def __init__(self, kind: FaultKind) -> None:
         super().__init__(kind)
@@ -119,7 +119,7 @@ class FaultError(Exception):
 
 
 class Script:
-    """Counts what the host does and decides when a fault hits.
+    """Counts the host's requests and transfers, and decides which of them fail.
 
     Args:
         faults: in any order.
@@ -130,11 +130,11 @@ class Script:
         self._seen = dict.fromkeys(Stage, 0)
 
     def has(self, kind: FaultKind) -> bool:
-        """Tells whether such a fault is among them."""
+        """Returns True if a fault of this kind is in the list."""
         return any(fault.kind is kind for fault in self._faults)
 
     def strike(self, stage: Stage) -> FaultKind | None:
-        """Counts one request or transfer; returns the fault that hits it."""
+        """Counts one request or transfer; returns its fault, if any."""
         n = self._seen[stage]
         self._seen[stage] += 1
         for fault in self._faults:

@@ -8,10 +8,10 @@ from neurotouch_devtools.emulator.registers import Registers
 
 
 class EventFilter:
-    """Takes away the events that the camera does not send; the order is that of the logic.
+    """Removes the events that the camera does not send, in the order of its logic.
 
     Args:
-        registers: where the limits are, in image pixels, and where the losses are counted.
+        registers: contain the limits, in image pixels, and the counters of lost events.
     """
 
     def __init__(self, registers: Registers) -> None:

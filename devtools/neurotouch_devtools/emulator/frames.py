@@ -1,4 +1,4 @@
-"""When which frame is read out: switched on, in time, not too soon after the one before."""
+"""Decides which frames are read out, and when."""
 
 from collections import deque
 
@@ -8,8 +8,8 @@ from neurotouch_devtools.emulator.registers import Registers
 from neurotouch_hid.messages import Frame
 
 _LEAST_INTERVAL = 0.75
-"""The scene's frames come when they come; one is left out if it comes much sooner than the register
-of the frame interval says."""
+"""The scene sets the times of its frames; a frame is left out if it comes much earlier than the
+register of the frame interval permits."""
 _NEVER_US = -(1 << 62)
 
 
@@ -32,7 +32,7 @@ class FrameReader:
         self.wanted = False
 
     def hold(self, by_us: int) -> None:
-        """Stops reading for so long: there is no room for what is read."""
+        """Stops reading for this time: there is no room for the data."""
         for readout in self.readouts:
             readout.t_us[readout.next :] += by_us
         self._busy_until_us += by_us

@@ -14,7 +14,7 @@ _25_DEGREES = (25 - 35) * 340
 
 
 class Imu:
-    """Says when a sample is due, and which words it takes.
+    """Makes the words of each sample that is due.
 
     Args:
         registers: of the camera.

@@ -1,4 +1,4 @@
-"""The port a camera is plugged into: transfers in, their ends out, whatever carries them."""
+"""The USB port of a camera: takes transfers and returns their completions, for any transport."""
 
 import errno
 import time
@@ -17,8 +17,8 @@ _STATUS = {
     FaultKind.BABBLE: -errno.EOVERFLOW,
 }
 _SETTLE_NS = 100_000_000
-"""At the start, data waits until the host has queued no more transfers for so long: a driver that
-queues them after it has switched the stream on would get the first ones in disorder."""
+"""At the start, data waits until the host has queued no more transfers for this time: a driver that
+queues them after it has switched the stream on would get the first ones out of order."""
 
 
 class UnpluggedError(Exception):
@@ -30,9 +30,9 @@ class Completion:
     """The end of a transfer.
 
     Attributes:
-        number: the host's name for it.
+        number: the host's number for it.
         status: 0 or a negative errno.
-        data: what the host gets.
+        data: the data for the host.
         length: bytes transferred, in whichever direction.
     """
 
@@ -46,7 +46,7 @@ class Port:
     """Takes the host's transfers and ends them, in the order of each endpoint.
 
     Args:
-        camera: what is plugged in.
+        camera: the camera.
         clock_ns: host time.
     """
 
@@ -64,7 +64,7 @@ class Port:
 
     @property
     def patience_s(self) -> float | None:
-        """How long one may wait before asking for completions again; None: until a transfer."""
+        """Time after which to ask for completions again; None: after the next transfer."""
         return self._camera.patience_us / 1e6 if self._camera.streaming else None
 
     def submit(self, number: int, endpoint: int, length: int) -> None:
@@ -76,7 +76,7 @@ class Port:
         self._waiting[number] = length
 
     def control(self, number: int, setup: Setup, data: bytes) -> Completion | None:
-        """Answers a control transfer; None if it hangs.
+        """Returns the answer to a control transfer; None if it hangs.
 
         Raises:
             UnpluggedError: a fault has struck.
@@ -102,7 +102,7 @@ class Port:
         self._data.clear_halt()
 
     def completions(self) -> Iterator[Completion]:
-        """Gives the transfers that end now; call it again after ``patience_s``.
+        """Returns the transfers that end now; call it again after ``patience_s``.
 
         Raises:
             UnpluggedError: a fault has struck.

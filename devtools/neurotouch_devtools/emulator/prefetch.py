@@ -1,4 +1,4 @@
-"""Pulls a slow source ahead of time, in a thread, so that the camera never has to wait for it."""
+"""Reads a slow source ahead of time, in a thread, so that the camera never waits for it."""
 
 import threading
 from collections import deque
@@ -29,10 +29,10 @@ class Prefetch(Closing):
         self._thread.start()
 
     def __iter__(self) -> Iterator[EventPacket | None]:
-        """Gives the packets.
+        """Yields the packets.
 
         Raises:
-            NeuroTouchError: the source has failed; what it gave before comes first.
+            NeuroTouchError: the source has failed; its earlier packets come first.
         """
         while True:
             with self._change:
@@ -45,7 +45,7 @@ class Prefetch(Closing):
             yield packet
 
     def close(self) -> None:
-        """Stops pulling."""
+        """Stops reading."""
         with self._change:
             self._closing = True
             self._change.notify()

@@ -30,8 +30,8 @@ ROI_HIGH_CODE, ROI_LOW_CODE = 0x5100, 0x5200
 EXPOSURE_CODE = 0x6000
 
 COLUMN_US = 20
-"""How long a column is read. A real one's time is not known; so a full frame takes 10 ms, well
-below the 25 ms that it may take at 40 a second."""
+"""Time to read a column. That of a real camera is unknown; here a full frame takes 10 ms, well
+below the 25 ms that 40 frames a second allow."""
 
 _RESET_LEVEL = 1023
 """The ADC's value of a reset pixel; each pixel's own differs a little, as on every real sensor."""
@@ -68,12 +68,12 @@ class Readout:
 
     @property
     def done(self) -> bool:
-        """Everything has been sent."""
+        """True if everything has been sent."""
         return self.next == len(self.t_us)
 
     @property
     def n_words_left(self) -> int:
-        """At most so many words are still to be sent, those for time included."""
+        """Upper bound of the words still to be sent, including those for time."""
         n_sent = int(self.end[self.next - 1]) if self.next else 0
         return len(self.words) - n_sent + 2 * (len(self.t_us) - self.next)
 
@@ -102,11 +102,11 @@ def read_out(
 
     Args:
         frame: pixels and times.
-        region: what is read.
-        orientation: as the register says: swap, flip of the column and of the row counter.
-        exposure_cycles: as the three exposure words tell it.
-        begin_us: scene time at which the reset columns begin to be read.
-        global_shutter: as the start word tells it; the columns come in the same order.
+        region: the region to read.
+        orientation: value of the register: swap, flip of the column and of the row counter.
+        exposure_cycles: value of the three exposure words.
+        begin_us: scene time at which the readout of the reset columns begins.
+        global_shutter: value of the start word; the order of the columns does not change.
     """
     reset, signal = _samples(frame, region, orientation)
     n_columns = len(reset)
@@ -131,7 +131,7 @@ def read_out(
 
 
 def readout_us(region: Region, orientation: int) -> int:
-    """Returns how long one readout of a region's columns takes."""
+    """Returns the time of one readout of a region's columns."""
     swap = orientation & 0b100
     n_columns = region.end_y - region.start_y + 1 if swap else region.end_x - region.start_x + 1
     return n_columns * COLUMN_US

@@ -1,4 +1,4 @@
-"""The camera's register file: what each module answers after power-up, and what may be written.
+"""The camera's register file, with its values after power-up.
 
 Names and values are those of the published FPGA sources and of libcaer's ``devices/davis.h``.
 """
@@ -30,7 +30,7 @@ MUX_DVS_DROPPED = (Module.MUX, 83)
 DVS_ORIENTATION = (Module.DVS, 2)
 DVS_RUN = (Module.DVS, 3)
 DVS_REGION = tuple((Module.DVS, parameter) for parameter in (41, 42, 43, 44))
-"""As APS_REGION."""
+"""The same as APS_REGION."""
 DVS_DROPPED = (Module.DVS, 85)
 DVS_FILTERED_PIXELS = (Module.DVS, 87)
 APS_ORIENTATION = (Module.APS, 2)
@@ -60,7 +60,7 @@ _DEVIATION = 1008  # thousandths; the clocks that all drivers accept, a real uni
 
 
 def _chip_size(orientation: int) -> tuple[int, int]:
-    """Columns and rows as the chip counts them: turned by 90 degrees if bit 2 says so."""
+    """Returns columns and rows as the chip counts them: turned by 90 degrees if bit 2 is set."""
     image = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX)
     return image[::-1] if orientation & 0b100 else image
 
@@ -68,7 +68,7 @@ def _chip_size(orientation: int) -> tuple[int, int]:
 class Registers:
     """32-bit values by module and parameter.
 
-    What does not exist reads 0 and takes no harm from being written; what is read-only stays.
+    A missing register reads as 0 and ignores writes; a read-only one keeps its value.
 
     Args:
         orientation: of events and frames: bit 2 swaps the axes, bits 1 and 0 flip the column and
@@ -122,7 +122,7 @@ class Registers:
         self.power_up()
 
     def power_up(self) -> None:
-        """Forgets everything that was written."""
+        """Resets all registers to their values after power-up."""
         self._values = {
             **dict(zip(DVS_REGION, FULL_REGION, strict=True)),
             **dict(zip(APS_REGION, FULL_REGION, strict=True)),
@@ -158,7 +158,7 @@ class Registers:
 
     @property
     def early_packet_delay_us(self) -> float:
-        """How long data may wait for a full packet."""
+        """Time for which data may wait for a full packet."""
         return self[EARLY_PACKET_DELAY] / self._mhz(USB_CLOCK)
 
     @property
@@ -168,7 +168,7 @@ class Registers:
 
     @property
     def streams(self) -> bool:
-        """Data is let through to USB."""
+        """True if data passes to USB."""
         return bool(self[MUX_RUN] and self[USB_RUN] and self[CHIP_RUN])
 
     def _mhz(self, clock: tuple[int, int]) -> float:

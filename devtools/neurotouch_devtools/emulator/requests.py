@@ -30,7 +30,7 @@ class Standard(IntEnum):
 class Vendor(IntEnum):
     """Requests of the camera's firmware."""
 
-    LOG_LEVEL = 0xB1  # dv-processing sends it; what it does is not known
+    LOG_LEVEL = 0xB1  # dv-processing sends it; its meaning is unknown
     REGISTER = 0xBF
     REGISTERS = 0xC2
     FLUSH = 0xC6
@@ -65,12 +65,12 @@ class Setup:
 
     @property
     def is_in(self) -> bool:
-        """Whether the host asks for data."""
+        """True if the host asks for data."""
         return bool(self.request_type & IN)
 
     @property
     def is_vendor(self) -> bool:
-        """Meant for the camera's firmware."""
+        """True if the request is for the camera's firmware."""
         return self.request_type & _TYPE_MASK == _VENDOR
 
 
@@ -88,31 +88,31 @@ class ControlEndpoint:
         self._stopping = False
 
     def answer(self, setup: Setup, data: bytes = b"") -> bytes:
-        """Does what a request asks for.
+        """Carries out a request.
 
         Args:
             setup: the request.
-            data: what the host sends with it.
+            data: data from the host.
 
         Returns:
-            What the host gets, at most ``setup.length`` bytes.
+            Data for the host, at most ``setup.length`` bytes.
 
         Raises:
             FaultError: the camera does not know the request (STALL), or a fault strikes.
         """
         kind = self._camera.script.strike(self._stage(setup, data))
         if kind is FaultKind.SHORT:
-            return self._obey(setup, data)[: setup.length // 2]
+            return self._carry_out(setup, data)[: setup.length // 2]
         if kind is not None:
             raise FaultError(kind)
-        return self._obey(setup, data)
+        return self._carry_out(setup, data)
 
-    def _obey(self, setup: Setup, data: bytes) -> bytes:
+    def _carry_out(self, setup: Setup, data: bytes) -> bytes:
         answer = self._vendor(setup, data) if setup.is_vendor else self._standard(setup)
         return answer[: setup.length]
 
     def _stage(self, setup: Setup, data: bytes) -> Stage:
-        """Returns what the host is doing, as far as the request tells."""
+        """Returns the stage of the host's work, judging by the request."""
         if not setup.is_vendor:
             return Stage.PLUGGED
         if setup.is_in:

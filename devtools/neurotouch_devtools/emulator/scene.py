@@ -1,4 +1,4 @@
-"""What the emulated camera looks at: packets of another source, pulled a little ahead of time."""
+"""The scene of the emulated camera: packets of another source, read a little ahead of time."""
 
 from collections import deque
 from collections.abc import Iterable
@@ -10,18 +10,18 @@ from neurotouch_hid.events import join_events
 from neurotouch_hid.messages import EventPacket, Frame
 
 LOOK_AHEAD_US = 100_000
-"""A frame is read from before its exposure on, but a packet gets it when the exposure is over."""
+"""The readout of a frame starts before its exposure, but its packet comes after the exposure."""
 
 
 class Scene:
     """Packets in order, known ``LOOK_AHEAD_US`` before they are due.
 
     Args:
-        packets: the source's packets, pulled only as far as needed; None means "not yet", and the
-            scene is still.
+        packets: the source's packets, read only as far as needed; None means "not yet", and the
+            scene does not move.
 
     Attributes:
-        frames: known frames that nobody has taken, oldest first.
+        frames: known frames that have not been taken, oldest first.
     """
 
     def __init__(self, packets: Iterable[EventPacket | None]) -> None:
@@ -33,11 +33,11 @@ class Scene:
 
     @property
     def ended(self) -> bool:
-        """Nothing more will happen."""
+        """True if the scene is over."""
         return self._exhausted and not self._pending and not self.frames
 
     def begin(self) -> int | None:
-        """Returns the first moment, or None as long as it is not known."""
+        """Returns the first moment, or None while it is unknown."""
         packet = self._pull()
         return packet.t_begin_us if packet else None
 
@@ -58,9 +58,9 @@ class Scene:
         return join_events(parts)
 
     def look_ahead(self, until_us: int) -> int:
-        """Pulls what happens soon after a moment.
+        """Reads packets up to soon after a moment.
 
-        Return how far the scene can go, at most there.
+        Returns how far the scene can go, at most that moment.
         """
         while self._known_us < until_us + LOOK_AHEAD_US and self._pull():
             pass

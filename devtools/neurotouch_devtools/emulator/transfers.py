@@ -1,11 +1,11 @@
-"""Endpoint 0x82: bulk transfers with the stream, and what goes wrong with them."""
+"""Endpoint 0x82: bulk transfers with the stream, and their faults."""
 
 from neurotouch_devtools.emulator.camera import EmulatedCamera
 from neurotouch_devtools.emulator.faults import FaultError, FaultKind, Stage
 
 _END_TRANSFER = frozenset({FaultKind.UNPLUG, FaultKind.TIMEOUT, FaultKind.LOST, FaultKind.PROTOCOL})
 _ROW_CODE, _CODE_MASK = 0x10, 0xF0
-"""In the high byte of a word."""
+"""Bit in the high byte of a word."""
 
 
 class DataEndpoint:
@@ -20,7 +20,7 @@ class DataEndpoint:
         self._halted = False
 
     def answer(self, length: int) -> bytes | None:
-        """Returns what a transfer of ``length`` bytes gets, or None as long as there is nothing.
+        """Returns the data of a transfer of ``length`` bytes, or None while there is none.
 
         Raises:
             FaultError: the transfer ends otherwise. With TIMEOUT and LOST it never ends.
@@ -48,7 +48,7 @@ class DataEndpoint:
         return data
 
     def clear_halt(self) -> None:
-        """Ends a stall for the host; the camera drops what waits."""
+        """Ends a stall for the host; the camera drops waiting data."""
         self._halted = False
         self._camera.flush()
 

@@ -1,7 +1,7 @@
-"""Plugs an emulated camera into programs of one's own: no root, no kernel module.
+"""Plugs an emulated camera into programs that this process starts: no root, no kernel module.
 
-umockdev preloads a library into a program and hands that program's system calls on device nodes to
-us; the libusb inside is the real one. This module answers the calls of usbfs
+umockdev preloads a library into a program and passes that program's system calls on device nodes to
+this process; the libusb inside is the real one. This module answers the calls of usbfs
 (Linux, ``include/uapi/linux/usbdevice_fs.h``). It needs Debian's ``umockdev``,
 ``gir1.2-umockdev-1.0`` and ``python3-gi``; programs are started with ``environment``.
 """
@@ -56,11 +56,11 @@ class Umockdev(Closing):
     """An emulated camera in the device folder of programs that are started with ``environment``.
 
     Args:
-        camera: what is plugged in.
+        camera: the camera.
 
     Attributes:
         camera: the same, or the one that was plugged in last.
-        environment: what a program needs to see this camera, and no other device.
+        environment: environment of a program that sees this camera and no other device.
 
     Raises:
         SourceError: umockdev is not installed.
@@ -76,10 +76,10 @@ class Umockdev(Closing):
         self.plug(camera)
 
     def plug(self, camera: EmulatedCamera) -> None:
-        """Plugs a camera in where none is.
+        """Plugs a camera in if there is none.
 
-        Programs that listen to udev hear of it if umockdev's library is preloaded here, too;
-        others see it by themselves.
+        Programs that listen to udev are notified only if umockdev's library is preloaded here, too;
+        others see the camera anyway.
         """
         self.camera = camera
         self._address += 1  # as Linux does, another one each time
@@ -103,18 +103,18 @@ class Umockdev(Closing):
             self._testbed.uevent(_PATH, action)
 
     def close(self) -> None:
-        """Takes everything down."""
+        """Removes the camera and its device folder."""
         self.unplug()
         for address in range(2, self._address + 1):
             self._testbed.detach_ioctl(_node(address))
 
 
 class _Socket:
-    """What a camera is plugged into: answers the calls on its node.
+    """The device node of a camera: answers the system calls on it.
 
     Args:
         camera: the camera.
-        unplug: called when it has gone by itself.
+        unplug: called when the camera has unplugged itself.
     """
 
     def __init__(self, camera: EmulatedCamera, unplug: Callable[[], None]) -> None:
@@ -125,24 +125,24 @@ class _Socket:
         self._done: deque[Any] = deque()
 
     def end(self) -> None:
-        """Ends the calls of a pulled cable."""
+        """Ends the calls after the cable was pulled."""
         with self._lock:
             self._gone = True
             for address in list(self._urbs):
                 self._finish(address, -errno.ESHUTDOWN, b"", 0)
 
     def handle(self, _: Any, client: Any) -> bool:
-        """Answers one call of the program; umockdev calls this in a thread of its own."""
+        """Answers one call of the program; umockdev calls this in a separate thread."""
         try:
             with self._lock:
-                code = self._obey(client.get_request(), client.get_arg())
+                code = self._carry_out(client.get_request(), client.get_arg())
         except UnpluggedError:
             self._unplug()
             code = errno.ENODEV
         client.complete(-1 if code else 0, code)
         return True
 
-    def _obey(self, request: int, argument: Any) -> int:
+    def _carry_out(self, request: int, argument: Any) -> int:
         """Carries out a call; returns its errno."""
         if request in {_REAP, _REAP_NO_DELAY}:
             return self._reap(argument)
@@ -183,7 +183,7 @@ class _Socket:
             self._finish(address, done.status, answer, done.length)
 
     def _reap(self, argument: Any) -> int:
-        """Hands over one URB that has ended."""
+        """Returns one URB that has ended."""
         if not self._done and not self._gone:
             for done in self._port.completions():
                 self._finish(done.number, done.status, done.data, done.length)
@@ -208,7 +208,7 @@ def _node(address: int) -> str:
 
 
 def _describe(identity: Identity, address: int) -> str:
-    """Returns a camera as umockdev takes it."""
+    """Returns a camera in umockdev's format."""
     descriptors = (identity.describe(DEVICE, 0) or b"") + (
         identity.describe(CONFIGURATION, 0) or b""
     )
@@ -239,7 +239,7 @@ def _describe(identity: Identity, address: int) -> str:
 
 
 def _load() -> Any:
-    """Returns umockdev's library, by the bindings of the system's Python if ours has none."""
+    """Returns umockdev's library, if needed through the bindings of the system's Python."""
     sys.path.append(_SYSTEM_PACKAGES)
     try:
         import gi  # noqa: PLC0415 - only those who use it have it
@@ -252,5 +252,5 @@ def _load() -> Any:
             hint="Debian: apt install umockdev gir1.2-umockdev-1.0 python3-gi",
         ) from error
     finally:
-        sys.path.remove(_SYSTEM_PACKAGES)  # nothing else shall come from there
+        sys.path.remove(_SYSTEM_PACKAGES)  # no other package may come from there
     return UMockdev

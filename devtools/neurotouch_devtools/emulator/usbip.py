@@ -1,7 +1,7 @@
 """Plugs an emulated camera into the real kernel of this machine, by USB/IP and without a network.
 
-The kernel's ``vhci_hcd`` takes any stream socket as a cable. One end of a socket pair is handed to
-it; at the other a thread answers what the kernel asks: 48-byte headers, big endian, then data
+The kernel's ``vhci_hcd`` takes any stream socket as a cable. One end of a socket pair goes to it;
+at the other a thread answers the kernel's requests: 48-byte headers, big endian, then data
 (Linux, Documentation/usb/usbip_protocol.rst).
 """
 
@@ -29,20 +29,20 @@ _SIZE = 48
 _FREE = "004"
 _HIGH_SPEED, _SUPER_SPEED = 3, 5
 _BUS = 1
-"""Our name for the camera at the other end; it is compared with nothing."""
+"""Our number for the camera at the other end; nothing checks it."""
 
 
 class UsbIp(Closing):
     """A cable from an emulated camera to the kernel; a context manager, closing it unplugs.
 
     Args:
-        camera: what is plugged in.
+        camera: the camera.
 
     Attributes:
         number: the number of the port at the virtual host controller.
 
     Raises:
-        SourceError: the kernel offers no virtual host controller, or not to us.
+        SourceError: the kernel offers no virtual host controller, or this user may not use it.
     """
 
     def __init__(self, camera: EmulatedCamera) -> None:
@@ -68,7 +68,7 @@ class UsbIp(Closing):
         """Waits until the cable is pulled; False if time runs out first.
 
         Raises:
-            NeuroTouchError: what the camera looks at has failed; the camera is unplugged.
+            NeuroTouchError: the scene's source has failed; the camera is unplugged.
         """
         self._thread.join(timeout_s)
         if self._error is not None:
@@ -129,7 +129,7 @@ def find_port(*, super_speed: bool) -> int:
     """Returns the number of a free virtual port of the right speed.
 
     Raises:
-        SourceError: there is none, or it is not for us.
+        SourceError: there is none, or this user may not use it.
     """
     try:
         lines = (VHCI / "status").read_text().splitlines()[1:]
@@ -153,7 +153,7 @@ def find_port(*, super_speed: bool) -> int:
 
 
 def _attach(cable: socket.socket, *, super_speed: bool) -> int:
-    """Hands the cable to a free port; returns its number."""
+    """Connects the cable to a free port; returns its number."""
     port = find_port(super_speed=super_speed)
     speed = _SUPER_SPEED if super_speed else _HIGH_SPEED
     (VHCI / "attach").write_text(f"{port} {cable.fileno()} {_BUS << 16 | port + 1} {speed}")

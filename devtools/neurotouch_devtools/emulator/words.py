@@ -1,4 +1,4 @@
-"""Events and frames as the 16-bit words that the camera's logic sends."""
+"""Encodes events and frames as the 16-bit words that the camera's logic sends."""
 
 from collections import deque
 
@@ -11,7 +11,7 @@ from neurotouch_devtools.emulator.kernels.encode import (
     AddressEvents,
     Runs,
     catch_up,
-    encode,
+    encode_words,
 )
 from neurotouch_devtools.emulator.readout import NO_READOUT, Readout, Special, Words
 from neurotouch_hid.messages import EVENT_DTYPE
@@ -27,7 +27,7 @@ _GARBLED = {
 
 
 class WordEncoder:
-    """Makes the words, and keeps what the host already knows: time and row.
+    """Makes the words, and keeps the state that the host knows: time and row.
 
     Args:
         swap: the chip is turned by 90 degrees: row words carry x, event words y.
@@ -38,7 +38,7 @@ class WordEncoder:
         self._state = np.zeros(1, STATE_DTYPE)
         self._out = np.empty(1 << 16, np.uint16)
         self._state["row"] = -1
-        # Compile or load the kernels now: a camera that is plugged in must not stop to think.
+        # Compile or load the kernels now: a camera that is plugged in must answer without a pause.
         self.encode(_NO_EVENTS, deque(), until_us=0, shift_us=0)
         self.wrap(0)
 
@@ -68,7 +68,7 @@ class WordEncoder:
         while True:
             readout = readouts[0] if readouts else NO_READOUT
             stop_us = min(until_us, int(readout.t_us[-1]) + 1) if readouts else until_us
-            n, first, readout.next = encode(
+            n, first, readout.next = encode_words(
                 addressed,
                 first,
                 Runs(readout.t_us + shift_us, readout.end, readout.dated, readout.words),
@@ -84,7 +84,7 @@ class WordEncoder:
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
     def encode_dated(self, words: list[int], t_us: int) -> Words:
-        """Words that belong to a camera time: a time word goes first if the host lacks it."""
+        """Returns words of a camera time: a time word goes first if the host lacks it."""
         if not words:
             return _NO_WORDS
         run = Readout(
@@ -98,7 +98,7 @@ class WordEncoder:
         return self._out[:n].copy()
 
     def garble(self, kind: FaultKind) -> Words:
-        """Words that a healthy camera does not send; what comes after them is right again."""
+        """Returns words that a healthy camera does not send; later words are correct again."""
         low = int(self._state["low"][0])
         self._state["row"] = -1
         return np.array([*_GARBLED.get(kind, ()), *_backward(kind, low)], np.uint16)

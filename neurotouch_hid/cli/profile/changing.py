@@ -4,11 +4,11 @@ from contextlib import suppress
 
 import click
 
-from neurotouch_hid.cli.profile.saving import hand_over_saved, save_edited
-from neurotouch_hid.cli.ui.completing import complete_key, complete_paper, complete_profile
+from neurotouch_hid.cli.profile.saving import save_edited
+from neurotouch_hid.cli.ui.completing import complete_file, complete_key, complete_profile
 from neurotouch_hid.cli.ui.outcome import Outcome
 from neurotouch_hid.cli.ui.output import json_option, make_stamp, plain_option
-from neurotouch_hid.cli.ui.usage import SignedCommand, WrongUsage
+from neurotouch_hid.cli.ui.usage_errors import SignedCommand, WrongUsage
 
 
 @click.command(
@@ -32,12 +32,12 @@ def new(name: str, template: str, as_json: bool, plain: bool) -> None:
     What needs a movement that you do not use goes to another one, as far as one is free.
     """
     from neurotouch_hid.profile import load_unused
-    from neurotouch_hid.profile.editing import make_profile, remap_unused
+    from neurotouch_hid.profile.editing import hand_over_saved, make_profile, remap_unused
 
     edited = make_profile(name, template, make_stamp)
     edited.check(edited.text).require()
     mine = remap_unused(edited.text, load_unused())
-    edited.save(mine.text)
+    checked = edited.save(mine.text)
     effect = hand_over_saved(name)
     path = edited.store.path
     outcome = Outcome(
@@ -46,7 +46,7 @@ def new(name: str, template: str, as_json: bool, plain: bool) -> None:
         fix=effect.fix,
         file=path,
         changed=True,
-        checked=edited.check(mine.text),
+        checked=checked,
         notes=(
             effect.text,
             *(f"For you: {what}" for what in mine.moved),
@@ -68,7 +68,7 @@ def new(name: str, template: str, as_json: bool, plain: bool) -> None:
     "  neurotouch profile set mine push.gain --default\n"
     "  neurotouch profile set user filter strong",
 )
-@click.argument("name", shell_complete=complete_paper)
+@click.argument("name", shell_complete=complete_file)
 @click.argument("key", shell_complete=complete_key)
 @click.argument("value", required=False)
 @click.option(
@@ -106,7 +106,7 @@ def set_command(
         if value is None
         else set_value(edited.text, key, parse_value(value), edited.model)
     )
-    own, *others = list_namesakes(text, key, edited.model) or ("",)
+    own, *others = list_namesakes(edited.text, key, edited.model) or ("",)
     note = f"This was {own}. The same gesture has more bindings: {', '.join(others)}."
     refused = f"'{key}' was not changed"
     notes = (note,) if others else ()
@@ -195,9 +195,8 @@ def upgrade(name: str, as_json: bool, plain: bool) -> None:
 
     The old one stays in the history of NAME.
     """
-    from neurotouch_hid.profile.editing import take_profile
+    from neurotouch_hid.profile.editing import find_schema, take_profile
     from neurotouch_hid.profile.editing import upgrade as upgrade_text
-    from neurotouch_hid.profile.editing.edited_file import find_schema
 
     edited = take_profile(name, make_stamp)
     text = upgrade_text(edited.text, find_schema(edited.store.path))
@@ -217,18 +216,17 @@ def use(name: str, as_json: bool, plain: bool) -> None:
 
     A running driver switches to NAME, and NAME becomes the first of your favourites.
     """
-    from neurotouch_hid.client import ask
+    from neurotouch_hid.client import ask, get_text
     from neurotouch_hid.errors import NotRunningError
-    from neurotouch_hid.profile.editing import compare
-    from neurotouch_hid.profile.editing.favourites import make_favourite
-    from neurotouch_hid.profile.reading.library import OWN_VALUES
+    from neurotouch_hid.profile.editing import compare, hand_over_saved, make_favourite
+    from neurotouch_hid.profile.reading import OWN_VALUES
 
     stem, edited, text = make_favourite(name, make_stamp)
     effect = hand_over_saved(OWN_VALUES)
     note = effect.text
     if effect.status == "OK":
         with suppress(NotRunningError):
-            note = str(ask("use", profile=stem)["text"])
+            note = get_text(ask("use", profile=stem))
     outcome = Outcome(
         f"{stem} is the first of your favourites.",
         effect.status,

@@ -8,8 +8,8 @@ import click
 
 from neurotouch_hid.cli.ui.completing import complete_profile
 from neurotouch_hid.cli.ui.outcome import report_faults, show_faults
-from neurotouch_hid.cli.ui.output import json_option, plain_option, print_json, say
-from neurotouch_hid.cli.ui.usage import WrongUsage
+from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_json, say
+from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 from neurotouch_hid.errors import NeuroTouchError, ProfileError
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def check(names: tuple[str, ...], as_json: bool, plain: bool) -> None:
     """
     from neurotouch_hid.players import find_user_file
     from neurotouch_hid.profile import check_profile, list_profiles, load_unused
-    from neurotouch_hid.profile.reading.library import OWN_VALUES
+    from neurotouch_hid.profile.reading import OWN_VALUES
 
     found: list[Checked[Any]] = []
     failures: list[NeuroTouchError] = []
@@ -102,14 +102,13 @@ def test(
     [tremor HZ MM], or rest TIME.
     """
     from neurotouch_hid.profile import Mapping, load_profile, load_user, perform, rehearse
-    from neurotouch_hid.profile.editing import read_text
-    from neurotouch_hid.profile.editing.summary import TOUR
+    from neurotouch_hid.profile.editing import TOUR, read_text
 
     if script is not None and script_path is not None:
         raise WrongUsage(
             "Options --script and --file cannot go together.", hint="Leave one of them away."
         )
-    text = script if script is not None else read_text(script_path)[0] if script_path else TOUR
+    text = script if script is not None else read_text(script_path)[0].text if script_path else TOUR
     mapping = Mapping(load_profile(name), load_user() if with_user else None)
     moments = perform(mapping, rehearse(text))
     if as_json:
@@ -121,4 +120,4 @@ def test(
         )
         return
     for moment in moments:
-        click.echo(str(moment))
+        echo(str(moment))

@@ -1,14 +1,13 @@
-"""What was begun and not saved, kept beside the profiles."""
+"""Drafts: texts that were begun and not saved, kept beside the profiles."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
-from neurotouch_hid.cli.ui.output import say
+from neurotouch_hid.cli.ui.output import echo, say
+from neurotouch_hid.partial_file import write_whole
 
 if TYPE_CHECKING:
-    from neurotouch_hid.profile.editing import EditedFile
+    from neurotouch_hid.profile.editing import EditedFile, ProfileText
 
 
 def find_draft(edited: "EditedFile") -> Path:
@@ -16,9 +15,9 @@ def find_draft(edited: "EditedFile") -> Path:
     return edited.store.path.parent / ".drafts" / edited.store.path.name
 
 
-def save_draft(draft: Path, text: str) -> None:
+def save_draft(draft: Path, text: "ProfileText") -> None:
     """Keeps a text that was not saved, and says where."""
     draft.parent.mkdir(parents=True, exist_ok=True)
-    draft.write_text(text, encoding="utf-8")
+    write_whole(draft, text.text.encode())
     say("WARNING", f"Not saved; the draft is in {draft}")
-    click.echo(f"Go on with it: neurotouch profile edit {draft.stem}")
+    echo(f"Go on with it: neurotouch profile edit {draft.stem}")

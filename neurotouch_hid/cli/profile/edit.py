@@ -9,12 +9,12 @@ from neurotouch_hid.cli.profile.drafts import find_draft, save_draft
 from neurotouch_hid.cli.profile.guide import Guide
 from neurotouch_hid.cli.profile.saving import save_edited
 from neurotouch_hid.cli.profile.values import ask_values
-from neurotouch_hid.cli.ui.completing import complete_paper
+from neurotouch_hid.cli.ui.completing import complete_file
 from neurotouch_hid.cli.ui.outcome import show_faults
 from neurotouch_hid.cli.ui.output import choose, make_stamp, plain_option, say
 
 if TYPE_CHECKING:
-    from neurotouch_hid.profile.editing import EditedFile
+    from neurotouch_hid.profile.editing import EditedFile, ProfileText
 
 
 @click.command(
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     "  neurotouch profile edit mine --editor    the file itself, in $EDITOR\n"
     "  neurotouch profile edit user             your own values: filter, timing, sound and others"
 )
-@click.argument("name", shell_complete=complete_paper)
+@click.argument("name", shell_complete=complete_file)
 @click.option("--editor", is_flag=True, help="Open the file in $VISUAL or $EDITOR; check it after.")
 @click.option(
     "--source",
@@ -57,19 +57,19 @@ def edit(name: str, editor: bool, source: str | None, plain: bool) -> None:
         draft.unlink(missing_ok=True)
 
 
-def _edit_text(edited: "EditedFile", text: str, draft: Path, *, plain: bool) -> bool:
-    """Opens the editor until the text is right, or until the person has had enough of it.
+def _edit_text(edited: "EditedFile", text: "ProfileText", draft: Path, *, plain: bool) -> bool:
+    """Opens the editor until the text is right or the person stops.
 
-    Gives false if a draft is left.
+    Returns:
+        False if a draft is left.
     """
-    newline = "\r\n" if "\r\n" in text else "\n"
+    newline = "\r\n" if "\r\n" in text.text else "\n"
     while True:
-        written = click.edit(text, extension=".yaml", require_save=False) or ""
-        written = written.replace("\r\n", "\n").replace("\n", newline)
-        if written == edited.text:
+        written = click.edit(text.text, extension=".yaml", require_save=False) or ""
+        text = text.rewrite(written.replace("\r\n", "\n").replace("\n", newline))
+        if text == edited.text:
             say("OK", "Nothing has changed.", plain=plain)
             return True
-        text = written
         checked = edited.check(text)
         if checked.whole is not None:
             save_edited(edited, text, plain=plain)

@@ -2,9 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-import click
-
-from neurotouch_hid.cli.follow import read_steps
+from neurotouch_hid.cli.shared.silent_driver import read_steps
+from neurotouch_hid.cli.ui.output import echo
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile import Profile
@@ -18,25 +17,25 @@ def see_gesture(source: str) -> str | None:
     from neurotouch_hid.profile.calibration import CalibrationSession
 
     session = CalibrationSession(load_user(), guided=False)
-    click.echo("Make the gesture, then lift your fingers.")
+    echo("Make the gesture, then lift your fingers.")
     for gesture in (step.gesture for step in read_steps(source)):
         repetition = session.take(gesture)
         if repetition is not None and session.accepts(repetition):
             words = repetition.movement.replace("_", " ")
-            click.echo(f"Seen: {words}, {repetition.peak_mm:.1f} millimetres")
+            echo(f"Seen: {words}, {repetition.peak_mm:.1f} millimetres")
             return words
-    click.echo("No gesture was seen.")
+    echo("No gesture was seen.")
     return None
 
 
 def try_on_gel(source: str, profile: "Profile") -> None:
-    """Shows one gesture and what the draft makes of it, ten times a second."""
+    """Shows one gesture and the draft's outputs for it, ten times a second."""
     from neurotouch_hid.messages import GestureKind
-    from neurotouch_hid.monitor import describe_gesture, describe_pad
+    from neurotouch_hid.monitor import describe_gesture, describe_outputs
     from neurotouch_hid.profile import Mapping, load_user
 
     mapping = Mapping(profile, load_user())
-    click.echo("Make the gesture, then lift your fingers.")
+    echo("Make the gesture, then lift your fingers.")
     due_us: int | None = None
     for gesture in (step.gesture for step in read_steps(source)):
         pad = mapping.update(gesture)
@@ -45,4 +44,4 @@ def try_on_gel(source: str, profile: "Profile") -> None:
                 return
         elif due_us is None or gesture.t_us >= due_us:
             due_us = gesture.t_us + TOLD_EVERY_US
-            click.echo(f"{describe_gesture(gesture)}: {describe_pad(pad)}")
+            echo(f"{describe_gesture(gesture)}: {describe_outputs(pad) or 'neutral'}")

@@ -9,20 +9,26 @@ from neurotouch_hid.cli.profile.drafts import save_draft
 from neurotouch_hid.cli.profile.gel import see_gesture, try_on_gel
 from neurotouch_hid.cli.profile.saving import save_edited
 from neurotouch_hid.cli.ui.outcome import show_faults
-from neurotouch_hid.cli.ui.output import choose, is_plain, say, show_changes
+from neurotouch_hid.cli.ui.output import choose, echo, is_plain, say, show_changes
 from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile import Profile
-    from neurotouch_hid.profile.editing import EditedFile
-    from neurotouch_hid.profile.schema.profile import Binding
+    from neurotouch_hid.profile.editing import EditedFile, ProfileText
+    from neurotouch_hid.profile.schema import Binding
 
 
 class Guide:
     """Asks, changes the draft, shows what came of it; the person keeps it or takes it back."""
 
     def __init__(
-        self, edited: "EditedFile", text: str, draft: Path, source: str | None, *, plain: bool
+        self,
+        edited: "EditedFile",
+        text: "ProfileText",
+        draft: Path,
+        source: str | None,
+        *,
+        plain: bool,
     ) -> None:
         self._edited = edited
         self._text = text
@@ -64,8 +70,8 @@ class Guide:
         return written
 
     def _ask_what(self) -> bool:
-        from neurotouch_hid.profile.editing.summary import summarize_binding
-        from neurotouch_hid.profile.schema.profile import FIRST_LAYER
+        from neurotouch_hid.profile.editing import summarize_binding
+        from neurotouch_hid.profile.schema import FIRST_LAYER
 
         profile = self._load()
         layers = list(profile.all_layers)
@@ -97,8 +103,7 @@ class Guide:
         return timing if isinstance(timing, str) else "the default" if timing is None else "own"
 
     def _change_binding(self, layer: str, at: int, binding: "Binding") -> None:
-        from neurotouch_hid.profile.editing.changes import remove_value
-        from neurotouch_hid.profile.editing.summary import summarize_binding
+        from neurotouch_hid.profile.editing import summarize_binding
 
         self._show_response(binding)
         answer = choose(
@@ -118,21 +123,20 @@ class Guide:
         elif answer == 2:
             self._adjust(layer, at, binding)
         elif answer == 3:
-            self._try(remove_value(self._text, (*self._find(layer), at)))
+            self._try(self._text.remove((*self._find(layer), at)))
 
     def _adjust(self, layer: str, at: int, binding: "Binding") -> None:
-        from neurotouch_hid.profile.editing.questions import list_questions
-        from neurotouch_hid.profile.editing.values import format_value
+        from neurotouch_hid.profile.editing import format_value, list_questions
 
         questions = list(list_questions(binding))
         shown = [
             f"{q.key}: {'the default' if q.value is None else format_value(q.value)}"
             for q in questions
         ]
-        number = choose("What shall be adjusted?", [*shown, "Back"])
+        number = choose("What do you want to adjust?", [*shown, "Back"])
         if number < len(questions):
             question = questions[number]
-            click.echo(question.description)
+            echo(question.description)
             path = f"{self._path(layer)}[{at}].{question.part}.{question.key}"
             self._set(path, question.choices, layer, at)
 
@@ -166,26 +170,21 @@ class Guide:
             self._try(bind(self._text, when, do, name, add=True))
 
     def _replace(self, layer: str, at: int, part: str, value: object) -> None:
-        from neurotouch_hid.profile.editing.changes import replace_value
-
         if value is not None:
-            text = replace_value(self._text, (*self._find(layer), at, part), value)
-            self._try(text, layer, at)
+            self._try(self._text.replace((*self._find(layer), at, part), value), layer, at)
 
     def _find(self, layer: str) -> tuple[str | int, ...]:
-        from neurotouch_hid.profile.editing import find_bindings
-        from neurotouch_hid.profile.editing.layout import read_layout
+        from neurotouch_hid.profile.editing import locate_bindings
 
-        return find_bindings(read_layout(self._text, "the draft")[1], layer)
+        return locate_bindings(self._text.document, layer)
 
     def _path(self, layer: str) -> str:
-        from neurotouch_hid.profile.faults import format_path
+        from neurotouch_hid.files.faults import format_path
 
         return format_path(self._find(layer))
 
     def _ask_when(self) -> object:
-        from neurotouch_hid.profile.editing import parse_when
-        from neurotouch_hid.profile.editing.questions import GESTURES, PRESSES
+        from neurotouch_hid.profile.editing import GESTURES, PRESSES, parse_when
 
         gestures = list(GESTURES)
         if self._source is not None:
@@ -201,11 +200,10 @@ class Guide:
         return parse_when(f"{gesture} {list(PRESSES.values())[press]}")
 
     def _ask_do(self) -> object:
-        from neurotouch_hid.profile.editing import parse_do
-        from neurotouch_hid.profile.editing.questions import OUTPUTS
+        from neurotouch_hid.profile.editing import OUTPUTS, parse_do
 
         kinds = list(OUTPUTS)
-        kind = kinds[choose("What shall it do?", kinds)]
+        kind = kinds[choose("What should it do?", kinds)]
         words = OUTPUTS[kind]
         chosen = (
             words[choose("Which one?", words)]
@@ -218,14 +216,14 @@ class Guide:
             say("FAILED", error.message, error.hint or "", plain=self._plain)
             return None
 
-    def _try(self, text: str, layer: str | None = None, at: int = 0) -> None:
+    def _try(self, text: "ProfileText", layer: str | None = None, at: int = 0) -> None:
         """Shows what a change does, and keeps it if the person wants it."""
         from neurotouch_hid.profile.editing import compare
 
         checked = self._edited.check(text)
         if checked.whole is None:
             show_faults(checked, plain=self._plain)
-            click.echo("That does not fit, nothing has changed.")
+            echo("That does not fit, nothing has changed.")
             return
         before, self._text = self._text, text
         show_changes(compare(before, text), plain=self._plain)
@@ -245,8 +243,8 @@ class Guide:
 
     def _show_response(self, binding: "Binding") -> None:
         """Shows the value moving through the curve, from rest to beyond the end."""
-        from neurotouch_hid.profile.editing.questions import sample_response
+        from neurotouch_hid.profile.editing import sample_response
 
         for measure, value in sample_response(binding):
             bar = "" if self._plain or is_plain() else " " + "#" * round(40 * value)
-            click.echo(f"at {measure:>8}: {100 * value:3.0f} percent{bar}")
+            echo(f"at {measure:>8}: {100 * value:3.0f} percent{bar}")

@@ -4,10 +4,10 @@ from contextlib import suppress
 
 import click
 
-from neurotouch_hid.cli.profile.saving import hand_over_saved
 from neurotouch_hid.cli.ui.completing import complete_profile
 from neurotouch_hid.cli.ui.outcome import Outcome, report_lines
 from neurotouch_hid.cli.ui.output import (
+    echo,
     json_option,
     make_stamp,
     plain_option,
@@ -33,9 +33,8 @@ def diff(name: str, other: str | None, last: bool, as_json: bool, plain: bool) -
 
     Without OTHER, your own NAME is compared with the shipped one.
     """
-    from neurotouch_hid.profile.editing import Store, adopt, compare, read_text
-    from neurotouch_hid.profile.editing.edited_file import find_schema
-    from neurotouch_hid.profile.reading.library import find_profile, find_shipped_folder
+    from neurotouch_hid.profile.editing import Store, adopt, compare, find_schema, read_text
+    from neurotouch_hid.profile.reading import find_profile, find_shipped_folder
 
     path = find_profile(name)
     shipped = find_shipped_folder() / path.name
@@ -64,11 +63,11 @@ def diff(name: str, other: str | None, last: bool, as_json: bool, plain: bool) -
             }
         )
         return
-    click.echo(f"from: {base}")
-    click.echo(f"to: {path}")
+    echo(f"from: {base}")
+    echo(f"to: {path}")
     show_changes(lines, plain=plain)
     if not lines:
-        click.echo("no difference")
+        echo("no difference")
 
 
 @click.command(
@@ -101,9 +100,9 @@ def history(name: str, as_json: bool) -> None:
         words = "1 line differs" if n == 1 else f"{n} lines differ"
         difference = f"{words} from now" if n else "the same as now"
         replaced = _tell_time(str(row["replaced"]))
-        click.echo(f"version {row['version']}: replaced {replaced}, {difference}")
+        echo(f"version {row['version']}: replaced {replaced}, {difference}")
     if not rows:
-        click.echo(f"{path.stem} has never been changed")
+        echo(f"{path.stem} has never been changed")
 
 
 def _tell_time(stamp: str) -> str:
@@ -127,13 +126,19 @@ def undo(name: str, number: int | None, as_json: bool, plain: bool) -> None:
 
     Nothing is lost: what is undone stays in the history of NAME.
     """
-    from neurotouch_hid.profile.editing import compare, read_text, take_deleted, take_file
+    from neurotouch_hid.profile.editing import (
+        compare,
+        hand_over_restored,
+        take_deleted,
+        take_file,
+    )
 
     edited = take_deleted(name, make_stamp) or take_file(name, make_stamp)
     version = edited.store.undo() if number is None else edited.store.restore(number)
-    lines = compare(edited.text, read_text(edited.store.path)[0])
-    effect = hand_over_saved(edited.name)
-    was_deleted = edited.content is None and not edited.text
+    now = take_file(edited.name, make_stamp)
+    lines = compare(edited.text, now.text)
+    effect = hand_over_restored(now)
+    was_deleted = edited.content is None and not edited.text.text
     outcome = Outcome(
         f"{edited.name} is back, as in version {version.number}."
         if was_deleted
@@ -158,7 +163,7 @@ def delete(name: str, as_json: bool, plain: bool) -> None:
     A shipped profile is never deleted. Your own copy of one is, and then the shipped one is there
     again. A profile that is active, a favourite, or a base of another stays.
     """
-    from neurotouch_hid.profile.editing import delete_profile
+    from neurotouch_hid.profile.editing import delete_profile, hand_over_saved
 
     hidden = delete_profile(name, make_stamp, _list_played())
     effect = hand_over_saved(name) if hidden is not None else None
@@ -175,7 +180,7 @@ def delete(name: str, as_json: bool, plain: bool) -> None:
 
 def _list_played() -> list[str]:
     """Returns the profiles that drivers play now, and those that applications have chosen."""
-    from neurotouch_hid.client import ask
+    from neurotouch_hid.client import ask_status
     from neurotouch_hid.driver.settings import load_driver_settings
     from neurotouch_hid.errors import DriverError
     from neurotouch_hid.players import list_players
@@ -183,5 +188,5 @@ def _list_played() -> list[str]:
     played = list(load_driver_settings().profile_of.values())
     for player in list_players():
         with suppress(DriverError):
-            played.append(str(ask("status", player=player)["profile"]))
+            played.append(ask_status(player)["profile"])
     return played

@@ -6,7 +6,7 @@ import textwrap
 import click
 
 from neurotouch_hid.cli.ui.completing import complete_profile
-from neurotouch_hid.cli.ui.output import json_option, plain_option, print_json
+from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_json
 
 
 @click.command(
@@ -18,7 +18,7 @@ from neurotouch_hid.cli.ui.output import json_option, plain_option, print_json
 def list_command(as_json: bool, plain: bool) -> None:
     """Print every profile: yours and those shipped."""
     from neurotouch_hid.profile import check_profile, list_profiles, load_user
-    from neurotouch_hid.profile.reading.library import find_shipped_folder
+    from neurotouch_hid.profile.reading import find_shipped_folder
 
     shipped = find_shipped_folder()
     favourites = load_user().slots
@@ -40,15 +40,16 @@ def list_command(as_json: bool, plain: bool) -> None:
         return
     for row in rows:
         notes = ["yours" if row["own"] else "shipped"] + (["in use"] if row["in_use"] else [])
-        text = row["description"] or "it has errors, see: neurotouch profile check"
+        said = " ".join(str(row["description"]).split())
+        text = said or "it has errors, see: neurotouch profile check"
         if plain:
             wrong = "FAILED " if row["status"] != "OK" else ""
-            click.echo(f"{wrong}{row['name']}, {', '.join(notes)}: {text}")
+            echo(f"{wrong}{row['name']}, {', '.join(notes)}: {text}")
         else:
             mark = "!" if row["status"] != "OK" else "*" if row["in_use"] else " "
             head = f"{mark} {row['name']:<18} {notes[0]:<8} "
             width = shutil.get_terminal_size().columns
-            click.echo(textwrap.fill(f"{head}{text}", width, subsequent_indent=" " * len(head)))
+            echo(textwrap.fill(f"{head}{text}", width, subsequent_indent=" " * len(head)))
 
 
 @click.command(
@@ -68,8 +69,8 @@ def list_command(as_json: bool, plain: bool) -> None:
 def show(name: str, effective: bool, as_json: bool, plain: bool) -> None:
     """Say in words what the profile NAME does."""
     from neurotouch_hid.profile import check_profile, load_user
-    from neurotouch_hid.profile.editing.summary import summarize
-    from neurotouch_hid.profile.reading.library import OWN_VALUES, find_profile
+    from neurotouch_hid.profile.editing import summarize
+    from neurotouch_hid.profile.reading import OWN_VALUES, find_profile
 
     if name == OWN_VALUES:
         _show_values(as_json=as_json)
@@ -84,21 +85,21 @@ def show(name: str, effective: bool, as_json: bool, plain: bool) -> None:
         values = {"user": user.model_dump(mode="json")} if user is not None else {}
         print_json({"file": str(path), "profile": shown, **values})
         return
-    click.echo(f"file: {path}")
+    echo(f"file: {path}")
     for line in summarize(written, user):
-        click.echo(line.strip() if plain else line)
+        echo(line.strip() if plain else line)
 
 
 def _show_values(*, as_json: bool) -> None:
     from neurotouch_hid.players import find_user_file
     from neurotouch_hid.profile import load_user
-    from neurotouch_hid.profile.editing.values import format_value
+    from neurotouch_hid.profile.editing import format_value
 
     path = find_user_file()
     values = load_user().model_dump(mode="json", exclude_none=True)
     if as_json:
         print_json({"file": str(path), "user": values})
         return
-    click.echo(f"file: {path}{'' if path.exists() else ', not there yet'}")
+    echo(f"file: {path}{'' if path.exists() else ', not there yet'}")
     for key, value in values.items():
-        click.echo(f"{key}: {format_value(value)}")
+        echo(f"{key}: {format_value(value)}")

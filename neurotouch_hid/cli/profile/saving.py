@@ -1,41 +1,15 @@
-"""What every change of a profile ends with: checked, saved, told."""
+"""Ends every change of a profile: checks it, saves it and says what has changed."""
 
 import sys
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from neurotouch_hid.cli.ui.outcome import Outcome
 from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
+    from neurotouch_hid.files.faults import Fault
     from neurotouch_hid.profile import Checked
-    from neurotouch_hid.profile.editing import EditedFile
-    from neurotouch_hid.profile.faults import Fault
-
-
-class Effect(NamedTuple):
-    """What a saved file does now: a status, a sentence, and the way out if it does nothing."""
-
-    status: Literal["OK", "WARNING"]
-    text: str
-    fix: str
-
-
-def hand_over_saved(name: str) -> Effect:
-    """Gives what has been saved to the running driver.
-
-    Args:
-        name: the profile, or ``user`` for the person's own values.
-    """
-    from neurotouch_hid.handover import hand_over
-    from neurotouch_hid.profile.reading.library import OWN_VALUES
-
-    done = hand_over()
-    if done.status == "refused":
-        return Effect("WARNING", done.text, done.fix)
-    text = done.text
-    if name != OWN_VALUES and done.status == "plays" and name not in done.profiles:
-        text = f"It is not the active profile. To play it: neurotouch profile use {name}"
-    return Effect("OK", text, "")
+    from neurotouch_hid.profile.editing import EditedFile, ProfileText
 
 
 def _find_new_error(edited: "EditedFile", checked: "Checked[Any]") -> "Fault | None":
@@ -57,6 +31,8 @@ def _explain(refused: str, fault: "Fault") -> ProfileError:
     if hint and not hint.endswith("?"):
         hint += "."
     subject = "it " if fault.sentence.startswith(("needs", "is ", "has ")) else ""
+    if fault.code == "NT112":  # the sentence lists the words
+        hint = hint or "Write one of these words."
     return ProfileError(
         f"{refused}: {subject}{fault.sentence}.",
         hint=hint or f"What this means: neurotouch explain {fault.code}",
@@ -65,7 +41,7 @@ def _explain(refused: str, fault: "Fault") -> ProfileError:
 
 def save_edited(
     edited: "EditedFile",
-    text: str,
+    text: "ProfileText",
     notes: tuple[str, ...] = (),
     *,
     refused: str = "",
@@ -87,17 +63,19 @@ def save_edited(
         ProfileError: there are errors, or it cannot be written; nothing has changed. With
             ``as_json`` errors are told, and the process ends with the error's exit code.
     """
-    from neurotouch_hid.profile.editing import compare
+    from neurotouch_hid.profile.editing import compare, hand_over_saved
 
     path = edited.store.path
     if text == edited.text and edited.content is not None:
         message = f"{edited.name} says so already, nothing has changed."
         Outcome(message, file=path).tell(plain=plain, as_json=as_json)
         return
-    checked = edited.check(text)
     try:
-        checked.require()
+        checked = edited.save(text)
     except ProfileError as error:
+        checked = edited.check(text)
+        if checked.whole is not None:  # right, but it cannot be written
+            raise
         fault = _find_new_error(edited, checked) if refused else None
         told = ProfileError(f"{error.message}\nNothing was saved.", hint=error.hint)
         if fault is not None:
@@ -108,7 +86,6 @@ def save_edited(
         fix = told.hint or "Nothing was saved."
         Outcome(message, "FAILED", path, checked=checked, fix=fix).tell(plain=plain, as_json=True)
         sys.exit(error.exit_code)
-    edited.save(text)
     effect = hand_over_saved(edited.name)
     if edited.shipped:
         notes = ("This is your own copy; the shipped profile stays as it is.", *notes)

@@ -1,21 +1,25 @@
 """Commands that give profiles to others and take theirs."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.profile.saving import hand_over_saved
 from neurotouch_hid.cli.ui.completing import complete_profile
 from neurotouch_hid.cli.ui.outcome import Outcome, confirm, show_faults
 from neurotouch_hid.cli.ui.output import (
+    echo,
     json_option,
     make_stamp,
     plain_option,
     print_json,
     show_changes,
 )
-from neurotouch_hid.cli.ui.usage import WrongUsage
+from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 from neurotouch_hid.errors import ProfileError
+
+if TYPE_CHECKING:
+    from neurotouch_hid.profile.editing import ProfileText
 
 
 @click.command(
@@ -45,13 +49,13 @@ def export(
     """
     from neurotouch_hid.players import find_user_file
     from neurotouch_hid.profile import check_profile
-    from neurotouch_hid.profile.editing import forget_schema, read_text
-    from neurotouch_hid.profile.reading.library import find_profile, find_shipped_folder
+    from neurotouch_hid.profile.editing import ProfileText, forget_schema, read_text
+    from neurotouch_hid.profile.reading import find_profile, find_shipped_folder
 
     path = find_profile(name)
     checked = check_profile(path)
     profile = checked.require()
-    shared = forget_schema(checked.text)
+    shared = forget_schema(ProfileText(checked.text))
     files = {} if output is None else {output: shared}
     if user_path is not None:
         if not find_user_file().exists():
@@ -68,24 +72,24 @@ def export(
     )
     if as_json:
         written = [str(target) for target in files]
-        content = shared if output is None else None
+        content = shared.text if output is None else None
         print_json({"status": "OK", "files": written, "content": content, "notes": list(notes)})
         return
     if output is None:
-        click.echo(shared, nl=False)
+        echo(shared.text, nl=False)
     for target in files:
-        click.echo(f"OK Saved {target}", err=True)
+        echo(f"OK Saved {target}", err=True)
     for note in notes:
-        click.echo(f"WARNING {note}", err=True)
+        echo(f"WARNING {note}", err=True)
 
 
-def _write(path: Path, text: str, *, force: bool) -> None:
-    from neurotouch_hid.profile.editing.store import write_whole
+def _write(path: Path, text: "ProfileText", *, force: bool) -> None:
+    from neurotouch_hid.partial_file import write_whole
 
     if path.exists() and not force:
         raise ProfileError(f"'{path}' exists already.", hint="Add --force to overwrite it.")
     try:
-        write_whole(path, text.encode("utf-8"))
+        write_whole(path, text.encode())
     except OSError as error:
         raise ProfileError(
             f"'{path}' cannot be written: {error.strerror}.", hint="Choose another folder."
@@ -125,12 +129,21 @@ def import_command(
 
 
 def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, plain: bool) -> None:
+    from neurotouch_hid.printable import make_printable
     from neurotouch_hid.profile import check_content, load_unused
-    from neurotouch_hid.profile.editing import EditedFile, Store, adopt, compare, find_own_path
-    from neurotouch_hid.profile.editing.edited_file import find_schema, read_text
-    from neurotouch_hid.profile.editing.summary import summarize
-    from neurotouch_hid.profile.faults import make_printable
-    from neurotouch_hid.profile.reading.library import find_shipped_folder
+    from neurotouch_hid.profile.editing import (
+        EditedFile,
+        ProfileText,
+        Store,
+        adopt,
+        compare,
+        find_own_path,
+        find_schema,
+        hand_over_saved,
+        read_text,
+        summarize,
+    )
+    from neurotouch_hid.profile.reading import find_shipped_folder
 
     text, content = read_text(file)
     checked = check_content(content, make_printable(str(file)), unused=load_unused())
@@ -139,7 +152,7 @@ def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, pla
     own = find_own_path(stem)
     schema = find_schema(own)
     text = adopt(text, stem, schema)
-    old_text, old = read_text(own) if own.exists() else ("", None)
+    old_text, old = read_text(own) if own.exists() else (ProfileText(""), None)
     shipped = find_shipped_folder() / own.name
     if old is None and shipped.exists():
         lines = compare(adopt(read_text(shipped)[0], stem, schema), text)
@@ -151,15 +164,15 @@ def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, pla
         return
     if not as_json:
         if old is not None:
-            click.echo(f"You have a profile '{stem}'. This would change:")
+            echo(f"You have a profile '{stem}'. This would change:")
             show_changes(lines, plain=plain)
         elif shipped.exists():
-            click.echo(f"'{stem}' would hide the shipped profile. It would differ in:")
+            echo(f"'{stem}' would hide the shipped profile. It would differ in:")
             show_changes(lines, plain=plain)
         else:
-            click.echo(f"This profile is new to you. '{stem}' would be:")
+            echo(f"This profile is new to you. '{stem}' would be:")
             for line in summarize(profile.model_copy(update={"name": stem})):
-                click.echo(line)
+                echo(line)
         show_faults(checked, plain=plain)
     if not confirm(f"Save it as {own}?", yes=yes, as_json=as_json):
         _decline(own, lines, plain=plain, as_json=as_json)
@@ -181,19 +194,26 @@ def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, pla
 
 def _take_values(file: Path, *, yes: bool, as_json: bool, plain: bool) -> None:
     """Takes a person's values from a file that ``export --user`` wrote."""
+    from neurotouch_hid.printable import make_printable
     from neurotouch_hid.profile import check_user
-    from neurotouch_hid.profile.editing import adopt, compare, read_text, take_user
-    from neurotouch_hid.profile.editing.edited_file import find_schema
-    from neurotouch_hid.profile.faults import make_printable
+    from neurotouch_hid.profile.editing import (
+        ProfileText,
+        adopt,
+        compare,
+        find_schema,
+        hand_over_saved,
+        read_text,
+        take_user,
+    )
 
     text, content = read_text(file)
     check_user(content, make_printable(str(file))).require()
     edited = take_user(make_stamp)
     path = edited.store.path
     text = adopt(text, "user", find_schema(path, "user-1.json"))
-    lines = compare(edited.text if edited.content is not None else "", text)
+    lines = compare(edited.text if edited.content is not None else ProfileText(""), text)
     if lines and not as_json:
-        click.echo("Your own values would change:")
+        echo("Your own values would change:")
         show_changes(lines, plain=plain)
     if lines and not confirm(f"Save them as {path}?", yes=yes, as_json=as_json):
         _decline(path, lines, plain=plain, as_json=as_json)

@@ -6,11 +6,11 @@ import click
 
 from neurotouch_hid.cli.profile.saving import save_edited
 from neurotouch_hid.cli.ui.outcome import show_faults
-from neurotouch_hid.cli.ui.output import choose, say, show_changes
+from neurotouch_hid.cli.ui.output import choose, echo, say, show_changes
 from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
-    from neurotouch_hid.profile.editing import EditedFile
+    from neurotouch_hid.profile.editing import EditedFile, ProfileText
 
 _ASKED = (
     "timing",
@@ -25,13 +25,13 @@ _ASKED = (
 """What people choose; ranges and what they do not use come from calibration."""
 
 
-def ask_values(edited: "EditedFile", text: str, *, plain: bool) -> bool:
-    """Asks for one value after the other until the person is done; gives true.
+def ask_values(edited: "EditedFile", text: "ProfileText", *, plain: bool) -> bool:
+    """Asks for one value after the other until the person is done, and returns True.
 
     Raises:
         ProfileError: there are errors already.
     """
-    from neurotouch_hid.profile.editing.values import format_value
+    from neurotouch_hid.profile.editing import format_value
 
     while True:
         settings = edited.check(text).require()
@@ -55,13 +55,17 @@ def ask_values(edited: "EditedFile", text: str, *, plain: bool) -> bool:
     return True
 
 
-def _ask(edited: "EditedFile", text: str, key: str, *, plain: bool) -> str:
+def _ask(edited: "EditedFile", text: "ProfileText", key: str, *, plain: bool) -> "ProfileText":
     """Returns the text with another value; unchanged if the value does not fit."""
     from neurotouch_hid.profile import UserSettings
-    from neurotouch_hid.profile.editing import compare, parse_value, reset_value, set_value
-    from neurotouch_hid.profile.editing.questions import list_words
-    from neurotouch_hid.profile.schema.feedback import Feedback
-    from neurotouch_hid.profile.schema.timing import Timing
+    from neurotouch_hid.profile.editing import (
+        compare,
+        list_words,
+        parse_value,
+        reset_value,
+        set_value,
+    )
+    from neurotouch_hid.profile.schema import Feedback, Timing
 
     fields = {
         **UserSettings.model_fields,
@@ -69,7 +73,7 @@ def _ask(edited: "EditedFile", text: str, key: str, *, plain: bool) -> str:
         "feedback.sound": Feedback.model_fields["sound"],
     }
     field = fields[key]
-    click.echo(UserSettings.model_fields.get(key, field).description or "")
+    echo(UserSettings.model_fields.get(key, field).description or "")
     words = list_words(field.annotation)
     try:
         if words:
@@ -87,7 +91,7 @@ def _ask(edited: "EditedFile", text: str, key: str, *, plain: bool) -> str:
     checked = edited.check(changed)
     if checked.whole is None:
         show_faults(checked, plain=plain)
-        click.echo("That does not fit, nothing has changed.")
+        echo("That does not fit, nothing has changed.")
         return text
     show_changes(compare(text, changed), plain=plain)
     return changed

@@ -1,1 +1,1 @@
-"""How commands speak and ask: output, options, prompts, completion."""
+"""Output, options, prompts and completion of all commands."""

@@ -7,7 +7,7 @@ import webbrowser
 
 
 def open_link(link: str) -> bool:
-    """Tries to open a link; returns whether a program for it was found and took it."""
+    """Opens a link; returns False if no program for it was found, or it failed."""
     if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         return False
     opener = shutil.which("xdg-open")

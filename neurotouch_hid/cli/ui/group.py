@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import click
 
-from neurotouch_hid.cli.ui.usage import WrongUsage
+from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 from neurotouch_hid.errors import NeuroTouchError
 
 _OTHER_WORDS = {
@@ -19,25 +19,25 @@ _OTHER_WORDS = {
     "list": ("ls",),
     "show": ("cat", "print"),
 }
-"""What people may type instead of a name."""
+"""Words that people may type instead of a name."""
 
 _PAGES = ("help", "version")
-"""What people may type as a command, and is an option."""
+"""Options that people may type as a command."""
 _REMOVING = ("remove", "rm")
-"""What can mean a whole profile or one binding."""
+"""Words that can mean a whole profile or one binding."""
 
 DEVTOOLS = "neurotouch_devtools"
-"""The distribution with the emulated camera and the long benchmarks; not everybody has it."""
+"""The distribution with the emulated camera and the long benchmarks; it may be missing."""
 
 
 class LazyGroup(click.Group):
     """Knows the names of its sub-commands and imports only the module of the one that is used.
 
     Args:
-        name: what it is called, or None.
-        places: the module of each sub-command, and how it is called there.
-        summaries: what each does, in a line; in the order of the help page.
-        **settings: as of every group.
+        name: its name, or None.
+        places: the module of each sub-command, and its name there.
+        summaries: a line about each, in the order of the help page.
+        **settings: those of every group.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class LazyGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Returns the sub-command; where none has the name, the error names the nearest one."""
+        """Returns the sub-command; if none has the name, the error names the nearest one."""
         name = args[0]
         if name in self._summaries or name.startswith("-"):
             return super().resolve_command(ctx, args)
@@ -82,7 +82,7 @@ class LazyGroup(click.Group):
         near = near or difflib.get_close_matches(name.lower(), self._summaries, 1)
         fix = f"Did you mean: {ctx.command_path} {near[0]}" if near else ""
         if name in _PAGES:
-            fix = f"Did you mean: neurotouch --{name}"
+            fix = f"Did you mean: {ctx.command_path if name == 'help' else 'neurotouch'} --{name}"
         elif name.lower() in _REMOVING and "unbind" in self._summaries:
             fix = "A profile: neurotouch profile delete. A binding: neurotouch profile unbind"
         fix = fix or f"All commands: {ctx.command_path} --help"

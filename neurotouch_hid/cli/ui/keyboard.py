@@ -1,18 +1,17 @@
-"""Lines from the keyboard while something else goes on; nothing is timed, nothing is lost."""
+"""Reads lines from the keyboard while the command does something else."""
 
 import os
 import select
 import sys
 
-import click
-
+from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.errors import NeuroTouchError
 
 
 class Keyboard:
     """Reads whole lines from the standard input, also from a pipe.
 
-    It keeps what has arrived, so nothing else may read the standard input meanwhile.
+    It buffers input, so nothing else may read the standard input meanwhile.
     """
 
     def __init__(self) -> None:
@@ -36,26 +35,26 @@ class Keyboard:
         Raises:
             NeuroTouchError: the input has ended.
         """
-        click.echo(question)
+        echo(question)
         while b"\n" not in self._arrived:
             self._receive()
         return self._take()
 
     def choose(self, question: str, choices: list[str]) -> int:
-        """Asks for one of several by number until one is given; gives its index."""
+        """Asks for one of several by number until a valid one is given; returns its index."""
         lines = [f"  {number}. {choice}" for number, choice in enumerate(choices, 1)]
         while True:
             answer = self.ask("\n".join([question, *lines, f"Number, 1 to {len(choices)}:"]))
             if answer.isdecimal() and 1 <= int(answer) <= len(choices):
                 return int(answer) - 1
-            click.echo(f"'{answer[:40]}' is none of the numbers.")
+            echo(f"'{answer[:40]}' is not one of the numbers.")
 
     def _receive(self) -> None:
         content = os.read(self._fd, 4096)
         if not content:
             if not self._arrived:
                 raise NeuroTouchError(
-                    "The input has ended, so nothing more can be answered.",
+                    "The input has ended, so no more questions can be answered.",
                     hint="Run this command in a terminal.",
                 )
             content = b"\n"  # the last line without its end

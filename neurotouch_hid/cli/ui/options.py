@@ -1,4 +1,4 @@
-"""Options that several commands share, so that they are called and mean the same everywhere."""
+"""Options that several commands share."""
 
 import difflib
 import math
@@ -8,13 +8,13 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from neurotouch_hid.cli.ui.usage import WrongUsage
+from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 
 _METHODS = ("neurotouch", "paper")  # gesture.method.BUILT_IN, without loading its kernels
 
 
 class Finite(click.FloatRange):
-    """A number in a range; ``nan`` and ``inf``, which Python reads as numbers, are none."""
+    """A number in a range; refuses ``nan`` and ``inf``, which Python reads as numbers."""
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
@@ -27,7 +27,7 @@ class Finite(click.FloatRange):
 
 
 class OutFile(click.Path):
-    """A file to be written; its folder must be there before the work begins."""
+    """A file to be written; its folder must exist before the work begins."""
 
     def __init__(self) -> None:
         super().__init__(dir_okay=False, path_type=Path)
@@ -59,13 +59,13 @@ class MethodName(click.ParamType):  # type: ignore[type-arg]  # generic from cli
         return value
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str:
-        """Returns what the help page shows."""
+        """Returns the placeholder for the help page."""
         return f"[{'|'.join(_list_methods())}]"
 
     def shell_complete(
         self, ctx: click.Context, param: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
-        """Returns the names that begin so."""
+        """Returns the names that start with the typed letters."""
         return [CompletionItem(name) for name in _list_methods() if name.startswith(incomplete)]
 
 
@@ -80,7 +80,7 @@ method_option = click.option(
     type=MethodName(),
     default=_METHODS[0],
     show_default=True,
-    help="How gestures are recognised; packages can add methods.",
+    help="Method of recognition; packages can add methods.",
 )
 profile_option = click.option(
     "--profile",
@@ -98,13 +98,11 @@ speed_option = click.option(
     type=click.Choice(["recorded", "max"]),
     default="recorded",
     show_default=True,
-    help="As recorded, or as fast as possible; then nothing waits for a person.",
+    help="As recorded, or as fast as possible, without pauses for a person.",
 )
-seed_option = click.option(
-    "--seed", default=0, show_default=True, help="Seed of whatever is simulated."
-)
+seed_option = click.option("--seed", default=0, show_default=True, help="Seed of the simulation.")
 seconds_option = click.option(
-    "--seconds", type=Finite(min=0.1), help="End by itself after so long."
+    "--seconds", type=Finite(min=0.1), help="End after this many seconds."
 )
 rate_option = click.option(
     "--rate",
@@ -112,5 +110,5 @@ rate_option = click.option(
     type=Finite(min=25.0, max=1000.0),
     metavar="HZ",
     show_default="250 of a camera, 100 (the paper's) of anything else",
-    help="Gestures a second: more answer sooner and cost more processor time.",
+    help="Updates of the gesture a second: more react sooner and cost more processor time.",
 )

@@ -1,4 +1,4 @@
-"""What came of a command that changes something, told to people or, by ``--json``, to programs."""
+"""Outcome of a command that changes something, as text for people or JSON for programs."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,26 +7,26 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from neurotouch_hid.cli.ui.output import print_json, say, show_changes
+from neurotouch_hid.cli.ui.output import echo, print_json, say, show_changes
 
 if TYPE_CHECKING:
+    from neurotouch_hid.files.faults import Mark
     from neurotouch_hid.profile import Checked
-    from neurotouch_hid.profile.faults import Mark
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What has been done; every command that changes something gives the same keys as JSON.
+    """Outcome of a command; every command that changes something prints the same keys as JSON.
 
     Attributes:
-        message: in a sentence.
-        status: whether it was done.
-        file: the file it was done to, if it was one.
-        changed: whether anything is different now.
-        lines: which lines, as ``compare`` gives them.
-        checked: the file as it is now, or as it was refused; its faults are told.
-        notes: what else is good to know, a sentence each.
-        fix: the way out if it was not done.
+        message: the outcome in a sentence.
+        status: ``OK``, or ``FAILED`` if the change was refused.
+        file: the changed file, if any.
+        changed: True if anything has changed.
+        lines: the changed lines, from ``compare``.
+        checked: the file as it is now, or as it was refused, with its faults.
+        notes: further notes, a sentence each.
+        fix: the fix after a failure.
     """
 
     message: str
@@ -39,14 +39,14 @@ class Outcome:
     fix: str = ""
 
     def tell(self, *, plain: bool, as_json: bool) -> None:
-        """Prints it; warnings last, for they may be many."""
+        """Prints it; warnings come last, because there may be many."""
         if as_json:
             print_json(self.report())
             return
         show_changes(self.lines, plain=plain)
         say(self.status, self.message, self.fix, plain=plain)
         for note in self.notes:
-            click.echo(note)
+            echo(note)
         if self.checked is not None:
             show_faults(self.checked, plain=plain)
 
@@ -65,7 +65,7 @@ class Outcome:
 
 
 def report_lines(lines: Sequence[tuple[str, int, str]]) -> list[dict[str, Any]]:
-    """Lines that differ, as plain values."""
+    """Returns the changed lines as plain values."""
     return [{"verb": verb, "line": number, "text": text} for verb, number, text in lines]
 
 
@@ -98,7 +98,7 @@ def show_faults(checked: "Checked[Any]", *, plain: bool) -> None:
     """Prints the faults of a text, one a line in plain output."""
     if not plain:
         if checked.faults:
-            click.echo(checked.format())
+            echo(checked.format())
         return
     for fault in checked.faults:
         status = "WARNING" if fault.severity == "warning" else "FAILED"
@@ -108,7 +108,7 @@ def show_faults(checked: "Checked[Any]", *, plain: bool) -> None:
 
 
 def confirm(question: str, *, yes: bool, as_json: bool) -> bool:
-    """Tells whether the person agrees, now or with ``--yes``; a script is never asked."""
+    """Returns True if the person agrees, now or with ``--yes``; never asks a script."""
     if yes or as_json:
         return yes
     return click.confirm(question, default=False)

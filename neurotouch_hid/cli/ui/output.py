@@ -1,4 +1,4 @@
-"""How commands speak: plain lines for screen readers and pipes, a little colour on a terminal."""
+"""Output of commands: plain lines for screen readers and pipes, some colour on a terminal."""
 
 import json
 import os
@@ -6,13 +6,25 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from functools import wraps
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import click
 
 from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.partial_file import write_whole
+from neurotouch_hid.printable import is_printable, make_lines_printable, make_printable
 
 Command = TypeVar("Command", bound=Callable[..., Any])
+
+
+def echo(text: str, *, err: bool = False, nl: bool = True) -> None:
+    """Prints lines of text. All commands print with it, whatever the text quotes.
+
+    File names, profiles, devices and answers may hold characters that steer a terminal. None of
+    them gets there.
+    """
+    click.echo(make_lines_printable(text), err=err, nl=nl)
 
 
 def plain_option(command: Command) -> Command:
@@ -29,8 +41,8 @@ def plain_option(command: Command) -> Command:
 def json_option(command: Command) -> Command:
     """Adds ``--json``, which gives the command its ``as_json`` argument.
 
-    With it, a failure is JSON too, with the keys that every outcome has: what it is, and the way
-    out. The exit code is the same.
+    With it, a failure is JSON too, with the same keys as every outcome: the error, and the fix. The
+    exit code is the same.
     """
 
     @wraps(command)
@@ -48,7 +60,7 @@ def json_option(command: Command) -> Command:
 
 
 def is_plain(*, asked: bool = False) -> bool:
-    """Tells whether output is one fact per line."""
+    """Returns True if output is one fact per line."""
     return (
         asked
         or os.environ.get("NT_ACCESSIBLE", "0") not in ("", "0")
@@ -58,7 +70,7 @@ def is_plain(*, asked: bool = False) -> bool:
 
 
 def paint(text: str, colour: str, *, plain: bool) -> str:
-    """Returns the text in colour where colour is useful; ``NO_COLOR`` is honoured."""
+    """Returns the text in colour if the terminal supports it and ``NO_COLOR`` is not set."""
     if plain or os.environ.get("NO_COLOR"):
         return text
     return click.style(text, fg=colour)
@@ -67,45 +79,77 @@ def paint(text: str, colour: str, *, plain: bool) -> str:
 def say(status: str, sentence: str, fix: str = "", *, plain: bool = True) -> None:
     """Prints a line that begins with its status, and the next step below."""
     colours = {"OK": "green", "WARNING": "yellow", "FAILED": "red"}
-    click.echo(f"{paint(status, colours.get(status, 'cyan'), plain=plain)} {sentence}")
+    click.echo(f"{paint(status, colours.get(status, 'cyan'), plain=plain)} ", nl=False)
+    echo(sentence)
     if fix:
-        click.echo(f"Fix: {fix}")
+        echo(f"Fix: {fix}")
 
 
 def show_changes(lines: Sequence[tuple[str, int, str]], *, plain: bool) -> None:
-    """Lines that differ, as ``compare`` finds them."""
+    """Prints the changed lines that ``compare`` has found."""
     for verb, number, text in lines:
         if plain:
-            click.echo(f"line {number} {verb}: {text.strip() or 'an empty line'}")
+            echo(f"line {number} {verb}: {text.strip() or 'an empty line'}")
         else:
             sign, colour = ("-", "red") if verb == "removed" else ("+", "green")
-            click.echo(paint(f"{number:>5} {sign} {text}", colour, plain=plain))
+            click.echo(paint(f"{number:>5} {sign} {make_printable(text)}", colour, plain=plain))
 
 
 def print_json(value: Any) -> None:
     """Prints the value as JSON."""
-    click.echo(json.dumps(value, indent=2, ensure_ascii=False, default=str))
+    text = json.dumps(value, indent=2, ensure_ascii=False, default=str)
+    lines = ("".join(map(_escape, line)) for line in text.split("\n"))
+    click.echo("\n".join(lines))
+
+
+def _escape(char: str) -> str:
+    """Returns a character as JSON may write it, and a terminal may show it."""
+    return char if is_printable(char) else json.dumps(char)[1:-1]
+
+
+def save_json(path: Path, value: Any) -> None:
+    """Writes the value as JSON to a file that a person has named.
+
+    Raises:
+        NeuroTouchError: it cannot be written.
+    """
+    save_text(path, json.dumps(value, indent=2) + "\n")
+
+
+def save_text(path: Path, text: str) -> None:
+    """Writes a text to a file that a person has named.
+
+    Raises:
+        NeuroTouchError: it cannot be written.
+    """
+    try:
+        write_whole(path, text.encode())
+    except OSError as error:
+        raise NeuroTouchError(
+            f"'{path}' cannot be written: {error.strerror}.",
+            hint="Choose a folder that exists, with room, that you may write to.",
+        ) from error
 
 
 def make_stamp() -> str:
-    """Returns the present moment, for the name of a version."""
+    """Returns the present time, for the name of a version."""
     return time.strftime("%Y-%m-%d_%H-%M-%S")
 
 
 def make_calibration_stamp() -> str:
-    """Returns the same for a version that a calibration replaces, so that it can be found again."""
+    """Returns the same for a version that a calibration replaces, so that 'undo' can find it."""
     return f"{make_stamp()}_calibration"
 
 
 def choose(question: str, choices: Sequence[str], *, default: int | None = None) -> int:
-    """Asks for one of several by number; waits for ever. Gives its index.
+    """Asks for one of several by number, without a time limit; returns its index.
 
     Raises:
         click.Abort: the input has ended.
     """
-    click.echo(question)
+    echo(question)
     for number, choice in enumerate(choices, 1):
-        click.echo(f"  {number}. {choice}")
+        echo(f"  {number}. {choice}")
     shown = None if default is None else default + 1
 
     def read(answer: str) -> int:

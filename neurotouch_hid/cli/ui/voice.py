@@ -1,44 +1,43 @@
-"""Sentences that are written, and heard where the person wants to hear."""
+"""Prints sentences, and speaks them if the person wants speech."""
 
 from types import TracebackType
 from typing import Self
 
-import click
-
+from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.monitor import Cue, CueKind, Speaker
-from neurotouch_hid.profile.schema.feedback import Feedback
+from neurotouch_hid.profile.schema import Feedback
 
 
 class Voice:
-    """Writes a sentence and speaks it; with tones, plays whether something was accepted.
+    """Prints and speaks sentences; with tones, it plays one for accepted and one for rejected.
 
     A context manager.
 
     Args:
-        feedback: how the person wants it, and how loud.
+        feedback: the person's choice of sound, and its volume.
         err: write to the standard error.
     """
 
     def __init__(self, feedback: Feedback, *, err: bool = False) -> None:
         self._sound, self._volume = feedback.sound, feedback.volume
         self._err = err
-        self._speaker = Speaker(lambda sentence: click.echo(sentence, err=True))
+        self._speaker = Speaker(lambda sentence: echo(sentence, err=True))
 
     def say(self, sentence: str) -> None:
-        """Writes and speaks it; without a tone."""
-        click.echo(sentence, err=self._err)
+        """Prints and speaks it, without a tone."""
+        echo(sentence, err=self._err)
         if self._sound == "speech":
             self._speaker.play(Cue(CueKind.LAYER, sentence), "speech", self._volume.layer)
 
     def accept(self, sentence: str) -> None:
-        """Says that something counts."""
-        click.echo(sentence, err=self._err)
+        """Reports that a movement counts."""
+        echo(sentence, err=self._err)
         volume = self._volume.layer if self._volume.accept is None else self._volume.accept
         self._speaker.play(Cue(CueKind.ACCEPT, sentence), self._sound, volume)
 
     def reject(self, sentence: str) -> None:
-        """Says that something does not count."""
-        click.echo(sentence, err=self._err)
+        """Reports that a movement does not count."""
+        echo(sentence, err=self._err)
         self._speaker.play(Cue(CueKind.REJECT, sentence), self._sound, self._volume.reject)
 
     def __enter__(self) -> Self:

@@ -1,4 +1,4 @@
-"""What each of several hands does with one pad, and what they do together."""
+"""Contributions of the gel and of a helper to one pad, and their merging."""
 
 import math
 from collections.abc import Mapping
@@ -10,7 +10,7 @@ from neurotouch_hid.messages import Axis, Button
 Priority = Literal["equal", "gel", "helper"]
 
 _GROUPS: Final = (
-    # What is moved as one: nobody gets the x of one hand and the y of the other.
+    # Axes that belong together: the x and the y of a stick come from the same hand.
     (Axis.LEFT_X, Axis.LEFT_Y),
     (Axis.RIGHT_X, Axis.RIGHT_Y),
     (Axis.DPAD_X, Axis.DPAD_Y),
@@ -19,16 +19,16 @@ _GROUPS: Final = (
 )
 
 _MOVES: Final = 0.1
-"""From where on a person moves a stick who has priority: worn sticks rest a few per cent off their
-centre, and would take it from the other for ever."""
+"""Deflection above which the side with priority takes a stick: worn sticks rest a few per cent off
+their centre, and would otherwise take it for ever."""
 
 
 @dataclass(frozen=True, slots=True)
 class Contribution:
-    """What one of several hands does with the pad.
+    """Buttons and axes of one of the hands on a pad.
 
     Attributes:
-        buttons: the buttons it holds.
+        buttons: the buttons that are down.
         axes: the axes it moves; an axis that is not named is at rest.
     """
 
@@ -37,15 +37,14 @@ class Contribution:
 
 
 def merge(gel: Contribution, helper: Contribution, priority: Priority = "equal") -> Contribution:
-    """Returns what both hands do together.
+    """Returns the merged contribution of both hands.
 
-    Buttons are down if either holds them. A stick, and the D-pad, is where the one that moves it
-    further has it; a trigger as far as the one that pulls it further. The one with priority decides
-    alone about what he moves.
+    A button is down if either hand presses it. A stick, the D-pad and a trigger follow the hand
+    that moves it further. A hand with priority decides alone about the controls it moves.
 
     Args:
-        gel: what the gel does.
-        helper: what the physical device does.
+        gel: contribution of the gel.
+        helper: contribution of the physical device.
         priority: ``equal``, ``gel`` or ``helper``.
     """
     first, second = gel.axes, helper.axes

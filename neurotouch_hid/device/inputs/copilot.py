@@ -21,19 +21,19 @@ from neurotouch_hid.messages import Button
 
 _SEARCH_S: Final = 1.0
 HearShare = Callable[[Contribution], None]
-"""Is told of every change, in the co-pilot's thread."""
+"""Called with every change, in the co-pilot's thread."""
 
 
 class Copilot:
-    """Takes a device for itself, tells what it does, and finds it again when it comes back.
+    """Grabs a device, reports its contribution, and finds it again when it comes back.
 
-    Other programs no longer hear the device as long as this lives. What is held when it begins is
-    released first: a program that has seen the press must see the release.
+    Other programs receive nothing from the device while it is grabbed. Pressed buttons must be
+    released before the grab: a program that has seen the press must see the release.
 
     Args:
-        wanted: which one, see ``find_copilot``.
-        keys: what its keys mean beyond the usual: buttons by the kernel's names of keys.
-        wait: it need not be there yet.
+        wanted: the device, see ``find_copilot``.
+        keys: the person's own meanings of keys: buttons by the kernel's names of keys.
+        wait: the device need not be there yet.
 
     Raises:
         DeviceError: it is not there, another program has taken it, or we may not read it.
@@ -72,44 +72,44 @@ class Copilot:
 
     @property
     def rumbles(self) -> bool:
-        """Whether the device can shake; one that has not come yet may."""
+        """True if the device can shake, or has not been seen yet."""
         return self._device is None or bool(self._device.effects >> ecodes.FF_RUMBLE & 1)
 
     @property
     def share(self) -> Contribution:
-        """What it does now."""
+        """Its present contribution."""
         return self._share
 
     def describe(self) -> str:
-        """Returns what it is and whether it is there."""
+        """Returns its name and whether it is connected."""
         if self._device is None or self._trouble:
             return f"waits for {self._wanted}. {self._trouble}"
         if self._open is None:
-            return f"{self._device.name} is unplugged; it goes on when it comes back"
+            return f"{self._device.name} is unplugged; it works again once it is back"
         if not self._grabbed:
             return f"{self._device.name} plays along once all its buttons are released"
         return f"{self._device.name} ({self._open.path})"
 
     def start(self, hear: HearShare) -> None:
-        """Starts telling ``hear`` of every change; it must return at once."""
+        """Starts to call ``hear`` with every change; ``hear`` must return at once."""
         self._hear = hear
         self._thread.start()
 
     def listen(self, chords: Mapping[str, tuple[str, ...]], hear: Callable[[str], object]) -> None:
-        """Has ``hear`` told of keys held together on the device, which nobody else can hear."""
+        """Calls ``hear`` for keys held together on the device, which other programs cannot read."""
         self._hear_chord = hear
         self._chords = {
             name: frozenset(ecodes.ecodes[key] for key in keys) for name, keys in chords.items()
         }
 
     def shake(self, rumble: Rumble) -> None:
-        """Makes the device shake, if it is there and can; returns at once."""
+        """Makes the device shake, if it is connected and can; returns at once."""
         shaker = self._shaker
         if shaker is not None:
             shaker.shake(rumble)
 
     def close(self) -> None:
-        """Gives the device back. Harmless when repeated."""
+        """Releases the device. A second call does nothing."""
         if self._selector.get_map() is None:
             return
         os.write(self._wake_write, b"x")
@@ -154,7 +154,7 @@ class Copilot:
             raise explain_opening(device, error) from None
         except UnicodeDecodeError:  # evdev wants text of every device
             raise DeviceError(
-                f"'{device.name}' ({device.node}) cannot be read: its name is no text."
+                f"'{device.name}' ({device.node}) cannot be read: its name is not valid text."
             ) from None
         self._open = opened
         self._device = device
@@ -187,7 +187,7 @@ class Copilot:
             raise explain_opening(device, error) from None
 
     def _look(self) -> None:
-        """Asks the kernel for the state of everything, at the begin and after a lost event."""
+        """Reads the state of all keys and axes, at the start and after a lost event."""
         opened = self._open
         assert opened is not None  # noqa: S101
         self._down = set(opened.active_keys())
@@ -235,7 +235,7 @@ class Copilot:
                 self._hear_chord(name)
 
     def _let_go(self) -> None:
-        """Forgets a device that is gone or given back, with all buttons that were down."""
+        """Forgets a device that is gone or released, with all buttons that were down."""
         opened, self._open = self._open, None
         self._grabbed = False
         self._down.clear()
@@ -258,4 +258,4 @@ def _list_bits(bits: int) -> set[int]:
 
 
 def _ignore(_: object) -> None:
-    """Ignores a change while nobody listens."""
+    """Ignores a change before ``start``."""

@@ -1,4 +1,4 @@
-"""Which devices may play along, and why one of them cannot be had."""
+"""Finds the devices that can act as co-pilot, and explains why one cannot be used."""
 
 import os
 from errno import EBUSY, ENODEV
@@ -18,7 +18,7 @@ _STEAM: Final = (0x28DE, 0x11FF)
 
 
 def find_copilot(wanted: str) -> Input:
-    """Returns the device that a person means.
+    """Returns the device that matches a person's words.
 
     Args:
         wanted: ``auto`` for the first game pad, the path of an event node, or a part of a name.
@@ -35,7 +35,7 @@ def find_copilot(wanted: str) -> Input:
     else:
         named = [each for each in inputs if wanted.casefold() in each.name.casefold()]
         exact = [each for each in named if each.name == wanted]
-        # A pad of today has further nodes for motion and touch beside the one with buttons.
+        # Recent pads have further nodes for motion and touch beside the one with buttons.
         found = exact or [each for each in named if each.keys]
         if len(found) > 1 and wanted != found[0].name:
             raise DeviceError(
@@ -77,7 +77,7 @@ def _list(inputs: list[Input]) -> str:
 
 
 def explain_opening(device: Input, error: OSError) -> DeviceError:
-    """Returns why a device cannot be had, and the way out."""
+    """Returns why a device cannot be used, and the fix."""
     if error.errno == EBUSY:
         return DeviceError(
             f"Another program has taken {device.name} ({device.node}) for itself.",

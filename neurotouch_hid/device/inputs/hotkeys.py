@@ -1,8 +1,7 @@
-"""Keys held together on a real keyboard stop the driver, whatever a profile or a remapper does.
+"""Chords: keys held together on a real keyboard stop the gamepad, with any profile.
 
-The kernel's event nodes are read beside other readers. A remapper that has taken a
-keyboard for itself is the only reader of it; then the keyboard it makes instead is what is read
-here. Our own keyboard never is.
+This module reads the kernel's event nodes, as other programs may do too. If a remapper has grabbed
+a keyboard, it reads the keyboard that the remapper makes instead. It never reads our own.
 """
 
 import os
@@ -30,20 +29,20 @@ RULE: Final = 'KERNEL=="event*", SUBSYSTEM=="input", ENV{ID_INPUT_KEYBOARD}=="1"
 """The udev rule that lets the person at the machine read its keyboards, in any program."""
 
 _USUAL: Final = [ecodes.ecodes[name] for name in ("KEY_ESC", "KEY_ENTER", "KEY_SPACE")]
-"""What has one of these is a keyboard to us; a box with two switches may be one."""
+"""A device with one of these keys counts as a keyboard; a box with two switches may be one."""
 
 _INPUT_EVENT: Final = struct.Struct("@llHHi")  # seconds, microseconds, type, code, value
 _SEARCH_S: Final = 2.0
 
 
 @dataclass(frozen=True, slots=True)
-class Keyboard:
-    """A keyboard the kernel knows.
+class KeyboardNode:
+    """The event node of a keyboard.
 
     Attributes:
         node: its event node.
-        name: what it calls itself.
-        readable: we may read it.
+        name: its name.
+        readable: this user may read it.
     """
 
     node: Path
@@ -51,7 +50,7 @@ class Keyboard:
     readable: bool
 
 
-def find_keyboards(nodes: Path = NODES, system: Path = SYSTEM) -> list[Keyboard]:
+def find_keyboards(nodes: Path = NODES, system: Path = SYSTEM) -> list[KeyboardNode]:
     """Returns all keyboards but our own, without opening one."""
     found = []
     for entry in sorted(system.glob("event*")):
@@ -59,7 +58,7 @@ def find_keyboards(nodes: Path = NODES, system: Path = SYSTEM) -> list[Keyboard]
         try:
             keys = parse_bits((device / "capabilities" / "key").read_text())
             phys, name = (
-                # Devices say what they like; a name goes to a terminal.
+                # A device may have any name; this one is printed on a terminal.
                 (device / file).read_text(errors="replace").strip()
                 for file in ("phys", "name")
             )
@@ -69,19 +68,19 @@ def find_keyboards(nodes: Path = NODES, system: Path = SYSTEM) -> list[Keyboard]
             continue
         if node.exists():
             name = "".join(char for char in name if char.isprintable())
-            found.append(Keyboard(node, name, os.access(node, os.R_OK)))
+            found.append(KeyboardNode(node, name, os.access(node, os.R_OK)))
     return found
 
 
-def explain_keyboards(keyboards: list[Keyboard]) -> tuple[str, str | None]:
-    """Returns a sentence on whether chords can be heard, and the way out if they cannot."""
+def explain_keyboards(keyboards: list[KeyboardNode]) -> tuple[str, str | None]:
+    """Returns a sentence on whether chords work, and the fix if they do not."""
     readable = [keyboard.name for keyboard in keyboards if keyboard.readable]
     if readable:
-        return f"chords are heard on {', '.join(readable)}", None
+        return f"chords work on {', '.join(readable)}", None
     if not keyboards:
-        return "no keyboard is plugged in, so no chord can be heard", None
+        return "no keyboard is plugged in, so chords do not work", None
     return (
-        f"chords cannot be heard: this user may not read {keyboards[0].node} ({keyboards[0].name})",
+        f"chords do not work: this user may not read {keyboards[0].node} ({keyboards[0].name})",
         "Allow it for the person at the machine, but mind that every program of theirs can then "
         "see what is typed:\n"
         f"  echo '{RULE}' | sudo tee /etc/udev/rules.d/70-neurotouch-keyboard.rules\n"
@@ -96,9 +95,9 @@ class ChordReader:
 
     Args:
         chords: the names of the keys of each chord.
-        hear: is told the name of a chord; must return at once.
+        hear: called with the name of a chord; must return at once.
         nodes: the folder of the event nodes.
-        system: what the kernel tells about them.
+        system: the folder in which the kernel describes them.
     """
 
     def __init__(
@@ -114,7 +113,7 @@ class ChordReader:
         }
         self._hear = hear
         self._nodes, self._system = nodes, system
-        self._keyboards: list[Keyboard] = []
+        self._keyboards: list[KeyboardNode] = []
         self._down: dict[int, set[int]] = {}  # by descriptor
         self._open: dict[Path, int] = {}
         self._held: set[str] = set()
@@ -126,11 +125,11 @@ class ChordReader:
         self._thread.start()
 
     def describe(self) -> str:
-        """Returns whether chords can be heard, and the way out if not."""
+        """Returns whether chords work, and the fix if they do not."""
         return ". ".join(filter(None, explain_keyboards(self._keyboards)))
 
     def close(self) -> None:
-        """Ends the thread and releases the keyboards. Harmless when repeated."""
+        """Ends the thread and releases the keyboards. A second call does nothing."""
         if not self._thread.is_alive():
             return
         os.write(self._wake_write, b"x")
@@ -156,7 +155,9 @@ class ChordReader:
         for keyboard in self._keyboards:
             if not keyboard.readable or keyboard.node in self._open:
                 continue
-            with suppress(OSError):  # gone again, or its rights are; the next search tells
+            with suppress(
+                OSError
+            ):  # gone again, or no longer readable, as the next search will find
                 flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY
                 descriptor = os.open(keyboard.node, flags)
                 self._open[keyboard.node] = descriptor
@@ -186,7 +187,7 @@ class ChordReader:
                 self._compare()
 
     def _compare(self) -> None:
-        """Tells of each chord once, until one of its keys is released."""
+        """Reports each chord once, until one of its keys is released."""
         down = frozenset().union(*self._down.values())
         for name, keys in self._chords.items():
             if not keys <= down:

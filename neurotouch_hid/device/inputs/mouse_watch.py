@@ -35,11 +35,11 @@ class MouseWatch:
 
     @property
     def quiet_s(self) -> float:
-        """For how long no mouse has moved or clicked."""
+        """Time since a mouse last moved or clicked."""
         return time.monotonic() - self._moved_at
 
     def describe(self) -> str:
-        """Returns which mice are watched, and the way out if they cannot be."""
+        """Returns which mice are watched, and the fix if they cannot be."""
         names = [mouse.name for mouse in self._mice if mouse.readable]
         if names:
             return f"the pointer waits while {', '.join(names)} moves"
@@ -51,7 +51,7 @@ class MouseWatch:
         )
 
     def close(self) -> None:
-        """Ends the thread. Harmless when repeated."""
+        """Ends the thread. A second call does nothing."""
         if not self._thread.is_alive():
             return
         os.write(self._wake_write, b"x")
@@ -77,7 +77,7 @@ class MouseWatch:
         self._mice = [each for each in find_inputs() if _is_mouse(each)]
         for mouse in self._mice:
             if mouse.readable and mouse.node not in self._open:
-                # It is gone again, which the next search tells; or evdev cannot read its name.
+                # It is gone again, as the next search will find; or evdev cannot read its name.
                 with suppress(OSError, UnicodeDecodeError):
                     opened = InputDevice(mouse.node)
                     self._open[mouse.node] = opened

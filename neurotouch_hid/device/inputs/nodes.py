@@ -10,7 +10,7 @@ from evdev import ecodes
 NODES: Final = Path("/dev/input")
 SYSTEM: Final = Path("/sys/class/input")
 OURS: Final = "neurotouch/"
-"""Our own devices claim to be plugged in below this place."""
+"""The physical path of our own devices starts with this."""
 
 _WORD_BITS: Final = 64
 _FACTS: Final = ("name", "phys", "uniq")
@@ -22,9 +22,9 @@ class Input:
 
     Attributes:
         node: where it is.
-        name: what the device calls itself.
-        phys: where it says it is plugged in.
-        uniq: its serial number, if it tells one.
+        name: name of the device.
+        phys: its physical path, as the device states it.
+        uniq: its serial number, if it has one.
         vendor: its vendor id.
         product: its product id.
         keys: its keys and buttons, a bit for each code.
@@ -46,7 +46,7 @@ class Input:
 
     @property
     def readable(self) -> bool:
-        """Whether we may read it now."""
+        """True if this user may read it now."""
         return os.access(self.node, os.R_OK)
 
 
@@ -71,7 +71,7 @@ def find_inputs(nodes: Path = NODES, system: Path = SYSTEM) -> list[Input]:
 
 
 def is_input_name(name: str) -> bool:
-    """Says whether the kernel has a key or button of this name, ``KEY_SPACE`` or ``BTN_SOUTH``."""
+    """Returns True if the kernel has a key or button of this name, for example ``KEY_SPACE``."""
     return name.startswith(("KEY_", "BTN_")) and name in ecodes.ecodes
 
 
@@ -84,7 +84,7 @@ def parse_bits(text: str) -> int:
 
 
 def _read_text(file: Path) -> str:
-    # Devices say what they like; a name goes to a terminal.
+    # A device may have any name; this one is printed on a terminal.
     text = file.read_text(errors="replace") if file.exists() else ""
     return "".join(char for char in text.strip() if char.isprintable())
 

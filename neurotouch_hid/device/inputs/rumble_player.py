@@ -1,4 +1,4 @@
-"""Makes a physical pad shake, in a thread of its own: its driver may take its time."""
+"""Makes a physical pad shake, in a separate thread because the pad's driver may be slow."""
 
 import ctypes
 import fcntl
@@ -18,17 +18,17 @@ _EVIOCSFF: Final = 1 << 30 | ctypes.sizeof(ff.Effect) << 16 | ord("E") << 8 | 0x
 
 
 def upload_effect(pad: InputDevice, effect: ff.Effect) -> int:
-    """Hands an effect to a pad and returns its number there.
+    """Uploads an effect to a pad and returns its number there.
 
-    Not evdev's own way: it keeps all threads from running until the pad's driver has answered,
-    which may be a program that takes half a minute to fail.
+    evdev's own function blocks all threads until the pad's driver has answered, and that driver
+    may be a program that takes half a minute to fail.
     """
     fcntl.ioctl(pad.fd, _EVIOCSFF, effect)
     return int(effect.id)
 
 
 class RumblePlayer:
-    """Shows the newest rumble on a pad; its callers never wait.
+    """Plays the newest rumble on a pad; its callers never wait.
 
     Args:
         pad: opened for reading and writing; stays the caller's.
@@ -44,18 +44,18 @@ class RumblePlayer:
         self._thread.start()
 
     def shake(self, rumble: Rumble) -> None:
-        """Shows this from now on."""
+        """Plays this rumble from now on."""
         with self._changed:
             self._newest = rumble
             self._changed.notify()
 
     def close(self) -> None:
-        """Lets it be still and ends the thread."""
+        """Stops the rumble and ends the thread."""
         with self._changed:
             self._newest = STILL
             self._closed = True
             self._changed.notify()
-        self._thread.join(1.0)  # a driver that hangs must not hold us up
+        self._thread.join(1.0)  # a driver that hangs must not delay the end
 
     def _work(self) -> None:
         while True:
@@ -65,7 +65,7 @@ class RumblePlayer:
                 rumble, self._newest = self._newest, None
             if rumble is None:
                 return
-            with suppress(OSError):  # the pad is gone; the reader of its events meets that too
+            with suppress(OSError):  # the pad is gone; the reader of its events will notice
                 self._show(rumble)
 
     def _show(self, rumble: Rumble) -> None:

@@ -1,4 +1,4 @@
-"""What the codes of another pad, keyboard or switch mean on ours."""
+"""Translates the codes of another pad, keyboard or switch into controls of our pad."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ _BY_PLACE: Final = {0x054C, 0x057E}
 """Sony and Nintendo, whose drivers name buttons by their place, not by the label of an Xbox pad."""
 
 _IN_ORDER: Final = tuple(Button)
-"""What numbered buttons of joysticks and switch boxes are, first to last."""
+"""Our buttons for the numbered buttons of joysticks and switch boxes, first to last."""
 
 _DPAD_KEYS: Final = {
     "BTN_DPAD_UP": (Axis.DPAD_Y, -1.0),
@@ -48,14 +48,14 @@ _TRIGGER_KEYS: Final = {"BTN_TL2": Axis.LEFT_TRIGGER, "BTN_TR2": Axis.RIGHT_TRIG
 
 
 @dataclass(frozen=True, slots=True)
-class Range:
+class AxisRange:
     """The integers of an axis.
 
     Attributes:
-        axis: which one of ours it is.
+        axis: the axis of our pad.
         minimum: the smallest.
         maximum: the largest.
-        flat: what is nearer to rest than this is rest, as the device says.
+        flat: values nearer to rest than this count as rest, as the device says.
     """
 
     axis: Axis
@@ -81,10 +81,10 @@ class Range:
 
 
 class Translation:
-    """Turns the keys and axes of a device into a share of our pad.
+    """Turns the keys and axes of a device into a contribution to our pad.
 
     Args:
-        device: what the kernel lists of it.
+        device: its description by the kernel.
         ranges: minimum, maximum and flat of its axes, by code.
         keys: the person's own choices, before ours: buttons by the kernel's names of keys.
     """
@@ -96,7 +96,7 @@ class Translation:
         keys: Mapping[str, Button] | None = None,
     ) -> None:
         self._axes = {
-            code: Range(axis, *ranges[code])
+            code: AxisRange(axis, *ranges[code])
             for code, axis in _find_axes(ranges).items()
             if code in ranges
         }
@@ -109,16 +109,16 @@ class Translation:
 
     @property
     def codes(self) -> set[int]:
-        """The keys and buttons that mean something."""
+        """The keys and buttons that have a meaning."""
         return self._buttons.keys() | self._steps.keys()
 
     @property
     def axis_codes(self) -> set[int]:
-        """The axes that mean something."""
+        """The axes that have a meaning."""
         return set(self._axes)
 
     def read(self, down: set[int], values: Mapping[int, int]) -> Contribution:
-        """Returns the share of these keys that are down and these values of the axes."""
+        """Returns the contribution of these pressed keys and these values of the axes."""
         axes: dict[Axis, float] = {}
         for code, steps in self._steps.items():
             if code in down:

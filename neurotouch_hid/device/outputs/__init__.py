@@ -1,1 +1,1 @@
-"""Virtual devices: what the pipeline writes and every program reads."""
+"""Virtual devices: the pipeline writes them, and every program can read them."""

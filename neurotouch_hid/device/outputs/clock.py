@@ -1,21 +1,21 @@
-"""From sensor time to the clock that the kernel stamps input with."""
+"""Converts sensor time to the clock that the kernel stamps input with."""
 
 import time
 from collections.abc import Callable
 from typing import Final
 
 _WINDOW_NS: Final = 2_000_000_000
-"""The least delay is looked for in so much of the past: a crystal of 50 ppm drifts 0.1 ms in it."""
+"""Time over which the least delay is searched: a crystal of 50 ppm drifts 0.1 ms in it."""
 
 _OLDEST_NS: Final = 1_000_000_000
-"""Older stamps are a fault of ours. The kernel itself takes what is at most 10 s old."""
+"""Older stamps are a bug of this program. The kernel itself accepts stamps of up to 10 s ago."""
 
 
 class SensorClock:
-    """Puts sensor time on CLOCK_MONOTONIC.
+    """Maps sensor time to CLOCK_MONOTONIC.
 
-    A state comes late by what the host has taken, now more, now less. The least delay of the last
-    seconds is the offset between the clocks, so the stamps are as regular as the sensor's time.
+    The host delays each state by a varying time. The least delay of the last seconds is the offset
+    between the clocks, so the stamps are as regular as the sensor's time.
     Stamps never go back and are never in the future.
 
     Args:
@@ -45,7 +45,7 @@ class SensorClock:
         return self._last_ns
 
     def now(self) -> int:
-        """Returns this moment in ns, for what no sensor has seen."""
+        """Returns the present time in ns, for states that do not come from a sensor."""
         self._last_ns = self._now_ns()
         return self._last_ns
 

@@ -1,4 +1,4 @@
-"""The pad with a keyboard and a mouse beside it: what the pipeline writes to, one state for all."""
+"""The pad with its keyboard and mouse as one device, written with one state."""
 
 import time
 from collections.abc import Callable, Iterable
@@ -16,10 +16,10 @@ from neurotouch_hid.device.outputs.uinput import Ioctl, UinputNode, call_kernel,
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import GamepadState
 
-_CLAIMS = {ExtraDevice.KEYBOARD: keyboard.CLAIM, ExtraDevice.MOUSE: mouse.CLAIM}
+_EXTRA_SPECS = {ExtraDevice.KEYBOARD: keyboard.SPEC, ExtraDevice.MOUSE: mouse.SPEC}
 
 _PARTING_S = 0.05
-"""Time for readers to take the last frame: what is unread when a node goes away is lost to them."""
+"""Time for readers to take the last frame: they lose unread events when a node is removed."""
 
 
 class CompositeDevice(Closing):
@@ -47,12 +47,11 @@ class CompositeDevice(Closing):
         """Creates the nodes, at rest.
 
         Args:
-            extra_devices: what to make beside the pad.
-            kind: how the pad is made; the others are always made through ``/dev/uinput``.
-            identity: what the pad claims to be; an Xbox 360 pad without.
-            player: whose nodes these are, from 1 on; it is in the place where they claim to be
-                plugged in.
-            hear_rumble: is told how games shake the pad; without, it does not claim to rumble.
+            extra_devices: the devices to create beside the pad.
+            kind: ``uinput`` or ``hid`` for the pad; the others always use ``/dev/uinput``.
+            identity: the controller model to emulate; if None, an Xbox 360 pad.
+            player: number of the player, from 1; it is part of the physical path of the nodes.
+            hear_rumble: called when games shake the pad; if None, the pad does not offer rumble.
             open_descriptor: gives ``/dev/uinput``, opened for each node; a service manager may
                 have opened it.
             ioctl: the system call; tests record it.
@@ -81,15 +80,15 @@ class CompositeDevice(Closing):
 
     @property
     def name(self) -> str:
-        """What the user is told it is: the nodes, as other programs show them."""
-        names = (claim.name for key, claim in _CLAIMS.items() if key in self._extra_devices)
+        """The name that the user sees: the nodes, as other programs show them."""
+        names = (spec.name for key, spec in _EXTRA_SPECS.items() if key in self._extra_devices)
         return " + ".join((self._identity.name, *names))
 
     def prepare(self, extra_devices: Iterable[ExtraDevice]) -> None:
-        """Makes those of the nodes that are missing.
+        """Creates the nodes that are still missing.
 
-        A desktop takes a moment to notice a node and misses what is written until then, so this is
-        better called with a profile than left to the first press.
+        A desktop takes a moment to notice a node and misses everything written before. So the
+        driver calls this when it loads a profile, not at the first press.
 
         Raises:
             DeviceError: the device is closed, ``/dev/uinput`` cannot be used, or the kernel
@@ -100,23 +99,23 @@ class CompositeDevice(Closing):
             self._add(extra_devices)
 
     def write(self, state: GamepadState) -> None:
-        """Shows everything in this state: one write for each node on which something changed.
+        """Writes this state: one write for each node on which something changed.
 
-        A node that the state needs and nobody has prepared is made.
+        A node that the state needs and that is still missing is created.
 
         Raises:
-            DeviceError: the kernel does not take it, or the device is closed.
+            DeviceError: the kernel refuses it, or the device is closed.
         """
         with self._lock:
             self._require_open()
             self._add(find_needed(state))
-            self._show(state, self._motion.advance(state), self._clock.stamp(state.t_us))
+            self._show(state, self._motion.compute_steps(state), self._clock.stamp(state.t_us))
 
     def neutral(self) -> None:
-        """Releases everything on all nodes now; one that fails does not keep the others from it.
+        """Releases everything on all nodes now, even if one of them fails.
 
         Raises:
-            DeviceError: the kernel does not take it.
+            DeviceError: the kernel refuses it.
         """
         with self._lock:
             if not self._closed:
@@ -139,13 +138,15 @@ class CompositeDevice(Closing):
 
     def _make_pad(self, kind: PadKind, hear: HearRumble | None) -> VirtualDevice:
         if kind == "hid":  # Linux has no simple rumble for pads of no known maker
-            return UhidNode(open_uhid(), self._identity.make_claim(self._player))
-        claim = self._identity.make_claim(self._player, rumbles=hear is not None)
-        return UinputNode(self._open_descriptor(), claim, ioctl=self._ioctl, hear=hear)
+            return UhidNode(open_uhid(), self._identity.make_spec(self._player))
+        spec = self._identity.make_spec(self._player, rumbles=hear is not None)
+        return UinputNode(self._open_descriptor(), spec, ioctl=self._ioctl, hear=hear)
 
-    def _make_companion(self, extra_device: ExtraDevice) -> UinputNode:
-        claim = replace(_CLAIMS[extra_device], phys=f"neurotouch/{extra_device}{self._player - 1}")
-        return UinputNode(self._open_descriptor(), claim, ioctl=self._ioctl)
+    def _make_extra_device(self, extra_device: ExtraDevice) -> UinputNode:
+        spec = replace(
+            _EXTRA_SPECS[extra_device], phys=f"neurotouch/{extra_device}{self._player - 1}"
+        )
+        return UinputNode(self._open_descriptor(), spec, ioctl=self._ioctl)
 
     def _require_open(self) -> None:
         if self._closed:
@@ -154,28 +155,28 @@ class CompositeDevice(Closing):
     def _add(self, extra_devices: Iterable[ExtraDevice]) -> None:
         for extra_device in extra_devices:
             if extra_device not in self._extra_devices:
-                self._extra_devices[extra_device] = self._make_companion(extra_device)
+                self._extra_devices[extra_device] = self._make_extra_device(extra_device)
 
     def _release(self) -> None:
         self._motion = mouse.PointerMotion()  # the time until the next state does not count
         self._show(GamepadState(0), (), self._clock.now())
 
     def _show(self, state: GamepadState, steps: Steps, stamp_ns: int) -> None:
-        """Writes to every node, whatever happens at the others; raise the first failure."""
+        """Writes to every node, even if one fails; raises the first failure."""
         reports: list[tuple[VirtualDevice | None, tuple[int, ...], Steps]] = [
             (self._pad, self._layout.encode(state), ()),
-            (self._extra_devices.get(ExtraDevice.KEYBOARD), keyboard.encode(state), ()),
-            (self._extra_devices.get(ExtraDevice.MOUSE), mouse.encode(state), steps),
+            (self._extra_devices.get(ExtraDevice.KEYBOARD), keyboard.encode_keys(state), ()),
+            (self._extra_devices.get(ExtraDevice.MOUSE), mouse.encode_buttons(state), steps),
         ]
         if self._mouse_buttons - state.mouse_buttons:
-            # A ctrl+click is one to the end only if its button comes up before ctrl does.
+            # The button comes up before ctrl: otherwise a ctrl+click would end as a plain click.
             reports.reverse()
         self._mouse_buttons = state.mouse_buttons
         failures = []
         for node, report, motion in reports:
             if node is not None:
                 try:
-                    node.show(report, motion, stamp_ns)
+                    node.write_report(report, motion, stamp_ns)
                 except DeviceError as error:
                     failures.append(error)
         if failures:

@@ -12,7 +12,7 @@ from evdev import ecodes
 
 from neurotouch_hid.device.outputs.spec import Control
 
-# Items of a descriptor, by the HID specification 1.11, section 6.2.2; each takes so many bytes.
+# Items of a descriptor, by the HID specification 1.11, section 6.2.2; each takes this many bytes.
 _USAGE_PAGE, _USAGE = 0x05, 0x09
 _COLLECTION, _END = 0xA1, 0xC0
 _LOGICAL_MIN, _LOGICAL_MAX = 0x14, 0x24
@@ -41,13 +41,13 @@ _HAT_PLACES: Final = ((0, 0), (0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1),
 
 
 class ReportFormat:
-    """How the values of some controls are packed in a report; the controls are those of a pad.
+    """Packs the values of a pad's controls into a report, and unpacks them.
 
     Args:
         controls: the controls, in the order of the values.
 
     Attributes:
-        descriptor: what the kernel and programs are told about the report.
+        descriptor: describes the report to the kernel and to programs.
     """
 
     def __init__(self, controls: tuple[Control, ...]) -> None:
@@ -77,7 +77,7 @@ class ReportFormat:
         """Returns the values in a report.
 
         Raises:
-            ValueError: it is no such report.
+            ValueError: it has another length.
         """
         if len(report) != self._struct.size:
             raise ValueError(f"a report has {self._struct.size} bytes, not {len(report)}")
@@ -165,7 +165,7 @@ def _is_wide(control: Control) -> bool:
 
 
 def _pack_number(item: int, value: int) -> bytes:
-    """Returns an item with a signed number in as few bytes as hold it."""
+    """Returns an item with a signed number in as few bytes as possible."""
     for size_code, letter, reach in ((1, "b", 0x80), (2, "h", 0x8000)):
         if -reach <= value < reach:
             return bytes((item | size_code,)) + struct.pack(f"<{letter}", value)

@@ -1,4 +1,4 @@
-"""The effects that games upload to a pad, and what those that play add up to."""
+"""The rumble effects that games upload to a pad, and the sum of those that play."""
 
 import math
 from dataclasses import dataclass
@@ -9,17 +9,17 @@ from evdev import ecodes, ff
 _FULL: Final = 0xFFFF
 _FULL_PERIODIC: Final = 0x7FFF
 _LONGEST_S: Final = 30.0
-"""Levels are told again after this time, for effects without an end."""
+"""Levels are reported again after this time, for effects without an end."""
 
 
 @dataclass(frozen=True, slots=True)
 class Rumble:
-    """How the pad should shake from now on.
+    """Strength and length of a rumble that starts now.
 
     Attributes:
         strong: the heavy, slow motor, 0..1.
         weak: the light, quick motor, 0..1.
-        seconds: how long, unless another one comes before; 0 for stillness.
+        seconds: its length, unless another one replaces it; 0 for no rumble.
     """
 
     strong: float
@@ -31,14 +31,14 @@ STILL: Final = Rumble(0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
-class Effect:
+class RumbleEffect:
     """One effect that a game has uploaded.
 
     Attributes:
         strong: 0..1.
         weak: 0..1.
-        seconds: how long one playing lasts; infinite if it only ends when it is stopped.
-        delay_s: from the order to play to its begin.
+        seconds: length of one playing; infinite if only a stop ends it.
+        delay_s: from the play command to the start.
     """
 
     strong: float
@@ -47,8 +47,8 @@ class Effect:
     delay_s: float
 
     @classmethod
-    def read(cls, effect: ff.Effect) -> "Effect":
-        """Returns the effect that a game describes; one of a kind we do not know is still."""
+    def read(cls, effect: ff.Effect) -> "RumbleEffect":
+        """Returns the effect that a game describes; one of an unknown kind does not shake."""
         strong = weak = 0.0
         if effect.type == ecodes.FF_RUMBLE:
             motors = effect.u.ff_rumble_effect
@@ -62,18 +62,18 @@ class Effect:
 
 
 class Effects:
-    """The effects of a pad and which of them play; the sum of these is what it does.
+    """The effects of a pad; the pad shakes with the sum of those that play.
 
     All times are in seconds on any clock.
     """
 
     def __init__(self) -> None:
-        self._effects: dict[int, Effect] = {}
+        self._effects: dict[int, RumbleEffect] = {}
         self._playing: dict[int, tuple[float, float]] = {}  # from when to when, by effect
         self._gain = 1.0
 
-    def upload(self, number: int, effect: Effect) -> None:
-        """Takes an effect; one that plays goes on with the new values."""
+    def upload(self, number: int, effect: RumbleEffect) -> None:
+        """Adds or replaces an effect; one that plays continues with the new values."""
         self._effects[number] = effect
 
     def erase(self, number: int) -> None:
@@ -82,7 +82,7 @@ class Effects:
         self._playing.pop(number, None)
 
     def play(self, number: int, n_times: int, now: float) -> None:
-        """Plays an effect so many times in a row; 0 stops it."""
+        """Plays an effect ``times`` times in a row; 0 stops it."""
         effect = self._effects.get(number)
         if effect is None or n_times <= 0:
             self._playing.pop(number, None)
@@ -91,11 +91,11 @@ class Effects:
             self._playing[number] = begin, begin + n_times * effect.seconds
 
     def set_gain(self, gain: float) -> None:
-        """Sets how strong everything is, 0..1."""
+        """Sets the strength of all effects, 0..1."""
         self._gain = gain
 
     def sum_up(self, now: float) -> tuple[Rumble, float]:
-        """Returns what the pad does now, and when that may change by itself."""
+        """Returns the present rumble, and the time at which it may change by itself."""
         self._playing = {number: span for number, span in self._playing.items() if span[1] > now}
         sounding = [
             self._effects[number] for number, span in self._playing.items() if span[0] <= now

@@ -14,14 +14,14 @@ from neurotouch_hid.device.outputs.spec import Control, make_key
 from neurotouch_hid.messages import Axis, Button, GamepadState
 
 PHYS = "neurotouch/pad0"
-"""Where the pad of the first player claims to be plugged in; we find our own devices by it."""
+"""Physical path of the first player's pad; this program finds its own devices by it."""
 
 _TO_BOTH_SIDES = {Axis.LEFT_X, Axis.LEFT_Y, Axis.RIGHT_X, Axis.RIGHT_Y, Axis.DPAD_X, Axis.DPAD_Y}
 
 
 @dataclass(frozen=True, slots=True)
 class ControlLayout:
-    """Which control of the kernel each control of the pad is.
+    """Maps each control of the pad to a control of the kernel.
 
     Attributes:
         buttons: the buttons, in the order of the report.
@@ -47,7 +47,7 @@ class ControlLayout:
 
     @property
     def controls(self) -> tuple[Control, ...]:
-        """What a report gives the values of, in this order."""
+        """The controls whose values a report contains, in this order."""
         return (*self.buttons.values(), *self.trigger_buttons.values(), *self.axes.values())
 
     def encode(self, state: GamepadState) -> tuple[int, ...]:
@@ -66,7 +66,7 @@ class ControlLayout:
         )
 
     def decode(self, report: tuple[int, ...]) -> tuple[frozenset[Button], dict[Axis, float]]:
-        """Returns what a report says: the buttons that are down, and the axes off their rest."""
+        """Returns the content of a report: the buttons that are down, and the axes off rest."""
         n_keys = len(self.buttons) + len(self.trigger_buttons)
         down = zip(self.buttons, report, strict=False)
         moved = zip(self.axes.items(), report[n_keys:], strict=True)

@@ -1,4 +1,4 @@
-"""What the pad claims to be: identities as data, and which of them programs would misread."""
+"""Identities: the controller models that a pad can emulate, and checks against misreading."""
 
 import tomllib
 from collections.abc import Mapping
@@ -13,18 +13,21 @@ from evdev import ecodes
 from neurotouch_hid.device.outputs.gamepad import ControlLayout
 from neurotouch_hid.device.outputs.spec import DeviceSpec
 from neurotouch_hid.errors import DeviceError
+from neurotouch_hid.files.faults import SHOWN_COLUMNS
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
+from neurotouch_hid.printable import make_printable
 
 PadKind = Literal["uinput", "hid"]
 
 USUAL: Final[dict[str, str]] = {"uinput": "xbox360", "hid": "own"}
-"""The identity each kind of pad has where nobody chooses one."""
+"""The default identity of each kind of pad."""
 
 PLACE: Final = "neurotouch/pad"
-"""Where pads claim to be plugged in, with a number; udev rules and we find our own by it."""
+"""Physical path of pads, before a number; udev rules and this program find our own pads by it."""
 
 _KEYS: Final = {"name", "vendor", "product", "version", "layout"}
 _NAME_BYTES: Final[dict[str, int]] = {"uinput": 79, "hid": 127}
-"""What the kernel keeps of a name, without the closing zero (linux/uinput.h, linux/uhid.h)."""
+"""Bytes of a name that the kernel keeps, without the closing zero (linux/uinput.h, uhid.h)."""
 
 # SDL (since 2025) takes nodes with such names for parts of something else, not for pads.
 _NO_BEGIN: Final = ("uinput-", "Mouse ", "gpio_ir_recv")
@@ -55,7 +58,7 @@ _DRIVEN_BY_SDL: Final = {0x045E: "Microsoft", 0x054C: "Sony", 0x057E: "Nintendo"
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """What a pad tells of itself.
+    """The controller model that a pad emulates.
 
     Attributes:
         name: what programs show.
@@ -71,8 +74,8 @@ class Identity:
     version: int
     layout: ControlLayout
 
-    def make_claim(self, player: int = 1, *, rumbles: bool = False) -> DeviceSpec:
-        """Returns all that the kernel is told about the pad of a player (1, 2, ...)."""
+    def make_spec(self, player: int = 1, *, rumbles: bool = False) -> DeviceSpec:
+        """Returns the description of the pad of a player (1, 2, ...) for the kernel."""
         return DeviceSpec(
             self.name,
             (ecodes.BUS_USB, self.vendor, self.product, self.version),
@@ -90,11 +93,11 @@ def load_identities() -> Mapping[str, Identity]:
 
 
 def choose_identity(wanted: str | None, kind: PadKind) -> Identity:
-    """Returns the identity of this name or in this file, if programs will read it rightly.
+    """Returns the identity of this name or in this file, if programs read it correctly.
 
     Args:
         wanted: a shipped name, or the path of a TOML file; None for the usual one.
-        kind: how the pad is made.
+        kind: ``uinput`` or ``hid``.
 
     Raises:
         DeviceError: there is no such identity, or some program would misread it.
@@ -115,10 +118,10 @@ def choose_identity(wanted: str | None, kind: PadKind) -> Identity:
 
 
 def check_identity(identity: Identity, kind: PadKind) -> None:
-    """Refuses what programs are known to misread.
+    """Refuses identities that programs are known to misread.
 
     Raises:
-        DeviceError: says which program would do what.
+        DeviceError: names the program and its mistake.
     """
     _check_name(identity.name, kind)
     ids = f"{identity.vendor:04x}:{identity.product:04x}"
@@ -149,7 +152,7 @@ def check_identity(identity: Identity, kind: PadKind) -> None:
 def _check_name(name: str, kind: PadKind) -> None:
     if not name or not name.isprintable() or len(name.encode()) > _NAME_BYTES[kind]:
         raise DeviceError(
-            f"'{name}' is no name for a pad.",
+            f"'{make_printable(name[:SHOWN_COLUMNS])}' is not a valid name for a pad.",
             hint=f"Use 1 to {_NAME_BYTES[kind]} bytes of printable characters.",
         )
     for what, reads in (
@@ -175,20 +178,22 @@ def _read_shipped() -> dict[str, Any]:
 
 def _read_file(path: Path) -> Identity:
     try:
-        table = tomllib.loads(path.read_text("utf-8"))
+        table = tomllib.loads(read_text(path, MAX_SETTINGS_BYTES))
     except OSError as error:
         raise DeviceError(f"'{path}' cannot be read: {error.strerror}.") from None
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise DeviceError(f"'{path}' is no TOML: {error}.") from None
+    except RecursionError:
+        raise DeviceError(f"'{path}' has too many brackets in one another.") from None
+    except ValueError as error:  # a mistake in the TOML, or a number of thousands of digits
+        raise DeviceError(f"'{path}' is not valid TOML: {error}.") from None
     for key in ("name", "layout"):
         if not isinstance(table.get(key), str):
-            raise DeviceError(f"{path}: {key!r} must be there, text.")
+            raise DeviceError(f"{path}: {key!r} must be set, to text.")
     for key in ("vendor", "product", "version"):
         value = table.get(key)
         if type(value) is not int or not 0 <= value <= 0xFFFF:
-            raise DeviceError(f"{path}: {key!r} must be there, a number up to 0xffff.")
+            raise DeviceError(f"{path}: {key!r} must be set, to a number up to 0xffff.")
     if unknown := table.keys() - _KEYS:
-        raise DeviceError(f"{path}: there is no key {min(unknown)!r}.")
+        raise DeviceError(f"{path}: unknown key {min(unknown)!r}.")
     layouts = _read_shipped()["layouts"]
     if table["layout"] not in layouts:
         raise DeviceError(f"{path}: 'layout' must be one of {', '.join(layouts)}.")

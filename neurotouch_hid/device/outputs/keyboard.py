@@ -1,4 +1,4 @@
-"""A keyboard of its own, with the keys that a profile can name.
+"""The virtual keyboard, with the keys that a profile can name.
 
 Keys are positions; the desktop's layout decides which letters they are. They are not on the pad,
 because udev takes a pad with four of them for a keyboard.
@@ -14,7 +14,7 @@ from neurotouch_hid.messages import GamepadState
 NAME = "NeuroTouch Keyboard"
 IDS = (ecodes.BUS_VIRTUAL, 0x0000, 0x0001, 0x0001)
 """Bus, vendor, product, version. No program needs to know this keyboard by its ids, so it borrows
-none: on the virtual bus nobody assigns vendors, and 0 says that this is nobody's hardware. The
+none: on the virtual bus vendors are not assigned, and 0 means that there is no hardware. The
 product only keeps it apart from the mouse, where a desktop keeps settings by ids."""
 
 PHYS = "neurotouch/keyboard0"
@@ -43,18 +43,18 @@ KEYS = {
 """Every key, by the kernel's name. ESC to S are all there: that is how udev knows a keyboard.
 
 No power or sleep key: no gesture should switch the machine off. No auto-repeat of the kernel's
-(EV_REP): desktops repeat by themselves, and a key must not go on by itself while we stall.
+(EV_REP): desktops repeat by themselves, and a key must not repeat while this program stalls.
 """
 
-CLAIM = DeviceSpec(NAME, IDS, PHYS, tuple(KEYS.values()))
+SPEC = DeviceSpec(NAME, IDS, PHYS, tuple(KEYS.values()))
 
 
 _ALTS = {"KEY_LEFTALT", "KEY_RIGHTALT"}
 _SYSRQ = "KEY_SYSRQ"
 
 
-def encode(state: GamepadState) -> tuple[int, ...]:
-    """Returns the report of a state: for every key, in the order of KEYS, whether it is down.
+def encode_keys(state: GamepadState) -> tuple[int, ...]:
+    """Returns the report of a state: 1 for every key that is down, in the order of KEYS.
 
     Print is not down while Alt is: to the kernel the two begin its magic keys, and with B as the
     third many distributions let it reboot on the spot. A profile from a stranger must not do that.

@@ -1,4 +1,4 @@
-"""A device that nobody sees: it remembers what was written, for tests and dry runs."""
+"""A device in memory only: it records the states written, for tests and dry runs."""
 
 from collections import Counter, deque
 from collections.abc import Iterable
@@ -17,14 +17,14 @@ _LAYOUT = load_identities()["xbox360"].layout
 
 
 class MemoryDevice(Closing):
-    """Keeps the states that real nodes would have shown as a change, oldest first.
+    """Records the states that real nodes would have sent as a change, oldest first.
 
     Attributes:
-        name: what the user is told it is.
+        name: the name that the user sees.
         states: the changes; the newest 1000 (10 s of ceaseless motion), so that a dry run of
             days does not grow. The mouse's moving and its stopping are changes too.
-        extra_devices: the nodes that would come with the pad.
-        travel: how far the mouse went in all, in steps, by EV_REL code.
+        extra_devices: the nodes that a real pad would have beside it.
+        travel: total motion of the mouse, in steps, by EV_REL code.
     """
 
     name = "memory"
@@ -40,7 +40,7 @@ class MemoryDevice(Closing):
         self._lock = Lock()
 
     def prepare(self, extra_devices: Iterable[ExtraDevice]) -> None:
-        """Counts these to the nodes.
+        """Adds these to the nodes.
 
         Raises:
             DeviceError: the device is closed.
@@ -50,7 +50,7 @@ class MemoryDevice(Closing):
             self.extra_devices.update(extra_devices)
 
     def write(self, state: GamepadState) -> None:
-        """Keeps the state if it changes anything.
+        """Records the state if it changes anything.
 
         Raises:
             DeviceError: the device is closed.
@@ -58,7 +58,7 @@ class MemoryDevice(Closing):
         with self._lock:
             self._require_open()
             self.extra_devices |= find_needed(state)
-            steps = self._motion.advance(state)
+            steps = self._motion.compute_steps(state)
             if steps:
                 self.travel.update(dict(steps))
             self._show(state, moved=bool(steps))
@@ -71,7 +71,7 @@ class MemoryDevice(Closing):
                 self._show(GamepadState(self._t_us), moved=False)
 
     def close(self) -> None:
-        """Releases everything and accept nothing more."""
+        """Releases everything; ignores later writes."""
         self.neutral()
         with self._lock:
             self._closed = True
@@ -89,6 +89,6 @@ class MemoryDevice(Closing):
 
 
 def _encode(state: GamepadState) -> tuple[_Report, _Report, _Report, bool]:
-    """Returns the three reports, and whether the mouse moves: its stopping is kept too."""
+    """Returns the three reports, and whether the mouse moves: its stop is recorded too."""
     moves = any(state.pointer) or state.wheel != 0.0
-    return _LAYOUT.encode(state), keyboard.encode(state), mouse.encode(state), moves
+    return _LAYOUT.encode(state), keyboard.encode_keys(state), mouse.encode_buttons(state), moves

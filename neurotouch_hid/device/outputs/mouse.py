@@ -1,4 +1,4 @@
-"""A mouse of its own: five buttons, and steps of pointer and wheel made from their speeds."""
+"""The virtual mouse: five buttons, and steps of pointer and wheel made from their speeds."""
 
 import math
 
@@ -9,7 +9,7 @@ from neurotouch_hid.messages import GamepadState
 
 NAME = "NeuroTouch Mouse"
 IDS = (ecodes.BUS_VIRTUAL, 0x0000, 0x0002, 0x0001)
-"""Bus, vendor, product, version: nobody's, as those of the keyboard."""
+"""Bus, vendor, product, version: unassigned, as those of the keyboard."""
 
 PHYS = "neurotouch/mouse0"
 
@@ -27,28 +27,28 @@ MOTIONS = (
     ecodes.REL_HWHEEL_HI_RES,
 )
 
-CLAIM = DeviceSpec(NAME, IDS, PHYS, tuple(BUTTONS.values()), MOTIONS)
+SPEC = DeviceSpec(NAME, IDS, PHYS, tuple(BUTTONS.values()), MOTIONS)
 
 CLICK = 120
 """Steps of the fine wheel in one click, by definition of the kernel."""
 
 _LONGEST_US = 50_000
-"""Five slices of 10 ms. Over a longer gap nobody knows the speed, and the pointer must not leap."""
+"""Five slices of 10 ms. Over a longer gap the speed is unknown, and the pointer must not leap."""
 
 _FASTEST_PX_S = 20_000.0
 _FASTEST_CLICKS_S = 200.0
-"""Four times what one binding may ask for: a fault further up cannot throw the pointer."""
+"""Four times the fastest speed of a binding, so that a bug elsewhere cannot throw the pointer."""
 
 
-def encode(state: GamepadState) -> tuple[int, ...]:
-    """Returns the report of a state: for every button, in the order of BUTTONS, if it is down."""
+def encode_buttons(state: GamepadState) -> tuple[int, ...]:
+    """Returns the report of a state: 1 for every button that is down, in the order of BUTTONS."""
     return tuple(int(name in state.mouse_buttons) for name in BUTTONS)
 
 
 class PointerMotion:
-    """Sums speeds over sensor time into whole steps, and keeps what is left over.
+    """Sums speeds over sensor time into whole steps, and keeps the remainder.
 
-    A state is for the time since the one before, as the gesture in it does.
+    A state describes the time since the state before it, as its gesture does.
     """
 
     def __init__(self) -> None:
@@ -56,11 +56,11 @@ class PointerMotion:
         self._left_over = dict.fromkeys("xyw", 0.0)
         self._since_click = 0
 
-    def advance(self, state: GamepadState) -> Steps:
+    def compute_steps(self, state: GamepadState) -> Steps:
         """Returns the steps from the state before to this one."""
         before_us, self._t_us = self._t_us, state.t_us
         if not (state.wheel or any(state.pointer)):
-            return ()  # what is left over is less than a step
+            return ()  # the remainder is less than a step
         dt_us = 0 if before_us is None else min(max(state.t_us - before_us, 0), _LONGEST_US)
         x, y = state.pointer
         fine = self._count("w", CLICK * _limit(state.wheel, _FASTEST_CLICKS_S), dt_us)

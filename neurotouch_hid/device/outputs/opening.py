@@ -1,4 +1,4 @@
-"""Opens a node of the kernel's and, where that fails, says which of the usual reasons it is."""
+"""Opens a device node of the kernel; if that fails, the error names the likely reason."""
 
 import errno
 import os
@@ -10,13 +10,13 @@ from neurotouch_hid.errors import DeviceError
 
 @dataclass(frozen=True, slots=True)
 class DeviceNode:
-    """A node that makes devices.
+    """A node through which programs create devices.
 
     Attributes:
-        node: where it is.
+        node: its path.
         module: the kernel module behind it.
         rule: the udev rule that gives it to the person at the machine.
-        file: what the rule's file is called.
+        file: name of the rule's file.
     """
 
     node: Path
@@ -44,8 +44,8 @@ class DeviceNode:
         if error.errno == errno.ENOENT:
             return DeviceError(
                 f"There is no {node} here, so no virtual gamepad can be made.",
-                hint=f"Load the module: {load}. "
-                f"In a container, hand the host's node in: --device {node}.",
+                hint=f"Load the module: {load}. A container needs the host's {node}. "
+                "Without a gamepad: neurotouch run --device memory",
             )
         if error.errno in (errno.ENODEV, errno.ENXIO):
             return DeviceError(
@@ -64,7 +64,7 @@ class DeviceNode:
 
 
 def explain_rule(rule: str, file: str, trigger: str) -> str:
-    """Returns how to install a rule and make it hold."""
+    """Returns how to install a rule and make it take effect."""
     return (
         "Allow it for the person at the machine:\n"
         f"  echo '{rule}' | sudo tee /etc/udev/rules.d/{file}\n"

@@ -1,7 +1,7 @@
-"""Answers games that make the pad shake, so quickly that none of them waits.
+"""Answers games that make the pad shake, quickly enough that no game waits.
 
-A game uploads effects, then plays and stops them by number. The kernel hands each upload to us and
-holds the game until we have answered; unanswered, SDL freezes for a minute.
+A game uploads effects, then plays and stops them by number. The kernel passes each upload to us and
+blocks the game until we have answered; without an answer, SDL freezes for a minute.
 """
 
 import ctypes
@@ -18,10 +18,10 @@ from typing import Any, Final
 
 from evdev import ecodes, ff
 
-from neurotouch_hid.device.outputs.effects import STILL, Effect, Effects, Rumble
+from neurotouch_hid.device.outputs.effects import STILL, Effects, Rumble, RumbleEffect
 
 N_EFFECTS: Final = 16
-"""As many as the kernel keeps for pads without a memory of their own."""
+"""The kernel keeps this many for pads without a memory of their own."""
 
 EFFECT_CODES: Final = (
     # What the kernel's xpad driver declares; games choose the first of these that they know.
@@ -32,7 +32,7 @@ EFFECT_CODES: Final = (
 _FULL: Final = 0xFFFF
 
 _NICE: Final = -10
-"""Before the game, which may want all processors and yet waits for us."""
+"""Above the game's, because the game may use all processors while it waits for us."""
 
 LIBC: Final = ctypes.PyDLL(None, use_errno=True)
 """System calls that keep the interpreter to ourselves. All of them return at once here, and after
@@ -62,17 +62,17 @@ _END_ERASE: Final = _one_way(203, ctypes.sizeof(ff.UInputErase))
 
 
 HearRumble = Callable[[Rumble], None]
-"""Is told of every change, in the server's thread; must return at once."""
+"""Called with every change, in the server's thread; must return at once."""
 
 
 class RumbleServer:
-    """Serves the requests that the kernel makes of a uinput node; starts at once.
+    """Answers the kernel's requests to a uinput node; starts immediately.
 
     It must run before the node is created.
 
     Args:
         descriptor: of the node; stays the caller's.
-        hear: is told of every change.
+        hear: called with every change.
         libc: makes the system calls ``read`` and ``ioctl``; a benchmark answers them itself.
     """
 
@@ -89,7 +89,7 @@ class RumbleServer:
         self._thread.start()
 
     def close(self) -> None:
-        """Ends the serving; the pad is still. Harmless when repeated."""
+        """Ends the thread and the rumble. A second call does nothing."""
         if self._closed:
             return
         self._closed = True
@@ -117,7 +117,7 @@ class RumbleServer:
                 self._hear(rumble)
 
     def _answer(self) -> bool:
-        """Answers all that has been asked; False if the node is gone."""
+        """Answers all requests; returns False if the node is gone."""
         data = (ctypes.c_char * (64 * _INPUT_EVENT.size))()
         size = self._libc.read(self._descriptor, data, ctypes.sizeof(data))
         if size < 0:  # a signal may come while uinput is busy with a write of ours
@@ -137,7 +137,7 @@ class RumbleServer:
     def _take(self, request: int) -> None:
         upload = ff.UInputUpload(request_id=request)
         if self._call(_BEGIN_UPLOAD, upload):
-            self._effects.upload(upload.effect.id, Effect.read(upload.effect))
+            self._effects.upload(upload.effect.id, RumbleEffect.read(upload.effect))
             upload.retval = 0
             self._call(_END_UPLOAD, upload)
 
@@ -149,7 +149,7 @@ class RumbleServer:
             self._call(_END_ERASE, erase)
 
     def _call(self, number: int, argument: ctypes.Structure) -> bool:
-        """Returns False if the game has gone while we answer."""
+        """Makes one system call; returns False if the game has gone meanwhile."""
         while self._libc.ioctl(self._descriptor, number, ctypes.byref(argument)) != 0:
             if ctypes.get_errno() != errno.EINTR:
                 return False

@@ -1,4 +1,4 @@
-"""Hands the rumble of games to its listeners: a physical pad, viewers."""
+"""Passes the rumble of games to its listeners: a physical pad, viewers."""
 
 import time
 from collections import deque
@@ -7,16 +7,17 @@ from typing import Final
 
 from neurotouch_hid.device.outputs.effects import STILL, Rumble
 from neurotouch_hid.device.outputs.rumble import HearRumble
+from neurotouch_hid.snapshot import RumbleState
 
 _SHOWN_S: Final = 0.6
-"""A viewer looks twice a second, and must not miss a short knock."""
+"""A viewer reads twice a second, and must not miss a short knock."""
 
 
 class RumbleRouter:
-    """Tells everybody of each change, and keeps the latest for those who look now and then.
+    """Calls all listeners with each change, and keeps the latest for viewers that poll.
 
     Args:
-        listeners: are told of every change, in the server's thread; must return at once.
+        listeners: called with every change, in the server's thread; must return at once.
         now: seconds on any clock.
     """
 
@@ -26,13 +27,13 @@ class RumbleRouter:
         self._latest = deque([(now(), STILL)], maxlen=64)  # when each began
 
     def hear(self, rumble: Rumble) -> None:
-        """Takes a change and passes it on."""
+        """Passes a change to all listeners."""
         self._latest.append((self._now(), rumble))
         for listener in self._listeners:
             listener(rumble)
 
-    def describe(self) -> dict[str, float]:
-        """Returns the strongest of the last moments, ready for JSON."""
+    def describe(self) -> RumbleState:
+        """Returns the strongest recent rumble, ready for JSON."""
         since = self._now() - _SHOWN_S
         latest = list(self._latest)
         ends = [begin for begin, _ in latest[1:]] + [self._now()]

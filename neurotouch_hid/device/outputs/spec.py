@@ -1,4 +1,4 @@
-"""What a node of the kernel claims to be, and which nodes there are."""
+"""Description of a virtual device for the kernel, and the list of extra devices."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -13,14 +13,14 @@ Steps = tuple[tuple[int, int], ...]
 
 
 class ExtraDevice(StrEnum):
-    """The nodes that may come with the pad; each is made only when a profile uses it."""
+    """The devices beside the pad; each is created only when a profile uses it."""
 
     KEYBOARD = "keyboard"
     MOUSE = "mouse"
 
 
 def find_needed(state: GamepadState) -> set[ExtraDevice]:
-    """Returns the extra devices that a state cannot be shown without."""
+    """Returns the extra devices that a state needs."""
     needed = set()
     if state.keys:
         needed.add(ExtraDevice.KEYBOARD)
@@ -38,7 +38,7 @@ class Control:
         code: the event code.
         minimum: the smallest value it can have.
         maximum: the largest.
-        rest: the value while nobody touches it.
+        rest: the value while it is not touched.
     """
 
     type: int
@@ -50,13 +50,13 @@ class Control:
 
 @dataclass(frozen=True, slots=True)
 class DeviceSpec:
-    """All that the kernel is told when a node is made.
+    """Description of a virtual device, for the kernel.
 
     Attributes:
-        name: what programs show.
+        name: the name that programs show.
         ids: bus, vendor, product and version.
-        phys: where it claims to be plugged in; udev rules and we find our own nodes by it.
-        controls: what a report gives the values of, in this order.
+        phys: its physical path; udev rules and this program find our own nodes by it.
+        controls: the controls whose values a report contains, in this order.
         motions: the EV_REL codes, which have no value but only steps.
         rumbles: games may make it shake; then a program must answer them.
     """
@@ -70,23 +70,23 @@ class DeviceSpec:
 
     @property
     def neutral(self) -> tuple[int, ...]:
-        """The report of a node that nobody touches."""
+        """The report of a node at rest."""
         return tuple(control.rest for control in self.controls)
 
 
 class VirtualDevice(Protocol):
     """One device of the kernel, at rest when it is made."""
 
-    def show(self, report: tuple[int, ...], steps: Steps = (), stamp_ns: int = 0) -> None:
-        """Writes what has changed, as one frame; nothing if nothing has.
+    def write_report(self, report: tuple[int, ...], steps: Steps = (), stamp_ns: int = 0) -> None:
+        """Writes the changes as one frame; nothing if nothing has changed.
 
         Args:
-            report: the value of every control of the claim, in its order.
-            steps: how far the claim's motions go now, as (code, steps).
-            stamp_ns: when it happened, on CLOCK_MONOTONIC; 0 is now.
+            report: the value of every control of the description, in its order.
+            steps: the motions, as (code, steps).
+            stamp_ns: time of the report on CLOCK_MONOTONIC; 0 is now.
 
         Raises:
-            DeviceError: the kernel does not take it.
+            DeviceError: the kernel refuses it.
         """
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""A true HID gamepad through ``/dev/uhid``: event node, joystick node and hidraw node.
+"""A HID gamepad through ``/dev/uhid``: event node, joystick node and hidraw node.
 
 The kernel treats it as it treats a pad on a cable: its own HID driver reads our reports by our
 descriptor, and other programs can read the same reports through hidraw (hidapi).
@@ -22,7 +22,7 @@ NODE: Final = Path("/dev/uhid")
 
 RULE: Final = 'KERNEL=="uhid", SUBSYSTEM=="misc", TAG+="uaccess", OPTIONS+="static_node=uhid"'
 RULES_FILE: Final = "70-neurotouch-hid.rules"
-"""Where the rule is in ``udev``."""
+"""Name of the rule's file in ``udev``."""
 
 _MAKER: Final = DeviceNode(NODE, "uhid", RULE, RULES_FILE)
 
@@ -39,7 +39,7 @@ _SET_REPLY: Final = struct.Struct("=IIH")  # type, id, error
 _INPUT_REPORT: Final = 2
 
 START_S: Final = 10.0
-"""How long the kernel may take to bind its driver; usually some milliseconds."""
+"""Time for the kernel to bind its driver; it usually takes some milliseconds."""
 
 
 def open_uhid(node: Path = NODE) -> int:
@@ -58,22 +58,22 @@ class UhidNode:
     would otherwise hang for five seconds. If the process dies, the kernel removes the device.
     """
 
-    def __init__(self, descriptor: int, claim: DeviceSpec, *, patience_s: float = START_S) -> None:
+    def __init__(self, descriptor: int, spec: DeviceSpec, *, patience_s: float = START_S) -> None:
         """Creates the device and waits until the kernel reads it.
 
         Args:
-            descriptor: ``/dev/uhid``, opened. The node owns it from here on, also when this call
+            descriptor: ``/dev/uhid``, opened. From now on the node owns it, even if this call
                 fails.
-            claim: what it claims to be: a pad, without motions and rumble.
+            spec: description of a pad, without motions and rumble.
             patience_s: how long the kernel may take.
 
         Raises:
             DeviceError: the kernel refuses it, or has no driver for it.
         """
         self._descriptor = descriptor
-        self._claim = claim
-        self._format = ReportFormat(claim.controls)
-        self._report = claim.neutral
+        self._spec = spec
+        self._format = ReportFormat(spec.controls)
+        self._report = spec.neutral
         self._started = threading.Event()
         self._wake_read, self._wake_write = os.pipe2(os.O_CLOEXEC)
         self._thread = threading.Thread(target=self._answer_on, name="uhid", daemon=True)
@@ -83,16 +83,16 @@ class UhidNode:
         except OSError as error:
             self.close()
             raise DeviceError(
-                f"The kernel refuses to create the {claim.name}: {error.strerror}."
+                f"The kernel refuses to create the {spec.name}: {error.strerror}."
             ) from error
         if not self._started.wait(patience_s):
             self.close()
             raise DeviceError(
-                f"The kernel has found no driver for the {claim.name}.",
+                f"The kernel has found no driver for the {spec.name}.",
                 hint="Load it: sudo modprobe hid-generic.",
             )
 
-    def show(
+    def write_report(
         self,
         report: tuple[int, ...],
         steps: Steps = (),  # noqa: ARG002  # a pad does not move in steps
@@ -101,12 +101,12 @@ class UhidNode:
         """Writes one report if anything has changed.
 
         Args:
-            report: the value of every control of the claim, in its order.
+            report: the value of every control of the description, in its order.
             steps: none; a pad does not move in steps.
             stamp_ns: not used: HID reports carry no time.
 
         Raises:
-            DeviceError: the kernel does not take it.
+            DeviceError: the kernel refuses it.
         """
         if report == self._report:
             return
@@ -115,7 +115,7 @@ class UhidNode:
             os.write(self._descriptor, _INPUT.pack(_INPUT2, len(data)) + data)
         except OSError as error:
             raise DeviceError(
-                f"The kernel no longer takes input for the {self._claim.name}: {error.strerror}.",
+                f"The kernel no longer takes input for the {self._spec.name}: {error.strerror}.",
                 hint="Start the program again; it will make a new one.",
             ) from error
         self._report = report
@@ -131,8 +131,8 @@ class UhidNode:
 
     def _make_creation(self) -> bytes:
         text = self._format.descriptor
-        bus, vendor, product, version = self._claim.ids
-        name, place = self._claim.name.encode(), self._claim.phys.encode()
+        bus, vendor, product, version = self._spec.ids
+        name, place = self._spec.name.encode(), self._spec.phys.encode()
         head = (name, place, place, len(text), bus, vendor, product, version, 0)
         return _CREATE.pack(_CREATE2, *head) + text
 
@@ -153,7 +153,7 @@ class UhidNode:
                 return
 
     def _answer(self, event: bytes) -> bytes:
-        """Returns what to say to the kernel, nothing if it only tells."""
+        """Returns the answer to a message of the kernel, empty if it needs none."""
         kind = _TYPE.unpack_from(event)[0]
         if kind == _START:
             self._started.set()

@@ -1,4 +1,4 @@
-"""Nodes made by the Linux kernel through ``/dev/uinput``.
+"""Virtual devices that the Linux kernel makes through ``/dev/uinput``.
 
 Own ioctls instead of evdev's ``UInput``: that one cannot use a descriptor handed over by systemd,
 wants to read the new event node (and waits 2 s when it may not), writes every event by itself, and
@@ -66,17 +66,17 @@ def open_uinput(node: Path = NODE) -> int:
 class UinputNode:
     """One device of the kernel, visible to all programs at once; at rest when it is made.
 
-    If the process dies, the kernel releases the pressed keys and removes the node. The caller sees
-    to it that two threads do not write at once.
+    If the process dies, the kernel releases the pressed keys and removes the node. The caller must
+    make sure that two threads do not write at the same time.
 
-    Force feedback is declared only if something hears of it: a pad that declares it and does not
-    answer freezes games for a minute.
+    Force feedback is declared only with ``hear``: a pad that declares it and does not answer
+    freezes games for a minute.
     """
 
     def __init__(
         self,
         descriptor: int,
-        claim: DeviceSpec,
+        spec: DeviceSpec,
         *,
         ioctl: Ioctl = call_kernel,
         hear: HearRumble | None = None,
@@ -85,53 +85,52 @@ class UinputNode:
 
         Args:
             descriptor: ``/dev/uinput`` opened by ``open_uinput`` or by the service manager, for
-                writing, and for reading too if the claim rumbles. The node owns it from here on,
-                also when this call fails.
-            claim: what it claims to be.
+                writing, and for reading too if it rumbles. From now on the node owns it, even if
+                this call fails.
+            spec: description of the device.
             ioctl: the system call; tests record it.
-            hear: is told how games shake it; needed if the claim rumbles.
+            hear: called when games shake it; needed if it rumbles.
 
         Raises:
             DeviceError: the kernel refuses it.
         """
         self._descriptor = descriptor
-        self._claim = claim
+        self._spec = spec
         self._ioctl = ioctl
-        self._report = claim.neutral
+        self._report = spec.neutral
         # It must run before games can see the pad.
-        self._rumble = RumbleServer(descriptor, hear) if claim.rumbles and hear else None
+        self._rumble = RumbleServer(descriptor, hear) if spec.rumbles and hear else None
         try:
             self._create()
         except OSError as error:
             self._end_rumble()
             os.close(descriptor)
             raise DeviceError(
-                f"The kernel refuses to create the {claim.name}: {error.strerror}."
+                f"The kernel refuses to create the {spec.name}: {error.strerror}."
             ) from error
 
-    def show(self, report: tuple[int, ...], steps: Steps = (), stamp_ns: int = 0) -> None:
-        """Writes one frame with all that changed, in one write; nothing if nothing did.
+    def write_report(self, report: tuple[int, ...], steps: Steps = (), stamp_ns: int = 0) -> None:
+        """Writes all changes as one frame, in one write; nothing if nothing changed.
 
-        Steps come first, so that a click is where the pointer then is. What is released comes
-        before what is pressed, and in the opposite order: the letter of a chord before its ctrl.
+        Steps come first, so that a click happens at the new place of the pointer. Releases come
+        before presses, and in the opposite order: the letter of a chord before its ctrl.
 
-        A failure means that the node is gone, so it is not hidden by a new one, which games would
-        take for another player's: the program ends, and the service manager starts it again. A
-        caller that goes on all the same loses no press or release, the next call sends what is
-        still unsent.
+        A failure means that the node is gone. A new node would not hide that: games would take it
+        for another player. So the program ends, and the service manager starts it again. A caller
+        that continues loses no press or release: the next call sends everything still unsent.
 
         Args:
-            report: the value of every control of the claim, in its order.
-            steps: how far the claim's motions go now, as (code, steps).
-            stamp_ns: when it happened, on CLOCK_MONOTONIC; 0 lets the kernel take its own time, as
-                do kernels before 6.8 in any case.
+            report: the value of every control of the description, in its order.
+            steps: the motions, as (code, steps).
+            stamp_ns: time of the report on CLOCK_MONOTONIC; 0 lets the kernel take its own time,
+                which kernels before 6.8 always do.
 
         Raises:
-            DeviceError: the kernel does not take it.
+            DeviceError: the kernel refuses it.
         """
         changes = [
             (control.type, control.code, value)
-            for control, old, value in zip(self._claim.controls, self._report, report, strict=True)
+            for control, old, value in zip(self._spec.controls, self._report, report, strict=True)
             if value != old
         ]
         frame = [
@@ -147,7 +146,7 @@ class UinputNode:
             os.write(self._descriptor, b"".join(_INPUT_EVENT.pack(*at, *event) for event in frame))
         except OSError as error:
             raise DeviceError(
-                f"The kernel no longer takes input for the {self._claim.name}: {error.strerror}.",
+                f"The kernel no longer takes input for the {self._spec.name}: {error.strerror}.",
                 hint="Start the program again; it will make a new one.",
             ) from error
         self._report = report
@@ -158,18 +157,18 @@ class UinputNode:
         try:
             self._ioctl(self._descriptor, UI_DEV_DESTROY, 0)
         except OSError:
-            pass  # it is gone already; closing the descriptor removes whatever is left
+            pass  # it is gone already; closing the descriptor removes the rest
         finally:
             os.close(self._descriptor)
 
     def _create(self) -> None:
-        for type_ in sorted({control.type for control in self._claim.controls}):
+        for type_ in sorted({control.type for control in self._spec.controls}):
             self._set(UI_SET_EVBIT, type_)
         if self._rumble is not None:
             self._set(UI_SET_EVBIT, ecodes.EV_FF)
             for code in EFFECT_CODES:
                 self._set(UI_SET_FFBIT, code)
-        for control in self._claim.controls:
+        for control in self._spec.controls:
             if control.type == ecodes.EV_KEY:
                 self._set(UI_SET_KEYBIT, control.code)
             else:
@@ -177,13 +176,13 @@ class UinputNode:
                 # released stick off its centre.
                 range_ = (control.rest, control.minimum, control.maximum)
                 self._set(UI_ABS_SETUP, _ABS_SETUP.pack(control.code, *range_, 0, 0, 0))
-        if self._claim.motions:
+        if self._spec.motions:
             self._set(UI_SET_EVBIT, ecodes.EV_REL)
-        for motion in self._claim.motions:
+        for motion in self._spec.motions:
             self._set(UI_SET_RELBIT, motion)
-        self._set(UI_SET_PHYS, self._claim.phys.encode() + b"\0")
+        self._set(UI_SET_PHYS, self._spec.phys.encode() + b"\0")
         n_effects = N_EFFECTS if self._rumble is not None else 0
-        self._set(UI_DEV_SETUP, _SETUP.pack(*self._claim.ids, self._claim.name.encode(), n_effects))
+        self._set(UI_DEV_SETUP, _SETUP.pack(*self._spec.ids, self._spec.name.encode(), n_effects))
         self._set(UI_DEV_CREATE, 0)
 
     def _end_rumble(self) -> None:

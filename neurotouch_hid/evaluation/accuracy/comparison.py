@@ -1,4 +1,4 @@
-"""The tap: reads Steps beside the labels of their recording."""
+"""A tap that compares steps with the labels of their recording."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,18 +12,18 @@ from neurotouch_hid.messages import GestureKind, MarkerField, Step, Truth
 
 
 class Comparison:
-    """Counts every Step of one recording against its labels.
+    """Compares every step of one recording with its labels, and counts.
 
-    Open in the paper: the moments that are compared. The labels are brought to the predictions'
-    moments, so every slice between the first and the last label is an observation.
+    Open in the paper: the moments that are compared. Here the labels are interpolated to the
+    predictions' times, so every slice between the first and the last label is an observation.
 
     Args:
         labels: of the same recording.
 
     Attributes:
-        tally: what was counted so far.
+        tally: the counts so far.
         worst: the worst moments so far.
-        rig: the view of the sensor as it is now, None before the gel is found.
+        rig: the present view of the sensor, None before the gel is found.
     """
 
     def __init__(self, labels: LabelTrack) -> None:
@@ -35,7 +35,7 @@ class Comparison:
         self._rest_px: NDArray[np.float32] | None = None
 
     def __call__(self, step: Step) -> None:
-        """Counts one Step."""
+        """Counts one step."""
         packet = step.packet
         self.tally.events += len(packet.events)
         self.tally.frames += len(packet.frames)

@@ -3,11 +3,10 @@
 import signal
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 from functools import reduce
-from multiprocessing import active_children, get_context
 from operator import add
 from pathlib import Path
 from typing import Any
@@ -15,23 +14,24 @@ from typing import Any
 from neurotouch_hid.driver import REFERENCE, Driver, DriverOptions
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.evaluation.accuracy.comparison import Comparison
+from neurotouch_hid.evaluation.accuracy.label_statistics import LabelStatistics
 from neurotouch_hid.evaluation.accuracy.label_track import LabelTrack
 from neurotouch_hid.evaluation.accuracy.metrics import summarise
 from neurotouch_hid.evaluation.accuracy.moments import WorstMoment
 from neurotouch_hid.evaluation.accuracy.origin import Origin
-from neurotouch_hid.evaluation.accuracy.statistics import LabelStatistics
 from neurotouch_hid.evaluation.accuracy.tally import Tally
+from neurotouch_hid.process.own_pool import open_pool
 from neurotouch_hid.recording import check_labelled, labels_path, read_labels
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Played:
-    """What came of one recording.
+    """Results of one recording.
 
     Attributes:
-        tally: what was counted.
+        tally: the counts.
         worst: its worst moments, the worst first.
-        labels: what its labels are like.
+        labels: statistics of its labels.
     """
 
     tally: Tally
@@ -41,7 +41,7 @@ class Played:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Evaluation:
-    """What ``evaluate_files`` found.
+    """Results of ``evaluate_files``.
 
     Attributes:
         files: each recording by its name: the file's name without ``.aedat4``, or the whole path
@@ -68,8 +68,8 @@ def combine_reports(
 ) -> dict[str, Any]:
     """Returns the reports of one or more methods as one, ready for JSON.
 
-    One report stays as it is. Of several, the first is at the top, and each, the first included,
-    under ``methods`` by its method. Where the figures come from is under ``origin``.
+    A single report stays as it is. Of several, the first is at the top level, and each, including
+    the first, is under ``methods`` by its method. ``origin`` says where the figures come from.
     """
     report = next(iter(reports.values()))
     if len(reports) > 1:
@@ -88,8 +88,8 @@ def evaluate_files(
 
     Args:
         paths: AEDAT4 recordings, each with its ``NAME.labels.csv``.
-        options: method and rate; the rate is the paper's without. Its source is each path.
-        jobs: how many recordings at once, each in a process of its own.
+        options: method and rate, by default the paper's; each path replaces its source.
+        jobs: number of recordings at a time, each in a process of its own.
         progress: called with each path when it is done.
 
     Raises:
@@ -117,29 +117,24 @@ def _play_all(
     if jobs <= 1:
         yield from ((path, evaluate_file(path, options)) for path in paths)
         return
-    # Fresh processes: forking one that has loaded kernels and OpenCV threads is not safe.
-    pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=_die_silently)
     try:
-        futures = {pool.submit(evaluate_file, path, options): path for path in paths}
-        yield from ((futures[done], done.result()) for done in as_completed(futures))
+        with open_pool(jobs, _die_silently) as pool:
+            futures = {pool.submit(evaluate_file, path, options): path for path in paths}
+            yield from ((futures[done], done.result()) for done in as_completed(futures))
     except BrokenProcessPool as error:
         raise NeuroTouchError(
-            "A process of the evaluation was ended from outside.",
+            "Another program ended a process of the evaluation.",
             hint="Too little memory? Play fewer recordings at once.",
         ) from error
-    finally:
-        for process in active_children():  # those that still play, after an error or Ctrl-C
-            process.terminate()
-        pool.shutdown()
 
 
 def _die_silently() -> None:
-    """Ignores Ctrl-C: it reaches every process of a terminal, but only the first one reports."""
+    """Ignores Ctrl-C, which reaches every process of a terminal: only the first one reports it."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def evaluate_file(path: Path, options: DriverOptions = REFERENCE) -> Played:
-    """Returns what came of one recording; see ``evaluate_files``."""
+    """Returns the results of one recording; see ``evaluate_files``."""
     labels = read_labels(labels_path(path))
     comparison = Comparison(LabelTrack(labels))
     with Driver(replace(options, source=f"file:{path}")) as driver:

@@ -1,4 +1,4 @@
-"""What the labels of a recording say at any moment between the first and the last of them."""
+"""Interpolates the labels of a recording between the first and the last of them."""
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
@@ -36,8 +36,8 @@ class LabelTrack:
         [NT, "Creation of the Gesture Detection Dataset"]: the most recent labelled type; contact
         points and intensity linearly between the preceding and the following label.
         Open in the paper: what happens to the points where their number changes. Here the number is
-        the most recent one, like the type. Points are paired so that the pairs are nearest in sum;
-        one that ends stays where it was, and one that begins waits for its own label.
+        the most recent one, like the type. Points are paired so that the sum of distances is least.
+        A point that ends stays at its place; a new point appears at its own label.
         """
         k = bisect_right(self._times, t_us) - 1
         if k < 0 or t_us > self._times[-1]:
@@ -70,7 +70,7 @@ class LabelTrack:
         return first_after == bisect_right(self._active, t_us + margin_us)
 
     def _covers(self, t_us: int) -> bool:
-        """Returns True within the labels, a typical half label distance more at both ends."""
+        """Returns True within the labels, extended by half a usual label distance at both ends."""
         span = self._times[-1] - self._times[0]
         margin = span / max(len(self._times) - 1, 1) / 2
         return self._times[0] - margin <= t_us <= self._times[-1] + margin

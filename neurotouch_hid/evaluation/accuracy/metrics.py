@@ -1,4 +1,4 @@
-"""From a tally to the paper's figures, ready for JSON: fractions of 1, None where undefined."""
+"""Computes the paper's figures from a tally, ready for JSON: fractions of 1, None if undefined."""
 
 import math
 from typing import Any
@@ -15,7 +15,7 @@ _LABELS = [kind.label for kind in GestureKind]
 
 
 def summarise(tally: Tally) -> dict[str, Any]:
-    """Returns every figure of [NT, "Metrics"] and [NT, "Results"] that a tally holds."""
+    """Returns every figure of [NT, "Metrics"] and [NT, "Results"] that a tally gives."""
     confusion = tally.confusion
     total = int(confusion.sum())
     performed = total - int(confusion[GestureKind.NONE].sum())
@@ -65,7 +65,7 @@ def balance(confusion: NDArray[np.int64]) -> list[list[float | None]]:
 
 
 def _describe_gesture(tally: Tally, kind: GestureKind) -> dict[str, float | None]:
-    """Returns what [NT] shows by labelled type.
+    """Returns the figures that [NT] shows by labelled type.
 
     No contact and no intensity is labelled for none.
     """
@@ -80,7 +80,7 @@ def _describe_gesture(tally: Tally, kind: GestureKind) -> dict[str, float | None
 
 
 def _summarise_timing(timing: TypeTiming) -> dict[str, Any]:
-    """Summarises delays; a gesture that never gets its type counts as infinitely late."""
+    """Summarises delays; a gesture whose type is never recognised counts as infinitely late."""
     late = [math.inf] * (timing.gestures - len(timing.times_ms))
     times_ms = sorted(timing.times_ms + late)
     return {

@@ -1,4 +1,4 @@
-"""The worst moments of a recording, kept to be drawn."""
+"""Finds the worst moments of a recording, for the report's pictures."""
 
 from dataclasses import dataclass
 
@@ -12,10 +12,10 @@ FINGERTIP_MM = 12.0  # typical radius of a fingertip [NT, "Results"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WorstMoment:
-    """What the pipeline saw and said at one moment, and what the labels say.
+    """Markers, prediction and labels at one moment.
 
     Attributes:
-        severity_mm: how bad it is; see ``measure_severity``.
+        severity_mm: size of the error; see ``measure_severity``.
         since_s: sensor time since the recording began.
         markers: the tracked markers.
         gesture: the prediction.
@@ -32,12 +32,12 @@ class WorstMoment:
 
 
 def measure_severity(gesture: Gesture, truth: Truth, rig: Rig) -> float:
-    """Returns how wrong an answer is, in millimetres of the motion that is told wrongly.
+    """Returns the size of the error of a prediction, in mm.
 
     The error of the intensity; plus the larger of both intensities times the sum of three shares:
     1 for a wrong type, the share of the contacts that are too many or too few, and the mean contact
-    distance in fingertip radii, at most 1. So a slip in the middle of a strong gesture counts more
-    than any at its faint begin.
+    distance in fingertip radii, at most 1. So an error in the middle of a strong gesture counts
+    more than one at its faint beginning.
     """
     n_seen, n_labelled = len(gesture.contacts_px), len(truth.contacts_px)
     share = float(gesture.kind is not truth.kind)
@@ -60,7 +60,7 @@ class WorstMoments:
     def add(
         self, since_s: float, markers: MarkerField, gesture: Gesture, truth: Truth, rig: Rig
     ) -> None:
-        """Looks at one slice that ends ``since_s`` after the recording's begin."""
+        """Adds one slice that ends ``since_s`` after the beginning of the recording."""
         if truth.kind is not self._labelled:
             self._kept, self._worst, self._labelled = self.ranked(), None, truth.kind
         severity_mm = measure_severity(gesture, truth, rig)

@@ -1,4 +1,4 @@
-"""Where the figures of an evaluation come from: program, command, time, and whether simulated."""
+"""Origin of an evaluation's figures: program, command, time, and the share of simulations."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -12,14 +12,14 @@ from neurotouch_hid.source.simulator.dataset import read_manifest
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """Where figures come from.
+    """Origin of figures.
 
     Attributes:
         program: name and version.
-        command: what was typed; empty where a program asked.
-        date: when, in UTC, ISO 8601.
-        recordings: how many were played.
-        simulated: how many of them the simulator wrote, as ``dataset.json`` beside them says.
+        command: the command line; empty if a program started the evaluation.
+        date: date and time in UTC, ISO 8601.
+        recordings: number of recordings.
+        simulated: number of those that the simulator wrote, from ``dataset.json`` beside them.
         seeds: the seeds of these.
     """
 
@@ -45,11 +45,11 @@ class Origin:
 
 
 def trace_origin(paths: Sequence[Path], command: str = "") -> Origin:
-    """Returns where figures of these recordings come from.
+    """Returns the origin of the figures of these recordings.
 
     Args:
         paths: the recordings.
-        command: what was typed.
+        command: the command line.
     """
     recipes = [read_manifest(path.parent).get(path.stem) for path in paths]
     known = [recipe for recipe in recipes if isinstance(recipe, dict)]

@@ -1,4 +1,4 @@
-"""Whether the confidence means what it says: of the slices called with 0.9, are 90 % right?"""
+"""Reliability of the confidence: the share of right types among slices of equal confidence."""
 
 from collections import Counter
 from dataclasses import dataclass, field
@@ -8,7 +8,7 @@ N_BINS = 10
 
 @dataclass(slots=True, eq=False)
 class Reliability:
-    """Slices in which a gesture was recognised, by bins of its confidence; two of them add up.
+    """Slices in which a gesture was recognised, by bins of its confidence; supports ``+``.
 
     Attributes:
         observations: slices by bin.

@@ -1,9 +1,9 @@
-"""The figures as plain text, beside the paper's."""
+"""Formats the figures as plain text, beside the paper's."""
 
 from collections.abc import Mapping
 from typing import Any
 
-from neurotouch_hid.evaluation.accuracy.paper import FIGURES, Figure
+from neurotouch_hid.evaluation.accuracy.published_figures import FIGURES, Figure
 
 BEYOND = (
     Figure("type accuracy from 2.5 mm", "gesture_accuracy_from_2.5_mm", "%"),
@@ -13,14 +13,14 @@ BEYOND = (
     Figure("false gestures in 10 min", "false_gestures_per_10_min", ""),
     Figure("confidence off by", "reliability.error", "%"),
 )
-"""What the paper does not report."""
+"""The figures that the paper does not report."""
 
 
 def format_table(report: Mapping[str, Any]) -> str:
     """Returns all files together, ready to print.
 
     Args:
-        report: what ``summarise`` gives.
+        report: the result of ``summarise``.
     """
     lines = [f"{'figure':<28}{'here':>10}{'paper':>10}"]
     lines += [
@@ -82,7 +82,7 @@ def _format_amount(report: Mapping[str, Any]) -> str:
 def find_figure(report: Mapping[str, Any], key: str) -> float | None:
     """Returns one figure of a report.
 
-    A dot in the key leads into a part of it, ``time_to_type_ms.p95``.
+    A dot separates nested keys, as in ``time_to_type_ms.p95``.
     """
     if key in report:
         value: float | None = report[key]

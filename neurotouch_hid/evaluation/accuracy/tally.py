@@ -1,4 +1,4 @@
-"""What is counted while predictions are compared with labels; two tallies add up."""
+"""Counts of the comparison of predictions with labels; two tallies can be added."""
 
 from collections import Counter
 from dataclasses import dataclass, field, fields
@@ -35,21 +35,21 @@ class Tally:
         right_counts: (6,) int64, observations whose number of contacts is right, by labelled type.
         distance_mm: (6,) float64, sums of the distances of predicted contacts to their nearest
             labelled contact, by labelled type.
-        distances: (6,) int64, how many there are.
+        distances: (6,) int64, number of these distances.
         intensity_error_mm: (6,) float64, sums of |predicted - labelled| where a gesture is
             labelled, by labelled type.
         firm: observations with a labelled gesture of at least ``FIRM_MM``.
-        firm_types: those of them whose type is right.
+        firm_types: number of those whose type is right.
         rest: frames by (labelled at rest, detected at rest).
         binned: observations with a labelled gesture by intensity bin.
-        binned_types: those of them whose type is right.
-        binned_counts: those of them whose number of contacts is right.
-        timing: when types are recognised, and what is recognised at rest.
-        reliability: whether the confidence means what it says.
+        binned_types: number of those whose type is right.
+        binned_counts: number of those whose number of contacts is right.
+        timing: times until types are recognised, and gestures recognised at rest.
+        reliability: share of right types by confidence.
         frames: frames seen.
         events: events seen.
         sensor_s: sensor time seen.
-        host_s: time of one core that it took.
+        host_s: host time that it took on one core.
     """
 
     confusion: NDArray[np.int64] = field(default_factory=_square)
@@ -112,11 +112,9 @@ class Tally:
 def measure_distances(
     predicted: NDArray[np.float64], labelled: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Returns distance of each predicted point to its nearest labelled point.
+    """Returns the distance of each predicted point to its nearest labelled point.
 
-    The surplus is dropped.
-
-    [NT, "Metrics"]: where more points are predicted than labelled, the furthest are discarded.
+    [NT, "Metrics"]: if more points are predicted than labelled, the furthest are dropped.
 
     Args:
         predicted: (n, 2) px.

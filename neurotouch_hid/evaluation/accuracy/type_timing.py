@@ -1,4 +1,4 @@
-"""When the type of a gesture is recognised, and what is recognised while nobody does anything."""
+"""Times until the type of a gesture is recognised, and false gestures at rest."""
 
 from dataclasses import dataclass, field, fields
 
@@ -8,19 +8,19 @@ from neurotouch_hid.messages import GestureKind, Truth
 FIRM_MM = 2.5
 """Intensity from which a type should be certain [NT, "Results"]: 90 % are right from here on."""
 SETTLE_US = 500_000
-"""At rest: no gesture is labelled within this time. The gel still creeps, or the first finger has
-already come, in the frames around a gesture that are labelled none."""
+"""At rest, no gesture is labelled within this time. In the frames around a gesture that are
+labelled none, the gel still creeps, or the first finger already touches it."""
 
 
 @dataclass(slots=True, eq=False)
 class TypeTiming:
-    """Sums over labelled gestures and over the time at rest; two of them add up.
+    """Sums over labelled gestures and over the time at rest; supports ``+``.
 
     Attributes:
         gestures: labelled gestures that reach ``FIRM_MM``.
-        times_ms: for each of them whose type is ever recognised from there on: how long it took.
-        changes: those of them whose type changed after it was recognised.
-        false_gestures: times that a gesture began to be recognised at rest.
+        times_ms: for each of those whose type is recognised later: the time until then.
+        changes: number of those whose type changed after it was recognised.
+        false_gestures: number of gestures that began at rest.
         rest_s: sensor time at rest.
     """
 
@@ -63,7 +63,7 @@ class Stopwatch:
             t_us: its end.
             slice_us: its length.
             truth: the labels at its end.
-            kind: what was recognised.
+            kind: the recognised type.
         """
         if truth.kind is not self._labelled:
             self._labelled = truth.kind

@@ -1,1 +1,1 @@
-"""How well a person points with the gel."""
+"""Measures how well a person points with the gel."""

@@ -12,14 +12,14 @@ WIDTHS_PX: Final = (80.0, 40.0)
 """Large targets, then small ones: 2.6 and 3.5 bit."""
 
 TARGETS: Final = 9
-"""Around a circle for each width; odd, so that going across it reaches each once."""
+"""Targets on a circle for each width; odd, so that going back and forth reaches each once."""
 
 SPEED_PX_S: Final = 900.0
-"""At the end of the left stick, as the profile ``mouse`` moves the pointer."""
+"""Speed of the pointer at full deflection of the left stick, as in the profile ``mouse``."""
 
 DWELL_US: Final = 500_000
 STILL_SHARE: Final = 0.1
-"""Resting is staying within this share of the target's width; a slow approach is none."""
+"""The pointer rests if it stays within this share of the target's width."""
 
 _LONGEST_US: Final = 50_000
 _WAYS: Final = ("right", "down right", "down", "down left", "left", "up left", "up", "up right")
@@ -43,18 +43,18 @@ def name_way(begin: Point, end: Point) -> str:
 
 
 class Pointing:
-    """The test: trial after trial, each begun by ``begin`` whenever the person likes.
+    """The test: one trial after the other; ``begin`` starts each when the person is ready.
 
     The left stick, and a mouse where the profile moves one, drives the pointer. A trial's time
     begins with the first motion after the hand was at rest, so neither waiting nor reading counts.
 
     Attributes:
         trials: the finished ones.
-        pointer_px: where the pointer is, (x, y), right and down positive.
+        pointer_px: place of the pointer, (x, y), right and down positive.
 
     Args:
         dwell: select by resting for 0.5 s; otherwise by any button.
-        targets: how many for each width; odd.
+        targets: number of targets for each width; odd.
     """
 
     def __init__(self, *, dwell: bool = True, targets: int = TARGETS) -> None:
@@ -73,7 +73,7 @@ class Pointing:
 
     @property
     def total(self) -> int:
-        """How many trials there are."""
+        """The number of trials."""
         return len(self._plan)
 
     @property
@@ -88,23 +88,23 @@ class Pointing:
 
     @property
     def target(self) -> tuple[float, Point]:
-        """Width and middle of the target, in px; only while the test is not over."""
+        """The width and middle of the target, in px; only while the test is not over."""
         width_px, _, end = self._plan[len(self.trials)]
         return width_px, end
 
     @property
     def start_px(self) -> Point:
-        """Where the trial begins; only while the test is not over."""
+        """The start of the trial; only while the test is not over."""
         return self._plan[len(self.trials)][1]
 
     def begin(self) -> None:
-        """Puts the pointer on the start of the next trial; it moves once the hand was at rest."""
+        """Puts the pointer at the start of the next trial; it moves after the hand was at rest."""
         self._running, self._armed = True, False
         self._moved_us = None
         self.pointer_px = self.start_px
 
     def update(self, pad: GamepadState) -> Trial | None:
-        """Takes one state of the outputs; gives the trial it ends, if it ends one."""
+        """Takes one state of the outputs; returns the trial that it ends, if any."""
         step_us = 0 if self._t_us is None else min(max(pad.t_us - self._t_us, 0), _LONGEST_US)
         self._t_us = pad.t_us
         down = frozenset(pad.buttons) | pad.mouse_buttons | pad.keys
@@ -129,7 +129,7 @@ class Pointing:
         return self._finish(selected_us - self._moved_us) if selected_us is not None else None
 
     def _find_rest(self, t_us: int) -> int | None:
-        """Returns when the pointer came to its present rest; None if that is too short."""
+        """Returns the time at which the pointer came to rest; None if it rests too briefly."""
         width_px, begin, _ = self._plan[len(self.trials)]
         where, since_us = self._rest
         if math.dist(self.pointer_px, where) > STILL_SHARE * width_px:

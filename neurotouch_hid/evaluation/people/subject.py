@@ -1,4 +1,4 @@
-"""A simulated subject for the pointing test: shows that it works, says nothing about people."""
+"""A simulated subject for the pointing test: it shows that the test works, nothing about people."""
 
 import math
 from collections import deque
@@ -17,13 +17,13 @@ DELAY_SLICES: Final = 15
 LEAST_MM: Final = 2.0
 MOST_MM: Final = 8.0
 MM_PER_PX: Final = 0.018
-"""The push it makes for each px that is left; more would swing, for what it sees is late."""
+"""Push for each px that is left; a larger one would overshoot, because the subject sees late."""
 
 NOISE: Final = 0.1
 """Deviation of a push as a share of it: the noise of muscles grows with their force."""
 
 AIM: Final = 0.12
-"""Deviation of where it takes the middle of a target to be, as a share of its width."""
+"""Deviation of its estimate of a target's middle, as a share of the target's width."""
 
 FASTEST_MM_S: Final = 60.0
 GIVE_UP_US: Final = 60_000_000
@@ -43,7 +43,7 @@ class Subject:
         self._aim = (0.0, 0.0)
 
     def push(self, test: Pointing, t_us: int) -> Gesture:
-        """Returns what its hand does at this moment."""
+        """Returns the gesture of its hand at this moment."""
         width_px, (x, y) = test.target
         x, y = x + self._aim[0] * width_px, y + self._aim[1] * width_px
         self._seen.append((x - test.pointer_px[0], y - test.pointer_px[1]))
@@ -67,7 +67,7 @@ class Subject:
         return Gesture(t_us, GestureKind.PUSH, contact, np.zeros((1, 2)), mm, self._mm)
 
     def lift(self) -> None:
-        """Takes the hand off the gel, forgets what it saw and aims again."""
+        """Lifts the hand, forgets all it has seen and aims again."""
         self._seen.clear()
         self._mm = (0.0, 0.0)
         x, y = self._rng.normal(0.0, AIM, 2)
@@ -75,7 +75,7 @@ class Subject:
 
 
 def perform_pointing(test: Pointing, mapping: Mapping, seed: int = 0) -> None:
-    """Has a simulated subject take the whole test through a mapping; it gives up after a minute."""
+    """Runs the whole test with a simulated subject and a mapping; it gives up after a minute."""
     subject, t_us, begun_us = Subject(seed), 0, 0
     while not test.is_over and t_us - begun_us < GIVE_UP_US:
         if not test.is_running:

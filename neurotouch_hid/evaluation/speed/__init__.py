@@ -1,1 +1,1 @@
-"""How fast each stage and the whole pipeline are on this machine."""
+"""Measures the speed of each stage and of the whole pipeline on this machine."""

@@ -1,4 +1,4 @@
-"""How fast the pipeline is on this machine, stage by stage and as a whole."""
+"""Measures the speed of the pipeline on this machine, stage by stage and as a whole."""
 
 import gc
 import os
@@ -21,6 +21,7 @@ from neurotouch_hid.evaluation.speed.decoding import measure_decoding
 from neurotouch_hid.evaluation.speed.pace import run_live_benchmark
 from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
 from neurotouch_hid.messages import EventPacket, GestureKind, Truth
+from neurotouch_hid.process.gc_freeze import freeze_gc
 from neurotouch_hid.process.own_command import make_own_command
 from neurotouch_hid.profile import Mapping, load_profile
 from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
@@ -32,15 +33,15 @@ SCENE = "random"
 FAST_SCENE = "fast"
 """The paper's largest motions at its largest speeds, 18 mm at 210 mm/s: the most events."""
 PREPARED_S = 20.0
-"""Sensor time of what is played, at most."""
+"""Largest sensor time of a scene."""
 _LABELLED_US = range(0, round(PREPARED_S * 1e6) + 1, 40_000)
 READY, PLAYED = "Gamepad ready", "Played "
-"""What ``neurotouch run`` prints when the pad is there, and when all is played."""
+"""The words that ``neurotouch run`` prints when the pad is ready, and at the end."""
 
 
 @dataclass(frozen=True, slots=True)
 class Spread:
-    """Median, 99th and 99.9th percentile. For a rate, what so many of the slices exceed."""
+    """Median, 99th and 99.9th percentile. Of a rate, the value that these shares exceed."""
 
     median: float
     p99: float
@@ -63,9 +64,9 @@ def run_benchmark(
     """Measures everything while nothing else runs.
 
     Args:
-        method: how gestures are recognised.
-        progress: called with what is being done.
-        long: as long as it takes to be sure.
+        method: the method of recognition.
+        progress: called with a sentence at each step.
+        long: measure longer, for stable figures.
 
     Returns:
         Of each of these median, p99 and p99.9: ``davis_decode_events_per_s`` (bytes to events),
@@ -84,13 +85,13 @@ def run_benchmark(
     fast = _simulate(FAST_SCENE)
     Driver(options).compile()
     gc.collect()
-    gc.freeze()  # as ``run`` does it
     progress("Measuring the stages")
-    result: dict[str, Any] = {
-        "davis_decode_events_per_s": Spread.of(measure_decoding(), rate=True).as_json(),
-        **_measure_tracker(fast),
-        **_measure_stages(packets, options),
-    }
+    with freeze_gc():  # as ``run`` does it
+        result: dict[str, Any] = {
+            "davis_decode_events_per_s": Spread.of(measure_decoding(), rate=True).as_json(),
+            **_measure_tracker(fast),
+            **_measure_stages(packets, options),
+        }
     progress("Measuring the whole pipeline")
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "bench.aedat4"
@@ -143,7 +144,7 @@ def _measure_tracker(packets: list[EventPacket]) -> dict[str, Any]:
 
 
 def _measure_stages(packets: list[EventPacket], options: DriverOptions) -> dict[str, Any]:
-    """Returns each stage alone on what the stage before gave, then all together."""
+    """Returns the times of each stage alone, on the output of the one before, then of all."""
     took_ms: dict[str, list[float]] = {}
 
     def measure(stage: str, call: Callable[[Any], Any], argument: object) -> Any:
@@ -169,8 +170,8 @@ def _measure_stages(packets: list[EventPacket], options: DriverOptions) -> dict[
 
 
 def _measure_whole(path: Path, method: str) -> dict[str, float]:
-    """Plays a recording in a process of its own: its pace without the start, and its memory."""
-    _reap(_start_run(f"file:{path}", method))  # compiles what a file needs beyond the simulator
+    """Plays a recording in a separate process; returns its pace without the start, and memory."""
+    _reap(_start_run(f"file:{path}", method))  # compiles the kernels that only a file needs
     process = _start_run(f"file:{path}", method)
     _wait_for(READY, process)
     ready = time.perf_counter()
@@ -182,7 +183,7 @@ def _measure_whole(path: Path, method: str) -> dict[str, float]:
 
 
 def _measure_evaluation(path: Path, options: DriverOptions) -> float:
-    """Returns sensor time over time, of as many recordings at once as there are cores."""
+    """Returns sensor time over host time, with one recording per core at a time."""
     paths = []
     for k in range(os.cpu_count() or 1):
         paths.append(path.with_stem(f"{path.stem}{k}"))
@@ -196,7 +197,7 @@ def _measure_evaluation(path: Path, options: DriverOptions) -> float:
 def _read_peak_mb(pid: int) -> float:
     """Returns the most memory a process had so far, 0 once it has ended.
 
-    Not ``ru_maxrss``, which begins with the memory of the process that started it.
+    ``ru_maxrss`` would not do: it starts with the memory of the parent process.
     """
     for line in Path(f"/proc/{pid}/status").read_text().splitlines():
         if line.startswith("VmHWM"):
@@ -239,10 +240,10 @@ def _wait_for(words: str, process: subprocess.Popen[str]) -> None:
 
 
 def _reap(process: subprocess.Popen[str]) -> resource.struct_rusage:
-    """Waits for the end of a process and returns what it used.
+    """Waits for the end of a process and returns its use of resources.
 
     Raises:
-        NeuroTouchError: it did not end well, so its figures would mean nothing.
+        NeuroTouchError: the process failed, so its figures have no meaning.
     """
     said = "".join(process.stderr or ())
     _, status, usage = os.wait4(process.pid, 0)

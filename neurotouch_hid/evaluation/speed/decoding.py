@@ -1,4 +1,4 @@
-"""How fast the camera's bytes become events on this machine."""
+"""Measures the speed of decoding the camera's bytes on this machine."""
 
 import time
 
@@ -18,7 +18,7 @@ def measure_decoding() -> NDArray[np.float64]:
     """Returns events a second from bytes to events, for each transfer of a busy stream."""
     data = _make_stream()
     decoder, rates = Decoder(synced=True), []
-    decoder.decode(data[:TRANSFER_BYTES])  # compiles, or loads what is compiled
+    decoder.decode(data[:TRANSFER_BYTES])  # compiles or loads the kernels
     for begin in range(TRANSFER_BYTES, len(data), TRANSFER_BYTES):
         begun = time.perf_counter()
         events, _ = decoder.decode(data[begin : begin + TRANSFER_BYTES])
@@ -27,7 +27,7 @@ def measure_decoding() -> NDArray[np.float64]:
 
 
 def _make_stream() -> bytes:
-    """Returns events all over the sensor, wraps of the clock included."""
+    """Returns a stream of events all over the sensor, with wraps of the clock."""
     rng = np.random.default_rng(0)
     words = np.empty((N_US, 1 + 2 * EVENTS_PER_US), "<u2")
     low = np.arange(1, N_US + 1) % 0x8000

@@ -1,4 +1,4 @@
-"""How the pipeline keeps pace: latency, late slices and cost, in the time of the sensor."""
+"""Measures the pipeline in real time: latency, late slices and cost."""
 
 import time
 from array import array
@@ -17,24 +17,24 @@ from neurotouch_hid.process.realtime import realtime_priority
 from neurotouch_hid.source.pacing import PacedSource
 
 LOST_US: Final = 100_000
-"""A slice that waits longer for the pipeline is one that a camera's queue would have dropped."""
+"""A camera's queue would drop a slice that waits longer than this for the pipeline."""
 WARM_S: Final = 1.0
-"""Until the caches are filled, the gel is found and a gel at rest counts as idle; not counted."""
+"""Start that is not counted: caches fill, and the gel is found and becomes idle."""
 
 LONG_S: Final = 600.0
 
 
 @dataclass(frozen=True, slots=True)
 class Load:
-    """What is played.
+    """One load of the benchmark.
 
     Attributes:
-        name: of the figures.
-        scene: of the simulator, played again and again.
-        rate_hz: of the slices.
-        events_per_s: how many; as simulated without.
-        seconds: for how long.
-        sustained: longer than that in a long run.
+        name: name of its figures.
+        scene: scene of the simulator, repeated.
+        rate_hz: rate of the slices.
+        events_per_s: rate of events; if None, as simulated.
+        seconds: length of the run.
+        sustained: a long benchmark plays it longer.
     """
 
     name: str
@@ -56,16 +56,16 @@ LOADS: Final = (
 def run_live_benchmark(
     method: str, progress: Callable[[str], None], *, long: bool
 ) -> dict[str, Any]:
-    """Returns the pipeline at the rates and loads that matter, each in its own time.
+    """Returns figures of the pipeline in real time, at the rates and loads that matter.
 
     Args:
         method: the recogniser.
-        progress: called with what is being done.
+        progress: called with a sentence at each step.
         long: the sustained rates for ten minutes instead of twenty seconds.
 
     Returns:
-        By name of the load what ``measure_live`` gives and ``machine``, what ``measure_machine``
-        does; and ``device``, its kind.
+        For each load by its name, the result of ``measure_live``, and under ``machine`` that of
+        ``measure_machine``; and ``device``, its kind.
     """
     kind = choose_device()
     result: dict[str, Any] = {"device": kind}
@@ -82,7 +82,7 @@ def run_live_benchmark(
 
 
 def choose_device() -> DeviceKind:
-    """Returns ``uinput`` where this machine allows it, else ``memory``, which writes to nobody."""
+    """Returns ``uinput`` if this machine allows it, else ``memory``."""
     try:
         check_device("uinput")
     except DeviceError:
@@ -93,16 +93,16 @@ def choose_device() -> DeviceKind:
 def measure_live(
     source: DenseSource, kind: DeviceKind, method: str = "neurotouch"
 ) -> dict[str, Any]:
-    """Plays a source in its own time as ``run`` does it, to a real pad.
+    """Plays a source in real time, as ``run`` does, to a real pad.
 
     Args:
-        source: what to play.
-        kind: of device, see ``choose_device``.
+        source: the source.
+        kind: kind of device, see ``choose_device``.
         method: the recogniser.
 
     Returns:
-        ``core``, the processor time of this process over the sensor's, and what
-        ``summarise_delays`` gives; of all that came after the first ``WARM_S``.
+        ``core``, the processor time of this process over the sensor's, and the result of
+        ``summarise_delays``; without the first ``WARM_S``.
     """
     paced = PacedSource(source)
     probe = Probe(paced)
@@ -114,15 +114,15 @@ def measure_live(
 
 
 def measure_machine(source: DenseSource, *, is_idle: bool) -> dict[str, Any]:
-    """Measures how late an empty pipeline takes its slices: no real one can be quicker.
+    """Measures the delay of an empty pipeline: no real one can be faster.
 
     Args:
-        source: what to play.
-        is_idle: slices that hold nothing but noise come as one; else the heads of others come.
+        source: the source.
+        is_idle: merge slices that contain only noise; else deliver partial slices.
 
     Returns:
-        What ``summarise_delays`` gives, counted from the slices' ends; and ``core``, the processor
-        time of this process over the sensor's: what playing takes.
+        The result of ``summarise_delays``, from the ends of the slices; and ``core``, the processor
+        time of this process over the sensor's.
     """
     paced = PacedSource(source)
     paced.set_activity(is_idle=is_idle)
@@ -138,16 +138,16 @@ def measure_machine(source: DenseSource, *, is_idle: bool) -> dict[str, Any]:
 
 
 class Probe:
-    """A tap, which is called right after the pad was written: how late that was.
+    """A tap that measures delays; the loop calls it right after it has written the pad.
 
     Args:
-        paced: what is played.
+        paced: the source.
         clock_ns: the host's.
         cpu_s: processor time of this process.
 
     Attributes:
-        due_ns: when each slice ended.
-        late_ns: of each, from its end to the write.
+        due_ns: end of each slice.
+        late_ns: time from the end of each slice to the write.
         waited_ns: the same from its last event.
     """
 
@@ -191,11 +191,11 @@ class Probe:
 def summarise_delays(
     due_ns: Sequence[int], late_ns: Sequence[int], waited_ns: Sequence[int]
 ) -> dict[str, Any]:
-    """Returns what the delays of a run tell.
+    """Returns the figures of a run's delays.
 
     Args:
-        due_ns: when each slice ended.
-        late_ns: of each, from its end to the write.
+        due_ns: end of each slice.
+        late_ns: time from the end of each slice to the write.
         waited_ns: the same from its last event.
 
     Returns:

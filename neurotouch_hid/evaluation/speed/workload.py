@@ -1,4 +1,4 @@
-"""What the live line is measured with: a simulated hand, and as many events as wanted."""
+"""Workload of the live benchmark: a simulated hand, and any number of events."""
 
 import math
 from collections.abc import Iterator
@@ -26,7 +26,7 @@ from neurotouch_hid.source.simulator import Simulator, find_scene, scene_config
 TOUR_US: Final = 18_860_000
 """One tour of all gestures, from rest to rest."""
 SPREAD_PX: Final = 1.2
-"""Of the events about a marker, one axis."""
+"""Spread of the events around a marker, one axis."""
 
 _POOL: Final = 1 << 14  # numbers that are drawn once and used in turn
 _MARGIN_PX: Final = 5.0
@@ -34,11 +34,11 @@ _MARGIN_PX: Final = 5.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoopScene:
-    """Slices of one length in a row, at the end of which the gel is as at the begin.
+    """Slices of one length in a row; the gel ends as it begins.
 
     Attributes:
         packets: n slices.
-        markers_px: (n, m, 2) float32, where the markers truly are in the middle of each.
+        markers_px: (n, m, 2) float32, true places of the markers in the middle of each.
     """
 
     packets: tuple[EventPacket, ...]
@@ -50,9 +50,9 @@ def load_scene(name: str, slice_us: int, length_us: int = TOUR_US) -> LoopScene:
     """Returns the first slices of a scene of the simulator.
 
     Args:
-        name: of the scene.
+        name: name of the scene.
         slice_us: length of a slice.
-        length_us: of all together.
+        length_us: length of all slices together.
     """
     packets, markers = [], []
     with Simulator(find_scene(name), scene_config(name), slice_us=slice_us) as simulator:
@@ -65,12 +65,12 @@ def load_scene(name: str, slice_us: int, length_us: int = TOUR_US) -> LoopScene:
 def shift_packet(
     packet: EventPacket, shift_us: int, events: NDArray[np.void] | None = None
 ) -> EventPacket:
-    """Returns a slice at another time.
+    """Returns a slice moved to another time.
 
     Args:
         packet: the slice.
-        shift_us: what to add to its stamps.
-        events: what it then holds; its own without.
+        shift_us: added to its stamps.
+        events: its new events; if None, it keeps its own.
     """
     if events is None and not shift_us:
         return packet
@@ -87,20 +87,20 @@ def shift_packet(
 
 
 class DenseSource(Closing):
-    """A scene played again and again for as long as wanted, with as many events as wanted.
+    """Repeats a scene for any time, with any number of events.
 
-    Each slice is made when it is asked for. It has its own events, in their order; what is missing
-    to the wanted number is about the markers, in no order, which is the hardest for the caches,
-    and evenly on all sides of each, which draws it nowhere.
+    Each slice is made when it is needed. It has its own events in their order. Additional events
+    fill it to the wanted number. Their random order is the hardest for the caches; they lie evenly
+    on all sides of a marker, so they do not move it.
 
     Args:
-        scene: what is played.
-        seconds: of sensor time.
-        events_per_s: how many; as they are without.
-        seed: of what is drawn.
+        scene: the scene.
+        seconds: sensor time of the whole.
+        events_per_s: wanted rate of events; if None, the scene's own events only.
+        seed: seed of the random numbers.
 
     Attributes:
-        seconds: of sensor time.
+        seconds: sensor time of the whole.
         slice_us: length of a slice.
     """
 
@@ -125,9 +125,11 @@ class DenseSource(Closing):
             rng = np.random.default_rng(seed)
             self._marker = rng.integers(scene.markers_px.shape[1], size=_POOL, dtype=np.int32)
             off_px = rng.normal(0.0, SPREAD_PX, (_POOL, 2)).clip(1.0 - _MARGIN_PX, _MARGIN_PX - 1.0)
-            self._off_px = (off_px + 0.5).astype(np.float32)  # what is cut off then is rounded
+            self._off_px = (off_px + 0.5).astype(
+                np.float32
+            )  # so that cutting off the fraction rounds
             self._is_on = rng.random(_POOL) < 0.5
-            self._make(0, self._packets[0], 0)  # which compiles, or loads what is compiled
+            self._make(0, self._packets[0], 0)  # compiles or loads the kernel
 
     def __iter__(self) -> Iterator[EventPacket]:
         for k in range(self._n):
@@ -154,4 +156,4 @@ class DenseSource(Closing):
         return events
 
     def close(self) -> None:
-        """Does nothing: nothing is open."""
+        """Does nothing: there is nothing to close."""

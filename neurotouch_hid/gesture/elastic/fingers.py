@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import LATTICE_MM, N_MARKERS, PITCH_MM, Rig
 from neurotouch_hid.gesture.elastic.kernels.field import fill_responses, rim_window
-from neurotouch_hid.gesture.elastic.kernels.follow import CHECK_US, N_FITS, follow, show
+from neurotouch_hid.gesture.elastic.kernels.follow import CHECK_US, N_FITS, follow, locate_shown
 from neurotouch_hid.gesture.elastic.kernels.markers import measure_spread
 from neurotouch_hid.messages import GestureKind
 
@@ -21,7 +21,7 @@ MOST: Final = 3
 
 @dataclass(frozen=True, slots=True)
 class FingerConfig:
-    """How fingers are found in the displacements of the markers.
+    """Settings of the search for fingers in the displacements of the markers.
 
     The largest motion is that of the finger that moves most, mm.
 
@@ -184,7 +184,7 @@ class FingerMotion(NamedTuple):
             meaning; all else is 0, and ``scale`` is 1.
         largest_mm: the largest motion of a finger.
         sway_mm: how far the whole gel moved.
-        error_mm: rms of what the fingers leave unexplained, one axis.
+        error_mm: rms of the displacement that the fingers do not explain, one axis.
         x_mm: translation of the fingers' mean position along x.
         y_mm: the same along y.
         rotation_rad: rotation about the mean position, clockwise for the user positive.
@@ -307,13 +307,13 @@ class FingerTracker:
         follow(self.state, self.fits, self.gel, self._rules, moved_px, use)
         return FingerMotion._make(self._motion.item())
 
-    def show(self, least: int = 1) -> Contacts:
+    def locate_shown(self, least: int = 1) -> Contacts:
         """Returns the contacts of the fingers found in the last slice.
 
         Args:
             least: the least number of contacts, even if the fingers hardly move.
         """
-        return Contacts(*show(self.fits, self.gel, self._rules, least))
+        return Contacts(*locate_shown(self.fits, self.gel, self._rules, least))
 
 
 def _lay_out_gel(n_sites: int) -> np.dtype[np.void]:

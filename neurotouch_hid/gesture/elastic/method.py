@@ -72,7 +72,7 @@ class ElasticMethod:
                 self.reset()
             return replace(no_gesture(t_us), confidence=decision.confidence)
         # A pinch, zoom or twist needs two fingers, though one of them may keep still.
-        contacts = fingers.show(1 if decision.kind is GestureKind.PUSH else 2)
+        contacts = fingers.locate_shown(1 if decision.kind is GestureKind.PUSH else 2)
         return Gesture(
             t_us=t_us,
             kind=decision.kind,

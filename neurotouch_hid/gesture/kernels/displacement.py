@@ -1,11 +1,12 @@
 """The compiled loop from positions to displacements of markers."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from neurotouch_hid.process.kernel_cache import kernel
 
-@njit(cache=True, nogil=True)
+
+@kernel
 def displace(
     rest_px: NDArray[np.float32],
     position_px: NDArray[np.float32],

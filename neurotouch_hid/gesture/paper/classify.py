@@ -1,4 +1,4 @@
-"""Tells which gesture it is: the dominant part of a similarity fitted near the contacts."""
+"""Classifies the gesture by the dominant part of a similarity fitted near the contacts."""
 
 import math
 from typing import NamedTuple
@@ -13,7 +13,7 @@ _MIN_POINTS = 2  # a similarity has four degrees of freedom
 
 
 class Similarity(NamedTuple):
-    """Scale, rotation (clockwise positive: image y points down) and translation in px."""
+    """A similarity: scale, rotation (clockwise positive, y points down), translation in px."""
 
     scale: float = 1.0
     rotation_rad: float = 0.0

@@ -1,7 +1,8 @@
-"""Measuring what a hand can do, without hurry: noise, tremor, the range of eight movements."""
+"""Measures a hand, without hurry: noise, tremor, the range of eight movements."""
 
 from neurotouch_hid.profile.calibration.repetition import Repetition
 from neurotouch_hid.profile.calibration.result import (
+    LEAST_PEAKS,
     WeakSide,
     find_weak_sides,
     undo_ranges,
@@ -11,6 +12,7 @@ from neurotouch_hid.profile.calibration.session import CalibrationSession
 from neurotouch_hid.profile.calibration.tremor import Tremor
 
 __all__ = [
+    "LEAST_PEAKS",
     "CalibrationSession",
     "Repetition",
     "Tremor",

@@ -1,11 +1,11 @@
-"""Attack, hold and release found in a stream of readings, without asking when."""
+"""Finds the repetitions of a movement in a stream of readings: attack, hold, release."""
 
 from collections import deque
 from dataclasses import dataclass, field
 from statistics import median
 from typing import Final
 
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
 from neurotouch_hid.profile.schema.movements import name_movement
 
 BEGIN_MM: Final = 1.5

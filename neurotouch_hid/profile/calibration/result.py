@@ -1,4 +1,4 @@
-"""What the measurements say: noise, range, weak sides, and all of it in the user's file."""
+"""Works out noise, ranges and weak sides, and writes them to the user's file."""
 
 import math
 import re
@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Final
 
-from neurotouch_hid.profile.editing.layout import read_layout
-from neurotouch_hid.profile.editing.paths import find_way
-from neurotouch_hid.profile.editing.revision import reset_value, set_value, take_back
+from neurotouch_hid.profile.editing.edit_values import reset_value, set_value, take_back
+from neurotouch_hid.profile.editing.profile_text import ProfileText
+from neurotouch_hid.profile.editing.yaml_values import format_value
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.timing import FilterName
-from neurotouch_hid.profile.schema.user import Range, Ranges, UserSettings
+from neurotouch_hid.profile.schema.user import MovementRange, Ranges, UserSettings
 
 LEAST_PEAK_MM: Final = 2.5
 LEAST_PEAKS: Final = 2
@@ -55,7 +55,7 @@ def measure_rest(resting_mm: Sequence[float]) -> float:
     return round(min(max(LEAST_REST_MM, 3.0 * deviation), MOST_REST_MM), 1)
 
 
-def measure_range(peaks_mm: Sequence[float], rest_mm: float) -> Range | None:
+def measure_range(peaks_mm: Sequence[float], rest_mm: float) -> MovementRange | None:
     """Returns the comfortable range of a movement; None if it is not used.
 
     Args:
@@ -66,10 +66,10 @@ def measure_range(peaks_mm: Sequence[float], rest_mm: float) -> Range | None:
     if len(counted) < LEAST_PEAKS:
         return None
     full = min(max(FULL_SHARE * median(counted), rest_mm + LEAST_ROOM_MM), 18.0)
-    return Range(rest=rest_mm, full=round(full, 1))
+    return MovementRange(rest=rest_mm, full=round(full, 1))
 
 
-def find_weak_sides(ranges: Mapping[str, Range | None]) -> list[WeakSide]:
+def find_weak_sides(ranges: Mapping[str, MovementRange | None]) -> list[WeakSide]:
     """Returns the measured movements whose partner, also measured, goes more than twice as far."""
     found = []
     for name, range_ in ranges.items():
@@ -84,12 +84,12 @@ def find_weak_sides(ranges: Mapping[str, Range | None]) -> list[WeakSide]:
 
 
 def write_ranges(
-    text: str,
-    ranges: Mapping[str, Range | None],
+    text: ProfileText,
+    ranges: Mapping[str, MovementRange | None],
     date: str,
     tremor_filter: FilterName | None = None,
     tremor_hz: float | None = None,
-) -> str:
+) -> ProfileText:
     """Returns the user's file with these ranges.
 
     A movement that is not used has none, and is named so.
@@ -101,23 +101,23 @@ def write_ranges(
         tremor_filter: the filter to be set, or None to leave that as it is.
         tremor_hz: the frequency to be taken out, or None to leave that as it is.
     """
-    _, document = read_layout(text, "user.yaml")
     measured = {
         name: {"rest": range_.rest, "full": range_.full}
         for name, range_ in ranges.items()
         if range_ is not None
     }
-    if "range" not in document:
-        lines = [f"  {name}: {_write(values)}" for name, values in measured.items()]
+    before: list[str] = text.document.get("unused", [])
+    if "range" not in text.document:
+        lines = [f"  {name}: {format_value(values)}" for name, values in measured.items()]
         if lines:
-            text = text.rstrip("\n") + "\n\nrange:\n" + "\n".join(lines) + "\n"
+            text = text.insert_lines(len(text.text), ["", "range:", *lines])
     else:
         for name in Ranges.model_fields:
             if name in measured:
                 text = set_value(text, f"range.{name}", measured[name], UserSettings)
-            elif name in ranges and find_way(document, f"range.{name}", UserSettings).exists:
+            elif name in ranges and text.find(("range", name)) is not None:
                 text = reset_value(text, f"range.{name}", UserSettings)
-    text = _write_unused(text, document.get("unused", []), ranges)
+    text = _write_unused(text, before, ranges)
     if tremor_filter is not None:
         text = set_value(text, "filter", tremor_filter, UserSettings)
     if tremor_hz is not None:
@@ -125,7 +125,7 @@ def write_ranges(
     return _put_date(text, date)
 
 
-def undo_ranges(text: str, before: str, after: str) -> str:
+def undo_ranges(text: ProfileText, before: ProfileText, after: ProfileText) -> ProfileText:
     """Returns the user's file as it was before a calibration, without touching anything else.
 
     Args:
@@ -135,13 +135,15 @@ def undo_ranges(text: str, before: str, after: str) -> str:
     """
     names = [*(f"range.{each}" for each in Ranges.model_fields), *_CALIBRATED]
     text = take_back(text, before, after, names, UserSettings)
-    saved, first = _DATE.search(after), _DATE.search(before)
+    saved, first = _DATE.search(after.text), _DATE.search(before.text)
     if saved is None:
         return text
-    return text.replace(f"{saved[0]}\n", f"{first[0]}\n" if first else "", 1)
+    return text.rewrite(text.text.replace(f"{saved[0]}\n", f"{first[0]}\n" if first else "", 1))
 
 
-def _write_unused(text: str, before: list[str], ranges: Mapping[str, Range | None]) -> str:
+def _write_unused(
+    text: ProfileText, before: list[str], ranges: Mapping[str, MovementRange | None]
+) -> ProfileText:
     lost = {name: ranges[name] is None if name in ranges else name in before for name in MOVEMENTS}
     unused = [name for name, is_lost in lost.items() if is_lost]
     if unused == before:
@@ -151,12 +153,10 @@ def _write_unused(text: str, before: list[str], ranges: Mapping[str, Range | Non
     return reset_value(text, "unused", UserSettings)
 
 
-def _write(values: Mapping[str, float]) -> str:
-    return "{" + ", ".join(f"{key}: {value}" for key, value in values.items()) + "}"
-
-
-def _put_date(text: str, date: str) -> str:
+def _put_date(text: ProfileText, date: str) -> ProfileText:
     line = f"# Calibrated {date}."
-    if _DATE.search(text):
-        return _DATE.sub(line, text, count=1)
-    return re.sub(r"^range:", f"{line}\nrange:", text, count=1, flags=re.MULTILINE)
+    if _DATE.search(text.text):
+        return text.rewrite(_DATE.sub(line, text.text, count=1))
+    return text.rewrite(
+        re.sub(r"^range:", f"{line}\nrange:", text.text, count=1, flags=re.MULTILINE)
+    )

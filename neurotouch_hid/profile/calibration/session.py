@@ -1,4 +1,4 @@
-"""A calibration in progress: what to do next, what each repetition was, what came out."""
+"""A calibration in progress: its steps, the repetitions of each, and the results."""
 
 from dataclasses import dataclass, field
 from typing import Final
@@ -14,11 +14,11 @@ from neurotouch_hid.profile.calibration.result import (
     measure_range,
     measure_rest,
 )
-from neurotouch_hid.profile.calibration.tremor import Tremor, choose_filter, find_tremor
-from neurotouch_hid.profile.engine.conditioner import InputConditioner
+from neurotouch_hid.profile.calibration.tremor import Tremor, find_tremor, propose_filter
+from neurotouch_hid.profile.engine.input_conditioner import InputConditioner
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.timing import FilterName
-from neurotouch_hid.profile.schema.user import Range, Ranges, UserSettings
+from neurotouch_hid.profile.schema.user import MovementRange, Ranges, UserSettings
 from neurotouch_hid.vocabulary import GestureKind
 
 NEUTRAL: Final = "neutral"
@@ -34,7 +34,7 @@ _SETTLE_READINGS: Final = 30
 
 @dataclass(slots=True)
 class _Measured:
-    """What has been collected."""
+    """Holds the measurements of the steps so far."""
 
     peaks_mm: dict[str, list[float]] = field(default_factory=dict)
     resting_mm: list[float] = field(default_factory=list)
@@ -99,7 +99,7 @@ class CalibrationSession:
         self._finder = RepetitionFinder()
 
     def take(self, gesture: Gesture) -> Repetition | None:
-        """Goes one gesture further; gives the repetition it ends."""
+        """Processes one gesture; returns the repetition it ends."""
         if self._t_us is not None and gesture.t_us > self._t_us:
             self._step_us = gesture.t_us - self._t_us
         self._t_us = gesture.t_us
@@ -133,7 +133,7 @@ class CalibrationSession:
         self._still_mm.append(raw_mm)
 
     def _rest(self) -> None:
-        """Takes what is between two movements, but not right beside them."""
+        """Collects the rest between two movements, but not right beside them."""
         if self.step == EVERYTHING:
             self._measured.resting_mm += self._still_mm[_SETTLE_READINGS:-_SETTLE_READINGS]
         self._still_mm = []
@@ -145,11 +145,11 @@ class CalibrationSession:
 
     @property
     def rest_mm(self) -> float:
-        """Up to where it is noise."""
+        """The noise limit."""
         return measure_rest(self._measured.resting_mm)
 
     @property
-    def ranges(self) -> dict[str, Range | None]:
+    def ranges(self) -> dict[str, MovementRange | None]:
         """The range of each movement made often enough; None for one that was skipped.
 
         All others are left out: no movement is switched off unless a person says so.
@@ -163,7 +163,7 @@ class CalibrationSession:
 
     @property
     def unfinished(self) -> dict[str, int]:
-        """How often each movement was made that was begun, but not made often enough."""
+        """The number of repetitions of each movement that was not made often enough."""
         return {
             name: len(peaks)
             for name, peaks in self._measured.peaks_mm.items()
@@ -172,17 +172,17 @@ class CalibrationSession:
 
     @property
     def missing(self) -> int:
-        """How many repetitions this step still needs."""
+        """The number of repetitions this step still needs."""
         if self.step not in self.movements:
             return 0
         return max(LEAST_PEAKS - len(self._measured.peaks_mm.get(self.step, ())), 0)
 
-    def _measure(self, name: str) -> Range | None:
+    def _measure(self, name: str) -> MovementRange | None:
         return measure_range(self._measured.peaks_mm.get(name, ()), self.rest_mm)
 
     @property
     def peaks_mm(self) -> dict[str, list[float]]:
-        """How far the repetitions of each movement went that counted."""
+        """The peaks of the repetitions that counted, by movement."""
         return {name: list(peaks) for name, peaks in self._measured.peaks_mm.items()}
 
     @property
@@ -195,7 +195,7 @@ class CalibrationSession:
         """The weakest filter that is calm enough; None if nothing was held long enough."""
         hold = self._hold()
         enough = len(hold) * self._step_us >= 3_000_000
-        return choose_filter(hold, self._step_us) if enough else None
+        return propose_filter(hold, self._step_us) if enough else None
 
     def _hold(self) -> NDArray[np.float64]:
         """Returns the middle of the longest hold: its beginning and end are movements."""

@@ -1,4 +1,4 @@
-"""Which filter is calm enough for the way a hand trembles."""
+"""Proposes the weakest filter that is calm enough for a hand's tremor."""
 
 from typing import Final
 
@@ -9,13 +9,13 @@ from neurotouch_hid.profile.engine.one_euro import FILTERS, OneEuro
 from neurotouch_hid.profile.engine.spectrum import Tremor, find_tremor
 from neurotouch_hid.profile.schema.timing import FilterName
 
-__all__ = ["Tremor", "choose_filter", "find_tremor", "smooth"]
+__all__ = ["Tremor", "find_tremor", "propose_filter", "smooth"]
 
 GAP_MM: Final = 1.0
 """Between pressing at 2.5 and releasing at 1.5 mm."""
 
 
-def choose_filter(mm: NDArray[np.float64], step_us: int) -> FilterName:
+def propose_filter(mm: NDArray[np.float64], step_us: int) -> FilterName:
     """Returns the weakest filter that brings the tremor below the hysteresis.
 
     Args:
@@ -31,7 +31,7 @@ def choose_filter(mm: NDArray[np.float64], step_us: int) -> FilterName:
 
 
 def smooth(mm: NDArray[np.float64], step_us: int, name: FilterName) -> NDArray[np.float64]:
-    """Returns what a filter makes of a hold, from where it has settled (0.5 s) on."""
+    """Returns a filtered hold, from 0.5 s on, where the filter has settled."""
     if name == "none":
         return mm
     one_euro = OneEuro(*FILTERS[name])

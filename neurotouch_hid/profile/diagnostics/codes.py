@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import Final
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.faults import make_printable
+from neurotouch_hid.printable import make_printable
 
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """What a code means.
+    """The meaning of a code.
 
     Attributes:
         title: in a few words.
@@ -27,7 +27,7 @@ class Explanation:
 CODES: Final[dict[str, Explanation]] = {
     "NT101": Explanation(
         "not a text we can read",
-        "The file is not UTF-8, or holds a control character, or is empty. Save it as UTF-8 text.",
+        "The file is not UTF-8, or has a control character, or is empty. Save it as UTF-8 text.",
     ),
     "NT102": Explanation(
         "not YAML",
@@ -42,7 +42,7 @@ CODES: Final[dict[str, Explanation]] = {
     ),
     "NT104": Explanation(
         "a key is there twice",
-        "Only one of them could hold. Remove or rename one.",
+        "Only one of them could apply. Remove or rename one.",
     ),
     "NT105": Explanation(
         "a value is missing",
@@ -55,7 +55,9 @@ CODES: Final[dict[str, Explanation]] = {
     ),
     "NT111": Explanation("a key is missing", "This part cannot do without it. Add it."),
     "NT112": Explanation(
-        "not one of the known words", "Only the words in the message are known here."
+        "not one of the known words",
+        "At this place only certain words mean something. The message lists them all: write one "
+        "of them, in the same spelling. 'neurotouch schema' prints the words of every key.",
     ),
     "NT113": Explanation(
         "a value of another kind",
@@ -85,6 +87,11 @@ CODES: Final[dict[str, Explanation]] = {
         "another version",
         "The file was written for another version of the format. 'neurotouch profile upgrade' "
         "rewrites an older one; for a newer one, update the program.",
+    ),
+    "NT120": Explanation(
+        "a character that cannot be seen",
+        "Control and format characters can hide or change what a terminal shows. A description "
+        "needs none of them: delete and retype it, without what was copied along.",
     ),
     "NT121": Explanation(
         "a direction without a push",
@@ -133,8 +140,8 @@ CODES: Final[dict[str, Explanation]] = {
         "an unknown layer", "'layer' names a layer of this profile or of one it is built on."
     ),
     "NT134": Explanation(
-        "a layer nobody can leave",
-        "From every layer there must be a way back to the first with the gestures that work in it. "
+        "a layer without a way back",
+        "Every layer needs a way back to the first one, by gestures that work in it. "
         "Add a binding with 'layer:', or let the layer inherit the one that led there.",
     ),
     "NT135": Explanation("two layers of one name", "A binding could not tell them apart."),
@@ -144,8 +151,8 @@ CODES: Final[dict[str, Explanation]] = {
     ),
     "NT201": Explanation(
         "fingers counted too early",
-        "How many fingers there are is right in 90 % of cases only from 7 mm on, and most gestures "
-        "stay below. Raise on_mm to 7, or tell the actions apart by something else.",
+        "The number of fingers is right in 90 % of cases only from 7 mm on, and most gestures stay "
+        "below that. Raise on_mm to 7, or tell the actions apart by something else.",
     ),
     "NT202": Explanation(
         "thresholds closer than the noise",
@@ -154,7 +161,7 @@ CODES: Final[dict[str, Explanation]] = {
     ),
     "NT203": Explanation(
         "a double tap that delays the tap",
-        "Where the same gesture has a tap and a double tap, the tap must wait whether a second one "
+        "If a gesture has a tap and a double tap, the tap must wait to see whether a second one "
         "follows. The message says how long. A hold instead of the double tap costs nothing.",
     ),
     "NT204": Explanation(
@@ -168,7 +175,7 @@ CODES: Final[dict[str, Explanation]] = {
     ),
     "NT206": Explanation(
         "a layer held by the gel",
-        "The gel knows one gesture at a time, so nothing else can be done while a gesture holds a "
+        "The gel recognises one gesture at a time, so no other gesture acts while one holds a "
         "layer. Use 'mode: toggle' or 'mode: oneshot'.",
     ),
     "NT207": Explanation(
@@ -181,7 +188,8 @@ CODES: Final[dict[str, Explanation]] = {
         "tap, double and hold of the same gesture. Give it 'press: tap' if that is not meant.",
     ),
     "NT209": Explanation(
-        "a layer nobody reaches", "No binding leads to this layer, so nothing in it ever acts."
+        "a layer that nothing leads to",
+        "No binding leads to this layer, so nothing in it ever acts.",
     ),
     "NT210": Explanation(
         "a press within the noise",
@@ -207,7 +215,7 @@ CODES: Final[dict[str, Explanation]] = {
 
 
 def explain(code: str) -> Explanation:
-    """Returns what a code means.
+    """Returns the meaning of a code.
 
     Raises:
         ProfileError: there is no such code.

@@ -1,19 +1,19 @@
-"""What only shows when a profile is whole: its layers exist, and each can be left again."""
+"""Checks a whole profile: its layers exist, and each can be left again."""
 
 from collections.abc import Iterator
 
-from neurotouch_hid.profile.faults import Fault, Keys, format_path, suggest
+from neurotouch_hid.files.faults import Fault, Keys, format_path, suggest
+from neurotouch_hid.files.yaml_document import Node, find_key_mark, find_mark
 from neurotouch_hid.profile.schema.layering import merge_bindings
 from neurotouch_hid.profile.schema.profile import Binding, Layer, Profile
 from neurotouch_hid.profile.schema.targets import LayerTarget
-from neurotouch_hid.profile.yaml_document import Node, find_key_mark, find_mark
 
 MAX_LAYERS = 8
 MAX_BINDINGS = 256
 
 
-def find_bindings(profile: Profile) -> Iterator[tuple[Keys, Layer, Binding]]:
-    """Gives every binding as it is in the file, with the way to it and its layer."""
+def list_bindings(profile: Profile) -> Iterator[tuple[Keys, Layer, Binding]]:
+    """Gives every binding as it is in the file, with its path and its layer."""
     own = [("bindings",), *(("layers", i, "bindings") for i in range(len(profile.layers or ())))]
     if profile.bindings is None:
         own = own[1:]
@@ -23,7 +23,7 @@ def find_bindings(profile: Profile) -> Iterator[tuple[Keys, Layer, Binding]]:
 
 
 def check_layers(profile: Profile, whole: Profile, root: Node) -> list[Fault]:
-    """Faults of the layers.
+    """Returns the faults of the layers.
 
     Args:
         profile: as it is in the file.
@@ -50,7 +50,7 @@ def _find_twins(profile: Profile, root: Node) -> Iterator[Fault]:
 
 def _find_unknown(profile: Profile, whole: Profile, root: Node) -> Iterator[Fault]:
     names = [layer.name for layer in whole.all_layers]
-    for keys, _, binding in find_bindings(profile):
+    for keys, _, binding in list_bindings(profile):
         if isinstance(binding.do, LayerTarget) and binding.do.layer not in names:
             place: Keys = (*keys, "do", "layer")
             sentence = f"there is no layer '{binding.do.layer}'; layers: {', '.join(names)}"
@@ -78,7 +78,7 @@ def _find_dead_ends(profile: Profile, whole: Profile, root: Node) -> Iterator[Fa
 
 
 def _find_ways(layer: Layer, layers: tuple[Layer, ...]) -> set[str]:
-    """Returns where one can go from a layer.
+    """Returns the layers that a layer leads to.
 
     A held layer, and one for one action, end by themselves.
     """

@@ -1,4 +1,4 @@
-"""A binding in words, for people who watch, listen or test."""
+"""Says a binding in words, for people who watch, listen or test."""
 
 from neurotouch_hid.profile.schema.conditions import Condition, Sequence
 from neurotouch_hid.profile.schema.profile import Binding

@@ -3,15 +3,15 @@
 from collections.abc import Iterator
 from typing import Final
 
-from neurotouch_hid.profile.diagnostics.consistency import find_bindings
-from neurotouch_hid.profile.faults import Fault, Keys, format_path
-from neurotouch_hid.profile.schema.conditions import Condition, Sequence
+from neurotouch_hid.files.faults import Fault, Keys, format_path
+from neurotouch_hid.files.yaml_document import Node, find_mark
+from neurotouch_hid.profile.diagnostics.consistency import list_bindings
+from neurotouch_hid.profile.schema.conditions import Sequence
 from neurotouch_hid.profile.schema.keyboard_keys import is_order_to_kernel
 from neurotouch_hid.profile.schema.layering import merge_bindings
 from neurotouch_hid.profile.schema.profile import Binding, Profile
 from neurotouch_hid.profile.schema.targets import KeyTarget, LayerTarget
 from neurotouch_hid.profile.schema.timing import PRESETS
-from neurotouch_hid.profile.yaml_document import Node, find_mark
 from neurotouch_hid.vocabulary import GestureKind
 
 COUNTING_MM: Final = 7.0
@@ -33,11 +33,11 @@ REACH_MM: Final = {
 }
 """How far people go: the paper's figure for push and zoom, a cautious reading for the others."""
 
-Finding = tuple[str, Keys, str]
+_Remark = tuple[str, Keys, str]
 
 
 def find_warnings(profile: Profile, whole: Profile, root: Node) -> list[Fault]:
-    """Warnings about what is in the file.
+    """Returns the warnings about what is in the file.
 
     Args:
         profile: as it is in the file.
@@ -49,7 +49,7 @@ def find_warnings(profile: Profile, whole: Profile, root: Node) -> list[Fault]:
     if profile.bindings is not None:  # they belong to the first layer, whatever its name
         merged[profile.all_layers[0].name] = merged[layers[0].name]
     findings = list(_check_whole(profile, whole))
-    for keys, layer, binding in find_bindings(profile):
+    for keys, layer, binding in list_bindings(profile):
         beside = [other for other in merged[layer.name] if other is not binding]
         for code, place, sentence in (
             *_check_binding(binding),
@@ -63,7 +63,7 @@ def find_warnings(profile: Profile, whole: Profile, root: Node) -> list[Fault]:
     ]
 
 
-def _check_whole(profile: Profile, whole: Profile) -> Iterator[Finding]:
+def _check_whole(profile: Profile, whole: Profile) -> Iterator[_Remark]:
     if profile.safety.panic is not None and whole.safety.pause is None:
         yield "NT211", ("safety", "panic"), "a panic gesture, but no pause gesture"
     reached = {
@@ -77,9 +77,13 @@ def _check_whole(profile: Profile, whole: Profile) -> Iterator[Finding]:
             yield "NT209", ("layers", i, "name"), f"nothing leads to the layer '{layer.name}'"
 
 
-def _check_binding(binding: Binding) -> Iterator[Finding]:
+def _check_binding(binding: Binding) -> Iterator[_Remark]:
     if isinstance(binding.do, LayerTarget) and binding.do.mode == "hold":
-        yield "NT206", ("do", "mode"), "no other gesture can be made while one holds this layer"
+        yield (
+            "NT206",
+            ("do", "mode"),
+            "while a gesture holds this layer, no other gesture can be made",
+        )
     if isinstance(binding.do, KeyTarget) and is_order_to_kernel(binding.do.kernel_names):
         yield "NT213", ("do", "key"), "Linux takes Alt+Print for itself, so Print is left out"
     if isinstance(binding.when, Sequence):
@@ -113,8 +117,8 @@ def _check_binding(binding: Binding) -> Iterator[Finding]:
         yield "NT205", ("when", "hold_ms"), "a hold of more than 5 s tires"
 
 
-def _check_beside(binding: Binding, beside: list[Binding]) -> Iterator[Finding]:
-    """Gives what two bindings of one gesture do to each other."""
+def _check_beside(binding: Binding, beside: list[Binding]) -> Iterator[_Remark]:
+    """Gives the remarks about bindings of one gesture that affect each other."""
     if binding.is_followed or isinstance(binding.when, Sequence):
         return
     condition = binding.condition
@@ -123,7 +127,7 @@ def _check_beside(binding: Binding, beside: list[Binding]) -> Iterator[Finding]:
         for other in beside
         if not isinstance(other.when, Sequence)
         and not other.is_followed
-        and _same_place(other.condition, condition)
+        and condition.has_gesture_of(other.condition)
     ]
     if condition.press == "tap" and any(other.press == "double" for other in others):
         waits = ", ".join(f"{times.double_ms} ms ({name})" for name, times in PRESETS.items())
@@ -138,12 +142,7 @@ def _check_beside(binding: Binding, beside: list[Binding]) -> Iterator[Finding]:
             yield "NT207", ("when", "level"), "less than 3 mm above the soft level"
 
 
-def _check_twin(binding: Binding, bindings: list[Binding], keys: Keys) -> Iterator[Finding]:
+def _check_twin(binding: Binding, bindings: list[Binding], keys: Keys) -> Iterator[_Remark]:
     before = bindings[: int(keys[-1])]
     if any(other.when == binding.when and other.do == binding.do for other in before):
         yield "NT204", ("when",), "an earlier binding does the same"
-
-
-def _same_place(a: Condition, b: Condition) -> bool:
-    keys = ("gesture", "direction", "zone", "contacts", "with_button")
-    return all(getattr(a, key) == getattr(b, key) for key in keys)

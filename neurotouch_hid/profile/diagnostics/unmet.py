@@ -1,14 +1,14 @@
-"""What a profile asks of movements that a person does not make."""
+"""Warns of bindings that need movements a person does not make."""
 
 from collections.abc import Collection, Iterator
 from typing import Final
 
-from neurotouch_hid.profile.diagnostics.consistency import find_bindings
-from neurotouch_hid.profile.faults import Fault, Keys, format_path
+from neurotouch_hid.files.faults import Fault, Keys, format_path
+from neurotouch_hid.files.yaml_document import Node, find_mark
+from neurotouch_hid.profile.diagnostics.consistency import list_bindings
 from neurotouch_hid.profile.schema.conditions import Condition, Sequence
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.profile import Binding, Profile, make_step
-from neurotouch_hid.profile.yaml_document import Node, find_mark
 from neurotouch_hid.vocabulary import GestureKind
 
 _PUSHES: Final = tuple(name for name in MOVEMENTS if name.startswith("push_"))
@@ -17,7 +17,7 @@ _PUSHES: Final = tuple(name for name in MOVEMENTS if name.startswith("push_"))
 def find_unmet(
     profile: Profile, whole: Profile, root: Node, unused: Collection[str]
 ) -> list[Fault]:
-    """Warnings about what a person cannot do.
+    """Returns the warnings about movements a person does not make.
 
     Args:
         profile: as it is in the file.
@@ -29,7 +29,7 @@ def find_unmet(
         return []
     found = list(_check_bindings(profile, unused))
     if profile.extends:
-        own = [binding for _, _, binding in find_bindings(profile)]
+        own = [binding for _, _, binding in list_bindings(profile)]
         theirs = [b for layer in whole.all_layers for b in layer.bindings if b not in own]
         lost = {name for binding in theirs for name in _find_lost(binding, unused)}
         if lost:
@@ -47,7 +47,7 @@ def find_unmet(
 
 
 def _check_bindings(profile: Profile, unused: Collection[str]) -> Iterator[tuple[Keys, str]]:
-    for keys, _, binding in find_bindings(profile):
+    for keys, _, binding in list_bindings(profile):
         lost = _find_lost(binding, unused)
         if not lost:
             continue

@@ -6,6 +6,7 @@ from pathlib import Path
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.players import PLAYERS, find_user_file
 from neurotouch_hid.profile.editing.edited_file import EditedFile, Stamp, find_own_path
+from neurotouch_hid.profile.editing.profile_text import ProfileText
 from neurotouch_hid.profile.editing.store import Store
 from neurotouch_hid.profile.reading.library import (
     OWN_VALUES,
@@ -58,7 +59,7 @@ def take_deleted(name: str, stamp: Stamp) -> EditedFile | None:
         store = Store(find_own_path(name), stamp)
     except ProfileError:  # no name at all
         return None
-    return EditedFile(name, store, None, "") if store.versions() else None
+    return EditedFile(name, store, None, ProfileText("")) if store.versions() else None
 
 
 def _require_unneeded(name: str, played: Collection[str]) -> None:

@@ -1,8 +1,6 @@
-"""A profile or the user's file taken out to be edited, and put back only when it is right."""
+"""Opens a profile or the user's file to be edited, and saves it only if it is right."""
 
-import os
 import re
-import stat
 import unicodedata
 from collections.abc import Callable
 from contextlib import suppress
@@ -13,10 +11,13 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, find_real_path, read_bytes
 from neurotouch_hid.players import find_machine_folder, find_user_file
-from neurotouch_hid.profile.editing.revision import MODELINE, adopt, reset_value
+from neurotouch_hid.printable import make_printable
+from neurotouch_hid.profile.editing.edit_values import reset_value
+from neurotouch_hid.profile.editing.file_header import MODELINE, adopt
+from neurotouch_hid.profile.editing.profile_text import ProfileText
 from neurotouch_hid.profile.editing.store import Store
-from neurotouch_hid.profile.faults import make_printable
 from neurotouch_hid.profile.reading.library import (
     OWN_VALUES,
     find_profile,
@@ -26,7 +27,6 @@ from neurotouch_hid.profile.reading.library import (
     list_profiles,
 )
 from neurotouch_hid.profile.reading.load import (
-    MAX_BYTES,
     Checked,
     check_content,
     check_user,
@@ -39,6 +39,9 @@ from neurotouch_hid.vocabulary import NAME_PATTERN
 
 Stamp = Callable[[], str]
 """The present moment as letters, digits, ``-`` and ``_``."""
+
+TakeBack = Callable[[ProfileText, ProfileText, ProfileText], ProfileText]
+"""Takes a change back in a text, given that text, and the text before and after the change."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,13 +60,13 @@ class EditedFile:
     name: str
     store: Store
     content: bytes | None
-    text: str
+    text: ProfileText
     model: type[BaseModel] = Profile
     shipped: bool = False
 
-    def check(self, text: str) -> Checked[Profile] | Checked[UserSettings]:
+    def check(self, text: ProfileText) -> Checked[Profile] | Checked[UserSettings]:
         """Returns the text with all its faults, as it would be there."""
-        content, name = encode(text), make_printable(str(self.store.path))
+        content, name = text.encode(), make_printable(str(self.store.path))
         if self.model is UserSettings:
             return check_user(content, name)
         path = self.store.path
@@ -71,18 +74,25 @@ class EditedFile:
             path = list_profiles().get(path.stem, path)
         return check_content(content, name, path, load_unused())
 
-    def save(self, text: str, *, keep: bool = True) -> None:
-        """Saves the text if it is right; what stood there becomes a version unless ``keep`` is not.
+    def save(
+        self, text: ProfileText, *, keep: bool = True
+    ) -> Checked[Profile] | Checked[UserSettings]:
+        """Saves the text if it is right; the old one becomes a version unless ``keep`` is False.
+
+        Returns:
+            The text as it was checked, with its warnings.
 
         Raises:
             ProfileError: there are errors, or it cannot be written; nothing has changed.
         """
-        self.check(text).require()
-        if self.content is None and self.text:
-            self.store.keep(encode(self.text))
-        self.store.save(encode(text), over=self.content, keep=keep)
+        checked = self.check(text)
+        checked.require()
+        if self.content is None and self.text.text:
+            self.store.keep(self.text.encode())
+        self.store.save(text.encode(), over=self.content, keep=keep)
+        return checked
 
-    def undo_kind(self, kind: str, take_back: Callable[[str, str, str], str]) -> str | None:
+    def undo_kind(self, kind: str, take_back: TakeBack) -> ProfileText | None:
         """Returns the text without the last change of a kind; None if there is none to undo.
 
         Args:
@@ -90,15 +100,11 @@ class EditedFile:
             take_back: is given the text, and a change's text before and after.
         """
         for before, after in self.store.changes(kind):
-            text = take_back(self.text, before.decode(), after.decode())
+            changed = (self.text.rewrite(each.decode()) for each in (before, after))
+            text = take_back(self.text, *changed)
             if text != self.text:
                 return text
         return None
-
-
-def encode(text: str) -> bytes:
-    """Returns the text as it is in a file."""
-    return text.encode("utf-8", "surrogatepass")
 
 
 def take_profile(name_or_path: str, stamp: Stamp) -> EditedFile:
@@ -109,7 +115,7 @@ def take_profile(name_or_path: str, stamp: Stamp) -> EditedFile:
     """
     path = find_profile(name_or_path)
     text, content = read_text(path)
-    if path.resolve().parent not in {each.resolve() for each in list_profile_folders()[1:]}:
+    if find_real_path(path).parent not in {each.resolve() for each in list_profile_folders()[1:]}:
         return EditedFile(path.stem, Store(path, stamp), content, text)
     own = find_user_folder() / path.name
     if own.exists():  # named by its path
@@ -167,9 +173,8 @@ def take_user(stamp: Stamp) -> EditedFile:
             with suppress(ProfileError):
                 text = reset_value(text, "slots", UserSettings)
         return EditedFile("user", store, None, text, UserSettings)
-    text = (
-        f"{MODELINE}{schema}\n#\n# What belongs to you and applies in every profile.\nversion: 1\n"
-    )
+    begin = "# What belongs to you and applies in every profile.\nversion: 1\n"
+    text = ProfileText(f"{MODELINE}{schema}\n#\n{begin}", str(path))
     return EditedFile("user", store, None, text, UserSettings)
 
 
@@ -208,35 +213,31 @@ def find_schema(path: Path, schema: str = "profile-1.json") -> str:
     return str(shipped)
 
 
-def read_text(path: Path) -> tuple[str, bytes]:
+def read_text(path: Path) -> tuple[ProfileText, bytes]:
     """Returns the text of a file, with its own ends of lines, and its bytes.
 
     Raises:
         ProfileError: it is not a file, too large, or not UTF-8.
     """
     try:
-        if not stat.S_ISREG(path.stat().st_mode):
-            raise ProfileError(f"'{make_printable(str(path))}' is not a file.")
-        with path.open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
+        content = read_bytes(path, MAX_SETTINGS_BYTES)
     except OSError as error:
-        reason = error.strerror or os.strerror(error.errno or 0)
         raise ProfileError(
-            f"'{make_printable(str(path))}' cannot be read: {reason}.", hint="Check the name."
+            f"'{make_printable(str(path))}' cannot be read: {error.strerror}.",
+            hint="Check the name.",
         ) from None
-    if len(content) > MAX_BYTES:
-        raise ProfileError(f"'{make_printable(str(path))}' is larger than {MAX_BYTES // 1024} kB.")
     try:
-        return content.decode("utf-8"), content
+        return ProfileText(content.decode("utf-8"), make_printable(str(path))), content
     except UnicodeDecodeError:
         raise ProfileError(f"'{make_printable(str(path))}' is not UTF-8 text.") from None
 
 
-def compare(before: str, after: str) -> list[tuple[str, int, str]]:
+def compare(before: ProfileText, after: ProfileText) -> list[tuple[str, int, str]]:
     """Returns the lines that differ: ``removed`` or ``added``, the line's number, its text."""
     found = []
     old_line = new_line = 0
-    for line in unified_diff(before.splitlines(), after.splitlines(), n=0, lineterm=""):
+    lines = before.text.splitlines(), after.text.splitlines()
+    for line in unified_diff(*lines, n=0, lineterm=""):
         hunk = re.match(r"@@ -(\d+)(?:,(\d+))? \+(\d+)(?:,(\d+))? @@", line)
         if hunk is not None:
             # a hunk of no lines is named by the line before it

@@ -3,8 +3,10 @@
 from collections.abc import Callable
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.small_file import find_real_path
+from neurotouch_hid.profile.editing.edit_values import set_value
 from neurotouch_hid.profile.editing.edited_file import EditedFile, take_user
-from neurotouch_hid.profile.editing.revision import set_value
+from neurotouch_hid.profile.editing.profile_text import ProfileText
 from neurotouch_hid.profile.reading.library import find_profile, list_profiles
 from neurotouch_hid.profile.reading.load import load_profile, load_user
 from neurotouch_hid.profile.schema.user import UserSettings
@@ -12,7 +14,7 @@ from neurotouch_hid.profile.schema.user import UserSettings
 MOST_FAVOURITES = 8
 
 
-def make_favourite(name: str, stamp: Callable[[], str]) -> tuple[str, EditedFile, str]:
+def make_favourite(name: str, stamp: Callable[[], str]) -> tuple[str, EditedFile, ProfileText]:
     """Makes a profile the first of the person's favourites, and saves that.
 
     No version is kept: to take it back is to use another profile.
@@ -31,7 +33,7 @@ def make_favourite(name: str, stamp: Callable[[], str]) -> tuple[str, EditedFile
     path = find_profile(name)
     stem = path.stem
     known = list_profiles().get(stem)
-    if known is None or known.resolve() != path.resolve():
+    if known is None or find_real_path(known) != find_real_path(path):
         raise ProfileError(
             f"'{path}' is not among your profiles.",
             hint=f"Import it first: neurotouch profile import {name}",

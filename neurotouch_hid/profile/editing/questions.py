@@ -1,4 +1,4 @@
-"""What the guided editor can ask: the choices for gestures, outputs and the keys of a binding."""
+"""Choices of the guided editor: gestures, outputs and the keys of a binding."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,6 +10,7 @@ from neurotouch_hid.profile.engine.response import make_response
 from neurotouch_hid.profile.schema.conditions import Condition, Sequence
 from neurotouch_hid.profile.schema.profile import Binding
 from neurotouch_hid.profile.schema.shaping import Shaped
+from neurotouch_hid.profile.schema.targets import TARGETS
 from neurotouch_hid.vocabulary import Button, GestureKind
 
 GESTURES: Final = (
@@ -51,9 +52,7 @@ OUTPUTS: Final[dict[str, tuple[str, ...]]] = {
 """What a binding can do, in the words of ``parse_do``; of a key the person types the name."""
 
 _STEPS: Final = 10
-_IDENTITY: Final = frozenset(
-    ("gesture", "direction", "stick", "axis", "trigger", "button", "dpad", "key", "mouse", "layer")
-) | frozenset(("command", "sequence"))
+_IDENTITY: Final = {"when": ("gesture", "direction", "sequence"), "do": tuple(TARGETS)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +84,7 @@ def list_questions(binding: Binding) -> Iterator[Question]:
         written = {} if isinstance(model, str) else model.model_dump(exclude_unset=True)
         kind = Condition if isinstance(model, str) else type(model)
         for key, field in kind.model_fields.items():
-            if key in _IDENTITY:
+            if key in _IDENTITY[part]:
                 continue
             if binding.is_followed and key in _TIMED:
                 continue

@@ -1,19 +1,19 @@
-"""What a movement does, given to another one: for people who cannot make it, or only just."""
+"""Gives the bindings of one movement to others, for people who can hardly make it."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
+from neurotouch_hid.files.faults import Keys
 from neurotouch_hid.profile.diagnostics.description import describe_binding, describe_condition
-from neurotouch_hid.profile.editing.changes import append_item, replace_value
-from neurotouch_hid.profile.editing.layer import append_layer
-from neurotouch_hid.profile.editing.layout import read_layout
-from neurotouch_hid.profile.faults import Keys
+from neurotouch_hid.profile.editing.profile_text import ProfileText
+from neurotouch_hid.profile.editing.text_layout import find_part
+from neurotouch_hid.profile.editing.yaml_values import format_value
 from neurotouch_hid.profile.schema.conditions import Condition
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.profile import FIRST_LAYER, Binding
 
-When = dict[str, Any]
+WrittenWhen = dict[str, Any]
 """A condition as a profile writes it: ``{"gesture": "pinch", "press": "long"}``."""
 
 _PRESSES: Final = ("long", "double", "hold", "tap")
@@ -21,7 +21,7 @@ _PRESSES: Final = ("long", "double", "hold", "tap")
 
 @dataclass(frozen=True, slots=True)
 class Remapping:
-    """What has become of a profile.
+    """The result of a remapping.
 
     Attributes:
         text: the profile now.
@@ -29,12 +29,12 @@ class Remapping:
         left: what nothing does any more, in the same words.
     """
 
-    text: str
+    text: ProfileText
     moved: tuple[str, ...] = ()
     left: tuple[str, ...] = ()
 
 
-def remap(text: str, weak: str, substitutes: Sequence[When]) -> Remapping:
+def remap(text: ProfileText, weak: str, substitutes: Sequence[WrittenWhen]) -> Remapping:
     """Returns the profile with everything a movement does given to other conditions.
 
     What is pressed is pressed by a substitute instead. A trigger or an axis that followed the
@@ -47,11 +47,10 @@ def remap(text: str, weak: str, substitutes: Sequence[When]) -> Remapping:
         weak: the movement.
         substitutes: what may replace it, the best first; each is used once in a layer.
     """
-    _, document = read_layout(text, "the profile")
     moved: list[str] = []
     left: list[str] = []
     first: list[Any] = []
-    for keys, name, layer in _list_layers(document):
+    for keys, name, layer in _list_layers(text.document):
         bindings = layer["bindings"]
         first = first or bindings
         taken = [*bindings, *(first if layer.get("below") != "empty" else ())]
@@ -69,8 +68,8 @@ def remap(text: str, weak: str, substitutes: Sequence[When]) -> Remapping:
                 taken.append(pressed)
                 now[i] = pressed
                 if pressed["do"] != binding["do"]:
-                    text = replace_value(text, (*keys, i, "do"), pressed["do"])
-                text = replace_value(text, (*keys, i, "when"), when)
+                    text = text.replace((*keys, i, "do"), pressed["do"])
+                text = text.replace((*keys, i, "when"), when)
                 moved.append(_describe(pressed))
         if not turned:
             continue
@@ -88,7 +87,7 @@ def remap(text: str, weak: str, substitutes: Sequence[When]) -> Remapping:
     return Remapping(text, tuple(moved), tuple(left))
 
 
-def remap_unused(text: str, unused: Sequence[str]) -> Remapping:
+def remap_unused(text: ProfileText, unused: Sequence[str]) -> Remapping:
     """Returns the profile without the movements a person does not make, if others are free."""
     moved: list[str] = []
     left: list[str] = []
@@ -100,8 +99,8 @@ def remap_unused(text: str, unused: Sequence[str]) -> Remapping:
     return Remapping(text, tuple(moved), tuple(left))
 
 
-def list_substitutes(weak: str, unused: Sequence[str] = ()) -> list[When]:
-    """Returns what may replace a movement: its partner in every way, then the others."""
+def list_substitutes(weak: str, unused: Sequence[str] = ()) -> list[WrittenWhen]:
+    """Returns the substitutes of a movement: its partner in every press, then the others."""
     partner = MOVEMENTS[weak].partner
     others = [name for name in MOVEMENTS if name not in (weak, partner)]
     ways: list[tuple[str, str]] = [(partner, press) for press in _PRESSES]
@@ -109,7 +108,7 @@ def list_substitutes(weak: str, unused: Sequence[str] = ()) -> list[When]:
     return [make_when(name, press) for name, press in ways if name not in unused]
 
 
-def make_when(movement: str, press: str) -> When:
+def make_when(movement: str, press: str) -> WrittenWhen:
     """Returns a movement's condition: ``push_left`` and ``tap`` is a short push to the left."""
     gesture, _, way = movement.partition("_")
     if gesture == "push":
@@ -118,7 +117,7 @@ def make_when(movement: str, press: str) -> When:
 
 
 def _list_layers(document: Any) -> Iterator[tuple[Keys, str, Any]]:
-    """Gives the way to each layer's bindings, its name, and the layer."""
+    """Gives the path of each layer's bindings, its name, and the layer."""
     if "bindings" in document:
         yield ("bindings",), FIRST_LAYER, {"bindings": document["bindings"]}
     for i, layer in enumerate(document.get("layers", [])):
@@ -186,8 +185,8 @@ def _press(do: Any) -> Any:
 
 
 def _choose(
-    substitutes: Sequence[When], taken: Sequence[Any], turning: Sequence[Any] = ()
-) -> When | None:
+    substitutes: Sequence[WrittenWhen], taken: Sequence[Any], turning: Sequence[Any] = ()
+) -> WrittenWhen | None:
     """Returns the first substitute that nothing else reacts to; None if there is none.
 
     What steers is held all the time anyway, so only a quick press of it is a substitute.
@@ -208,7 +207,7 @@ def _is_planar(do: Any) -> bool:
     return "stick" in do or do.get("mouse") == "motion"
 
 
-def _is_heard(substitute: When, binding: Any) -> bool:
+def _is_heard(substitute: WrittenWhen, binding: Any) -> bool:
     """Returns True if a binding would react to the substitute too."""
     model = Binding.model_validate(binding)
     if model.is_followed or "sequence" in binding["when"]:
@@ -226,15 +225,34 @@ def _is_heard(substitute: When, binding: Any) -> bool:
 
 
 def _add_turned_layer(
-    text: str, keys: Keys, name: str, layer: Any, bindings: list[Any], when: When
-) -> str:
+    text: ProfileText, keys: Keys, name: str, layer: Any, bindings: list[Any], when: WrittenWhen
+) -> ProfileText:
     """Returns the text with a layer that reverses some bindings, and the way there and back."""
     new = f"{name[:57]}-turned"
-    text = append_item(text, keys, {"when": when, "do": {"layer": new}})
+    text = text.append(keys, {"when": when, "do": {"layer": new}})
     bindings = [*bindings, {"when": when, "do": {"layer": name}}]
     is_first = keys in (("bindings",), ("layers", 0, "bindings"))
     below = "empty" if is_first else layer.get("below", "inherit")
-    return append_layer(text, {"name": new, "below": below, "bindings": bindings})
+    return _append_layer(text, {"name": new, "below": below, "bindings": bindings})
+
+
+def _append_layer(text: ProfileText, layer: dict[str, Any]) -> ProfileText:
+    """Returns the text with a further layer at its end, written as people do: a binding a line."""
+    if "layers" not in text.document:
+        return text.insert_lines(len(text.text), ["", "layers:", *_write_layer(layer, "  ")])
+    part = find_part(text.layout, ("layers",))
+    if part.style == "flow":
+        return text.append(("layers",), layer)
+    return text.insert_lines(part.end, ["", *_write_layer(layer, " " * part.column)])
+
+
+def _write_layer(layer: dict[str, Any], indent: str) -> list[str]:
+    lines = [f"{indent}- name: {format_value(layer['name'])}"]
+    lines += [f"{indent}  below: {layer['below']}", f"{indent}  bindings:"]
+    for binding in layer["bindings"]:
+        lines.append(f"{indent}    - when: {format_value(binding['when'])}")
+        lines.append(f"{indent}      do: {format_value(binding['do'])}")
+    return lines
 
 
 def _read(when: Any) -> Condition:

@@ -1,15 +1,15 @@
 """Saving: whole or not at all, with the versions before kept beside."""
 
-import os
 import re
-import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.profile.faults import make_printable
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_bytes
+from neurotouch_hid.partial_file import write_whole
+from neurotouch_hid.printable import make_printable
 
 KEPT: Final = 20
 _VERSION_FILE: Final = re.compile(r"(\d{6})-([\w-]+)\.yaml")
@@ -17,7 +17,7 @@ _VERSION_FILE: Final = re.compile(r"(\d{6})-([\w-]+)\.yaml")
 
 @dataclass(frozen=True, slots=True)
 class Version:
-    """What a file was once.
+    """An earlier version of a file.
 
     Attributes:
         number: counts up from 1.
@@ -28,6 +28,17 @@ class Version:
     number: int
     stamp: str
     path: Path
+
+    def read(self) -> bytes:
+        """Returns its content.
+
+        Raises:
+            ProfileError: something else has been put in its place.
+        """
+        try:
+            return read_bytes(self.path, MAX_SETTINGS_BYTES)
+        except OSError as error:
+            raise _fail(self.path, "read", error) from None
 
 
 class Store:
@@ -46,9 +57,9 @@ class Store:
         self._folder = path.parent / ".history" / path.stem
 
     def read(self) -> bytes | None:
-        """Returns what is there now, or None."""
+        """Returns the content of the file, or None if there is none."""
         try:
-            return self.path.read_bytes()
+            return read_bytes(self.path, MAX_SETTINGS_BYTES)
         except FileNotFoundError:
             return None
         except OSError as error:
@@ -81,7 +92,7 @@ class Store:
     def keep(self, content: bytes) -> None:
         """Keeps a content as the newest version, without touching the file."""
         versions = self.versions()
-        if versions and versions[0].path.read_bytes() == content:
+        if versions and versions[0].read() == content:
             return
         number = versions[0].number + 1 if versions else 1
         self._folder.mkdir(parents=True, exist_ok=True)
@@ -102,7 +113,7 @@ class Store:
         """Gives the content before and after each change whose stamp ends so, newest first."""
         after = self.read() or b""
         for version in self.versions():
-            before = version.path.read_bytes()
+            before = version.read()
             if version.stamp.endswith(kind):
                 yield before, after
             after = before
@@ -130,7 +141,7 @@ class Store:
             ProfileError: there is none, or it cannot be written.
         """
         content, versions = self.read(), self.versions()
-        known = [version.path.read_bytes() for version in versions]
+        known = [version.read() for version in versions]
         place = known.index(content) if content in known else -1
         if place + 1 >= len(versions):
             raise ProfileError(
@@ -154,7 +165,7 @@ class Store:
         return self._put_back(version, content, is_known=False)
 
     def _put_back(self, version: Version, content: bytes | None, *, is_known: bool) -> Version:
-        back = version.path.read_bytes()
+        back = version.read()
         try:
             if content is not None and not is_known:
                 self.keep(content)
@@ -162,33 +173,6 @@ class Store:
         except OSError as error:
             raise _fail(self.path, "written; it is as it was", error) from None
         return version
-
-
-def write_whole(path: Path, content: bytes) -> None:
-    """Writes a file so that at every moment the old or the new one is there, never a part.
-
-    A link stays a link, and the file's mode stays.
-
-    Raises:
-        OSError: it could not be written; the old file is still there.
-    """
-    path = path.resolve()
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        with part.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        if path.exists():
-            shutil.copymode(path, part)
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
-    folder = os.open(path.parent, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        os.fsync(folder)
-    finally:
-        os.close(folder)
 
 
 def _fail(path: Path, what: str, error: OSError) -> ProfileError:

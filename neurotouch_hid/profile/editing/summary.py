@@ -1,16 +1,18 @@
 """A whole profile in words, one fact a line."""
 
 from collections.abc import Iterator
-from typing import Final
+from typing import Any, Final
 
 from neurotouch_hid.profile.diagnostics.description import describe_binding, describe_condition
-from neurotouch_hid.profile.editing.paths import name_bindings
-from neurotouch_hid.profile.editing.values import format_value
+from neurotouch_hid.profile.editing.key_paths import name_bindings
+from neurotouch_hid.profile.editing.yaml_values import format_value
+from neurotouch_hid.profile.schema.conditions import CONDITION_KEYS
 from neurotouch_hid.profile.schema.layering import merge_bindings
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.profile import Binding, Layer, Profile
+from neurotouch_hid.profile.schema.targets import TARGETS
 from neurotouch_hid.profile.schema.timing import resolve_times
-from neurotouch_hid.profile.schema.user import UserSettings
+from neurotouch_hid.profile.schema.user import UserSettings, choose_filter
 
 TOUR: Final = "\n".join(
     f"{gesture} {amount} {way}; rest 1500ms"
@@ -28,9 +30,19 @@ TOUR: Final = "\n".join(
 )
 """Every movement once quickly and once held, as far as people go."""
 
-_SAID: Final = frozenset(
-    ("gesture", "direction", "zone", "contacts", "level", "press", "phase", "on_mm", "sequence")
-) | frozenset(("stick", "axis", "sign", "trigger", "button", "dpad", "key", "mouse", "layer"))
+_SAID_OF_WHEN: Final = ("sequence", *CONDITION_KEYS)
+_SAID_OF_DO: Final = (*TARGETS, "sign", "mode")
+"""The keys that are in a binding's words already."""
+
+
+_IN_WORDS: Final = {
+    "off_mm": "released below {:g} mm",
+    "gain": "times {:g}",
+    "slew_per_s": "at most {:g} of its range a second",
+    "speed_px_s": "{:g} pixels a second",
+    "clicks_per_s": "{:g} clicks a second",
+}
+"""Keys of a binding that a person reads as words, with their number."""
 
 
 def summarize(profile: Profile, user: UserSettings | None = None) -> Iterator[str]:
@@ -42,7 +54,7 @@ def summarize(profile: Profile, user: UserSettings | None = None) -> Iterator[st
     """
     yield f"profile: {profile.name}"
     if profile.description:
-        yield f"description: {profile.description}"
+        yield f"description: {' '.join(profile.description.split())}"
     if profile.extends:
         yield f"built on: {', '.join(profile.extends)}"
     yield from _summarize_times(profile, user)
@@ -61,17 +73,27 @@ def summarize(profile: Profile, user: UserSettings | None = None) -> Iterator[st
 
 
 def summarize_binding(binding: Binding) -> str:
-    """Returns a binding with everything it sets, ``push -> stick left, range_mm [1.0, 8.0]``."""
+    """Returns a binding with everything it sets, ``push -> stick left, from 1 to 8 mm``."""
     words = [describe_binding(binding)]
-    for part in (binding.when, binding.do):
+    for part, said in ((binding.when, _SAID_OF_WHEN), (binding.do, _SAID_OF_DO)):
         if not isinstance(part, str):
             written = part.model_dump(mode="json", exclude_unset=True)
-            words += [
-                f"{key} {format_value(value)}"
-                for key, value in written.items()
-                if key not in _SAID and key not in ("mode", "command")
-            ]
+            words += [_say_setting(key, value) for key, value in written.items() if key not in said]
     return ", ".join(words)
+
+
+def _say_setting(key: str, value: Any) -> str:
+    """Returns what a key of a binding sets, in words where there are some."""
+    if key == "curve":
+        bend = value.get("expo", value.get("power"))
+        return "curve of its own" if bend is None else f"bend {bend:g}"
+    if key in ("range_mm", "range_mm_s"):
+        low, high = value
+        return f"from {low:g} to {high:g} {key.removeprefix('range_').replace('_s', '/s')}"
+    if key == "value":
+        return f"pressed to {100 * value:.0f} %"
+    words = _IN_WORDS.get(key)
+    return f"{key} {format_value(value)}" if words is None else words.format(value)
 
 
 def _summarize_times(profile: Profile, user: UserSettings | None) -> Iterator[str]:
@@ -88,7 +110,7 @@ def _summarize_times(profile: Profile, user: UserSettings | None) -> Iterator[st
     for key in times.__slots__:
         value = getattr(times, key)
         if key == "filter":
-            value = user.filter or (profile.filter if user.timing is None else None) or value
+            value = choose_filter(profile, user)
         yield f"{key}: {format_value(value)}"
     for movement, range_ in user.range:
         if range_ is not None:

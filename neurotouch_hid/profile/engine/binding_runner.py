@@ -1,7 +1,7 @@
-"""One binding at work: does its gesture hold, is it pressed, what does it put out."""
+"""Runs one binding: checks its gesture, decides whether it is pressed, moves its output."""
 
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
 from neurotouch_hid.profile.engine.output import make_output
 from neurotouch_hid.profile.engine.press import Say
 from neurotouch_hid.profile.engine.stage_factory import (
@@ -35,10 +35,10 @@ class BindingRunner:
     """
 
     __slots__ = (
+        "_debounce",
         "_direction",
-        "_gate",
+        "_factory",
         "_mode",
-        "_plan",
         "_presses",
         "_slew",
         "_steps",
@@ -70,18 +70,18 @@ class BindingRunner:
         self.put, self._slew = make_output(binding)
         self._direction = None if sequence else make_direction_test(binding.condition)
         self._tests = make_tests(binding.condition)
-        self._plan = StageFactory(binding, times, siblings, say, accept)
+        self._factory = StageFactory(binding, times, siblings, say, accept)
         self.reset()
 
     def reset(self) -> None:
         """Releases and forgets."""
         self.down = self.busy = False
-        plan = self._plan
-        self._threshold = plan.make_threshold()
-        self._steps = plan.make_steps()
-        self._gate = plan.make_gate()
-        self._presses = plan.make_presses()
-        self._mode = plan.make_mode() if plan.make_mode is not None else None
+        factory = self._factory
+        self._threshold = factory.make_threshold()
+        self._steps = factory.make_steps()
+        self._debounce = factory.make_debounce()
+        self._presses = factory.make_presses()
+        self._mode = factory.make_mode() if factory.make_mode is not None else None
         if self._slew is not None:
             self._slew.rest()
 
@@ -104,12 +104,12 @@ class BindingRunner:
             elif threshold.busy:
                 threshold.reset()
             busy = threshold.busy
-        gate = self._gate
-        if gate is not None:
-            since_us = gate.since_us
-            held = gate.update(held, reading.t_us)
+        debounce = self._debounce
+        if debounce is not None:
+            since_us = debounce.since_us
+            held = debounce.update(held, reading.t_us)
             if since_us is None:
-                since_us = gate.since_us
+                since_us = debounce.since_us
             if since_us is None:
                 since_us = reading.t_us
             for press in self._presses:
@@ -138,9 +138,9 @@ class BindingRunner:
         self._threshold.reset()
         if self._steps is not None:
             self._steps.update(ConditionedGesture(t_us))
-        if self._gate is not None:
-            self._gate.reset()
-        self._presses = self._plan.make_presses()
+        if self._debounce is not None:
+            self._debounce.reset()
+        self._presses = self._factory.make_presses()
         self.down = self._mode is not None and self._mode.update(False, t_us)
         self.busy = self.down
         if self._slew is not None:

@@ -1,12 +1,12 @@
-"""What is done about a hand that tires: nothing, a suggestion, or less is asked of it."""
+"""Watches for a hand that tires; suggests smaller ranges, or applies them."""
 
 from dataclasses import replace
 
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.decision_log import DecisionLog
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
+from neurotouch_hid.profile.engine.movement_usage import MovementUsage, UsageTracker
 from neurotouch_hid.profile.engine.range_assist import RESTED_US, RangeAssist
-from neurotouch_hid.profile.engine.usage import MovementUsage, UsageTracker
 from neurotouch_hid.profile.schema.user import UserSettings
 
 
@@ -27,7 +27,7 @@ class FatigueMonitor:
         self._used_us: int | None = None
 
     def usages(self) -> tuple[MovementUsage, ...]:
-        """Returns what the movements have cost so far; without suggestions if none are wanted."""
+        """Returns the usage of each movement so far; without suggestions if none are wanted."""
         report = self._effort.report()
         if self._setting != "none":
             return report

@@ -6,8 +6,8 @@ from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile.decision_log import DecisionLog
 from neurotouch_hid.profile.diagnostics.description import describe_binding
 from neurotouch_hid.profile.engine.binding_runner import BindingRunner
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
-from neurotouch_hid.profile.engine.missed import MissedThreshold
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
+from neurotouch_hid.profile.engine.missed_threshold import MissedThreshold
 from neurotouch_hid.profile.engine.output import Outputs
 from neurotouch_hid.profile.engine.pointer import PointerCare
 from neurotouch_hid.profile.schema.layering import merge_bindings
@@ -52,7 +52,7 @@ class LayerStack:
         self._enter(0)
 
     def run(self, reading: ConditionedGesture, commands: list[str]) -> Outputs:
-        """Returns what the bindings put out; commands they give are added to ``commands``."""
+        """Returns the outputs of the bindings; commands they give are added to ``commands``."""
         if self._holder is not None:
             self._holder.update(reading)
             if not self._holder.down:

@@ -56,6 +56,6 @@ class OneEuro:
 
 
 def _share(cutoff_hz: float, step_s: float) -> float:
-    """Returns how much of a new value a low-pass of first order takes."""
+    """Returns the share of a new value that a low-pass of first order takes."""
     turn = 2.0 * math.pi * cutoff_hz * step_s
     return turn / (turn + 1.0)

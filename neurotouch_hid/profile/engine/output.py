@@ -1,11 +1,11 @@
-"""From a binding's target to the outputs: what is down, and where the axes are."""
+"""Turns a binding's target into outputs: buttons that are down, and axes that move."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 
 from neurotouch_hid.messages import Axis, Button, GestureKind
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
 from neurotouch_hid.profile.engine.regions import EIGHT_WAYS
 from neurotouch_hid.profile.engine.response import Response, make_response
 from neurotouch_hid.profile.schema.conditions import KINDS
@@ -78,7 +78,7 @@ Put = Callable[[Outputs, ConditionedGesture], None]
 
 
 def make_output(binding: Binding) -> tuple[Put | None, Slew | None]:
-    """Returns what the binding does to the outputs while it is down, and its slew limit, if any.
+    """Returns the binding's action on the outputs while it is down, and its slew limit, if any.
 
     None for a layer or a command, which are no outputs.
     """
@@ -92,7 +92,7 @@ def make_output(binding: Binding) -> tuple[Put | None, Slew | None]:
 
 
 def _press(target: Target) -> Put | None:
-    """Returns what is either down or not."""
+    """Returns the action of a target that is either down or not."""
     put: Put | None = None
     match target:
         case ButtonTarget():

@@ -1,4 +1,4 @@
-"""From an intensity to *pressed*: thresholds, then what makes a press a tap, a double or a hold.
+"""Decides when a gesture presses: thresholds first, then tap, double or hold.
 
 Every stage takes whether the stage before it is pressed and says whether it is itself; ``say`` is
 told why something was not accepted.
@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable
 from typing import Final, Protocol
 
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
 
 Say = Callable[[str], None]
 Test = Callable[[ConditionedGesture], bool]
@@ -63,7 +63,7 @@ class Threshold:
         self.reset()
 
     def reset(self) -> None:
-        """Releases."""
+        """Releases the press."""
         self.held = False
         self._level_mm = 0.0  # the peak while held; after a weak release the lowest since
         self._since_us = 0
@@ -138,7 +138,7 @@ class Soft:
         self._until_us: int | None = None
 
     def update(self, held: bool, reading: ConditionedGesture, since_us: int) -> bool:
-        """Returns a soft gesture that is over before it is clear gives a short press."""
+        """Returns whether it is pressed; a soft gesture that ends early gives a short press."""
         if not held:
             if self._began and not self._decided and not self._spoiled:
                 self._until_us = reading.t_us + PULSE_US

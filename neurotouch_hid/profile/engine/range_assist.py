@@ -1,14 +1,14 @@
-"""Less is asked of a hand that tires: full output comes sooner, and as before after a pause."""
+"""Lets a tiring hand reach full output sooner; after a pause the ranges are as before."""
 
 import math
 from collections.abc import Iterable
 from typing import Final
 
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
-from neurotouch_hid.profile.engine.usage import MovementUsage, find_kind
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
+from neurotouch_hid.profile.engine.movement_usage import MovementUsage, find_kind
 from neurotouch_hid.profile.schema.profile import DEFAULT_FULL_MM, DEFAULT_REST_MM
-from neurotouch_hid.profile.schema.user import Range, Ranges
+from neurotouch_hid.profile.schema.user import MovementRange, Ranges
 
 STEP: Final = 0.01
 STEP_US: Final = 60_000_000
@@ -99,7 +99,7 @@ class RangeAssist:
 
     def _bend(self, movement: str, share: float) -> _Bend:
         full_mm = DEFAULT_FULL_MM[find_kind(movement)]
-        own = getattr(self._ranges, movement) or Range(rest=DEFAULT_REST_MM, full=full_mm)
+        own = getattr(self._ranges, movement) or MovementRange(rest=DEFAULT_REST_MM, full=full_mm)
         per_mm = (full_mm - DEFAULT_REST_MM) / (own.full - own.rest)
         begin_mm = DEFAULT_REST_MM + (NOISE_FACTOR - 1.0) * own.rest * per_mm
         end_mm = DEFAULT_REST_MM + (share * own.full - own.rest) * per_mm

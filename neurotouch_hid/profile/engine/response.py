@@ -1,4 +1,4 @@
-"""How a measure becomes a value of 0..1: range, dead zone, curve, gain, ends.
+"""Turns a measure into a value of 0..1: range, dead zone, curve, gain, ends.
 
 1 |         ____    range     where the movement begins and ends, in mm
   |       ,'        dead zone what stays exactly 0; the rest is stretched, so nothing jumps

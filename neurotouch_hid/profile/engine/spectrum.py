@@ -1,4 +1,4 @@
-"""How a hand trembles while it holds."""
+"""Finds the tremor of a hand while it holds a movement."""
 
 from dataclasses import dataclass
 from typing import Final

@@ -3,8 +3,7 @@
 from collections.abc import Callable
 from typing import Final
 
-from neurotouch_hid.profile.engine.conditioned import ConditionedGesture
-from neurotouch_hid.profile.engine.modes import Mode, make_mode
+from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
 from neurotouch_hid.profile.engine.press import (
     Debounce,
     Double,
@@ -17,7 +16,8 @@ from neurotouch_hid.profile.engine.press import (
     Test,
     Threshold,
 )
-from neurotouch_hid.profile.engine.steps import Steps
+from neurotouch_hid.profile.engine.press_modes import Mode, make_mode
+from neurotouch_hid.profile.engine.sequence_steps import SequenceSteps
 from neurotouch_hid.profile.schema.conditions import Condition, PressName, Sequence
 from neurotouch_hid.profile.schema.profile import Binding
 from neurotouch_hid.profile.schema.targets import Acting, LayerTarget
@@ -28,7 +28,7 @@ WEAK_DROP: Final = 0.35
 
 
 class StageFactory:
-    """The stages of a channel, to be made new at every reset."""
+    """Makes the stages of a binding runner, new at every reset."""
 
     def __init__(
         self,
@@ -46,12 +46,12 @@ class StageFactory:
         self._others = [
             other.condition
             for other in siblings
-            if other is not binding and _same_place(other.condition, binding.condition)
+            if other is not binding and binding.condition.has_gesture_of(other.condition)
         ]
-        self.make_mode = self._plan_mode()
+        self.make_mode = self._choose_mode()
 
     def make_threshold(self) -> Threshold:
-        """Returns where it presses and releases."""
+        """Returns the stage that presses and releases by intensity."""
         on_mm, off_mm = self._binding.thresholds_mm
         release = self._condition.release
         if release is not None:
@@ -60,13 +60,13 @@ class StageFactory:
         weak = self._times.weak_release and not self._binding.is_followed
         return Threshold(on_mm, off_mm, WEAK_DROP if weak else 0.0)
 
-    def make_steps(self) -> Steps | None:
+    def make_steps(self) -> SequenceSteps | None:
         """Returns the steps, if it is a sequence."""
         when = self._binding.when
-        return Steps(when, self._say, self._accept) if isinstance(when, Sequence) else None
+        return SequenceSteps(when, self._say, self._accept) if isinstance(when, Sequence) else None
 
-    def make_gate(self) -> Debounce | None:
-        """Returns what it takes to be accepted; None for what follows a measure."""
+    def make_debounce(self) -> Debounce | None:
+        """Returns the stage that accepts a press; None for an output that follows a measure."""
         if self._binding.is_followed:
             return None
         condition, times = self._condition, self._times
@@ -136,7 +136,7 @@ class StageFactory:
             return False
         return self._times.choose_trigger(self._condition.trigger) == "release"
 
-    def _plan_mode(self) -> Callable[[], Mode] | None:
+    def _choose_mode(self) -> Callable[[], Mode] | None:
         target = self._binding.do
         if not isinstance(target, Acting) or self._binding.is_followed:
             return None
@@ -150,12 +150,6 @@ class StageFactory:
         return make_mode(target.mode, repeat_us, turbo_us)
 
 
-def _same_place(a: Condition, b: Condition) -> bool:
-    """Returns True if both act on the same gesture, apart from how it is pressed and how far."""
-    keys = ("gesture", "direction", "zone", "contacts", "with_button", "phase")
-    return all(getattr(a, key) == getattr(b, key) for key in keys)
-
-
 def make_direction_test(condition: Condition) -> Test | None:
     """Returns whether a push goes the way the condition wants; None if it wants none."""
     direction = condition.direction
@@ -167,7 +161,7 @@ def make_direction_test(condition: Condition) -> Test | None:
 
 
 def make_tests(condition: Condition) -> tuple[Test, ...]:
-    """Returns what must be true beside kind, direction and intensity."""
+    """Returns the tests of a condition beside kind, direction and intensity."""
     tests: list[Test] = []
     if (zone := condition.zone) is not None:
         tests.append(lambda reading: reading.zone == zone)

@@ -1,1 +1,59 @@
-"""From a file's name to a checked profile."""
+"""Finds, reads and checks profiles and the user's file.
+
+A name loads its module when it is first asked for: a list of profiles needs no model of them.
+"""
+
+from typing import TYPE_CHECKING
+
+from neurotouch_hid.lazy import load_lazily
+
+if TYPE_CHECKING:
+    from neurotouch_hid.profile.reading.library import (
+        OWN_VALUES,
+        find_profile,
+        find_shipped_folder,
+        find_user_folder,
+        list_profile_folders,
+        list_profiles,
+    )
+    from neurotouch_hid.profile.reading.load import (
+        Checked,
+        check_content,
+        check_profile,
+        check_user,
+        find_values,
+        load_profile,
+        load_settings,
+        load_unused,
+        load_user,
+        parse_profile,
+    )
+else:
+    __getattr__ = load_lazily(
+        __name__,
+        {
+            "library": "OWN_VALUES find_profile find_shipped_folder find_user_folder "
+            "list_profile_folders list_profiles",
+            "load": "Checked check_content check_profile check_user find_values "
+            "load_profile load_settings load_unused load_user parse_profile",
+        },
+    )
+
+__all__ = [
+    "OWN_VALUES",
+    "Checked",
+    "check_content",
+    "check_profile",
+    "check_user",
+    "find_profile",
+    "find_shipped_folder",
+    "find_user_folder",
+    "find_values",
+    "list_profile_folders",
+    "list_profiles",
+    "load_profile",
+    "load_settings",
+    "load_unused",
+    "load_user",
+    "parse_profile",
+]

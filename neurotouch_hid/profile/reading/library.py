@@ -1,4 +1,4 @@
-"""Where profiles are: the person's own folder first, then the machine's, then the shipped ones.
+"""Finds profiles: in the person's own folder first, then the machine's, then the shipped.
 
 ``folder`` is always the folder of a person's settings; None means those of this process's user.
 """
@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Final
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.faults import suggest
 from neurotouch_hid.players import find_config_folder, find_machine_folder
-from neurotouch_hid.profile.faults import make_printable, suggest
+from neurotouch_hid.printable import make_printable
 from neurotouch_hid.resources import PACKAGE_FOLDER, find_resources
 from neurotouch_hid.vocabulary import NAME_PATTERN
 
@@ -28,7 +29,7 @@ def find_user_folder(folder: Path | None = None) -> Path:
 
 
 def list_profile_folders(folder: Path | None = None) -> list[Path]:
-    """Returns where profiles are looked for, first found first; they need not exist."""
+    """Returns the folders of profiles, the first one searched first; they need not exist."""
     own, machine = find_user_folder(folder), find_machine_folder() / "profiles"
     return list(dict.fromkeys([own, machine, find_shipped_folder()]))
 
@@ -60,7 +61,7 @@ def find_profile(name_or_path: str | Path, folder: Path | None = None) -> Path:
         folder: the person's settings.
 
     Raises:
-        ProfileError: no profile has this name, or nobody can know.
+        ProfileError: no profile has this name, or the folders cannot be read.
     """
     if isinstance(name_or_path, Path):
         return name_or_path

@@ -1,6 +1,5 @@
-"""Reads profiles and the user's file: every mistake at once, with line, column and a way out."""
+"""Reads profiles and the user's file: every mistake at once, with line, column and a fix."""
 
-import stat
 from collections.abc import Callable, Collection
 from contextlib import suppress
 from dataclasses import dataclass
@@ -10,27 +9,21 @@ from typing import Final, Generic, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.faults import Fault, Mark, format_faults, format_path, suggest
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, find_real_path, read_bytes
+from neurotouch_hid.files.yaml_document import Node, find_mark, parse_document
 from neurotouch_hid.players import find_machine_folder, find_user_file
+from neurotouch_hid.printable import make_printable
 from neurotouch_hid.profile.diagnostics.consistency import check_layers
-from neurotouch_hid.profile.diagnostics.error_sentences import locate_faults
 from neurotouch_hid.profile.diagnostics.lint import find_warnings
+from neurotouch_hid.profile.diagnostics.schema_errors import locate_faults
 from neurotouch_hid.profile.diagnostics.unmet import find_unmet
-from neurotouch_hid.profile.faults import (
-    Fault,
-    Mark,
-    format_faults,
-    format_path,
-    make_printable,
-    suggest,
-)
 from neurotouch_hid.profile.reading.inheritance import build_on
 from neurotouch_hid.profile.reading.library import find_profile
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.profile import Profile
 from neurotouch_hid.profile.schema.user import UserSettings
-from neurotouch_hid.profile.yaml_document import Node, find_mark, parse_document
 
-MAX_BYTES: Final = 64 * 1024
 MAX_STEPS: Final = 4
 
 Model = TypeVar("Model", bound=BaseModel)
@@ -59,7 +52,7 @@ class Checked(Generic[Model]):
         return format_faults(self.faults, self.name, self.text)
 
     def require(self) -> Model:
-        """Returns what the file says.
+        """Returns the content of the file.
 
         Raises:
             ProfileError: there are errors; the message holds them all.
@@ -99,7 +92,7 @@ def check_profile(
     """
     path = find_profile(name_or_path, folder)
     name = make_printable(str(path))
-    return _check_profile(_read(path), name, (path.resolve(),), unused, folder)
+    return _check_profile(_read(path), name, (find_real_path(path),), unused, folder)
 
 
 def parse_profile(content: bytes, name: str) -> Profile:
@@ -126,7 +119,7 @@ def check_content(
         path: the file it takes the place of; it must not be built on that.
         unused: as of ``check_profile``.
     """
-    return _check_profile(content, name, () if path is None else (path.resolve(),), unused)
+    return _check_profile(content, name, () if path is None else (find_real_path(path),), unused)
 
 
 def load_user(*, player: int | None = None, folder: Path | None = None) -> UserSettings:
@@ -167,7 +160,7 @@ def load_unused() -> tuple[str, ...]:
 
 
 def load_settings(path: Path, model: type[Model]) -> Model:
-    """Returns what a file of settings says; the model's defaults if there is no file.
+    """Returns the content of a settings file; the model's defaults if there is none.
 
     Raises:
         ProfileError: as ``load_profile``.
@@ -250,7 +243,7 @@ def _load_base(
     """Returns the profile another one is built on, or the code of a fault and its sentence."""
     try:
         path = find_profile(name, folder)
-        if path.resolve() in chain:
+        if find_real_path(path) in chain:
             return None, "NT131", f"'{name}' is built on this profile itself"
         if len(chain) >= MAX_STEPS:
             return None, "NT131", f"'{name}' is built on too many others, one on the other"
@@ -261,7 +254,7 @@ def _load_base(
             told += f"; d{(error.hint or '')[1:].partition('? ')[0]}?"
         return None, "NT130", told
     printable = make_printable(str(path))
-    checked = _check_profile(content, printable, (*chain, path.resolve()), folder=folder)
+    checked = _check_profile(content, printable, (*chain, find_real_path(path)), folder=folder)
     if checked.whole is None:
         first = checked.format().split("\n", 1)[0]
         return None, "NT132", f"'{name}' has errors: {first}"
@@ -284,8 +277,8 @@ class _UnreadableError(Exception):
 
 
 def _decode(content: bytes) -> str:
-    if len(content) > MAX_BYTES:
-        sentence = f"the file is larger than {MAX_BYTES // 1024} kB"
+    if len(content) > MAX_SETTINGS_BYTES:
+        sentence = f"the file is larger than {MAX_SETTINGS_BYTES // 1024} kB"
         raise _UnreadableError(Fault(Mark(0, 0), "", sentence, code="NT101"), "")
     try:
         return content.decode("utf-8-sig")
@@ -299,14 +292,14 @@ def _decode(content: bytes) -> str:
 
 def _read(path: Path) -> bytes:
     try:
-        if not stat.S_ISREG(path.stat().st_mode):
-            raise ProfileError(f"'{path}' is not a file.", hint="Give the path of a .yaml file.")
-        with path.open("rb") as file:
-            return file.read(MAX_BYTES + 1)
+        return read_bytes(path, MAX_SETTINGS_BYTES)
     except FileNotFoundError:
         raise ProfileError(
-            f"The profile file {path} does not exist.", hint="Without a '/', a name is looked up."
+            f"The profile file {path} does not exist.",
+            hint="Check the path. The profiles by name: neurotouch profile list",
         ) from None
-    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
-        reason = error.strerror if isinstance(error, OSError) else str(error)
-        raise ProfileError(f"The profile file {path} cannot be read: {reason}.") from None
+    except OSError as error:
+        raise ProfileError(
+            f"The profile file {path} cannot be read: {error.strerror}.",
+            hint="Give the path of a .yaml file.",
+        ) from None

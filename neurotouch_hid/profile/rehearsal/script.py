@@ -21,8 +21,9 @@ from typing import Final
 import numpy as np
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.faults import suggest
 from neurotouch_hid.messages import Gesture, GestureKind
-from neurotouch_hid.profile.faults import make_printable, suggest
+from neurotouch_hid.printable import make_printable
 from neurotouch_hid.profile.schema.targets import EightWay
 
 SLICE_US: Final = 10_000
@@ -66,7 +67,7 @@ class ScriptStep:
 
     @property
     def length_us(self) -> int:
-        """How long it takes."""
+        """The duration of the step."""
         return self.rise_us + self.hold_us + self.fall_us
 
     def measure_mm(self, t_us: int) -> float:
@@ -182,8 +183,9 @@ class _Parser:
 
     def _refuse(self, sentence: str, hint: str = "") -> ProfileError:
         line = make_printable(self.line.strip()[:80])
+        where = "" if f"'{line}'" in sentence else f", '{line}'"
         return ProfileError(
-            f"In the gesture script, '{line}': {sentence}.",
+            f"In the gesture script{where}: {sentence}.",
             hint=hint[:1].upper() + hint[1:] or "For example: push left 5mm 300ms hold 1s",
         )
 

@@ -1,4 +1,4 @@
-"""What a profile does with a stream of gestures, moment by moment, in words."""
+"""Timeline of a profile's outputs for a stream of gestures, in words."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -14,8 +14,8 @@ LEVELS: Final = 4
 
 
 @dataclass(frozen=True, slots=True)
-class Moment:
-    """A moment at which something changes.
+class TimelineEntry:
+    """One line of a timeline: a moment at which something changes.
 
     Attributes:
         t_us: the moment.
@@ -32,7 +32,7 @@ class Moment:
         return f"{self.t_us / 1e6:8.3f} s  {words}"
 
 
-def perform(mapping: Mapping, gestures: Iterable[Gesture]) -> Iterator[Moment]:
+def perform(mapping: Mapping, gestures: Iterable[Gesture]) -> Iterator[TimelineEntry]:
     """Gives every moment at which something changes, is ignored, or takes a sequence further."""
     hand, before, layer = "", _flatten(GamepadState(0)), mapping.layer
     for gesture in gestures:
@@ -48,7 +48,7 @@ def perform(mapping: Mapping, gestures: Iterable[Gesture]) -> Iterator[Moment]:
             if decision.t_us == gesture.t_us and (decision.is_refusal or decision.verdict == "step")
         ]
         if changes or doing != hand:
-            yield Moment(gesture.t_us, doing if doing != hand else "", tuple(changes))
+            yield TimelineEntry(gesture.t_us, doing if doing != hand else "", tuple(changes))
         hand, before, layer = doing, now, mapping.layer
 
 

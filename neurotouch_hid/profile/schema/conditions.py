@@ -1,4 +1,4 @@
-"""When a binding acts: a gesture, narrowed as far as the keys say, or several one after another."""
+"""Conditions of a binding: a gesture, perhaps narrowed, or several one after another."""
 
 from typing import Annotated, Final, Literal, Self
 
@@ -48,6 +48,15 @@ KINDS: Final[dict[str, tuple[GestureKind, ...]]] = {
 """The kinds each name means."""
 
 
+CONDITION_KEYS: Final = (
+    *("gesture", "direction", "zone", "contacts", "with_button"),
+    *("level", "press", "phase", "on_mm"),
+)
+"""The keys of a condition that people say, in their order; the others only say how it acts."""
+
+_PRESSED_KEYS: Final = ("level", "press", "on_mm")
+
+
 class WeakRelease(Strict):
     """For hands that close more easily than they open."""
 
@@ -65,7 +74,7 @@ class WeakRelease(Strict):
 
 
 class Condition(Strict):
-    """When a binding acts: a gesture, narrowed as far as the keys say."""
+    """The condition of a binding: a gesture, narrowed by the other keys."""
 
     gesture: GestureName = Field(
         description="The gesture. Clockwise and counter-clockwise are as seen by the user. twist "
@@ -173,10 +182,15 @@ class Condition(Strict):
 
     @property
     def thresholds_mm(self) -> tuple[float, float]:
-        """Where it acts and where it releases, in mm, defaults filled in."""
+        """The thresholds to act and to release, in mm, with defaults filled in."""
         usual = HARD_ON_MM if self.level == "hard" else DEFAULT_ON_MM
         on_mm = usual if self.on_mm is None else self.on_mm
         return on_mm, OFF_SHARE * on_mm if self.off_mm is None else self.off_mm
+
+    def has_gesture_of(self, other: "Condition") -> bool:
+        """Returns True if both act on the same gesture, apart from how it is pressed."""
+        keys = (key for key in CONDITION_KEYS if key not in _PRESSED_KEYS)
+        return all(getattr(self, key) == getattr(other, key) for key in keys)
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:

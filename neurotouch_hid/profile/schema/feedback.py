@@ -1,4 +1,4 @@
-"""What the person hears of what the gestures do."""
+"""Feedback to the person: the sounds of gestures and actions."""
 
 from typing import Annotated, Any, Literal
 
@@ -16,7 +16,7 @@ def _volume(of: str, default: int) -> Any:
 
 
 class Volumes(Strict):
-    """How loud each class of sounds is, in percent of what the player plays at most."""
+    """Volume of each class of sounds, in percent of the loudest."""
 
     press: Percent = _volume("A gesture begins, in percent", 30)
     accept: Percent | None = Field(
@@ -32,7 +32,7 @@ class Volumes(Strict):
 
 
 class Feedback(Strict):
-    """What tells the person what happened, beside the game."""
+    """Feedback to the person, beside the game."""
 
     sound: SoundName = Field(
         default="none",

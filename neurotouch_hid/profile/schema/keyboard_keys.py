@@ -7,7 +7,7 @@ from typing import Final
 
 from pydantic_core import PydanticCustomError
 
-from neurotouch_hid.profile.faults import suggest
+from neurotouch_hid.files.faults import suggest
 
 _NAMED: Final = {
     "ctrl": "LEFTCTRL",

@@ -1,12 +1,9 @@
-"""Which bindings hold in a layer: its own, and those of the first that it does not cover."""
+"""Merges the bindings of a layer with those of the first layer that it does not cover."""
 
-from neurotouch_hid.profile.schema.conditions import Sequence
+from neurotouch_hid.profile.schema.conditions import CONDITION_KEYS, Sequence
 from neurotouch_hid.profile.schema.profile import Binding, Layer
 
-_NARROWING = (
-    *("direction", "zone", "contacts", "with_button"),
-    *("level", "phase", "press", "min_speed_mm_s"),
-)
+_NARROWING = (*(set(CONDITION_KEYS) - {"gesture", "on_mm"}), "min_speed_mm_s")
 
 
 def merge_bindings(upper: Layer, first: Layer) -> tuple[Binding, ...]:

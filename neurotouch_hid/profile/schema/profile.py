@@ -1,4 +1,4 @@
-"""What a profile may say: version 1 of the file format, strict, bounded and self-describing.
+"""Model of a profile: version 1 of the file format, strict, bounded and self-describing.
 
 A profile is a list of bindings, or several lists, its layers. Each binding says *when* (a gesture,
 perhaps narrowed) and what to *do* (exactly one output, perhaps shaped).
@@ -9,6 +9,7 @@ from typing import Annotated, Any, Final, Literal, Self
 from pydantic import AfterValidator, BaseModel, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from neurotouch_hid.printable import is_printable
 from neurotouch_hid.profile.schema.conditions import Condition, GestureName, Sequence, When
 from neurotouch_hid.profile.schema.shaping import Linear, Planar, Shaped
 from neurotouch_hid.profile.schema.strict import Strict, give_unit, make_optional
@@ -54,6 +55,18 @@ def check_version(version: int) -> int:
     return version
 
 
+def check_visible(text: str) -> str:
+    """Returns the text, if nothing in it could change what a terminal shows around it."""
+    for char in text:
+        if not is_printable(char) and char not in "\n\t":
+            raise PydanticCustomError(
+                "invisible",
+                "has a character that cannot be seen, {code}",
+                {"code": f"U+{ord(char):04X}", "hint": "remove it"},
+            )
+    return text
+
+
 class Binding(Strict):
     """One line of a profile: when this, do that."""
 
@@ -83,14 +96,14 @@ class Binding(Strict):
 
     @property
     def thresholds_mm(self) -> tuple[float, float]:
-        """Where it acts and where it releases, in mm; 0 where only its range decides."""
+        """The thresholds to act and to release, in mm; 0 where only its range decides."""
         condition = self.condition
         if self.is_followed and condition.on_mm is None and condition.level is None:
             return 0.0, 0.0
         return condition.thresholds_mm
 
     def range_for(self, kind: GestureKind) -> tuple[float, float]:
-        """Returns where the output begins to move and where it ends, in mm, or mm/s for a speed."""
+        """Returns the range in which the output moves, in mm, or mm/s for a speed."""
         if isinstance(self.do, Linear) and self.do.follow == "speed":
             return self.do.range_mm_s or SPEED_RANGE_MM_S
         if isinstance(self.do, Shaped) and self.do.range_mm is not None:
@@ -154,7 +167,7 @@ Bindings = Annotated[list[Binding], Field(min_length=1, max_length=256)]
 
 
 class Layer(Strict):
-    """A set of bindings that hold together."""
+    """A set of bindings that are active together."""
 
     name: str = Field(
         pattern=LAYER_PATTERN,
@@ -226,7 +239,7 @@ class Safety(Strict):
 
 
 class Profile(Strict):
-    """How gestures on the gel become a game controller."""
+    """A profile: turns gestures on the gel into a game controller."""
 
     version: Annotated[int, AfterValidator(check_version)] = Field(
         description="The version of this format: 1. No default.", json_schema_extra={"const": 1}
@@ -235,7 +248,7 @@ class Profile(Strict):
         pattern=NAME_PATTERN,
         description="The profile's name: small letters, digits, _ and -, at most 64. No default.",
     )
-    description: str = Field(
+    description: Annotated[str, AfterValidator(check_visible)] = Field(
         default="", max_length=500, description="What it is for, in a sentence. Default: empty."
     )
     extends: Annotated[

@@ -1,4 +1,4 @@
-"""How a measure becomes the value of an axis, step by step; ``engine.response`` carries it out.
+"""Shaping of a measure into the value of an axis; ``engine.response`` carries it out.
 
 centre ─ dead zone ─ range ─ curve ─ gain ─ anti-dead zone ─ saturate ─ slew limit ─ invert
 """
@@ -87,7 +87,7 @@ SpeedRange = tuple[
 
 
 class Shaped(Strict):
-    """How a measure becomes a value of 0..1."""
+    """Shaping of a measure into a value of 0..1."""
 
     range_mm: Annotated[RangeMm, Field(strict=False)] | None = Field(
         default=None,

@@ -1,4 +1,4 @@
-"""What a binding may do: exactly one output, and how it acts."""
+"""Targets of a binding: exactly one output, and the way it acts."""
 
 from typing import Annotated, Final, Literal, Self
 
@@ -23,7 +23,7 @@ LAYER_PATTERN: Final = r"^[a-z0-9_-]{1,64}$"
 
 
 class Repeat(Strict):
-    """Press again and again while held, like a key of a keyboard."""
+    """Presses again and again while held, like a key of a keyboard."""
 
     delay_ms: Ms | None = Field(
         default=None,
@@ -38,7 +38,7 @@ class Repeat(Strict):
 
 
 class Acting(Strict):
-    """How something that is either pressed or not acts."""
+    """Mode of an output that is either pressed or not."""
 
     mode: ModeName = Field(
         default="hold",

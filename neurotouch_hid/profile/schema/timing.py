@@ -1,4 +1,4 @@
-"""How long things take: the three presets, and what a profile or a user changes in them."""
+"""Times: the three presets, and the changes a profile or a user makes to them."""
 
 from dataclasses import dataclass, fields, replace
 from typing import Annotated, Any, Final, Literal

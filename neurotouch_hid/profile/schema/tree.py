@@ -1,4 +1,4 @@
-"""Which model describes a place of a profile, read off the models themselves."""
+"""Finds the model that describes a place of a profile, from the models themselves."""
 
 from dataclasses import dataclass, field
 from types import NoneType, UnionType
@@ -6,12 +6,12 @@ from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, Discriminator, Tag
 
-Keys = tuple[str | int, ...]
+from neurotouch_hid.files.faults import Keys
 
 
 @dataclass(slots=True)
 class _Place:
-    """What a model says about one of its keys.
+    """The models that one key of a model allows.
 
     Attributes:
         forms: the models of the value, by their tag; "" where a value has no tag.
@@ -29,7 +29,7 @@ def find_model(root: type[BaseModel], keys: Keys, value: Any = None) -> type[Bas
 
     Args:
         root: the model of the whole document.
-        keys: the way to the place, with a number for an item of a list. It may hold the tags by
+        keys: the path of the place, with a number for an item of a list. It may hold the tags by
             which pydantic tells the forms of a value apart.
         value: the mapping; it decides between several forms.
     """
@@ -59,7 +59,7 @@ def takes_list(root: type[BaseModel], keys: Keys, document: Any) -> bool:
 
     Args:
         root: the model of the whole document.
-        keys: the way to the place.
+        keys: the path of the place.
         document: the plain value of the document; it decides between several forms.
     """
     value = document

@@ -1,4 +1,4 @@
-"""What belongs to the person, not to the game: ranges, filter, patience, how the gel is mounted."""
+"""Model of the user's file: ranges, filter, timing, and the way the gel is mounted."""
 
 from typing import Annotated, Any, Literal, Self
 
@@ -7,13 +7,13 @@ from pydantic_core import PydanticCustomError
 
 from neurotouch_hid.profile.schema.feedback import Feedback
 from neurotouch_hid.profile.schema.movements import MovementName
-from neurotouch_hid.profile.schema.profile import check_version, make_schema
+from neurotouch_hid.profile.schema.profile import Profile, check_version, make_schema
 from neurotouch_hid.profile.schema.strict import Strict, give_unit, make_optional
-from neurotouch_hid.profile.schema.timing import FilterName, TimingSetting
+from neurotouch_hid.profile.schema.timing import FilterName, TimingSetting, resolve_times
 from neurotouch_hid.vocabulary import NAME_PATTERN
 
 
-class Range(Strict):
+class MovementRange(Strict):
     """The comfortable range of one movement, as calibration measures it."""
 
     rest: Annotated[float, Field(ge=0.0, le=5.0)] = Field(
@@ -46,18 +46,18 @@ def _range(movement: str) -> Any:
 class Ranges(Strict):
     """The range of each movement; a diagonal push blends the two beside it."""
 
-    push_left: Range | None = _range("a push to the left")
-    push_right: Range | None = _range("a push to the right")
-    push_up: Range | None = _range("a push away from the user")
-    push_down: Range | None = _range("a push towards the user")
-    pinch: Range | None = _range("a pinch")
-    zoom: Range | None = _range("a zoom")
-    twist_cw: Range | None = _range("a clockwise twist")
-    twist_ccw: Range | None = _range("a counter-clockwise twist")
+    push_left: MovementRange | None = _range("a push to the left")
+    push_right: MovementRange | None = _range("a push to the right")
+    push_up: MovementRange | None = _range("a push away from the user")
+    push_down: MovementRange | None = _range("a push towards the user")
+    pinch: MovementRange | None = _range("a pinch")
+    zoom: MovementRange | None = _range("a zoom")
+    twist_cw: MovementRange | None = _range("a clockwise twist")
+    twist_ccw: MovementRange | None = _range("a counter-clockwise twist")
 
 
 class UserSettings(Strict):
-    """What belongs to the person; it applies in every profile and is never exported with one."""
+    """A person's own values; they apply in every profile and are never exported with one."""
 
     version: Annotated[int, AfterValidator(check_version)] = Field(
         default=1,
@@ -130,6 +130,14 @@ class UserSettings(Strict):
         default_factory=Feedback,
         description="What is heard of what the gestures do. Default: nothing.",
     )
+
+
+def choose_filter(profile: Profile, user: UserSettings) -> FilterName:
+    """Returns the tremor filter: the person's own, that of their patience, or the profile's."""
+    own = user.filter
+    if own is None and user.timing is None:
+        own = profile.filter
+    return own or resolve_times(profile.timing, user.timing).filter
 
 
 def user_schema() -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""One open camera: what it is, how it is set up, started and stopped."""
+"""One open camera: identifies, configures, starts and stops it."""
 
 import logging
 import struct
@@ -19,7 +19,7 @@ from neurotouch_hid.source.davis.transport import Receive, Transport
 from neurotouch_hid.source.davis.usb import Usb
 
 SILENCE_S: Final = 0.1
-"""After switching off: what is under way inside comes out (neuromorphic-drivers, dv-processing)."""
+"""Until a camera that was switched off sends nothing (neuromorphic-drivers, dv-processing)."""
 SETTLE_S: Final = 0.2
 """Until the bias generator is stable (libcaer, neuromorphic-drivers)."""
 READY_S: Final = 0.05
@@ -79,7 +79,7 @@ class Camera:
     Attributes:
         info: which one.
         transport: its USB.
-        layout: how its addresses map to the picture, known once it has been checked.
+        layout: maps its addresses to the picture; set by ``check``.
     """
 
     def __init__(
@@ -107,10 +107,10 @@ class Camera:
         return CameraVersions(self.info.firmware, logic, patch, chip_id, chip, color)
 
     def check(self) -> None:
-        """Refuses what this driver was not made for.
+        """Refuses a camera that this driver was not made for.
 
         Raises:
-            CameraError: with what was found and what is needed.
+            CameraError: names the version found and the version needed.
         """
         found = self.identify()
         if found.firmware != r.FIRMWARE:
@@ -161,12 +161,12 @@ class Camera:
         self._write_together((r.MUX_TIMESTAMP_RESET, 1), (r.MUX_TIMESTAMP_RESET, 0))
 
     def enter_idle(self, config: DavisConfig) -> None:
-        """Sends fuller packets, and no more frames but those asked for."""
+        """Makes the camera send fuller packets, and only frames that are requested."""
         delay = round(max(IDLE_DELAY_US, config.early_packet_delay_us) * self._usb_mhz)
         self._write_together((r.APS_RUN, 0), (r.USB_EARLY_PACKET_DELAY, delay))
 
     def leave_idle(self, config: DavisConfig) -> None:
-        """Sends all it has been configured for, a frame at once."""
+        """Makes the camera send everything it is configured for, and a frame immediately."""
         delay = round(config.early_packet_delay_us * self._usb_mhz)
         self._write_together((r.APS_RUN, int(config.frames)), (r.USB_EARLY_PACKET_DELAY, delay))
 
@@ -283,7 +283,7 @@ class Camera:
             yield from ((r.DVS_POLARITY_FLATTEN, 0), (r.DVS_POLARITY_SUPPRESS, 0))
 
     def _read_clock(self, register: Register) -> float:
-        """Returns what a clock really is, in MHz."""
+        """Returns the true frequency of a clock, in MHz."""
         return self.read(register) * self.read(r.SYSINFO_DEVIATION) / 1000
 
     def _refuse(self, part: str, found: str, wanted: str) -> CameraError:

@@ -1,4 +1,4 @@
-"""How the camera is set up: everything a person may change, with units."""
+"""Camera settings: everything a person may change, with units."""
 
 from dataclasses import dataclass
 from typing import Final, NamedTuple
@@ -64,7 +64,7 @@ WHOLE: Final = Roi()
 
 @dataclass(frozen=True, slots=True)
 class DavisConfig:
-    """What is written to the camera before it starts.
+    """Settings that are written to the camera before it starts.
 
     Attributes:
         exposure_us: exposure of a frame. 4 ms, libcaer's default; with the gel's own LED ring more
@@ -73,10 +73,10 @@ class DavisConfig:
         early_packet_delay_us: how long data may wait for a full USB packet. Differs: drivers leave
             the 1 ms of power-up, for 250 µs less latency matter more than packets.
         activity_filter_us: an event passes if a neighbour fired within this time, in steps of
-            250 µs; 0 switches it off. 2 ms as in libcaer: a pixel's noise is alone, a marker's edge
-            never. The camera itself filters, at no cost.
+            250 µs; 0 switches it off. 2 ms as in libcaer: noise hits single pixels, a marker's edge
+            hits several. The camera itself filters, at no cost.
         refractory_us: least time between two events of a pixel, in steps of 250 µs; 0 for none.
-        hot_pixels: up to eight (x, y) the camera silences.
+        hot_pixels: up to eight (x, y) that the camera silences.
         events_roi: where events come from.
         frames_roi: what frames show; black elsewhere.
         frames: whether there are frames. Without, the tracker cannot find the gel at rest again.
@@ -97,7 +97,7 @@ class DavisConfig:
     mirrored: bool = False
 
     def __post_init__(self) -> None:
-        """Refuses what the camera cannot do.
+        """Refuses settings that the camera cannot apply.
 
         Raises:
             CameraError: names the value.
@@ -115,7 +115,7 @@ class DavisConfig:
         for name in ("events_roi", "frames_roi"):
             if not getattr(self, name).is_valid:
                 raise CameraError(
-                    f"Setting {name} is no part of the picture: {getattr(self, name)}."
+                    f"Setting {name} is not inside the picture: {getattr(self, name)}."
                 )
         for name, (coarse, fine) in self.biases._asdict().items():
             _check(f"coarse value of {name}", coarse, 0, 7)

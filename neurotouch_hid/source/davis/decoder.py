@@ -1,4 +1,4 @@
-"""From the camera's bytes, cut anywhere, to events and frames."""
+"""Decodes the camera's bytes, cut anywhere, into events and frames."""
 
 from dataclasses import dataclass
 
@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from neurotouch_hid.events import copy_events
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
 from neurotouch_hid.source.davis.kernels.decode import (
+    BETWEEN_COLUMNS,
     COUNTERS_DTYPE,
     STATE_DTYPE,
     AddressLayout,
@@ -17,7 +18,7 @@ from neurotouch_hid.source.davis.kernels.decode import (
 
 @dataclass(frozen=True, slots=True)
 class DecoderStats:
-    """What was malformed so far, in words if nothing else is said.
+    """Malformed data so far, counted in words unless stated otherwise.
 
     Attributes:
         bad_rows: row addresses outside the sensor.
@@ -44,7 +45,7 @@ class Decoder:
     Args:
         layout: how its addresses map to the picture.
         origin_us: the stream's time at the camera's time 0.
-        synced: whether words count from the first on; else from the timestamp reset on.
+        synced: use all words from the first; else skip those before the timestamp reset.
     """
 
     def __init__(
@@ -54,7 +55,7 @@ class Decoder:
         self._state = np.zeros(1, STATE_DTYPE)
         self._state["is_synced"] = synced
         self._state["origin_us"] = self._state["now_us"] = origin_us
-        self._state["y"] = self._state["kind"] = -1
+        self._state["y"], self._state["kind"] = -1, BETWEEN_COLUMNS
         self._counters = np.zeros(1, COUNTERS_DTYPE)
         shape = (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
         self._reset = np.zeros(shape, np.int16)
@@ -78,7 +79,7 @@ class Decoder:
         return int(self._counters["resets"][0])
 
     def stats(self) -> DecoderStats:
-        """Returns counts of what was malformed so far."""
+        """Returns counts of malformed data so far."""
         return DecoderStats(*self._counters[0].item())
 
     def decode(self, data: bytes) -> tuple[NDArray[np.void], list[Frame]]:

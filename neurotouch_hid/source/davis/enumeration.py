@@ -27,7 +27,7 @@ class CameraInfo:
         address: number on that bus; another one after every plug.
         port_path: where it is plugged in, as ``2-1.4``.
         serial: as on its sticker, with leading zeros; empty if it has none.
-        product: what it calls itself.
+        product: its product name.
         speed_mbit_s: 480 on USB 2, 5000 and more on USB 3.
         firmware: version of the firmware in its USB chip.
         reason: why it cannot be opened, or an empty string.

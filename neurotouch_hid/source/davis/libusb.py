@@ -31,7 +31,7 @@ TRANSFER_BYTES: Final = 8_192
 ends its transfers early; a dense one of 31 MB/s, 5 million events/s with frames, fills one in
 0.3 ms, and all of them bridge 34 ms in which Python does not come."""
 DRAIN_S: Final = 5.0
-"""A cancelled transfer comes back within milliseconds; Linux has lost one that takes so long."""
+"""A cancelled transfer comes back within milliseconds; Linux has lost one that takes this long."""
 
 _abandoned: list["LibusbTransport"] = []
 """Kept for ever: Linux may still write to their transfers."""
@@ -60,7 +60,7 @@ def _explain(error: usb1.USBError, what: str) -> CameraError:
 
 
 class LibusbTransport:
-    """A camera in a libusb context of its own: what that knows is never older than this.
+    """A camera in a libusb context of its own, so libusb's device list is never out of date.
 
     A driver that lives for months must not depend on libusb's list of devices, which follows
     udev's messages and misses changes where these cannot be received.
@@ -120,7 +120,7 @@ class LibusbTransport:
                 self._in_flight += 1
 
     def pump(self, timeout_s: float, rest_until_s: float) -> None:
-        """Handles libusb's events; sleeps first, for the transfers keep what comes."""
+        """Handles libusb's events; sleeps first, because the transfers keep arriving data."""
         rest_s = rest_until_s - time.monotonic()
         if rest_s > 0:
             time.sleep(rest_s)
@@ -157,7 +157,7 @@ class LibusbTransport:
         raise CameraGoneError("The camera is gone.")
 
     def _release(self) -> None:
-        with contextlib.suppress(usb1.USBError):  # it is gone, and with it the claim
+        with contextlib.suppress(usb1.USBError):  # the camera is gone, and its claim too
             self._handle.releaseInterface(INTERFACE)
 
     def _complete(self, transfer: Any) -> None:
@@ -182,7 +182,7 @@ class LibusbTransport:
                 self._halted = True
 
     def _drain(self) -> bool:
-        """Cancels what is in flight and waits for it: libusb writes to it until then.
+        """Cancels transfers in flight and waits for them: libusb writes to them until then.
 
         Returns:
             Whether all of it has come back.
@@ -200,7 +200,7 @@ class LibusbTransport:
 
 
 def _abandon(transport: LibusbTransport) -> None:
-    """Leaves it as it is, also when the program ends, where usb1 would wait for ever."""
+    """Never closes it, not even at exit, where usb1 would wait for ever."""
     _abandoned.append(transport)
     skip_finalizers(usb1.__name__)
 
@@ -217,7 +217,7 @@ class LibusbWatch:
             )
 
     def wait(self, timeout_s: float) -> None:
-        """Returns at the next change, or after so long."""
+        """Returns at the next change, or after the timeout."""
         try:
             self._context.handleEventsTimeout(timeout_s)
         except usb1.USBError:  # a libusb that cannot listen any more still lets time pass

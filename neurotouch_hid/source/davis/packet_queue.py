@@ -1,4 +1,4 @@
-"""Queues slices between camera thread and pipeline; drops the oldest, and counts what it drops."""
+"""Queues slices between camera thread and pipeline; drops the oldest ones, and counts them."""
 
 import threading
 from collections import deque
@@ -8,7 +8,7 @@ from neurotouch_hid.messages import EventPacket
 
 
 class PacketQueue:
-    """Keeps the newest slices; the ``gap`` of the next slice counts what was dropped.
+    """Keeps the newest slices; the ``gap`` of the next slice counts the dropped events.
 
     Args:
         limit: slices that may wait.

@@ -27,9 +27,9 @@ from neurotouch_hid.source.davis.transport import (
 )
 
 TRANSFER_BYTES = 65_536
-"""Large, for every read costs a gap; a sparse stream ends it early all the same."""
+"""Large, because every read costs a gap; a sparse stream ends it early anyway."""
 READ_MS = 200
-"""No shorter, for a read that is given up may lose data; a camera says something every 33 ms."""
+"""No shorter, because a read that times out may lose data; a camera sends something every 33 ms."""
 
 
 @contextlib.contextmanager
@@ -99,7 +99,7 @@ class PyusbTransport:
             self._device.clear_halt(ENDPOINT)
 
     def pump(self, timeout_s: float, rest_until_s: float) -> None:  # noqa: ARG002 - it has none
-        """Reads once, and at once: nothing else keeps what comes."""
+        """Reads once, immediately: nothing else buffers the data."""
         try:
             with _explained("read"):
                 wait_ms = max(READ_MS, round(1e3 * timeout_s))

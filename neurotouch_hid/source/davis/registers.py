@@ -1,6 +1,6 @@
 """The camera's registers, requests and biases by name.
 
-Where it comes from: libcaer 3.3 (``davis.h``, ``davis.c``, ``usb_utils.h``), neuromorphic-drivers
+Sources: libcaer 3.3 (``davis.h``, ``davis.c``, ``usb_utils.h``), neuromorphic-drivers
 0.16 (``inivation_davis346.rs``) and the published FPGA logic (VHDL). Names are the vendor's.
 """
 
@@ -194,7 +194,7 @@ FIXED_CURRENTS: Final = {
     "IFThrBn": CoarseFine(5, 255),
     "BiasBuffer": CoarseFine(5, 254),
 }
-"""Never tuned for another light: buffers, readout and the unused calibration neuron."""
+"""Never tuned to the light: buffers, readout and the unused calibration neuron."""
 
 FIXED_CHIP: Final = {
     Register(5, 0): Vdac(27, 6).word,  # ApsOverflowLevel

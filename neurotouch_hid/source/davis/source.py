@@ -34,7 +34,7 @@ log = logging.getLogger(__name__)
 
 
 class Cameras(Protocol):
-    """Where cameras come from: ``Usb``, or a scripted one in tests."""
+    """Finds and opens cameras: ``Usb``, or a scripted one in tests."""
 
     def choose(self, serial: str) -> CameraInfo:
         """Returns the camera of a serial number, or the first one."""
@@ -51,7 +51,7 @@ class Cameras(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class DavisStats:
-    """What happened so far.
+    """Counts and state of a camera source.
 
     Attributes:
         serial: of the camera, empty before one was seen.
@@ -60,7 +60,7 @@ class DavisStats:
         n_faults: transfers that failed.
         n_dropped: events that the camera itself dropped.
         trouble: why it does not stream, or an empty string.
-        decoder: what was malformed since it was last opened.
+        decoder: counts of malformed data since it was last opened.
     """
 
     serial: str = ""
@@ -75,16 +75,16 @@ class DavisStats:
 class DavisSource(Closing):
     """Slices of a camera's time, as they happen; it may be iterated once.
 
-    A thread of its own keeps the camera open. If that is unplugged, nothing comes until it is back;
-    then the slices go on, later by the time it was away, the first with a ``gap``.
+    A separate thread keeps the camera open. While the camera is unplugged, no slices come. When it
+    is back, the slices continue, later by the time it was away; the first has a ``gap``.
 
     Args:
-        serial: of the camera, with or without leading zeros. Without, it is the first one, and any
-            other that is there when that one has gone.
+        serial: of the camera, with or without leading zeros. If empty, the first camera is used,
+            or another one that is present when the first is gone.
         config: how it is set up.
         slice_us: length of a slice.
         wait: a camera need not be there yet.
-        max_delay_us: slices that wait longer for the line are dropped; old news moves no stick.
+        max_delay_us: slices that wait longer for the pipeline are dropped: old data moves no stick.
         cameras: where they come from.
         sleep_s: how to wait for a camera that is being set up.
 
@@ -94,7 +94,7 @@ class DavisSource(Closing):
 
     Raises:
         CameraBusyError: another program has the camera.
-        CameraError: it cannot be used; not with ``wait``.
+        CameraError: it cannot be used; never raised with ``wait``.
     """
 
     is_live = True
@@ -135,10 +135,10 @@ class DavisSource(Closing):
         return (packet for packet in self.poll() if packet is not None)
 
     def poll(self) -> Iterator[EventPacket | None]:
-        """Gives the packets as they come, and None whenever there was none for POLL_S.
+        """Yields the packets as they arrive, and None whenever none arrived for POLL_S.
 
         Raises:
-            CameraError: the driver itself has failed; a camera that fails is waited for.
+            CameraError: the camera thread has failed; a camera that fails is waited for.
         """
         if self._thread is None:
             self._thread = threading.Thread(target=self._work, name="camera", daemon=True)
@@ -146,7 +146,7 @@ class DavisSource(Closing):
         while not self._queue.has_ended:
             yield self._queue.take(POLL_S)
         if not self._closing.is_set():
-            raise CameraError("The camera's thread has ended; this is a bug of the driver.")
+            raise CameraError("The camera's thread has ended; this is a bug in the driver.")
 
     def set_activity(self, *, is_idle: bool, wants_frames: bool = True) -> None:
         """Sets whether idle slices may be merged, and partial slices delivered early."""
@@ -154,8 +154,13 @@ class DavisSource(Closing):
 
     @property
     def is_blind(self) -> bool:
-        """Linux showed a camera at the last attempt, and opening it found nothing there."""
+        """True if Linux listed a camera at the last attempt, but opening it found none."""
         return self._vanished
+
+    @property
+    def trouble(self) -> str:
+        """The reason why it does not stream, in a sentence; empty while it does."""
+        return self._trouble
 
     def stats(self) -> DavisStats:
         """Returns counts of what happened so far."""
@@ -171,7 +176,7 @@ class DavisSource(Closing):
         )
 
     def close(self) -> None:
-        """Stops the camera and gives it back; ends an iteration that waits. From any thread."""
+        """Stops and releases the camera; ends a waiting iteration. Any thread may call it."""
         self._closing.set()
         self._queue.end()
         if self._thread is not None:
@@ -194,7 +199,7 @@ class DavisSource(Closing):
             self._queue.end()
 
     def _connect(self) -> Camera:
-        """Returns the camera, ready to be started."""
+        """Returns the camera, ready to start."""
         info = self._choose()
         camera = Camera(info, self._cameras.open(info), self._sleep_s)
         try:
@@ -250,9 +255,9 @@ class DavisSource(Closing):
             self._queue.put(whole)
 
     def _note(self, error: CameraError) -> None:
-        """Says why the camera does not stream: each reason once, and that it is away only once."""
+        """Logs why the camera does not stream: each reason once, and its absence only once."""
         known, self._trouble = self._trouble, error.message
         was_away, self._away = self._away, isinstance(error, CameraGoneError | CameraAbsentError)
         self._vanished = isinstance(error, CameraGoneError)
         if error.message != known and not (was_away and self._away):
-            log.warning("%s Play goes on when it works again.", error.message)
+            log.warning("%s The gamepad works again as soon as the camera does.", error.message)

@@ -17,11 +17,11 @@ from neurotouch_hid.source.partial import SHORTEST_US
 from neurotouch_hid.source.slicer import Slicer
 
 PUMP_S: Final = 0.05
-"""The end is noticed within this time."""
+"""The longest time until the end of the stream is noticed."""
 AWAKE_US: Final = 600
-"""So long before a slice ends data is read as it comes; what comes before waits till then, since to
-wake up for each transfer takes half as much processor time again. In this time what has waited is
-read, in 0.4 ms at 5 million events/s, and a thread that is woken late is there."""
+"""Time before the end of a slice in which data is read as it arrives. Earlier data waits until
+then, because waking up for each transfer takes half as much processor time again. This time is
+enough to read the waiting data, in 0.4 ms at 5 million events/s, even if the thread wakes late."""
 MAX_PARTIAL_EVENTS: Final = 8_000
 """Largest number of events in a partial slice: at 4 ms, 2 million events/s. Copying more would
 delay the slice by as much as the pipeline gains."""
@@ -33,14 +33,14 @@ CALM_REST_US: Final = 8_000
 IDLE_FRAME_S: Final = 0.25
 """How often an idle camera is asked for a frame: an idle pipeline uses each of them."""
 COUNT_S: Final = 1.0
-"""How often the camera is asked how much it has dropped."""
+"""Interval at which the camera's count of dropped events is read."""
 SILENCE_S: Final = 2.0
-"""A camera sends a time word at least every 33 ms: one that is silent for so long has failed."""
+"""A camera sends a time word at least every 33 ms: one that is silent this long has failed."""
 FAULTS_S: Final = 5.0
 MAX_STALLS: Final = 3
-"""So many within FAULTS_S, and the camera has failed."""
+"""With this many within FAULTS_S, the camera has failed."""
 MAX_FAULTS: Final = 200
-"""The same for transfers that fail: more than all that are under way."""
+"""The same for failed transfers: more than all that are in flight."""
 
 
 class Stream:
@@ -95,7 +95,7 @@ class Stream:
         self._stalls_s: deque[float] = deque(maxlen=MAX_STALLS)
 
     def stats(self) -> DecoderStats:
-        """Returns counts of what was malformed so far."""
+        """Returns counts of malformed data so far."""
         return self._decoder.stats()
 
     def run(self, closing: threading.Event) -> None:
@@ -109,7 +109,7 @@ class Stream:
             looked_s, end_us = time.monotonic(), self.end_us
             try:
                 self._pump(rest_until_s)
-            finally:  # what came before it failed is good
+            finally:  # data from before the failure is good
                 now_s = time.monotonic()
                 self._read(now_s)
             self._deliver_partial()
@@ -122,7 +122,7 @@ class Stream:
                 self._count_dropped()
 
     def _count_dropped(self) -> None:
-        """Asks the camera; one that does not answer but still sends is asked again later."""
+        """Reads the camera's count; a camera that sends but does not answer is asked later."""
         try:
             dropped = self._camera.count_dropped()
         except CameraGoneError:
@@ -133,7 +133,7 @@ class Stream:
         self._gap += dropped
 
     def _pace_camera(self, now_s: float) -> None:
-        """Sets the camera idle while nothing happens, and ends that as soon as something does.
+        """Sets the camera idle while nothing happens, and ends idling at the first activity.
 
         A camera that does not answer but still sends is asked again later.
         """
@@ -172,7 +172,7 @@ class Stream:
             self._camera.transport.queue(self._chunks.append)
 
     def _read(self, now_s: float) -> None:
-        """Decodes what has come; an empty chunk marks missing data."""
+        """Decodes the data that has arrived; an empty chunk marks missing data."""
         while self._chunks:
             n = self._chunks.index(b"") if b"" in self._chunks else len(self._chunks)
             if n:
@@ -217,11 +217,11 @@ class Stream:
     def _check(self, looked_s: float) -> None:
         """Ends a run that has failed.
 
-        The camera is silent if a look that began so late finds nothing; on a busy machine time
-        may also pass in which nobody looked.
+        The camera counts as silent only if a read that began late enough found nothing: on a busy
+        machine, time also passes between two reads.
 
         Args:
-            looked_s: when the last look for data began.
+            looked_s: when the last read began.
         """
         if looked_s - self.heard_s > SILENCE_S:
             raise CameraError("The camera sends nothing.")

@@ -1,4 +1,4 @@
-"""What the driver asks of USB: requests, a stream, and an end."""
+"""Interface of a USB connection to a camera: requests, a stream, and an end."""
 
 from collections.abc import Callable
 from typing import Protocol
@@ -17,7 +17,7 @@ class CameraGoneError(CameraError):
 
 
 class StreamHaltedError(CameraError):
-    """The stream's endpoint has stalled; ``queue`` sets it going again."""
+    """The stream's endpoint has stalled; ``queue`` restarts it."""
 
 
 class Transport(Protocol):
@@ -41,12 +41,12 @@ class Transport(Protocol):
         ...
 
     def pump(self, timeout_s: float, rest_until_s: float) -> None:
-        """Hands over what has come; waits for it about so long if there is nothing.
+        """Delivers the data that has arrived; if there is none, waits about ``timeout_s`` for it.
 
         Args:
             timeout_s: how long to wait.
-            rest_until_s: it is not needed earlier, ``time.monotonic``; where nothing is lost
-                meanwhile this may sleep.
+            rest_until_s: no data is needed before this time of ``time.monotonic``; a transport that
+                loses nothing meanwhile may sleep.
 
         Raises:
             CameraGoneError: the camera is gone.
@@ -55,5 +55,5 @@ class Transport(Protocol):
         ...
 
     def close(self) -> None:
-        """Ends everything that is under way and gives the camera back. Twice is harmless."""
+        """Cancels all transfers and releases the camera. A second call does nothing."""
         ...

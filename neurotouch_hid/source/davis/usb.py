@@ -19,7 +19,7 @@ class Watch(Protocol):
     """Waits for cameras to come and go."""
 
     def wait(self, timeout_s: float) -> None:
-        """Returns at the next change, or after so long."""
+        """Returns at the next change, or after the timeout."""
         ...
 
     def close(self) -> None:
@@ -28,10 +28,10 @@ class Watch(Protocol):
 
 
 class PatientWatch:
-    """Hears nothing, so it waits to the end."""
+    """Receives no messages, so it always waits for the whole timeout."""
 
     def wait(self, timeout_s: float) -> None:
-        """Returns after so long."""
+        """Returns after the timeout."""
         time.sleep(timeout_s)
 
     def close(self) -> None:

@@ -8,11 +8,17 @@ from pathlib import Path
 import numpy as np
 
 from neurotouch_hid.errors import RecordingError
+from neurotouch_hid.files.small_file import read_text
 from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
 from neurotouch_hid.source.simulator.gel import Elasticity
-from neurotouch_hid.source.simulator.people import Person, draw_stroke, meet_person
 from neurotouch_hid.source.simulator.script import PRESS_US, Script, Stroke
+from neurotouch_hid.source.simulator.simulated_people import (
+    SimulatedPerson,
+    draw_stroke,
+    meet_person,
+)
 from neurotouch_hid.source.simulator.simulator import Simulator
 
 KINDS = tuple(GestureKind)[1:]
@@ -21,12 +27,13 @@ REST_US = 600_000  # at the start of each recording, so that the gel can be foun
 NONE_SHARE = 0.4  # [NT, figure of the labels]: 15,000 of 37,912 frames show no gesture
 HIDDEN_US = 350_000  # of each attack and release, below what is labelled
 MANIFEST = "dataset.json"
+MAX_MANIFEST_BYTES = 4 << 20  # some 10,000 recordings
 SLICE_US = 20_000
 
 
 @dataclass(frozen=True, slots=True)
 class Recipe:
-    """What one recording is made from; equal recipes give equal recordings."""
+    """Parameters of one recording; equal recipes give equal recordings."""
 
     model: int
     seed: int
@@ -44,7 +51,7 @@ class Recipe:
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """How far the writing is.
+    """Progress of the writing.
 
     Attributes:
         path: the recording that is being written or was found finished.
@@ -71,24 +78,24 @@ def write_dataset(
 ) -> list[Path]:
     """Writes one recording per gel, user and gesture, with labels; finished ones are kept.
 
-    A recording appears under its name only when it is complete; ``dataset.json`` says what each was
-    made from, so an interrupted run goes on where it stopped.
+    A recording appears under its name only when it is complete; ``dataset.json`` lists the recipe
+    of each, so an interrupted run continues where it stopped.
 
     Args:
         out_dir: made if missing.
         users: number of simulated people.
         minutes: length of the whole set.
         seed: another seed gives other people and other gestures.
-        progress: told at the start, about once a simulated second, and at the end of each file.
+        progress: called at the start, about once a simulated second, and at the end of each file.
         gels: models of the gel. Every one has people and gestures of its own.
-        replace: also write over recordings that were made otherwise.
+        replace: also overwrite recordings that were made from other recipes.
 
     Returns:
         The recordings, gels and users one after another.
 
     Raises:
-        RecordingError: the folder or a file cannot be written, or recordings that were made
-            otherwise are there.
+        RecordingError: the folder or a file cannot be written, or the folder has recordings that
+            were made from other recipes.
     """
     folder = Path(out_dir)
     recipes = plan_dataset(users, minutes, seed, gels)
@@ -127,7 +134,7 @@ def plan_dataset(
 
 
 def simulate_recipe(recipe: Recipe) -> Simulator:
-    """Returns the simulation that gives the recording."""
+    """Returns the simulation of a recording."""
     kind = GestureKind[recipe.gesture.upper()]
     apart = 0 if recipe.gel == "half-space" else 500
     person, config = meet_person(1000 * recipe.seed + recipe.user + apart)
@@ -138,7 +145,11 @@ def simulate_recipe(recipe: Recipe) -> Simulator:
 
 
 def draw_script(
-    name: str, kind: GestureKind, duration_us: int, person: Person, rng: np.random.Generator
+    name: str,
+    kind: GestureKind,
+    duration_us: int,
+    person: SimulatedPerson,
+    rng: np.random.Generator,
 ) -> Script:
     """Returns a script of one repeated gesture, with the paper's share of rest between.
 
@@ -181,25 +192,23 @@ def _refuse_others(
             seed = made_from.get("seed") if isinstance(made_from, dict) else None
             what = "of unknown origin" if seed is None else f"of another set (seed {seed})"
             raise RecordingError(
-                f"'{path}' is there already, {what}; nothing was changed.",
+                f"'{path}' exists already, {what}; nothing was changed.",
                 hint="Choose another folder, or --force to replace it.",
             )
 
 
 def read_manifest(folder: Path) -> dict[str, object]:
-    """Returns what each simulated recording of a folder was made from; empty if none is known."""
+    """Returns the recipe of each simulated recording in a folder; empty if none is known."""
     try:
-        content = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        content = json.loads(read_text(folder / MANIFEST, MAX_MANIFEST_BYTES))
+    except (OSError, ValueError, RecursionError):
         return {}  # no set here yet, or one that nobody can trust
     return content if isinstance(content, dict) else {}
 
 
 def _write_manifest(folder: Path, finished: dict[str, object]) -> None:
     path = folder / MANIFEST
-    partial = path.with_suffix(".partial")
     try:
-        partial.write_text(json.dumps(finished, indent=1) + "\n", encoding="utf-8")
-        partial.replace(path)
+        write_whole(path, f"{json.dumps(finished, indent=1)}\n".encode())
     except OSError as error:
         raise RecordingError(f"'{path}' cannot be written: {error.strerror}.") from error

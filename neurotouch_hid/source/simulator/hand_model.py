@@ -1,6 +1,5 @@
-"""A hand on the simulated gel that is led from outside, as a mouse leads a pointer."""
+"""A simulated hand on the gel that follows commands, as a pointer follows a mouse."""
 
-import json
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
@@ -9,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.ipc import read_object
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.source.simulator.gel.motion import KNOT_US
 from neurotouch_hid.source.simulator.script import Finger
@@ -36,7 +36,7 @@ _STILL: Final = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class HandCommand:
-    """What the hand shall do.
+    """Command for the simulated hand.
 
     Attributes:
         at_ms: when it was sent, in ms of the clock of the sending program.
@@ -85,11 +85,8 @@ _MOST: Final = {
 
 def read_hand_command(text: bytes) -> HandCommand | None:
     """Returns the command in a message, its values limited, or None if it is invalid."""
-    try:
-        said = json.loads(text)
-    except (ValueError, RecursionError):
-        return None
-    if not isinstance(said, dict):
+    said = read_object(text)
+    if said is None:
         return None
     values: dict[str, Any] = {}
     for field in fields(HandCommand):
@@ -110,9 +107,9 @@ class GuidedGrasp:
     """Moves simulated fingers as the commands ask, from touch to release.
 
     Attributes:
-        kind: what they do.
-        fingers: where they were laid.
-        command: what they were laid down for.
+        kind: their gesture.
+        fingers: the fingers, with their contacts at touch-down.
+        command: the command that laid them down.
         lie: how much the other fingers of a resting hand rest on the gel, 0 to 1.
     """
 
@@ -195,11 +192,11 @@ class GuidedGrasp:
 
 
 class GuidedHand:
-    """Plays the newest command, without an end.
+    """Carries out the newest command, without an end.
 
     Args:
-        ask: the newest command, or None if there is no new one; called once a knot, must not wait.
-        notice: called with each command taken, and the sensor time at which it reaches the gel.
+        ask: returns a new command, or None; called once a knot, must not wait.
+        notice: called with each command, and the sensor time at which it reaches the gel.
     """
 
     name = "mouse"

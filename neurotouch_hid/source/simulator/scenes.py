@@ -8,8 +8,8 @@ import numpy as np
 
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.source.check import SCENES, check_scene
-from neurotouch_hid.source.simulator.people import draw_stroke
 from neurotouch_hid.source.simulator.script import Script, Stroke, sequence
+from neurotouch_hid.source.simulator.simulated_people import draw_stroke
 from neurotouch_hid.source.simulator.simulator import SimulatorConfig
 from neurotouch_hid.source.simulator.strokes import (
     Fingertips,
@@ -65,7 +65,7 @@ def _tour() -> Script:
 
 
 def _lively(stroke: Stroke, seed: int) -> Stroke:
-    """Returns the stroke as a hand does it: trembling, wandering, one finger late and weak."""
+    """Returns the stroke with the flaws of a hand: tremor, drift, one finger late and weak."""
     fingers = tuple(
         replace(
             finger,

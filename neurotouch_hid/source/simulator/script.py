@@ -1,4 +1,4 @@
-"""What the fingers do over time: the truth of a simulation, as plain records."""
+"""Scripts of finger motion over time: the truth of a simulation, as plain records."""
 
 import math
 from collections.abc import Sequence
@@ -22,33 +22,33 @@ class Grasp(Protocol):
 
     @property
     def kind(self) -> GestureKind:
-        """What they do."""
+        """The gesture."""
 
     @property
     def fingers(self) -> "tuple[Finger, ...]":
-        """Where they were laid."""
+        """The fingers, with their contacts at touch-down."""
 
     def move(self, t_us: int) -> NDArray[np.float64]:
         """Returns their places, (k, 4) float64: drag x, y in mm, turn in rad, press in mm."""
 
 
 class Play(Protocol):
-    """What happens on the gel: a script, or a hand without one.
+    """Motion on the gel: a script, or a hand that follows commands.
 
-    It is asked for every knot of time once, in order; a script may also be asked for earlier ones.
+    ``find`` is called once for every knot of time, in order; a script also accepts earlier times.
     """
 
     @property
     def name(self) -> str:
-        """For people."""
+        """The name, for people."""
 
     @property
     def duration_us(self) -> int:
-        """When it ends or starts again."""
+        """Time until it ends or starts again."""
 
     @property
     def endless(self) -> bool:
-        """Whether it never ends."""
+        """True if it never ends."""
 
     def find(self, t_us: int) -> tuple[Grasp, int] | None:
         """Returns the grasp at work and the time within the play, or None at rest."""
@@ -111,7 +111,7 @@ class Stroke:
 
     @property
     def end_us(self) -> int:
-        """When the gel is back at rest."""
+        """The time at which the gel is back at rest."""
         late = max(finger.delay_us for finger in self.fingers)
         moving = PRESS_US + self.attack_us + self.hold_us + self.release_us
         return self.start_us + late + moving + 4 * self.creep_us
@@ -127,9 +127,9 @@ class Script:
 
     Attributes:
         name: for people.
-        strokes: what happens.
+        strokes: the gestures.
         duration_us: length of the script.
-        endless: start again at its end, for ever.
+        endless: starts again at its end, for ever.
     """
 
     name: str

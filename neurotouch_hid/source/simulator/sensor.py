@@ -8,15 +8,25 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
-from neurotouch_hid.source.simulator.kernels.optics import COUNTS_DTYPE, POINT_DTYPE, Picture, draw
+from neurotouch_hid.source.simulator.kernels.optics import (
+    COUNTS_DTYPE,
+    POINT_DTYPE,
+    Picture,
+    draw_markers,
+)
 from neurotouch_hid.source.simulator.kernels.sensor import (
     LEVEL_SCALE,
     PIXEL_DTYPE,
     Chip,
     Stretch,
-    advance,
+    run_sensor,
 )
-from neurotouch_hid.source.simulator.optics import PROFILE_SCALE, LightConfig, marker_profile, paint
+from neurotouch_hid.source.simulator.optics import (
+    PROFILE_SCALE,
+    LightConfig,
+    compute_light,
+    marker_profile,
+)
 
 TICK_US = 500  # the picture is rendered at 2 kHz: a marker at 525 px/s moves 0.26 px
 WINDOW_US = 20_000  # how often leaking pixels are looked for
@@ -69,7 +79,7 @@ class Sensor:
         self._config, self._seed = config, seed
         rng = np.random.default_rng((seed, 1))
         n = SENSOR_WIDTH_PX * SENSOR_HEIGHT_PX
-        base, white = (image.ravel() for image in paint(light, rig))
+        base, white = (image.ravel() for image in compute_light(light, rig))
         canvas = np.zeros(n, POINT_DTYPE)
         canvas["base"] = canvas["image"] = base
         canvas["light"] = white
@@ -106,16 +116,16 @@ class Sensor:
         """Adapts every pixel to the markers of ``knot``, (177, 6) float64."""
         knots = np.stack([knot] * 4)
         chip = self._chip
-        draw(knots, 0.0, chip.picture)
+        draw_markers(knots, 0.0, chip.picture)
         places = np.arange(len(chip.levels)) / LEVEL_SCALE
         signal = np.interp(chip.picture.canvas["image"], places, chip.levels)
         chip.pixels["signal"] = signal
-        # Where each pixel is between its thresholds after a long past.
+        # After a long time, each pixel is at a random place between its thresholds.
         chip.pixels["reference"] = signal - self._start * chip.pixels["on"]
 
     @property
     def n_lost(self) -> int:
-        """Events that found no room so far."""
+        """Number of events that found no room so far."""
         return int(self._chip.counts["lost"][0])
 
     def run(
@@ -124,9 +134,9 @@ class Sensor:
         """Returns events and frames of a stretch of time within one knot interval.
 
         Args:
-            knots: (4, 177, 6) float64, see ``draw``.
+            knots: (4, 177, 6) float64, see ``draw_markers``.
             knot_us: length of the interval; it begins at a multiple of it.
-            begin_us: begin of the stretch, a multiple of 500 µs.
+            begin_us: start of the stretch, a multiple of 500 µs.
             end_us: its end, a multiple of 500 µs.
 
         Returns:
@@ -152,7 +162,7 @@ class Sensor:
                 moving=moving,
                 exposing=exposing,
             )
-            advance(knots, stretch, self._chip)
+            run_sensor(knots, stretch, self._chip)
             self._n_exposed += n_ticks * exposing
             if exposing and stop_us - t_us + phase == self._config.exposure_us:
                 frames.append(self._take_frame(stop_us))

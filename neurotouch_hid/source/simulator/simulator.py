@@ -57,7 +57,7 @@ class Simulator(Closing):
         return self._packets
 
     def close(self) -> None:
-        """Does nothing: there is nothing to release."""
+        """Does nothing: there is nothing to close."""
 
     def truth(self, t_us: int) -> Truth:
         """Returns the truth at ``t_us``; cheap up to a few seconds before the newest packet."""

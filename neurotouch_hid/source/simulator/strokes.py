@@ -1,4 +1,4 @@
-"""Gestures as strokes: push, pinch, zoom, twist and press, exact or as a person does them."""
+"""Gestures as strokes: push, pinch, zoom, twist and press."""
 
 import math
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ SPREAD_MM = 13.0  # of two or three fingers around their middle
 
 @dataclass(frozen=True, slots=True)
 class StrokeTiming:
-    """Length of the phases of a stroke."""
+    """Lengths of the phases of a stroke."""
 
     attack_us: int = 300_000
     hold_us: int = 600_000
@@ -23,7 +23,7 @@ class StrokeTiming:
 
 @dataclass(frozen=True, slots=True)
 class Fingertips:
-    """Where the fingers are before they move.
+    """Places of the fingers before they move.
 
     Attributes:
         middle_mm: (x, y) between them.
@@ -64,7 +64,7 @@ def press(
 def pinch(
     size_mm: float, hand: Fingertips = Fingertips(), timing: StrokeTiming = StrokeTiming()
 ) -> Stroke:
-    """Fingers drag the gel towards their middle by ``size_mm`` each."""
+    """Returns fingers that drag the gel towards their middle by ``size_mm`` each."""
     return _stroke(GestureKind.PINCH, _radial(hand, -size_mm), timing)
 
 
@@ -73,14 +73,14 @@ def zoom(
     hand: Fingertips = Fingertips(spread_mm=8.0),
     timing: StrokeTiming = StrokeTiming(),
 ) -> Stroke:
-    """Fingers drag the gel away from their middle by ``size_mm`` each."""
+    """Returns fingers that drag the gel away from their middle by ``size_mm`` each."""
     return _stroke(GestureKind.ZOOM, _radial(hand, size_mm), timing)
 
 
 def twist(
     angle_rad: float, hand: Fingertips = Fingertips(), timing: StrokeTiming = StrokeTiming()
 ) -> Stroke:
-    """Fingers turn the gel about their middle; clockwise for the user is positive."""
+    """Returns fingers that turn the gel about their middle; clockwise for the user is positive."""
     kind = GestureKind.TWIST_CW if angle_rad > 0 else GestureKind.TWIST_CCW
     fingers = tuple(
         Finger((float(x), float(y)), turn_rad=angle_rad, pivot_mm=hand.middle_mm)

@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.tracker.kernels.filter import STILL_US
 from neurotouch_hid.tracker.kernels.matching import match_points
 from neurotouch_hid.tracker.kernels.neighbours import expect, find_strays
@@ -18,7 +18,7 @@ MAX_MISSED = 3  # sharp frames without a blob before a marker counts as lost
 MIN_MATCHED = 60  # a third of the markers; with fewer, the picture or all tracks are wrong
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def recall(t_us: int, tracks: Tracks, out_px: NDArray[np.float64]) -> bool:
     """Writes all positions at a past time to (n, 2) px; False if the ring does not reach back."""
     past_us, n_checks = tracks.past_us, tracks.common[0].n_checks
@@ -39,7 +39,7 @@ def recall(t_us: int, tracks: Tracks, out_px: NDArray[np.float64]) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def assign_blobs(
     then_px: NDArray[np.float64],
     sharp: NDArray[np.bool_],
@@ -60,7 +60,7 @@ def assign_blobs(
         sharp: (n,) bool, True for markers too slow to be smeared.
         points_px: (m, 2) float64 px, the centroids of the blobs.
         begin: (m + 1,) int32, where the pixels of each blob begin.
-        tracks: what is known about the markers; ``n_missed`` is updated.
+        tracks: the state of the markers; ``n_missed`` is updated.
         tuning: of the neighbour check.
         blob: (n,) int32, written; negative where none is certain.
     """
@@ -102,7 +102,7 @@ def assign_blobs(
                 blob[open_[k]] = left[match[k]]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def correct(
     begin_us: int,
     middle_us: int,
@@ -117,7 +117,7 @@ def correct(
     Compiled into this, the move would take six times as long.
 
     Args:
-        begin_us: the begin of the exposure.
+        begin_us: the start of the exposure.
         middle_us: its middle; the blobs show where the markers were then.
         end_us: its end.
         points_px: see ``assign_blobs``, as ``begin``.
@@ -160,13 +160,13 @@ def correct(
     return seen, by_px
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def median_size(v: NDArray[np.float64]) -> float:
     """Returns the median length of vectors (n, 2) float64."""
     return float(np.median(np.sqrt(v[:, 0] ** 2 + v[:, 1] ** 2)))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def drift(
     off_px: NDArray[np.float64],
     share: float,

@@ -3,9 +3,9 @@
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.tracker.kernels.lost_markers import update_lost_markers
 from neurotouch_hid.tracker.kernels.matching import select
 from neurotouch_hid.tracker.kernels.nearest import PAIR, assign, find_event
@@ -21,7 +21,7 @@ STILL_US = 8_000  # longest time between two checks
 
 
 # Fused multiply-add, where the processor has it, is a tenth faster.
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+@kernel(error_model="numpy", fastmath={"contract"})
 def filter_events(
     events: NDArray[np.void], start: int, until_us: int, tracks: Tracks, tuning: Tuning
 ) -> int:
@@ -78,12 +78,12 @@ def filter_events(
     return int(stop)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _last_check_us(tracks: Tracks) -> int:
     return int(tracks.past_us[(tracks.common[0].n_checks - 1) % len(tracks.past_us)])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _may_wait(t_us: int, tracks: Tracks) -> bool:
     """Returns True if the last check is recent and no marker can have moved by a pixel since."""
     last_us = _last_check_us(tracks)
@@ -95,7 +95,7 @@ def _may_wait(t_us: int, tracks: Tracks) -> bool:
     return most <= FEW
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     """Updates the rates of the markers, the variance of their events and the lead of the events.
 
@@ -129,7 +129,7 @@ def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     _lead(t_us, tracks, tuning)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _lead(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     """Updates the lead: a bright marker brightens pixels ahead of it and darkens those behind."""
     state = tracks.state
@@ -145,7 +145,7 @@ def _lead(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
         state[i].lead_x, state[i].lead_y = v[0, i] * per_speed[i], v[1, i] * per_speed[i]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def check(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     """Records all positions at ``t_us`` and updates what is known between events.
 
@@ -162,8 +162,8 @@ def check(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     tracks.common[0].n_checks += 1
 
 
-@njit(cache=True, nogil=True)
-def advance(
+@kernel
+def filter_slice(
     events: NDArray[np.void],
     start: int,
     until_us: int,

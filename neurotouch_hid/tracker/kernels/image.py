@@ -4,15 +4,16 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from neurotouch_hid.process.kernel_cache import kernel
 
 BLOCK_PX = 8  # brightness is measured in windows of 3 x 3 blocks, two to three markers wide
 SHIFT = 3  # log2(BLOCK_PX)
 
 
 class Buffers(NamedTuple):
-    """What the search for blobs writes; m is the largest number of blobs.
+    """Arrays that the search for blobs writes; m is the largest number of blobs.
 
     Attributes:
         threshold: (rows, columns) float64, the threshold of every block, grey levels.
@@ -33,7 +34,7 @@ class Buffers(NamedTuple):
     members: NDArray[np.int32]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def threshold_blocks(
     pixels: NDArray[np.uint8],
     n_sigma: float,
@@ -87,7 +88,7 @@ def threshold_blocks(
             background[i, j] = mean - 0.25 * sigma  # markers cover some 5 % of a window
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _mark(
     pixels: NDArray[np.uint8], threshold: NDArray[np.float64], out: NDArray[np.uint8]
 ) -> None:
@@ -106,7 +107,7 @@ def _mark(
                 marked[x] = row[x] > levels[x]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def _flood(
     y0: int, x0: int, start: int, pixels: NDArray[np.uint8], buffers: Buffers
 ) -> tuple[int, float, float, float]:
@@ -139,7 +140,7 @@ def _flood(
     return tail, mass, mx, my
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def find_blobs(
     pixels: NDArray[np.uint8], min_area_px: int, max_area_px: int, buffers: Buffers
 ) -> int:
@@ -178,7 +179,7 @@ def find_blobs(
     return n
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def distance_map(mask: NDArray[np.uint8], out: NDArray[np.int32]) -> None:
     """Writes the exact squared distance, px², of every pixel to the nearest one set in ``mask``."""
     h, w = mask.shape
@@ -205,7 +206,7 @@ def distance_map(mask: NDArray[np.uint8], out: NDArray[np.int32]) -> None:
             out[y, x] = best
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def ring_distance(index: int, mask: NDArray[np.uint8]) -> int:
     """Returns the exact squared distance, px², of one pixel to the nearest one set in ``mask``.
 
@@ -233,7 +234,7 @@ def ring_distance(index: int, mask: NDArray[np.uint8]) -> int:
     return best if k < h + w else -1
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def chamfer(
     now: NDArray[np.int32],
     mask: NDArray[np.uint8],
@@ -262,7 +263,7 @@ def chamfer(
     return forward / len(now) + backward / len(reference)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def gather_inside(
     centroid_px: NDArray[np.float64],
     begin: NDArray[np.int32],

@@ -6,9 +6,9 @@ Frames can do so too, see ``correction``.
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.tracker.kernels.neighbours import (
     expect,
     find_collisions,
@@ -19,10 +19,10 @@ from neurotouch_hid.tracker.kernels.tracks import Tracks, Tuning, place
 
 SEEN_HZ = 100.0  # two events within ``rate_us`` above the noise: a lost marker makes events again
 SETTLED_PX = 1.5  # a lost marker so near to its expected place, among agreeing neighbours, is found
-FRAMELESS_US = 500_000  # without a frame for so long, events have to find lost markers
+FRAMELESS_US = 500_000  # without a frame for this time, events have to find lost markers
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def update_lost_markers(
     t_us: int, position_px: NDArray[np.float64], tracks: Tracks, tuning: Tuning
 ) -> None:

@@ -3,11 +3,12 @@
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from neurotouch_hid.process.kernel_cache import kernel
 
-@njit(cache=True, nogil=True)
+
+@kernel
 def _sort_by_row(
     points_px: NDArray[np.float64],
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], float]:
@@ -36,7 +37,7 @@ def _sort_by_row(
     return order, begin, top
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def match_points(
     targets_px: NDArray[np.float64],
     points_px: NDArray[np.float64],
@@ -90,7 +91,7 @@ def match_points(
     return n_pairs
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def select(values: NDArray[np.float64], k: int) -> float:
     """Returns the value with index ``k`` of the sorted values, (n,) float64, all >= 0.
 
@@ -111,7 +112,7 @@ def select(values: NDArray[np.float64], k: int) -> float:
     return float(np.array([low]).view(np.float64)[0])
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _measure_pairs(
     before_px: NDArray[np.float64],
     now_px: NDArray[np.float64],
@@ -130,7 +131,7 @@ def _measure_pairs(
     return moved_px
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def measure_largest(
     before_px: NDArray[np.float64],
     now_px: NDArray[np.float64],
@@ -154,7 +155,7 @@ def measure_largest(
     return n, float(select(moved_px, max(n - 1 - n_left_out, 0)))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def measure_median(
     before_px: NDArray[np.float64],
     now_px: NDArray[np.float64],

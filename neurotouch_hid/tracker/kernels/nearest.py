@@ -7,10 +7,10 @@ before it, and the processor takes several at once.
 from typing import Final, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+from neurotouch_hid.process.kernel_cache import kernel
 
 TILE_PX = 4  # every tile lists the markers that its events may belong to
 SHIFT = np.uint64(2)  # log2(TILE_PX)
@@ -31,7 +31,7 @@ PAIR: Final = np.dtype([("event", "u4"), ("marker", "u4")])
 
 
 class Targets(NamedTuple):
-    """Where the events of n markers are expected, and which markers are near each tile.
+    """Expected places of the events of n markers, and the markers near each tile.
 
     Attributes:
         aim_px: (n, 2, 2) float64, where the OFF and the ON events of each marker are expected, by
@@ -49,7 +49,7 @@ class Targets(NamedTuple):
     listed: NDArray[np.void]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def list_markers(targets: Targets) -> None:
     """Enters every marker into the tiles whose events may belong to it.
 
@@ -88,7 +88,7 @@ def list_markers(targets: Targets) -> None:
                     n_near[tile] = k + np.uint64(1)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def nearest(x: int, y: int, on: bool, gate_px2: float, targets: Targets) -> tuple[np.uint64, float]:
     """Returns the marker nearest to an event at pixel (x, y), and their squared distance, px².
 
@@ -116,7 +116,7 @@ def nearest(x: int, y: int, on: bool, gate_px2: float, targets: Targets) -> tupl
     return best, best_px2
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def nearest_of_all(
     x: int, y: int, on: bool, gate_px2: float, aim_px: NDArray[np.float64]
 ) -> tuple[np.uint64, float]:
@@ -133,7 +133,7 @@ def nearest_of_all(
     return best, best_px2
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def assign(
     events: NDArray[np.void],
     start: int,
@@ -170,7 +170,7 @@ def assign(
     return int(n)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def find_event(events: NDArray[np.void], start: int, until_us: int) -> int:
     """Returns the index of the first event from ``start`` on that is not before ``until_us``."""
     low, high = start, len(events)

@@ -1,15 +1,16 @@
 """Compiled loops that compare markers with their neighbours."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from neurotouch_hid.process.kernel_cache import kernel
 
 CLOSEST_PX = 1.5  # two markers, each 2.5 px wide, are never so close: one follows the wrong events
 LEFT_SHARE = 0.2  # beside a finger the gel moves at least half as much as under it [Mindlin]
 LEFT_BEHIND = 4  # neighbours; three may be on the line between two fingers that move apart
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _sort_rows(v: NDArray[np.float64]) -> None:
     """Sorts each column of ``v`` (8, n) float64 in place, by a network of 19 comparisons."""
     for p, q in (
@@ -23,7 +24,7 @@ def _sort_rows(v: NDArray[np.float64]) -> None:
             high[i] = b if a < b else a
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def expect(
     position_px: NDArray[np.float64],
     usable: NDArray[np.bool_],
@@ -74,7 +75,7 @@ def expect(
             spread_px[i] = spread if axis == 0 else max(spread_px[i], spread)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def find_strays(
     position_px: NDArray[np.float64],
     expected_px: NDArray[np.float64],
@@ -91,7 +92,7 @@ def find_strays(
         out[i] = off > max_stray_px + max_stray_ratio * spread_px[i]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def find_collisions(
     position_px: NDArray[np.float64],
     expected_px: NDArray[np.float64],
@@ -114,7 +115,7 @@ def find_collisions(
                 out[i if off_i > off_j else j] = True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def find_tears(
     position_px: NDArray[np.float64],
     usable: NDArray[np.bool_],

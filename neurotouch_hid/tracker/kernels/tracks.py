@@ -3,9 +3,9 @@
 from typing import Final, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.tracker.kernels.nearest import Targets, list_markers
 
 SECOND = 1e-6  # in µs
@@ -106,14 +106,14 @@ class Tuning(NamedTuple):
     search_all: bool
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _fade(elapsed_us: float, memory_s: float) -> float:
     """Returns the time for which a marker has moved on since its last event, s; velocity fades."""
     dt = min(max(elapsed_us * SECOND, 0.0), memory_s)
     return dt * (1.0 - 0.5 * dt / memory_s)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def predict(t_us: float, memory_s: float, tracks: Tracks, out_px: NDArray[np.float64]) -> None:
     """Writes where every marker is at ``t_us``, (n, 2) float64 px."""
     for i in range(len(tracks.state)):
@@ -123,14 +123,14 @@ def predict(t_us: float, memory_s: float, tracks: Tracks, out_px: NDArray[np.flo
         out_px[i, 1] = s.y + s.vy * step
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _aim_at(x: float, y: float, i: int, tracks: Tracks) -> None:
     s, aim_px = tracks.state[i], tracks.targets.aim_px[i]
     aim_px[0, 0], aim_px[0, 1] = x - s.lead_x, y - s.lead_y
     aim_px[1, 0], aim_px[1, 1] = x + s.lead_x, y + s.lead_y
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def aim(t_us: float, tracks: Tracks, tuning: Tuning) -> None:
     """Updates where events are expected: where the markers will be at ``t_us``."""
     for i in range(len(tracks.state)):
@@ -140,7 +140,7 @@ def aim(t_us: float, tracks: Tracks, tuning: Tuning) -> None:
     list_markers(tracks.targets)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def place(
     markers: NDArray[np.intp],
     at_px: NDArray[np.float64],
@@ -175,7 +175,7 @@ def place(
     list_markers(tracks.targets)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def shift(markers: NDArray[np.intp], by_px: NDArray[np.float64], tracks: Tracks) -> None:
     """Moves ``markers`` (k,) by ``by_px`` (k, 2) float64, now and in the recorded past."""
     all_px = np.zeros((len(tracks.state), 2))

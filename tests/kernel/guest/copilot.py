@@ -13,7 +13,7 @@ from neurotouch_hid.device import Copilot, ExtraDevice, SharedDevice, find_copil
 from neurotouch_hid.device.inputs.rumble_player import upload_effect
 from neurotouch_hid.device.outputs.gamepad import PHYS
 from neurotouch_hid.device.outputs.mouse import PHYS as MOUSE_PHYS
-from neurotouch_hid.driver.pad import open_pad
+from neurotouch_hid.driver.pad_opening import open_pad
 from neurotouch_hid.driver.settings import DriverSettings
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import Axis, Button, GamepadState

@@ -18,8 +18,8 @@ def look_at_pads(results: Path) -> dict[str, Any]:
     """The rows of the doctor's table that need a kernel with uinput and a running udevd."""
     seen = {
         "module": say(rights.check_module()),
-        "right": say(rights.check_right()),
-        "right_of_nobody": as_nobody(lambda: say(rights.check_right())),
+        "right": say(rights.check_pad_right()),
+        "right_of_nobody": as_nobody(lambda: say(rights.check_pad_right())),
         "rule": say(rights.check_rule()),
         "loop_back": say(pad.check_loopback()),
         "recognised": say(pad.check_recognition()),

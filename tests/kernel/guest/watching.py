@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from neurotouch_hid.device import open_device
-from neurotouch_hid.device.outputs.hidpad import find_hid_pads, read_reports
+from neurotouch_hid.device.inputs.hid_pad_reader import find_hid_pads, read_reports
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.messages import Axis, Button, GamepadState
 from tests.kernel.guest.opening import as_nobody, run

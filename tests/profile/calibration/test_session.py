@@ -14,10 +14,11 @@ from neurotouch_hid.profile.calibration import (
     write_ranges,
 )
 from neurotouch_hid.profile.calibration.result import measure_range, measure_rest
-from neurotouch_hid.profile.calibration.tremor import choose_filter, find_tremor, smooth
+from neurotouch_hid.profile.calibration.tremor import find_tremor, propose_filter, smooth
+from neurotouch_hid.profile.editing import ProfileText
 from neurotouch_hid.profile.engine.one_euro import FILTERS
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
-from neurotouch_hid.profile.schema.user import Range, UserSettings
+from neurotouch_hid.profile.schema.user import MovementRange, UserSettings
 
 STEP_US = 10_000
 
@@ -117,20 +118,22 @@ def test_one_repetition_switches_nothing_off():
 
 
 def test_undo_takes_back_a_calibration_and_nothing_else():
-    first = "version: 1\n\n# Calibrated 2026-11-20.\nrange:\n  zoom: {rest: 0.6, full: 3.0}\n"
+    first = ProfileText(
+        "version: 1\n\n# Calibrated 2026-11-20.\nrange:\n  zoom: {rest: 0.6, full: 3.0}\n"
+    )
     second = write_ranges(first, RANGES, "2026-11-21", "medium", 5.0)
-    later = second + "feedback: {sound: tones}\n"
+    later = second.rewrite(f"{second}feedback: {{sound: tones}}\n")
     undone = undo_ranges(later, first, second)
-    assert undone == first + "feedback: {sound: tones}\n"
-    chosen = later.replace("filter: medium", "filter: strong")
-    assert "filter: strong" in undo_ranges(chosen, first, second)
+    assert undone.text == f"{first}feedback: {{sound: tones}}\n"
+    chosen = later.replace(("filter",), "strong")
+    assert "filter: strong" in undo_ranges(chosen, first, second).text
     assert undo_ranges(undone, first, second) == undone
 
 
 def test_undo_of_the_first_calibration_leaves_none():
-    before = "version: 1\n"
+    before = ProfileText("version: 1\n")
     after = write_ranges(before, RANGES, "2026-11-21")
-    undone = undo_ranges(after, before, after)
+    undone = undo_ranges(after, before, after).text
     assert "Calibrated" not in undone
     assert "full" not in undone
 
@@ -181,11 +184,11 @@ def test_full_is_four_fifths_of_a_comfortable_movement(peaks, full):
 
 def test_a_side_below_half_of_its_partner_is_weak():
     ranges = {
-        "pinch": Range(rest=0.6, full=6.0),
-        "zoom": Range(rest=0.6, full=2.9),
-        "push_left": Range(rest=0.6, full=5.0),
-        "push_right": Range(rest=0.6, full=3.0),
-        "twist_cw": Range(rest=0.6, full=5.0),
+        "pinch": MovementRange(rest=0.6, full=6.0),
+        "zoom": MovementRange(rest=0.6, full=2.9),
+        "push_left": MovementRange(rest=0.6, full=5.0),
+        "push_right": MovementRange(rest=0.6, full=3.0),
+        "twist_cw": MovementRange(rest=0.6, full=5.0),
         "twist_ccw": None,
         "push_up": None,
         "push_down": None,
@@ -218,7 +221,7 @@ def test_the_weakest_calm_filter_is_chosen():
     chosen = []
     for amplitude_mm in (0.0, 0.3, 0.6, 1.2, 2.0):
         mm = 5.0 + amplitude_mm * np.sin(2.0 * np.pi * 5.0 * t_s)
-        name = choose_filter(mm, STEP_US)
+        name = propose_filter(mm, STEP_US)
         chosen.append(name)
         left = find_tremor(smooth(mm, STEP_US, name), STEP_US)
         assert left is None or 2.0 * left.amplitude_mm <= 1.0 or name == "strong"
@@ -229,25 +232,26 @@ def test_the_weakest_calm_filter_is_chosen():
 
 
 RANGES = {
-    "pinch": Range(rest=0.6, full=6.0),
-    "zoom": Range(rest=0.7, full=2.9),
+    "pinch": MovementRange(rest=0.6, full=6.0),
+    "zoom": MovementRange(rest=0.7, full=2.9),
     "twist_cw": None,
 }
 
 
 def test_the_users_file_gets_what_was_measured_and_the_date():
-    text = write_ranges("version: 1\nhandedness: left\n", RANGES, "2026-11-21", "medium")
+    before = ProfileText("version: 1\nhandedness: left\n")
+    text = write_ranges(before, RANGES, "2026-11-21", "medium")
     settings = check_user(text.encode(), "user.yaml").require()
     assert settings.range.zoom == RANGES["zoom"]
     assert settings.range.twist_cw is None
     assert (settings.filter, settings.handedness) == ("medium", "left")
-    assert "# Calibrated 2026-11-21." in text
-    again = write_ranges(text, {"zoom": Range(rest=0.6, full=3.0)}, "2027-01-02")
-    assert "# Calibrated 2027-01-02." in again
-    assert "2026" not in again
+    assert "# Calibrated 2026-11-21." in text.text
+    again = write_ranges(text, {"zoom": MovementRange(rest=0.6, full=3.0)}, "2027-01-02")
+    assert "# Calibrated 2027-01-02." in again.text
+    assert "2026" not in again.text
     now = check_user(again.encode(), "user.yaml").require()
     assert now.range.zoom.full == 3.0
     assert now.range.pinch == RANGES["pinch"]
-    assert len(set(again.splitlines()) - set(text.splitlines())) == 2
+    assert len(set(again.text.splitlines()) - set(text.text.splitlines())) == 2
     gone = write_ranges(again, {"zoom": None}, "2027-01-02")
     assert check_user(gone.encode(), "user.yaml").require().range.zoom is None

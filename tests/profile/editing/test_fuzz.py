@@ -8,10 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.faults import format_path
+from neurotouch_hid.files.yaml_document import parse_document
 from neurotouch_hid.profile import check_content
 from neurotouch_hid.profile.editing import (
+    ProfileText,
     bind,
-    list_ways,
+    list_key_paths,
     parse_do,
     parse_value,
     parse_when,
@@ -19,11 +22,9 @@ from neurotouch_hid.profile.editing import (
     set_value,
     unbind,
 )
-from neurotouch_hid.profile.editing.paths import find_way
-from neurotouch_hid.profile.faults import format_path
-from neurotouch_hid.profile.yaml_document import parse_document
+from neurotouch_hid.profile.editing.key_paths import find_key_path
 
-TEXT = """\
+TEXT = ProfileText("""\
 version: 1
 name: mine
 timing: steady  # patient
@@ -38,15 +39,15 @@ layers:
     bindings:
       - when: zoom
         do: {layer: menu}
-"""
-DOCUMENT = parse_document(TEXT)[0].value
-WAYS = sorted(list_ways(DOCUMENT))
+""")
+DOCUMENT = TEXT.document
+PATHS_THERE = sorted(list_key_paths(DOCUMENT))
 
 GESTURES = ("push", "left", "pinch", "tap", "then", "twist", "cw", "from", "7", "mm", "at", "with")
 OUTPUTS = ("button", "a", "key", "toggle", "ctrl+c", "axis", "right_x", "-", "+", "layer", "{", "}")
 WORDS = st.sampled_from((*GESTURES, *OUTPUTS))
 SENTENCES = st.lists(WORDS, max_size=6).map(" ".join) | st.text(max_size=30)
-PATHS = st.sampled_from(WAYS) | st.text(alphabet="abcpush.[]0159#_", max_size=20) | st.text()
+PATHS = st.sampled_from(PATHS_THERE) | st.text(alphabet="abcpush.[]0159#_", max_size=20) | st.text()
 NUMBERS = st.integers(-(10**9), 10**9) | st.floats(-1e9, 1e9)
 VALUES = st.recursive(
     st.booleans() | NUMBERS | st.text(max_size=12),
@@ -58,7 +59,7 @@ VALUES = st.recursive(
 
 
 def load(text):
-    root, faults = parse_document(text)
+    root, faults = parse_document(text.text)
     assert root is not None
     assert not faults
     return root.value
@@ -70,11 +71,11 @@ def put(document, keys, value):
     document[keys[-1]] = value
 
 
-def widened(way):
+def widened(found):
     """The document with keys where a word must become some."""
     document = copy.deepcopy(DOCUMENT)
-    if way.widen is not None:
-        keys, key = way.widen
+    if found.widen is not None:
+        keys, key = found.widen
         word = document
         for step in keys:
             word = word[step]
@@ -83,14 +84,14 @@ def widened(way):
 
 
 @settings(max_examples=80)
-@given(path=st.sampled_from(WAYS), value=VALUES)
+@given(path=st.sampled_from(PATHS_THERE), value=VALUES)
 def test_exactly_the_named_value_changes(path, value):
-    way = find_way(DOCUMENT, path)
+    found = find_key_path(DOCUMENT, path)
     changed = set_value(TEXT, path, value)
-    expected = widened(way)
-    put(expected, way.keys, value)
+    expected = widened(found)
+    put(expected, found.keys, value)
     assert load(changed) == expected
-    assert changed.count("#") >= 2
+    assert changed.text.count("#") >= 2
 
 
 @settings(max_examples=80)
@@ -100,15 +101,15 @@ def test_a_setting_is_right_or_refused(path, value):
         changed = set_value(TEXT, path, parse_value(value))
     except ProfileError:
         return
-    check_content(changed.encode("utf-8", "surrogatepass"), "x").format()
+    check_content(changed.encode(), "x").format()
 
 
-@pytest.mark.parametrize("path", WAYS)
+@pytest.mark.parametrize("path", PATHS_THERE)
 def test_what_is_set_can_be_taken_back(path):
-    way = find_way(DOCUMENT, path)
-    if not way.exists:
+    found = find_key_path(DOCUMENT, path)
+    if not found.exists:
         changed = set_value(TEXT, path, "x")
-        assert load(reset_value(changed, format_path(way.keys))) == widened(way)
+        assert load(reset_value(changed, format_path(found.keys))) == widened(found)
 
 
 @settings(max_examples=80)

@@ -93,7 +93,9 @@ def test_a_shipped_profile_is_never_changed(stamp):
     before = shipped.read_bytes()
     edited = take_profile("racing", stamp)
     assert edited.shipped
-    edited.save(edited.text.replace("Twist to steer", "Steer by twisting"))
+    edited.save(
+        edited.text.rewrite(edited.text.text.replace("Twist to steer", "Steer by twisting"))
+    )
     assert shipped.read_bytes() == before
     own = find_user_folder() / "racing.yaml"
     assert b"Steer by twisting" in own.read_bytes()
@@ -107,7 +109,7 @@ def test_a_shipped_profile_is_never_changed(stamp):
 def test_what_is_wrong_is_not_saved(stamp):
     edited = make_profile("mine", "racing", stamp)
     with pytest.raises(ProfileError, match="NT110"):
-        edited.save(edited.text + "nonsense: 1\n")
+        edited.save(edited.text.rewrite(f"{edited.text}nonsense: 1\n"))
     assert not edited.store.path.exists()
     edited.save(edited.text)
     assert b"name: mine" in edited.store.path.read_bytes()
@@ -119,8 +121,12 @@ def test_a_profile_cannot_be_built_on_itself(stamp):
     for _ in range(2):  # as the copy of a shipped one, then as the user's own
         edited = take_profile("racing", stamp)
         with pytest.raises(ProfileError, match="NT131"):
-            edited.save(edited.text.replace("\nbindings:", "\nextends: [racing]\nbindings:"))
-        edited.save(edited.text + "\n")
+            edited.save(
+                edited.text.rewrite(
+                    edited.text.text.replace("\nbindings:", "\nextends: [racing]\nbindings:")
+                )
+            )
+        edited.save(edited.text.rewrite(f"{edited.text}\n"))
 
 
 @pytest.mark.parametrize("name", ["", "../x", "a/b", "/etc/x", "A", "a" * 65, "a.yaml", "é", ".x"])
@@ -131,6 +137,25 @@ def test_a_name_is_never_a_path(name, stamp):
 
 def test_the_users_first_values_can_be_undone(stamp):
     edited = take_user(stamp)
-    edited.save(edited.text + "filter: strong\n")
+    edited.save(edited.text.rewrite(f"{edited.text}filter: strong\n"))
     take_user(stamp).store.undo()
-    assert "filter" not in take_user(stamp).text
+    assert "filter" not in take_user(stamp).text.text
+
+
+def test_a_link_to_itself_is_explained(stamp):
+    own = find_user_folder() / "loop.yaml"
+    own.parent.mkdir(parents=True)
+    own.symlink_to("loop.yaml")
+    made = make_profile("loop", "racing", stamp)
+    made.check(made.text).require()
+    with pytest.raises(ProfileError, match="cannot be read: Too many levels of symbolic links"):
+        made.save(made.text)
+
+
+def test_a_version_that_is_no_file_is_explained(tmp_path, stamp):
+    store = make(tmp_path, stamp, 3)
+    kept = store.versions()[0].path
+    kept.unlink()
+    kept.symlink_to("/dev/zero")
+    with pytest.raises(ProfileError, match="cannot be read: it is a device, not a file"):
+        store.undo()

@@ -3,13 +3,19 @@
 import pytest
 
 from neurotouch_hid.profile import Mapping, UserSettings, check_content, perform, rehearse
-from neurotouch_hid.profile.editing import list_substitutes, make_when, remap, remap_unused
+from neurotouch_hid.profile.editing import (
+    ProfileText,
+    list_substitutes,
+    make_when,
+    read_text,
+    remap,
+    remap_unused,
+)
 from neurotouch_hid.profile.reading.library import find_shipped_folder
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
-from neurotouch_hid.profile.yaml_document import parse_document
 
 SHIPPED = sorted(path.stem for path in find_shipped_folder().glob("*.yaml"))
-MINE = """\
+MINE = ProfileText("""\
 version: 1
 name: mine
 bindings:
@@ -22,11 +28,11 @@ bindings:
     do: {stick: left}
   - when: pinch
     do: {trigger: left}
-"""
+""")
 
 
 def shipped(name):
-    return (find_shipped_folder() / f"{name}.yaml").read_text(encoding="utf-8")
+    return read_text(find_shipped_folder() / f"{name}.yaml")[0]
 
 
 def play(text, script):
@@ -45,15 +51,17 @@ def test_what_is_pressed_gets_conditions_of_its_own():
     done = remap(MINE, "zoom", substitutes)
     assert done.moved == ("pinch long -> button b", "pinch double -> toggle trigger right")
     assert not done.left
-    assert "# faster" in done.text
-    assert "# opens" in done.text
+    assert "# faster" in done.text.text
+    assert "# opens" in done.text.text
     assert remap(MINE, "twist_cw", substitutes).text == MINE
     few = remap(MINE, "zoom", substitutes[:1])
     assert few.left == ("zoom -> trigger right",)
 
 
 def test_a_wish_that_something_answers_to_is_no_wish():
-    text = MINE + "  - when: {gesture: pinch, press: long}\n    do: {button: x}\n"
+    text = MINE.append(
+        ("bindings",), {"when": {"gesture": "pinch", "press": "long"}, "do": {"button": "x"}}
+    )
     done = remap(text, "zoom", [make_when("pinch", "long"), make_when("pinch", "tap")])
     assert done.moved == ("pinch tap -> button b",)
 
@@ -105,10 +113,11 @@ def test_every_shipped_profile_stays_right_without_a_movement(name, weak):
     turned = [what for what in done.moved if "turns round" in what]
     assert len(lost) <= len(done.left) + len(turned)  # these act in the layer that turns them
     assert len(profile.all_layers) <= 8
-    before = parse_document(shipped(name))[0].value
-    assert parse_document(done.text)[0].value["name"] == before["name"]
+    assert done.text.document["name"] == shipped(name).document["name"]
 
 
 def test_new_lines_end_as_the_others_do():
-    done = remap(MINE.replace("\n", "\r\n"), "push_left", list_substitutes("push_left"))
-    assert "\n" not in done.text.replace("\r\n", "")
+    done = remap(
+        ProfileText(MINE.text.replace("\n", "\r\n")), "push_left", list_substitutes("push_left")
+    )
+    assert "\n" not in done.text.text.replace("\r\n", "")

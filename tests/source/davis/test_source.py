@@ -444,7 +444,7 @@ def test_while_it_is_away_the_loop_turns_and_can_be_ended(caplog):
         wait_for(lambda: source.stats().connected)
     assert list(polled) == []
     assert caplog.messages == [
-        "The camera is gone. Play goes on when it works again.",
+        "The camera is gone. The gamepad works again as soon as the camera does.",
         "The camera 00001055 plays.",
     ]
     assert {record.levelno for record in caplog.records} == {logging.WARNING}
@@ -474,7 +474,7 @@ def test_a_source_that_waits_needs_no_camera_at_the_start():
 def test_a_bug_in_the_thread_does_not_let_the_line_wait_for_ever():
     camera = ScriptedCamera()
     camera.at_reset.append([ZeroDivisionError()])
-    with open_camera(camera) as source, pytest.raises(CameraError, match="bug of the driver"):
+    with open_camera(camera) as source, pytest.raises(CameraError, match="bug in the driver"):
         list(source)
     assert camera.n_open == 0
 
@@ -483,7 +483,7 @@ def test_a_bug_in_the_thread_does_not_let_the_line_wait_for_ever():
 def test_a_thread_that_cannot_begin_does_not_let_the_line_wait_for_ever():
     camera = ScriptedCamera()
     camera.watch = raise_(ZeroDivisionError())
-    with open_camera(camera) as source, pytest.raises(CameraError, match="bug of the driver"):
+    with open_camera(camera) as source, pytest.raises(CameraError, match="bug in the driver"):
         take(source, 1)
     assert camera.n_open == 0
 

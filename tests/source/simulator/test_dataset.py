@@ -11,7 +11,7 @@ from neurotouch_hid.recording import Recording, labels_path, read_labels
 from neurotouch_hid.source.simulator import dataset
 from neurotouch_hid.source.simulator.gel import GelMotion
 from neurotouch_hid.source.simulator.optics import CameraModel
-from neurotouch_hid.source.simulator.people import meet_person
+from neurotouch_hid.source.simulator.simulated_people import meet_person
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ NO_NEIGHBOURS, NO_MOBILITY = np.empty((0, 8), np.intp), np.empty(0)
 def move(points, centres, radii, motions, depths, neighbours=NO_NEIGHBOURS, mobility=NO_MOBILITY):
     out = np.empty((len(points), 3))
     arrays = [np.array(a, float) for a in (points, centres, radii, motions, depths)]
-    kernels.deform(*arrays, neighbours, mobility, out)
+    kernels.move_points(*arrays, neighbours, mobility, out)
     return out
 
 

@@ -2,9 +2,13 @@
 
 import json
 import math
+import os
 import socket
+import subprocess
 import time
 from itertools import islice
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -13,7 +17,7 @@ from hypothesis import strategies as st
 
 from neurotouch_hid.ipc import HAND, connect_to
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.source.mouse import MouseSource
+from neurotouch_hid.source.mouse_gel import MouseSource
 from neurotouch_hid.source.simulator import Simulator
 from neurotouch_hid.source.simulator.gel.motion import KNOT_US
 from neurotouch_hid.source.simulator.hand_model import (
@@ -172,6 +176,37 @@ def test_the_gel_answers_as_it_answers_a_script():
     assert truth.kind == GestureKind.PUSH
     assert truth.intensity_mm == pytest.approx(7.0, rel=0.15)
     assert sum(len(packet.events) for packet in packets) > 1000
+
+
+SEND_AS_NOBODY = """\
+import contextlib, os, socket, sys
+os.setgid(65534)
+os.setuid(65534)
+line = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+line.connect(sys.argv[1])
+line.send(b'{"down": true, "push_x_mm": 9}')
+print("sent", flush=True)
+line.settimeout(60)
+with contextlib.suppress(ConnectionResetError):  # what it sent was not read
+    assert line.recv(1) == b""
+print("turned away")
+"""
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can be somebody else")
+def test_a_hand_of_another_user_is_not_heard():
+    with TemporaryDirectory() as top:
+        Path(top).chmod(0o755)
+        with MouseSource(Path(top)) as source:
+            (Path(top) / HAND).chmod(0o777)
+            program = ["/usr/bin/python3", "-c", SEND_AS_NOBODY, str(Path(top) / HAND)]
+            with subprocess.Popen(program, stdout=subprocess.PIPE, text=True) as stranger:
+                assert stranger.stdout.readline() == "sent\n"
+                packets = iter(source)
+                for _ in range(3):
+                    next(packets)
+                assert stranger.communicate(timeout=60)[0] == "turned away\n"
+                assert not source._pending  # and nothing of it has reached the gel
 
 
 def test_wishes_come_through_a_socket_and_their_way_is_timed(tmp_path):

@@ -11,8 +11,8 @@ from neurotouch_hid.source.simulator.optics import (
     CameraConfig,
     CameraModel,
     LightConfig,
+    compute_light,
     marker_profile,
-    paint,
 )
 from neurotouch_hid.source.simulator.sensor import SensorConfig
 
@@ -28,7 +28,7 @@ def render():
     """The picture every ms, (n, 260, 346) float64 DN."""
     camera = CameraConfig()
     motion = GelMotion(SCRIPT, CameraModel(camera), camera.rig.px_per_mm, GelConfig())
-    base, light = paint(LightConfig(), camera.rig)
+    base, light = compute_light(LightConfig(), camera.rig)
     canvas = np.zeros(base.size, kernels.POINT_DTYPE)
     canvas["base"] = canvas["image"] = base.ravel()
     canvas["light"] = light.ravel()
@@ -38,7 +38,7 @@ def render():
     for t in range(BEGIN_US, END_US, 1000):
         index, rest = divmod(t, KNOT_US)
         knots = np.stack([motion.knot(index + k).outline for k in (-1, 0, 1, 2)])
-        kernels.draw(knots, rest / KNOT_US, picture)
+        kernels.draw_markers(knots, rest / KNOT_US, picture)
         pictures.append(canvas["image"].reshape(base.shape).astype(float))
     return np.array(pictures)
 

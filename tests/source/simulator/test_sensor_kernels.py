@@ -12,8 +12,8 @@ from neurotouch_hid.source.simulator.optics import (
     CameraConfig,
     CameraModel,
     LightConfig,
+    compute_light,
     marker_profile,
-    paint,
 )
 from neurotouch_hid.source.simulator.sensor import response_tables
 from tests.reference import sensor as reference
@@ -67,7 +67,7 @@ def knots_of(rng, n=12):
 @given(st.integers(0, 1000), st.floats(0, 1))
 def test_draw_equals_its_twin(seed, u):
     knots = knots_of(np.random.default_rng(seed))
-    base, light = paint(LightConfig(seed=seed), RIG)
+    base, light = compute_light(LightConfig(seed=seed), RIG)
     canvas = np.zeros(N_PIXELS, optics.POINT_DTYPE)
     canvas["base"] = canvas["image"] = base.ravel()
     canvas["light"] = light.ravel()
@@ -75,7 +75,7 @@ def test_draw_equals_its_twin(seed, u):
     profile = marker_profile(0.6)
     picture = optics.Picture(canvas, touched, profile, PROFILE_SCALE, counts)
     for at in (0.0, u):  # the second picture must not show the first
-        optics.draw(knots, at, picture)
+        optics.draw_markers(knots, at, picture)
     expected = reference.draw(knots, u, profile, PROFILE_SCALE, base, light)
     assert np.allclose(canvas["image"].reshape(260, 346), expected, atol=0.01)
     shown = np.flatnonzero(np.abs(expected - base) > 0.01)

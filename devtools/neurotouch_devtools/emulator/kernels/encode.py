@@ -3,11 +3,12 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from neurotouch_hid.process.kernel_cache import kernel
+
 STATE_DTYPE = np.dtype([("base_us", "<i8"), ("low", "<i8"), ("row", "<i8"), ("row_low", "<i8")])
-"""What the host knows already: ``base_us`` that the wrap words add up to; ``low`` 15 bits of the
+"""State that the host knows: ``base_us`` that the wrap words add up to; ``low`` 15 bits of the
 last time sent, 0 right after a wrap or a reset; the ``row`` word that is in force, -1 for none; the
 ``row_low`` 15 bits of the time that dates it."""
 
@@ -53,11 +54,11 @@ WRAP_CODE = 0x7000
 MAX_WRAPS = 0xFFF
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _put_time(t_us, state, out, n):  # type: ignore[no-untyped-def]
-    """Puts what the host lacks of the time into ``out`` behind ``n`` words; returns their number.
+    """Appends the time words that the host needs to ``n`` words in ``out``; returns their number.
 
-    What was held back is dated with the time that the host knows already: time never goes back.
+    Delayed words get the time that the host already knows: time never goes back.
     """
     t_us = max(t_us, state["base_us"] + state["low"])
     wraps = (t_us - state["base_us"]) >> 15
@@ -77,8 +78,8 @@ def _put_time(t_us, state, out, n):  # type: ignore[no-untyped-def]
     return n
 
 
-@njit(cache=True, nogil=True)
-def encode(events, first, runs, run, until_us, carried, out):  # type: ignore[no-untyped-def]
+@kernel
+def encode_words(events, first, runs, run, until_us, carried, out):  # type: ignore[no-untyped-def]
     """Merges events and runs of a readout before ``until_us`` into words.
 
     Args:
@@ -119,7 +120,7 @@ def encode(events, first, runs, run, until_us, carried, out):  # type: ignore[no
         first += 1
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def catch_up(t_us, carried, out):  # type: ignore[no-untyped-def]
     """Puts the wrap words of a camera in which nothing happens; returns their number."""
     state = carried[0]

@@ -1,4 +1,4 @@
-"""Figures that are bars: the paper's table, the metrics and the errors of each gesture."""
+"""Draws bar charts: the paper's table, the metrics and the errors of each gesture."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from neurotouch_hid.evaluation.accuracy.paper import FIGURES, LABEL_UNCERTAINTY_MM
+from neurotouch_hid.evaluation.accuracy.published_figures import FIGURES, LABEL_UNCERTAINTY_MM
 from neurotouch_hid.evaluation.accuracy.report.style import (
     BACKGROUND,
     INK,
@@ -22,7 +22,7 @@ from neurotouch_hid.evaluation.accuracy.report.style import (
 from neurotouch_hid.evaluation.accuracy.table import find_figure, format_figure
 
 Reports = Mapping[str, Mapping[str, Any]]
-"""What ``summarise`` gives, by method."""
+"""The results of ``summarise``, by method."""
 
 _PUBLISHED = {figure.key: figure.paper for figure in FIGURES}
 _GESTURES = ("push", "pinch", "zoom", "twist_cw", "twist_ccw")
@@ -30,7 +30,7 @@ _ROOM = 0.8  # of the distance between two groups of bars that the bars take
 
 
 def draw_summary(reports: Reports) -> Figure:
-    """Returns the paper's five figures, each method beside what the paper published."""
+    """Returns the paper's five figures, each method beside the published figure."""
     figure = Figure(figsize=(9.6, 3.6))
     panels = figure.subplots(1, 5)
     for axes, item in zip(panels, FIGURES[:5], strict=True):
@@ -89,7 +89,7 @@ def draw_bars(
     unit: str,
     size: float = 9,
 ) -> None:
-    """Groups of bars with their values: one group for each label, in it one bar for each method."""
+    """Draws groups of bars with their values: a group for each label, a bar for each method."""
     width = _ROOM / len(values)
     known = [value for row in values for value in row if value is not None]
     for k, row in enumerate(values):

@@ -1,4 +1,4 @@
-"""Figures over intensity, time and confidence, and the confusion matrix."""
+"""Draws figures over intensity, time and confidence, and the confusion matrix."""
 
 from collections.abc import Mapping, Sequence
 
@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from neurotouch_hid.evaluation.accuracy.paper import (
+from neurotouch_hid.evaluation.accuracy.published_figures import (
     COUNT_BY_INTENSITY,
     TYPE_BY_INTENSITY,
     ZOOM_AS_PUSH,
@@ -132,7 +132,7 @@ def _cell(column: int, row: int, value: float) -> Rectangle:
 
 
 def draw_times(timings: Mapping[str, TypeTiming], reports: Reports) -> Figure:
-    """Draws how soon gestures get their type, how many lose it, how many are false."""
+    """Draws the time until types are recognised, and the shares of changed and false gestures."""
     figure = Figure(figsize=(9.6, 4.2))
     axes, changes, invented = figure.subplots(1, 3, width_ratios=(3.6, 1, 1))
     for k, timing in enumerate(timings.values()):
@@ -170,7 +170,7 @@ def _draw_shares(axes: Axes, timing: TypeTiming, k: int) -> None:
 
 
 def draw_reliability(reports: Reports) -> Figure:
-    """Returns how often the type is right, over the confidence that it was called with."""
+    """Draws the share of right types over the confidence."""
     figure = Figure(figsize=(6.4, 5.6))
     axes, amounts = figure.subplots(2, 1, sharex=True, height_ratios=(4, 1))
     (honest,) = axes.plot([0, 1], [0, 1], color=MUTED, ls=":", label="as good as said")

@@ -1,4 +1,4 @@
-"""The folder of a report: complete or not there, and never in place of something else."""
+"""Writes the folder of a report: complete or not at all, and never over other files."""
 
 import os
 from collections.abc import Iterator
@@ -12,10 +12,10 @@ PAGE, NUMBERS, FIGURES = "report.html", "report.json", "figures"
 
 
 def check_folder(folder: Path) -> None:
-    """Says before the long work whether a report can be written there; makes the folders above it.
+    """Checks before the long work that a report can be written; creates the folders above it.
 
     Raises:
-        NeuroTouchError: it cannot be written, or something that is no report would be lost.
+        NeuroTouchError: it cannot be written, or other files would be lost.
     """
     folder = folder.resolve()
     try:
@@ -25,7 +25,7 @@ def check_folder(folder: Path) -> None:
         raise _explain(folder, error) from error
     if is_taken:
         raise NeuroTouchError(
-            f"'{folder}' holds something else than a report.",
+            f"'{folder}' contains files that are not part of a report.",
             hint="Name a new folder; only an empty one or an older report is replaced.",
         )
     if not os.access(folder.parent, os.W_OK | os.X_OK):
@@ -36,7 +36,7 @@ def check_folder(folder: Path) -> None:
 
 @contextmanager
 def fill_folder(folder: Path) -> Iterator[Path]:
-    """Gives a new empty folder to fill; it is moved into place at the end, removed on error.
+    """Yields a new empty folder; it is moved into place at the end, removed on error.
 
     Raises:
         NeuroTouchError: see ``check_folder``; or the disk is full.
@@ -56,7 +56,7 @@ def fill_folder(folder: Path) -> Iterator[Path]:
 
 
 def _is_replaceable(folder: Path) -> bool:
-    """Returns True for an empty folder and for a report to which nobody added anything."""
+    """Returns True for an empty folder and for a report without added files."""
     names = {entry.name for entry in folder.iterdir()}
     if not names:
         return True

@@ -1,4 +1,4 @@
-"""The worst moments, drawn: markers, how far they moved, what was meant and what was recognised."""
+"""Draws the worst moments: markers and their motion, the labels and the prediction."""
 
 from dataclasses import dataclass
 
@@ -19,17 +19,17 @@ _REACH_MM = 1.15 * GEL_RADIUS_MM  # half of the picture's side
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Failure:
-    """A moment and the recording that it is from."""
+    """A moment and its recording."""
 
     file: str
     moment: WorstMoment
 
     def expected(self) -> str:
-        """Returns what the labels say, in words."""
+        """Returns the labelled gesture, in words."""
         return _describe(self.moment.truth)
 
     def recognised(self) -> str:
-        """Returns what was recognised, in words."""
+        """Returns the recognised gesture, in words."""
         return _describe(self.moment.gesture)
 
 
@@ -44,7 +44,7 @@ def find_failures(evaluation: Evaluation) -> list[Failure]:
 
 
 def draw_failure(failure: Failure) -> Figure:
-    """Returns one moment as the camera sees it.
+    """Returns a figure of one moment, as the camera sees it.
 
     Measured markers are filled, guessed ones hollow.
     """

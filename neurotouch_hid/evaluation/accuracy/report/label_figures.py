@@ -1,4 +1,4 @@
-"""Figures of the labels, as the paper describes its own data set."""
+"""Draws figures of the labels, as the paper does for its own data set."""
 
 import numpy as np
 from matplotlib.colors import LinearSegmentedColormap, to_rgba
@@ -6,7 +6,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
-from neurotouch_hid.evaluation.accuracy.paper import (
+from neurotouch_hid.evaluation.accuracy.label_statistics import LabelStatistics
+from neurotouch_hid.evaluation.accuracy.published_figures import (
     INTENSITY_MAX_MM,
     INTENSITY_RANGES_MM,
     LABELS,
@@ -15,7 +16,6 @@ from neurotouch_hid.evaluation.accuracy.paper import (
     SPEED_RANGE_MM_S,
 )
 from neurotouch_hid.evaluation.accuracy.report.style import BLUE, INK, MUTED, add_grid, add_legend
-from neurotouch_hid.evaluation.accuracy.statistics import LabelStatistics
 from neurotouch_hid.evaluation.accuracy.tally import BIN_MM
 from neurotouch_hid.geometry import GEL_RADIUS_MM
 from neurotouch_hid.messages import GestureKind
@@ -24,7 +24,7 @@ _NAMES = [kind.label.replace("_", " ") for kind in GestureKind]
 
 
 def draw_classes(labels: LabelStatistics) -> Figure:
-    """Draws how often each type is labelled [NT, figure of the types]."""
+    """Draws the share of each labelled type [NT, figure of the types]."""
     figure = Figure(figsize=(7.2, 4.2))
     axes = figure.subplots()
     counts = np.bincount(labels.kinds, minlength=len(GestureKind))
@@ -50,7 +50,7 @@ def draw_classes(labels: LabelStatistics) -> Figure:
 
 
 def draw_contacts(labels: LabelStatistics) -> Figure:
-    """Draws where on the gel the contacts lie [NT, figure of the contact points]."""
+    """Draws the contact points on the gel [NT, figure of the contact points]."""
     figure = Figure(figsize=(5.6, 5.2))
     axes = figure.subplots()
     reach = GEL_RADIUS_MM + 2

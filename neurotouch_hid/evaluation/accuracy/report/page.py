@@ -1,4 +1,4 @@
-"""The page of a report: one file that needs nothing else, no script, no network."""
+"""Builds the page of a report: one file without scripts, other files or network."""
 
 import base64
 from collections.abc import Callable, Mapping, Sequence
@@ -10,7 +10,7 @@ from typing import Any
 from neurotouch_hid.evaluation.accuracy.origin import Origin
 from neurotouch_hid.evaluation.accuracy.report import tables
 from neurotouch_hid.evaluation.accuracy.report.bars import Reports
-from neurotouch_hid.evaluation.accuracy.report.pictures import Picture
+from neurotouch_hid.evaluation.accuracy.report.pictures import ReportPicture
 
 _SECTIONS = (
     ("table", "The paper’s table"),
@@ -18,7 +18,7 @@ _SECTIONS = (
     ("intensity", "Accuracy over intensity"),
     ("errors", "Contact distance and intensity error"),
     ("confusion", "Confusion matrix"),
-    ("timing", "Time, changes of mind and rest"),
+    ("timing", "Time, changes of type and rest"),
     ("confidence", "Confidence"),
     ("labels", "The labels"),
     ("failures", "The worst moments"),
@@ -26,13 +26,13 @@ _SECTIONS = (
 )
 
 
-def build_page(reports: Reports, pictures: Sequence[Picture], origin: Origin) -> str:
+def build_page(reports: Reports, pictures: Sequence[ReportPicture], origin: Origin) -> str:
     """Returns the whole page.
 
     Args:
         reports: figures by method.
-        pictures: all figures in order; the first word of a name says its section.
-        origin: where the figures come from.
+        pictures: all figures in order; the first word of a name is its section.
+        origin: origin of the figures.
     """
     contents = "".join(f'<li><a href="#{key}">{title}</a></li>' for key, title in _SECTIONS)
     sections = "".join(
@@ -64,7 +64,7 @@ def _introduce(reports: Reports) -> str:
     )
 
 
-def _build_section(key: str, reports: Reports, pictures: Sequence[Picture]) -> str:
+def _build_section(key: str, reports: Reports, pictures: Sequence[ReportPicture]) -> str:
     shown = [picture for picture in pictures if picture.name.split("-")[0] == key]
     if key == "failures":
         return _build_gallery(list(reports), shown)
@@ -86,9 +86,9 @@ _NUMBERS: Mapping[str, Callable[[Mapping[str, Any]], str]] = {
     "confidence": tables.build_reliability,
 }
 _EXPLAIN_TIMING = """<p>Time: from the moment the labelled intensity reaches 2.5 mm to the first
-slice with the labelled type; a gesture that never gets it counts as infinitely late. A gesture
-changes type if another one is recognised after that, or none while the labelled intensity is still
-2.5 mm or more. At rest: no gesture is labelled within half a second.</p>
+slice with the labelled type; a gesture that never gets that type counts as infinitely late. A
+gesture changes type if another one is recognised after that, or none while the labelled intensity
+is still 2.5 mm or more. At rest: no gesture is labelled within half a second.</p>
 """
 
 
@@ -102,7 +102,7 @@ def _build_numbers(build: Callable[[Mapping[str, Any]], str] | None, reports: Re
     )
 
 
-def _build_gallery(methods: Sequence[str], pictures: Sequence[Picture]) -> str:
+def _build_gallery(methods: Sequence[str], pictures: Sequence[ReportPicture]) -> str:
     parts = [
         "<p>The worst moment of each labelled gesture and each rest, and of those the worst ten. "
         "Rings are labelled contacts, crosses recognised ones; arrows lead from where a marker "
@@ -118,7 +118,7 @@ def _build_gallery(methods: Sequence[str], pictures: Sequence[Picture]) -> str:
     return "".join(parts)
 
 
-def _build_picture(picture: Picture) -> str:
+def _build_picture(picture: ReportPicture) -> str:
     data = base64.b64encode(picture.svg.encode()).decode()
     return (
         f'<figure><div class="wide"><img id="{escape(picture.name)}" alt="{escape(picture.alt)}" '

@@ -1,4 +1,4 @@
-"""All figures of a report, each with what it shows in words."""
+"""Draws all figures of a report, each with a description in words."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from matplotlib.figure import Figure
 
 from neurotouch_hid.evaluation.accuracy.files import Evaluation
+from neurotouch_hid.evaluation.accuracy.label_statistics import LabelStatistics
 from neurotouch_hid.evaluation.accuracy.report.bars import (
     Reports,
     draw_errors,
@@ -27,17 +28,16 @@ from neurotouch_hid.evaluation.accuracy.report.label_figures import (
     draw_speeds,
 )
 from neurotouch_hid.evaluation.accuracy.report.style import apply_style, render_svg
-from neurotouch_hid.evaluation.accuracy.statistics import LabelStatistics
 
 
 @dataclass(frozen=True, slots=True)
-class Picture:
+class ReportPicture:
     """A drawn figure.
 
     Attributes:
         name: of its file, without suffix; starts with the section of the page that shows it.
-        alt: what it shows, for those who do not see it.
-        caption: what to know when reading it.
+        alt: its content in words, for people who do not see it.
+        caption: the text below it.
         svg: the drawing.
     """
 
@@ -49,13 +49,13 @@ class Picture:
 
 def draw_pictures(
     evaluations: Mapping[str, Evaluation], reports: Reports, progress: Callable[[str], None]
-) -> Iterator[Picture]:
+) -> Iterator[ReportPicture]:
     """Draws one figure after another, in the order of the page.
 
     Args:
         evaluations: by method; at least one.
-        reports: what each of them reports.
-        progress: called with what is being drawn.
+        reports: the report of each of them.
+        progress: called with a sentence at each step.
     """
     with apply_style():
         progress("Drawing the figures of the results")
@@ -69,20 +69,22 @@ def draw_pictures(
                 yield _picture_failure(f"failures-{method}-{k:02d}", failure)
 
 
-def _draw_results(evaluations: Mapping[str, Evaluation], reports: Reports) -> Iterator[Picture]:
+def _draw_results(
+    evaluations: Mapping[str, Evaluation], reports: Reports
+) -> Iterator[ReportPicture]:
     timings = {method: evaluation.total().timing for method, evaluation in evaluations.items()}
     yield _picture(
         "table-summary",
         draw_summary(reports),
-        "Bars of the paper's five figures for each method, with a dashed line at what the paper "
-        "published. The table above has all numbers.",
+        "Bars of the paper's five figures for each method, with a dashed line at the paper's "
+        "figure. The table above has all numbers.",
         "The paper's figures are from its own data, which has not been published.",
     )
     yield _picture(
         "types-metrics",
         draw_type_metrics(reports),
         "Bars of precision, recall, F1-score and contact count accuracy for none and each of the "
-        "five gestures. The tables below hold all numbers.",
+        "five gestures. The tables below have all numbers.",
         "Precision: of the slices recognised as this type, how many are. Recall: of the slices "
         "labelled so, how many are recognised. –: undefined.",
     )
@@ -106,7 +108,7 @@ def _draw_results(evaluations: Mapping[str, Evaluation], reports: Reports) -> It
         "confusion-matrix",
         draw_confusion(reports),
         "Confusion matrix of labelled against recognised types for each method. The tables below "
-        "hold all numbers.",
+        "have all numbers.",
         "Mean of the row-normalised and the column-normalised matrix. The paper's largest "
         "confusion is zoom taken for push.",
     )
@@ -123,12 +125,12 @@ def _draw_results(evaluations: Mapping[str, Evaluation], reports: Reports) -> It
         draw_reliability(reports),
         "Share of right types over the confidence they were called with, and how often each "
         "confidence is given. The table below has all numbers.",
-        "Slices in which a gesture is recognised. On the dotted line a confidence means what it "
-        "says: of those called with 0.9, nine in ten are right.",
+        "Slices in which a gesture is recognised. On the dotted line the confidence equals "
+        "the accuracy: of the slices with a confidence of 0.9, nine in ten are right.",
     )
 
 
-def _draw_labels(labels: LabelStatistics) -> Iterator[Picture]:
+def _draw_labels(labels: LabelStatistics) -> Iterator[ReportPicture]:
     yield _picture(
         "labels-types",
         draw_classes(labels),
@@ -162,7 +164,7 @@ def _draw_labels(labels: LabelStatistics) -> Iterator[Picture]:
     )
 
 
-def _picture_failure(name: str, failure: Failure) -> Picture:
+def _picture_failure(name: str, failure: Failure) -> ReportPicture:
     moment = failure.moment
     expected, recognised = failure.expected(), failure.recognised()
     place = f"{failure.file}, {moment.since_s:.2f} s"
@@ -176,5 +178,5 @@ def _picture_failure(name: str, failure: Failure) -> Picture:
     )
 
 
-def _picture(name: str, figure: Figure, alt: str, caption: str) -> Picture:
-    return Picture(name, alt, caption, render_svg(figure))
+def _picture(name: str, figure: Figure, alt: str, caption: str) -> ReportPicture:
+    return ReportPicture(name, alt, caption, render_svg(figure))

@@ -1,4 +1,4 @@
-"""How every figure looks: colours that the colour-blind tell apart, light and dark."""
+"""Style of all figures: colours that colour-blind people can tell apart, light and dark."""
 
 import io
 import re
@@ -39,7 +39,10 @@ _RC: dict[Any, Any] = {
     "axes.spines.right": False,
     "axes.facecolor": BACKGROUND,
     "axes.axisbelow": True,
-    "boxplot.whiskers": (0.0, 100.0),  # percentiles: from end to end
+    "boxplot.whiskers": (
+        0.0,
+        100.0,
+    ),  # percentiles: the whiskers reach the least and the largest value
     "figure.facecolor": BACKGROUND,
     "figure.constrained_layout.use": True,
     "figure.constrained_layout.h_pad": 0.08,
@@ -63,16 +66,16 @@ _RC: dict[Any, Any] = {
 
 @contextmanager
 def apply_style() -> Iterator[None]:
-    """Applies our style to figures made inside the block; nothing outside changes."""
+    """Applies this style to figures made inside the block; other figures do not change."""
     with mpl.rc_context(_RC):
         yield
 
 
 def render_svg(figure: Figure) -> str:
-    """Returns the figure as SVG that turns dark with the viewer's ``prefers-color-scheme``.
+    """Returns the figure as SVG that follows the viewer's ``prefers-color-scheme``.
 
-    Colours stay written where they are used, so that programs without style sheets show the light
-    figure; the style sheet only overrides those that have a dark twin.
+    Colours stay in the elements, so that programs without style sheets show the light figure. The
+    style sheet only overrides colours that have a dark twin.
     """
     stream = io.StringIO()
     blank = dict.fromkeys(("Creator", "Date", "Format", "Type"))

@@ -1,10 +1,10 @@
-"""The tables of the page. Each number is also there exactly, as in the JSON file."""
+"""Builds the tables of the page. Each number is also there unrounded, as in the JSON file."""
 
 from collections.abc import Iterable, Mapping
 from html import escape
 from typing import Any
 
-from neurotouch_hid.evaluation.accuracy.paper import FIGURES
+from neurotouch_hid.evaluation.accuracy.published_figures import FIGURES
 from neurotouch_hid.evaluation.accuracy.report.bars import Reports
 from neurotouch_hid.evaluation.accuracy.table import BEYOND, find_figure, format_figure
 
@@ -24,7 +24,7 @@ def build_summary(reports: Reports) -> str:
 
 
 def build_beyond(reports: Reports) -> str:
-    """Returns what the paper does not report: time, changes of mind, rest, confidence."""
+    """Returns the figures that the paper lacks: time, changes of type, rest, confidence."""
     rows = [
         [
             item.name,
@@ -138,7 +138,7 @@ def build_table(caption: str, head: Iterable[str], rows: Iterable[list[str]]) ->
 
 
 def _number(value: float | None, unit: str) -> str:
-    """Returns a rounded number in words, the exact one in its tag."""
+    """Returns a rounded number as text, with the exact one in its tag."""
     if value is None:
         return "–"
     return f'<data value="{value!r}">{format_figure(value, unit)}</data>'

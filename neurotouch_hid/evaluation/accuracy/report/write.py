@@ -1,4 +1,4 @@
-"""Writes a report: all or nothing."""
+"""Writes a report, complete or not at all."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -20,13 +20,13 @@ def write_report(
     """Writes ``report.html``, ``report.json`` and ``figures/*.svg``.
 
     Args:
-        folder: made; an empty one or an older report is replaced.
+        folder: created; an empty one or an older report is replaced.
         evaluations: by method, of the same recordings; at least one.
-        origin: where the figures come from.
-        progress: called with what is being done.
+        origin: origin of the figures.
+        progress: called with a sentence at each step.
 
     Raises:
-        NeuroTouchError: the folder cannot be written or holds something else.
+        NeuroTouchError: the folder cannot be written, or it contains other files.
     """
     reports = {method: evaluation.report() for method, evaluation in evaluations.items()}
     with fill_folder(folder) as new:

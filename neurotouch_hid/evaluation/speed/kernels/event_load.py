@@ -1,11 +1,12 @@
-"""The compiled loop of the load: events about markers, beside those that are there."""
+"""Compiled loop that adds events near markers to those of a scene."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from neurotouch_hid.process.kernel_cache import kernel
 
-@njit(cache=True, nogil=True)
+
+@kernel
 def fill_slice(
     own: NDArray[np.void],
     shift_us: int,
@@ -18,19 +19,19 @@ def fill_slice(
     first: int,
     events: NDArray[np.void],
 ) -> None:
-    """Fills a slice with evenly spaced events; in the places of some come those it has of its own.
+    """Fills a slice with evenly spaced events; the slice's own events replace some of them.
 
     Args:
         own: (m,) EVENT_DTYPE, kept in their order; evenly chosen ones if they are too many.
-        shift_us: what to add to their stamps.
+        shift_us: added to their stamps.
         begin_us: of the slice.
         length_us: of the slice.
-        markers_px: (k, 2) float32, where markers are; no nearer to the sensor's rim than the
+        markers_px: (k, 2) float32, places of markers; no nearer to the sensor's rim than the
             largest of ``off_px``.
         marker: (p,) int32, markers drawn at random.
         off_px: (p, 2) float32, how far the event is from the marker, and half a pixel.
         is_on: (p,) bool, its polarity.
-        first: where in these to begin; they are used again and again.
+        first: index of the first number to use; the numbers are used cyclically.
         events: (n,) EVENT_DTYPE, written.
     """
     n, m, size = len(events), len(own), len(marker)

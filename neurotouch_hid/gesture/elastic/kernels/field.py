@@ -4,8 +4,9 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from neurotouch_hid.process.kernel_cache import kernel
 
 Floats = NDArray[np.float64]
 
@@ -13,15 +14,20 @@ POISSON_RATIO = 0.49  # silicone is nearly incompressible
 VIEW_MM = 100.0  # from the lens to the gel: what sinks grows
 CLAMP_MM = 31.0  # radius at which the rim clamps the gel, just outside the last markers
 
+N_ROWS = 7
+XX, XY, YY, TURN_X, TURN_Y, RATIO, ARC = range(N_ROWS)
+"""The rows that ``respond_along`` writes: the numbers of ``respond``, then radius over distance, at
+most 1, and its arc sine."""
 
-@njit(cache=True, nogil=True)
+
+@kernel
 def rim_window(r2: float) -> float:
     """Returns how freely the gel moves at squared distance ``r2`` from its centre, 0..1."""
     root = math.sqrt(math.sqrt(max(1.0 - r2 / (CLAMP_MM * CLAMP_MM), 1e-3)))
     return root * math.sqrt(root)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def respond(
     x: float, y: float, window: float, cx: float, cy: float, a: float
 ) -> tuple[float, float, float, float, float]:
@@ -57,7 +63,7 @@ def respond(
     return along + cos2, sin2, along - cos2, -spin * dy, spin * dx
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def respond_along(
     x: Floats, y: Floats, window: Floats, cx: float, cy: float, a: float, answer: Floats
 ) -> None:
@@ -72,11 +78,10 @@ def respond_along(
         cx: of the patch's centre, mm.
         cy: of the patch's centre, mm.
         a: its radius, mm.
-        answer: (7, n) float64, written: the five numbers of ``respond``, then radius over
-            distance, at most 1, and its arc sine.
+        answer: (N_ROWS, n) float64, written, row by row.
     """
     n = len(x)
-    ratios, arcs = answer[5], answer[6]
+    ratios, arcs = answer[RATIO], answer[ARC]
     for i in range(n):
         dx, dy = x[i] - cx, y[i] - cy
         ratio = a / math.sqrt(dx * dx + dy * dy)
@@ -94,15 +99,15 @@ def respond_along(
         spin = gain * (arc - b)
         cos2, sin2 = (dx * dx - dy * dy) * shear, 2.0 * dx * dy * shear
         is_under = r2 <= a * a
-        answer[0, i] = 1.0 if is_under else along + cos2
-        answer[1, i] = 0.0 if is_under else sin2
-        answer[2, i] = 1.0 if is_under else along - cos2
-        answer[3, i] = -dy if is_under else -spin * dy
-        answer[4, i] = dx if is_under else spin * dx
+        answer[XX, i] = 1.0 if is_under else along + cos2
+        answer[XY, i] = 0.0 if is_under else sin2
+        answer[YY, i] = 1.0 if is_under else along - cos2
+        answer[TURN_X, i] = -dy if is_under else -spin * dy
+        answer[TURN_Y, i] = dx if is_under else spin * dx
 
 
-@njit(cache=True, nogil=True)
-def couple(centres: Floats, radii: Floats) -> Floats:
+@kernel
+def build_compliance(centres: Floats, radii: Floats) -> Floats:
     """Returns the motions of all patches per unit of load on each patch.
 
     Args:
@@ -137,7 +142,7 @@ def couple(centres: Floats, radii: Floats) -> Floats:
     return matrix
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def fill_responses(points: Floats, sites: Floats, radius: float, atoms: Floats) -> None:
     """Writes the responses of all markers to a patch at each site.
 
@@ -159,7 +164,7 @@ def fill_responses(points: Floats, sites: Floats, radius: float, atoms: Floats) 
             atoms[2 * i, 3 * s + 2], atoms[2 * i + 1, 3 * s + 2] = tx, ty
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def measure_gains(
     atoms: NDArray[np.float32],
     inverse: Floats,
@@ -190,7 +195,7 @@ def measure_gains(
         gains[s] = gain
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def bound_gain(residual: Floats, weight: Floats) -> float:
     """Returns an upper bound for the gain of one more finger anywhere, mm².
 
@@ -208,7 +213,7 @@ def bound_gain(residual: Floats, weight: Floats) -> float:
     return most
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def find_site(
     gel: Any,
     residual: Floats,

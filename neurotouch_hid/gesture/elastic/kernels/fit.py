@@ -4,11 +4,22 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from neurotouch_hid.gesture.elastic.kernels.field import VIEW_MM, couple, respond_along
-from neurotouch_hid.gesture.elastic.kernels.motion import measure_size
+from neurotouch_hid.gesture.elastic.kernels.field import (
+    N_ROWS,
+    RATIO,
+    TURN_X,
+    TURN_Y,
+    VIEW_MM,
+    XX,
+    XY,
+    YY,
+    build_compliance,
+    respond_along,
+)
+from neurotouch_hid.gesture.elastic.kernels.motion import DRAG_X, DRAG_Y, TURN, measure_size
+from neurotouch_hid.process.kernel_cache import kernel
 
 Floats = NDArray[np.float64]
 
@@ -26,7 +37,7 @@ REACH_MM = 27.0  # no finger's centre is farther out
 NEAR_MM = 9.0  # farther from a patch's edge, a shift of the patch changes little
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def solve(matrix: Floats, vector: Floats) -> bool:
     """Solves the symmetric positive system in place (Cholesky); False if it is singular.
 
@@ -60,7 +71,7 @@ def solve(matrix: Floats, vector: Floats) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def invert(matrix: Floats) -> None:
     """Inverts a general matrix (n, n) with dominant diagonal in place (Gauss-Jordan, pivoting)."""
     n = len(matrix)
@@ -93,7 +104,7 @@ def invert(matrix: Floats) -> None:
             matrix[i, j] = work[i, n + j]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@kernel(error_model="numpy", inline="always")
 def build_columns(
     points: Floats,
     window: Floats,
@@ -115,16 +126,16 @@ def build_columns(
         centres: (k, 2) float64 mm.
         radii: (k,) float64 mm.
         motions: (k, 3) float64: drag x, drag y in mm, sine of the turn.
-        inverse: (3 k, 3 k) float64, of ``couple``.
+        inverse: (3 k, 3 k) float64, of ``build_compliance``.
         columns: (4 k + 3 or more, 2, n) float64, the first 4 k + 3 are written: motions, presses,
             offset (x, y, turn) of the whole gel. Markers come last, so that a processor takes
             several at once.
-        bent: (2, n) float64 mm, written: what a finite turn adds to the linear one.
+        bent: (2, n) float64 mm, written: the difference of a finite turn from the linear one.
     """
     k, n = len(centres), len(window)
     x, y = points[0], points[1]
     owner = np.empty(n, np.int64)
-    alone, answer = np.empty((3 * k, 2, n)), np.empty((7, n))
+    alone, answer = np.empty((3 * k, 2, n)), np.empty((N_ROWS, n))
     for i in range(n):
         owner[i] = -1
         bent[0, i] = bent[1, i] = 0.0
@@ -135,11 +146,11 @@ def build_columns(
         cx, cy, a = centres[j, 0], centres[j, 1], radii[j]
         respond_along(x, y, window, cx, cy, a, answer)
         for i in range(n):
-            alone[3 * j, 0, i], alone[3 * j, 1, i] = answer[0, i], answer[1, i]
-            alone[3 * j + 1, 0, i], alone[3 * j + 1, 1, i] = answer[1, i], answer[2, i]
-            alone[3 * j + 2, 0, i], alone[3 * j + 2, 1, i] = answer[3, i], answer[4, i]
-        tx, ty, ratio = answer[3], answer[4], answer[5]
-        bend = math.sqrt(max(1.0 - motions[j, 2] ** 2, 0.0)) - 1.0
+            alone[3 * j, 0, i], alone[3 * j, 1, i] = answer[XX, i], answer[XY, i]
+            alone[3 * j + 1, 0, i], alone[3 * j + 1, 1, i] = answer[XY, i], answer[YY, i]
+            alone[3 * j + 2, 0, i], alone[3 * j + 2, 1, i] = answer[TURN_X, i], answer[TURN_Y, i]
+        tx, ty, ratio = answer[TURN_X], answer[TURN_Y], answer[RATIO]
+        bend = math.sqrt(max(1.0 - motions[j, TURN] ** 2, 0.0)) - 1.0
         press = columns[3 * k + j]
         for i in range(n):
             dx, dy = x[i] - cx, y[i] - cy
@@ -173,7 +184,7 @@ def build_columns(
                     column[i] = own[i] if owner[i] == b // 3 else 0.0
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def build_slopes(
     points: Floats,
     window: Floats,
@@ -191,12 +202,12 @@ def build_slopes(
         centres: (k, 2) float64 mm.
         radii: (k,) float64 mm.
         motions: (k, 3) float64: drag x, drag y in mm, sine of the turn.
-        inverse: (3 k, 3 k) float64, of ``couple``.
+        inverse: (3 k, 3 k) float64, of ``build_compliance``.
         columns: (3 k, 2, n) float64, written: x, y and radius of each finger.
     """
     k, n = len(centres), len(window)
     near, place = np.empty(n, np.int64), np.empty((3, n))
-    more, less = np.empty((7, n)), np.empty((7, n))
+    more, less = np.empty((N_ROWS, n)), np.empty((N_ROWS, n))
     h = 0.5 / GRADIENT_MM
     for b in range(3 * k):
         for i in range(n):
@@ -222,17 +233,14 @@ def build_slopes(
                 sx, sy, sa = step * (p == 0), step * (p == 1), step * (p == 2)
                 respond_along(xs, ys, free, cx + sx, cy + sy, a + sa, answer)
             for i in range(m):
-                xx, xy = more[0, i] - less[0, i], more[1, i] - less[1, i]
-                yy, tx, ty = (
-                    more[2, i] - less[2, i],
-                    more[3, i] - less[3, i],
-                    more[4, i] - less[4, i],
-                )
+                xx, xy = more[XX, i] - less[XX, i], more[XY, i] - less[XY, i]
+                yy = more[YY, i] - less[YY, i]
+                tx, ty = more[TURN_X, i] - less[TURN_X, i], more[TURN_Y, i] - less[TURN_Y, i]
                 column[0, near[i]] = h * (xx * qx + xy * qy + tx * qt)
                 column[1, near[i]] = h * (xy * qx + yy * qy + ty * qt)
 
 
-@njit(cache=True, nogil=True, fastmath={"reassoc", "contract"})
+@kernel(fastmath={"reassoc", "contract"})
 def accumulate(
     columns: Floats, target: Floats, weight: Floats, normal: Floats, right: Floats
 ) -> None:
@@ -262,7 +270,7 @@ def accumulate(
             normal[a, b] = value
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel(error_model="numpy")
 def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps: int) -> None:
     """Fits fingers to displacements: Gauss-Newton, then one linear solve for the motions alone.
 
@@ -287,7 +295,7 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
     for step in range(n_steps + 1):
         is_last = step == n_steps
         m = 4 * k + 3 if is_last else 7 * k + 3
-        inverse = couple(centres, radii)
+        inverse = build_compliance(centres, radii)
         invert(inverse)
         build_columns(gel.points, window, centres, radii, motions, inverse, columns, bent)
         if not is_last:
@@ -299,7 +307,7 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
         accumulate(columns, target, weight[:], normal, right)
         largest2 = 0.0
         for j in range(k):
-            largest2 = max(largest2, motions[j, 0] ** 2 + motions[j, 1] ** 2)
+            largest2 = max(largest2, motions[j, DRAG_X] ** 2 + motions[j, DRAG_Y] ** 2)
         variance = noise_mm * noise_mm + model_error * model_error * largest2
         for j in range(k):
             normal[3 * j, 3 * j] += variance / DRAG_MM**2
@@ -324,7 +332,7 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
         for j in range(k):
             for p in range(3):
                 motions[j, p] = right[3 * j + p, 0]
-            motions[j, 2] = min(max(motions[j, 2], -0.95), 0.95)
+            motions[j, TURN] = min(max(motions[j, TURN], -0.95), 0.95)
             fit.press[j] = right[3 * k + j, 0]
         fit.offset_x_mm, fit.offset_y_mm = right[4 * k, 0], right[4 * k + 1, 0]
         fit.offset_rad = right[4 * k + 2, 0]

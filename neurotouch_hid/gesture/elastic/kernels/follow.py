@@ -8,19 +8,22 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from neurotouch_hid.gesture.elastic.kernels.field import bound_gain, find_site
 from neurotouch_hid.gesture.elastic.kernels.fit import refine
 from neurotouch_hid.gesture.elastic.kernels.markers import find_common, measure_sway, weigh_markers
 from neurotouch_hid.gesture.elastic.kernels.motion import (
+    DRAG_X,
+    DRAG_Y,
+    TURN,
     choose_shown,
     locate,
     measure_motion,
     measure_size,
     subtract_landing,
 )
+from neurotouch_hid.process.kernel_cache import kernel
 
 Floats = NDArray[np.float64]
 
@@ -29,7 +32,7 @@ NOW, WARM, TRIED, COLD, BEST, N_FITS = range(6)
 nothing; the best of that search."""
 
 CHECK_US = 10_000
-"""The number of fingers is checked after so much time, whatever the length of the slices: fingers
+"""Interval between two checks of the number of fingers, whatever the length of the slices: fingers
 come and go no faster, and each check costs as much as several slices without one."""
 
 STEPS_NONE, STEPS_ON, STEPS_LESS, STEPS_MORE = np.arange(4)
@@ -38,7 +41,7 @@ followed fingers; for one finger fewer; for one more. They are numpy's integers,
 compiles one kernel instead of four."""
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def follow(
     state: NDArray[np.void],
     fits: NDArray[np.void],
@@ -112,8 +115,8 @@ def follow(
     measure_motion(centres, radii, since, motion.parts_mm)
 
 
-@njit(cache=True, nogil=True)
-def show(
+@kernel
+def locate_shown(
     fits: NDArray[np.void], gel: NDArray[np.void], config: NDArray[np.void], least: int
 ) -> tuple[Floats, Floats, float]:
     """Returns the contacts of the fingers in ``NOW``, of which there is at least one.
@@ -148,7 +151,7 @@ def show(
     return mm, px, total_mm / count
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _leave_out_still(
     fit: Any, fingers: Any, rules: Any
 ) -> tuple[int, Floats, Floats, Floats, Floats]:
@@ -165,7 +168,7 @@ def _leave_out_still(
     return n, centres[:n], radii[:n], motions[:n], since[:n]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _to_mm(moved_px: Floats, gel: Any, moved: Floats) -> None:
     """Writes the displacements (n, 2) in mm of the gel."""
     c, s = gel.rig.along, gel.rig.across
@@ -175,7 +178,7 @@ def _to_mm(moved_px: Floats, gel: Any, moved: Floats) -> None:
         moved[i, 0], moved[i, 1] = (c * x + s * y) / square, (c * y - s * x) / square
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _weigh(fit: Any, fingers: Any, rules: Any, use: NDArray[np.bool_]) -> tuple[float, float]:
     """Updates the trust in each marker; returns its sum, and the field's weighted squares, mm²."""
     residual, limit2 = fingers.moved, math.inf
@@ -186,7 +189,7 @@ def _weigh(fit: Any, fingers: Any, rules: Any, use: NDArray[np.bool_]) -> tuple[
     return total, field
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _fit(
     fit: Any, fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any, n_steps: int
 ) -> None:
@@ -194,7 +197,7 @@ def _fit(
     refine(gel, fit, fingers, rules, fits[NOW].trust[:], n_steps)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _is_lost(fit: Any, fingers: Any, rules: Any, total: float, field: float) -> bool:
     """Returns True if the followed fingers overlap or explain too little of the field."""
     error = 2.0 * total * fingers.noise_mm**2
@@ -203,21 +206,21 @@ def _is_lost(fit: Any, fingers: Any, rules: Any, total: float, field: float) -> 
     return not (_are_apart(fit, rules) and fit.cost - error < most)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _required(fit: Any, fingers: Any, rules: Any) -> float:
     """Returns the sum of squares that a finger must explain, mm²."""
     required: float = rules.noise_gain * fingers.noise_mm**2 + rules.field_gain * fit.largest_mm**2
     return required
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _score(fit: Any, fingers: Any, rules: Any) -> float:
-    """Returns what a fit leaves and what its fingers must explain, mm²: less is better."""
+    """Returns the residual of a fit plus the required sums of its fingers, mm²: less is better."""
     sum_mm2: float = fit.cost + fit.count * _required(fit, fingers, rules)
     return sum_mm2
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _are_apart(fit: Any, rules: Any) -> bool:
     least_mm = 0.85 * rules.spacing_mm
     for i in range(fit.count):
@@ -229,7 +232,7 @@ def _are_apart(fit: Any, rules: Any) -> bool:
     return True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _find(fit: Any, fingers: Any, gel: Any, rules: Any, least: float) -> tuple[int, float]:
     """Returns the site where one more finger explains most, and how much, mm².
 
@@ -241,19 +244,19 @@ def _find(fit: Any, fingers: Any, gel: Any, rules: Any, least: float) -> tuple[i
     return site, gain
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _add(fit: Any, fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any, site: int) -> None:
     """Adds a finger at a site."""
     j = fit.count
     fit.centres[j, 0], fit.centres[j, 1] = gel.sites[site, 0], gel.sites[site, 1]
     fit.radii[j] = rules.radius_mm
-    fit.motions[j, 0] = fit.motions[j, 1] = fit.motions[j, 2] = 0.0
+    fit.motions[j, DRAG_X] = fit.motions[j, DRAG_Y] = fit.motions[j, TURN] = 0.0
     fit.count += 1
     _fit(fit, fits, fingers, gel, rules, STEPS_NONE)
     _fit(fit, fits, fingers, gel, rules, STEPS_MORE)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _extend(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> None:
     """Adds a finger to those that are followed, if it explains enough."""
     fit = fits[WARM]
@@ -269,7 +272,7 @@ def _extend(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> None:
         fits[WARM] = fits[TRIED]
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _reduce(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> None:
     """Removes one followed finger, if it explains too little; tries a different one each time."""
     fit = fits[WARM]
@@ -289,7 +292,7 @@ def _reduce(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> None:
         fits[WARM] = less
 
 
-@njit(cache=True, nogil=True, inline="always")
+@kernel(inline="always")
 def _search(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> bool:
     """Searches for fingers from nothing, the strongest first; returns False if there are none.
 
@@ -324,7 +327,7 @@ def _search(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> bool:
     return bool(fit.count > 0)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _accept(place: int, fits: NDArray[np.void], fingers: Any, rules: Any, n_checks: float) -> None:
     """Makes a fit that of this slice; fingers keep the names of those that were near."""
     old, new = fits[NOW], fits[place]

@@ -3,13 +3,14 @@
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from neurotouch_hid.process.kernel_cache import kernel
 
 Floats = NDArray[np.float64]
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def weigh_markers(
     use: NDArray[np.bool_], moved: Floats, residual: Floats, limit_mm2: float, weight: Floats
 ) -> tuple[float, float]:
@@ -34,7 +35,7 @@ def weigh_markers(
     return total, field
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def find_common(moved: Floats, weight: Floats) -> tuple[float, float]:
     """Returns the median displacement of the trusted markers, x and y in mm.
 
@@ -51,7 +52,7 @@ def find_common(moved: Floats, weight: Floats) -> tuple[float, float]:
     return float(np.median(x[:n])), float(np.median(y[:n]))
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def measure_sway(moved: Floats, weight: Floats, x: float, y: float) -> float:
     """Returns the distance along (x, y) that three quarters of the trusted markers reach, mm, >= 0.
 
@@ -74,7 +75,7 @@ def measure_sway(moved: Floats, weight: Floats, x: float, y: float) -> float:
     return max(float(np.partition(along[:n], n // 4)[n // 4]), 0.0)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def measure_spread(moved: Floats, weight: Floats) -> float:
     """Returns the spread of the markers about their common motion: standard deviation, mm an axis.
 

@@ -3,13 +3,16 @@
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from neurotouch_hid.gesture.elastic.kernels.field import VIEW_MM
+from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.vocabulary import GestureKind
 
 Floats = NDArray[np.float64]
+
+DRAG_X, DRAG_Y, TURN = range(3)
+"""The columns of a motion: drag in mm, and sine of the turn."""
 
 COMMON_GAIN = 1.6
 """How much the common motion must exceed the relative one to be a push. One finger that drags
@@ -31,7 +34,7 @@ _PUSH, _PINCH, _ZOOM = int(GestureKind.PUSH), int(GestureKind.PINCH), int(Gestur
 _CW, _CCW = int(GestureKind.TWIST_CW), int(GestureKind.TWIST_CCW)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def measure_size(motion: Floats, radius: float) -> float:
     """Returns how far a finger moves the gel under it, mm: rms over its patch, without the press.
 
@@ -39,11 +42,11 @@ def measure_size(motion: Floats, radius: float) -> float:
         motion: (3,) float64, drag x, drag y in mm, sine of the turn.
         radius: mm.
     """
-    x, y, turn = motion[0], motion[1], motion[2]
+    x, y, turn = motion[DRAG_X], motion[DRAG_Y], motion[TURN]
     return math.sqrt(x * x + y * y + 0.5 * (turn * radius) ** 2)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def measure_motion(
     centres: Floats, radii: Floats, motions: Floats, parts: Floats
 ) -> tuple[float, float, float, float]:
@@ -65,10 +68,10 @@ def measure_motion(
     x = y = dx = dy = 0.0
     for j in range(n):
         x, y = x + centres[j, 0], y + centres[j, 1]
-        dx, dy = dx + motions[j, 0], dy + motions[j, 1]
+        dx, dy = dx + motions[j, DRAG_X], dy + motions[j, DRAG_Y]
     x, y, dx, dy = x / n, y / n, dx / n, dy / n
     if n == 1:
-        rotation, scale = math.asin(min(max(motions[0, 2], -1.0), 1.0)), 1.0
+        rotation, scale = math.asin(min(max(motions[0, TURN], -1.0), 1.0)), 1.0
         turn = abs(rotation) * LEVER * radii[0] / TURN_GAIN
         parts[_PUSH] = math.hypot(dx, dy)
     else:
@@ -76,8 +79,8 @@ def measure_motion(
         for j in range(n):
             ax, ay = centres[j, 0] - x, centres[j, 1] - y
             inertia += ax * ax + ay * ay
-            along += ax * motions[j, 0] + ay * motions[j, 1]
-            across += ax * motions[j, 1] - ay * motions[j, 0]
+            along += ax * motions[j, DRAG_X] + ay * motions[j, DRAG_Y]
+            across += ax * motions[j, DRAG_Y] - ay * motions[j, DRAG_X]
         along, across = 1.0 + along / inertia, across / inertia
         rotation, scale = math.atan2(across, along), math.hypot(along, across)
         reach = math.sqrt(inertia / n)
@@ -88,7 +91,7 @@ def measure_motion(
     return dx, dy, rotation, scale
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def subtract_landing(
     motions: Floats, step_us: int, landed: Floats, landed_us: NDArray[np.int64], since: Floats
 ) -> None:
@@ -116,7 +119,7 @@ def subtract_landing(
             since[j, p] = motions[j, p] - share * (landed[j, p] / us)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def locate(
     centre: Floats, radius: float, motion: Floats, press: float
 ) -> tuple[float, float, float, float]:
@@ -139,8 +142,8 @@ def locate(
     Returns:
         The present place (x, y) in mm, and the drag (x, y) in mm.
     """
-    cx, cy, turn = centre[0], centre[1], motion[2]
-    dx, dy = motion[0] + press / VIEW_MM * cx, motion[1] + press / VIEW_MM * cy
+    cx, cy, turn = centre[0], centre[1], motion[TURN]
+    dx, dy = motion[DRAG_X] + press / VIEW_MM * cx, motion[DRAG_Y] + press / VIEW_MM * cy
     square = dx * dx + dy * dy + 0.5 * (turn * radius) ** 2
     shift = 0.5 * turn * radius * radius / max(square, 1e-6)
     sx, sy = shift * dy, -shift * dx
@@ -148,7 +151,7 @@ def locate(
     return cx + dx + keep * sx - turn * sy, cy + dy + keep * sy + turn * sx, dx, dy
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def choose_shown(
     radii: Floats,
     motions: Floats,

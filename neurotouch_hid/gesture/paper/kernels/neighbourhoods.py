@@ -1,11 +1,12 @@
 """Compiled loops over the neighbourhoods of markers: their maxima, members and means."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from neurotouch_hid.process.kernel_cache import kernel
 
-@njit(cache=True, nogil=True)
+
+@kernel
 def find_peaks(
     position_px: NDArray[np.float64],
     magnitude_px: NDArray[np.float64],
@@ -49,7 +50,7 @@ def find_peaks(
     return peak
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def find_near(
     position_px: NDArray[np.float64], points_px: NDArray[np.float64], radius_px: float
 ) -> NDArray[np.bool_]:
@@ -75,7 +76,7 @@ def find_near(
     return near
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def smooth_displacement(
     rest_px: NDArray[np.float64], displacement_px: NDArray[np.float64], radius_px: float
 ) -> NDArray[np.float64]:

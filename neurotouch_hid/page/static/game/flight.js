@@ -1,6 +1,6 @@
-// The flight itself: a ship, rings one after another, and what each ring says about pointing.
+// The flight: a ship, rings one after another, and a measured trial of pointing for each ring.
 //
-// Lengths are in ship lengths, times in seconds. Nothing here draws, sounds or reads a pad.
+// Lengths are in ship lengths, times in seconds. This module does not draw, sound or read a pad.
 
 export const BASE_SPEED = 13;
 export const SPEEDS = [0.2, 2];
@@ -11,9 +11,9 @@ const THRUST_PER_S = 0.7; // of the base speed
 const GAP = [62, 84];
 const FIRST = 44; // the first ring is near, and one push reaches it
 const FIRST_BEND_RAD = 0.26;
-const BEND_RAD = 0.42; // how far off the way of the ship the next ring may be
+const BEND_RAD = 0.42; // largest angle between the ship's course and the next ring
 const RADII = [9, 6.5]; // wide and narrow in turn
-const DWELL_S = 0.4; // an aim that stays this long was meant
+const DWELL_S = 0.4; // an aim that stays this long counts as a selection
 const AHEAD = 3;
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -24,7 +24,7 @@ const cross = (a, b) =>
 const unit = (a) => { const n = Math.hypot(...a) || 1; return a.map((x) => x / n); };
 export const vector = { dot, add, sub, cross, unit };
 
-// Chance that is the same each time: a flight can be repeated, and a picture too.
+// Random numbers from a fixed seed, so that flights and pictures can be repeated.
 function makeChance(seed) {
   let state = seed >>> 0;
   return () => {
@@ -34,7 +34,7 @@ function makeChance(seed) {
 }
 
 export class Flight {
-  // `steady`: the view never rolls, only the ship leans. `auto`: the ship minds its speed itself.
+  // `steady`: the view never rolls, only the ship leans. `auto`: the ship controls its own speed.
   constructor({ seed = 1, steady = false, auto = false, pace = 1 } = {}) {
     this._chance = makeChance(seed);
     this.steady = steady;
@@ -44,8 +44,8 @@ export class Flight {
     this.up = [0, 1, 0];
     this.forward = [0, 0, 1];
     this.pace = pace; // share of the base speed, 20 to 200 %
-    this.roll = 0; // rad, how far the ship has rolled in all
-    this.lean = [0, 0, 0]; // how the ship shows what it is told: pitch, yaw, roll
+    this.roll = 0; // rad, total roll of the ship
+    this.lean = [0, 0, 0]; // lean that shows the input: pitch, yaw, roll
     this.time = 0;
     this.passed = 0;
     this.missed = 0;
@@ -64,7 +64,7 @@ export class Flight {
     return this.passed + this.missed >= RINGS;
   }
 
-  // What happened in this turn: "passed", "missed" or "".
+  // Returns the event of this step: "passed", "missed" or "".
   advance(control, dt) {
     this.time += dt;
     const before = this.position;
@@ -78,14 +78,14 @@ export class Flight {
       const off = Math.hypot(...this._inPlane(ring, this.position));
       if (off < 2.2 * ring.radius) return this._finish(off <= ring.radius);
     }
-    // Flown past it far away, or turned back: the next one is placed where the ship goes now.
+    // Passed far from it, or turned back: the next ring is placed on the ship's present course.
     if (is > 8 || Math.hypot(...sub(this.position, ring.centre)) > 2 * GAP[1]) {
       return this._finish(false);
     }
     return "";
   }
 
-  // Where the next ring is for the pilot: right and up as angles in rad, and how far.
+  // Returns the direction of the next ring, right and up in rad, and its distance.
   find(ring = this.next) {
     const away = sub(ring.centre, this.position);
     const [x, y, z] = [this.right, this.up, this.forward].map((axis) => dot(away, axis));
@@ -109,7 +109,7 @@ export class Flight {
     this.lean = this.lean.map((x, i) => x + (shown[i] - x) * Math.min(1, 7 * dt));
     let wanted = this.pace + (faster - slower) * THRUST_PER_S * dt;
     if (this.auto) {
-      // Slow where there is much to turn, so that pushes alone are enough.
+      // Slow before a large turn, so that pushes alone are enough.
       const { right, up } = this.find();
       const aim = 1.1 - 1.6 * Math.min(Math.hypot(right, up), 0.5);
       wanted = this.pace + Math.min(Math.max(aim - this.pace, -dt), dt) * 0.8;
@@ -117,7 +117,7 @@ export class Flight {
     this.pace = Math.min(Math.max(wanted, SPEEDS[0]), SPEEDS[1]);
   }
 
-  // Where the ship would go through the ring's plane if it went straight on.
+  // Returns the point at which the ship would cross the ring's plane on its present course.
   _project(ring) {
     const closing = dot(this.forward, ring.way);
     if (closing < 0.2) return null;
@@ -135,7 +135,7 @@ export class Flight {
     this._trial = start && { start, begun: null, inside: 0, done: false };
   }
 
-  // A ring is a target, the ship's way the pointer: a trial of ISO 9241-411.
+  // A ring is a target, the ship's course the pointer: a trial of ISO 9241-411.
   _aim({ pitch, yaw }, dt) {
     const trial = this._trial;
     if (!trial || trial.done) return;
@@ -154,7 +154,7 @@ export class Flight {
     trial.done = true;
     const movement_s = at - trial.begun;
     const distance = Math.hypot(...trial.start);
-    if (movement_s < 0.05 || distance <= this.next.radius) return; // it was aimed at already
+    if (movement_s < 0.05 || distance <= this.next.radius) return; // the ship already aimed at it
     this.trials.push({ width: 2 * this.next.radius, start: trial.start, target: [0, 0],
       selected: aim, movement_s });
   }

@@ -12,7 +12,7 @@ const find = (id) => document.getElementById(id);
 const scene = new Scene(find("sky"));
 const sound = new Sound();
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
-const IDLE_S = 45; // then the attract mode begins by itself
+const IDLE_S = 45; // then the attract mode begins automatically
 const LEAST_TRIALS = 3;
 
 let state = null; // of the stream
@@ -22,7 +22,7 @@ let idle = 0;
 let flights = 0;
 let previous = null; // seconds to aim at a ring, of the flight before
 let paused = "flying"; // the mode to go back to
-let driver = "running"; // the driver's state, as the stream says it
+let driver = "running"; // the driver's state in the stream
 let byDriver = false; // the flight pauses because the driver does
 
 const page = openPage(60, {
@@ -35,7 +35,7 @@ const page = openPage(60, {
   throughput: showFigures,
 }, { gap_ms: 2500 });
 
-// The mouse's gel is pressed here, beside the flight it steers.
+// The mouse gel is on this page, beside the flight that it steers.
 const gel = makeGel(find("gel"), (command) => page.send(command));
 makeGestureButtons(find("gestures"), gel.hand);
 const hasGel = () => state !== null && state.slow.source === MOUSE;
@@ -55,7 +55,7 @@ function show(next) {
   find("pause").hidden = !["flying", "watching"].includes(next);
   const focus = { start: "fly", paused: "go-on", result: "again", watching: "pause",
     flying: hasGel() ? "gel" : "pause" }[next];
-  // The header's button keeps the focus of who pauses there.
+  // The header's button keeps the focus after a person paused there.
   if (document.activeElement.id !== "pause-resume") find(focus).focus({ preventScroll: true });
   byDriver = false;
   idle = 0;
@@ -101,7 +101,7 @@ function choosePilot() {
   const pad = readGamepad();
   if (pad) return { pad, words: "the gamepad" };
   if (state) return { pad: readStream(state), words: "the gel, directly" };
-  return { pad: null, words: "nobody yet" };
+  return { pad: null, words: "no pilot yet" };
 }
 
 let before = performance.now();
@@ -144,7 +144,7 @@ function fly(pad, words, dt) {
 function showPilot({ pad, words }) {
   say("pilot", mode === "watching" ? "a script" : words);
   if (mode !== "start") return;
-  say("no-gel", pad ? "" : "No gel is here yet. Start one on the page Start, or watch.");
+  say("no-gel", pad ? "" : "No gel is running yet. Start one on the page Start, or watch.");
 }
 
 find("fly").addEventListener("click", () => begin("flying"));
@@ -168,12 +168,12 @@ function pause() {
   show("paused");
 }
 
-// While the driver is paused nothing steers the ship, so the flight waits too.
+// While the driver is paused the ship cannot be steered, so the flight pauses too.
 function followDriver(next) {
   if (next === driver) return;
   driver = next;
   const runs = next === "running";
-  say("pause-words", runs ? "" : "The gel is paused. Go on resumes it.");
+  say("pause-words", runs ? "" : "The gel is paused. Continue resumes it.");
   if (!runs && mode === "flying") {
     pause();
     byDriver = true;

@@ -1,4 +1,4 @@
-// Who flies: the gel's pad through the browser's Gamepad API, the stream, or a script.
+// Pilots: the gel's pad through the browser's Gamepad API, the stream, or a script.
 
 const STILL = 0.05;
 
@@ -27,7 +27,7 @@ export function readStream(state) {
 
 export const REST = { pitch: 0, yaw: 0, roll: 0, faster: 0, slower: 0 };
 
-// From a pad to the ship: a push up lifts the nose unless the pilot pulls back for that.
+// Turns a pad's state into the ship's controls: a push up lifts the nose, unless `pull` is chosen.
 export function steer(pad, { pull = false, pushOnly = false } = {}) {
   if (!pad) return REST;
   const quiet = (value) => (Math.abs(value) < STILL ? 0 : value);
@@ -42,7 +42,7 @@ export function steer(pad, { pull = false, pushOnly = false } = {}) {
 
 const WAYS = ["right", "up-right", "up", "up-left", "left", "down-left", "down", "down-right"];
 
-// Which gesture the next ring asks for, in words.
+// Returns the gesture that leads to the next ring, in words.
 export function adviseGesture({ right, up, distance, radius, behind }, pull = false) {
   if (behind) return "Push to either side";
   const off = Math.hypot(right, up);
@@ -51,7 +51,7 @@ export function adviseGesture({ right, up, distance, radius, behind }, pull = fa
   return `Push ${way}`;
 }
 
-// The attract mode: a script of gestures in mm, each turned into the pad as a profile would do it.
+// The attract mode: a script of gestures in mm, mapped to the pad as a profile would.
 const SHOW = [
   { until: 1.2, gesture: "zoom", mm: 3.5 },
   { until: 5.0, gesture: "push" },

@@ -1,4 +1,4 @@
-// The picture: sky, stars, rings, ship. Shapes tell what colours tell too.
+// Draws sky, stars, rings and ship. Every colour has a shape with the same meaning.
 
 import { vector } from "./flight.js";
 
@@ -106,7 +106,7 @@ export class Scene {
     this._drawPlanet(context, flight);
   }
 
-  // Far away, so that it only turns with the view: something to feel one's turning by.
+  // Far away, so that it only turns with the view, and the pilot sees the turn.
   _drawPlanet(context, flight) {
     const [w, h] = [this._width, this._height];
     const [x, y, z] = [flight.right, flight.up, flight.forward].map((axis) => dot(PLANET, axis));
@@ -189,7 +189,7 @@ export class Scene {
     }
     stroke(outer, Math.max(thick, 1.2), `rgba(${tint}, ${(isNext ? fade : 0.5 * fade).toFixed(3)})`);
     if (!isNext) return;
-    // The next one has a second rim and four studs: it is told by its shape, not its colour.
+    // The next ring has a second rim and four studs: its shape marks it, not only its colour.
     stroke(rim(0.86 * ring.radius), Math.max(0.3 * thick, 1),
       `rgba(255, 255, 255, ${(0.75 * fade).toFixed(3)})`);
     for (let k = 0; k < 4; k++) {
@@ -215,7 +215,7 @@ export class Scene {
     context.fillRect(0, 0, w, h);
   }
 
-  // Where the ring is out of sight, an arrow at the edge points to it.
+  // If the ring is out of sight, an arrow at the edge points to it.
   _drawArrow(context, flight) {
     const { right, up, behind } = flight.find();
     if (!behind && Math.abs(right) < 0.5 && Math.abs(up) < 0.38) return;
@@ -261,7 +261,7 @@ export class Scene {
     }
   }
 
-  // Longer the faster: the speed can be seen without reading it.
+  // The faster the ship, the longer the flame, so that the speed is visible.
   _drawFlame(context, place, pace) {
     const length = 0.5 + 1.1 * pace;
     const [left, right, tip] = [[-0.26, 0.16, -0.62], [0.26, 0.16, -0.62],

@@ -1,8 +1,8 @@
-// The course by ear: where the ring is and how near it is, in stereo.
+// Guides by sound: direction and distance of the ring, in stereo.
 //
-// A soft tone pulses, quicker the nearer the ring. It sounds from the side the ring is on, and
-// higher than the steady middle tone where the ring is above, lower where it is below. Straight on
-// is one clear tone in the middle.
+// A soft tone pulses, quicker the nearer the ring. It sounds from the side of the ring, higher than
+// the steady middle tone if the ring is above, lower if it is below. Straight ahead is one clear
+// tone in the middle.
 
 const MIDDLE_HZ = 330;
 const OCTAVES = 1.6; // for half a right angle up or down

@@ -1,4 +1,4 @@
-// The page of the mouse's gel: what its gestures are, how the hand is, and what comes of it.
+// The page of the mouse gel: gestures, settings of the hand, and the resulting pad.
 
 import { openPage } from "../shared/header.js";
 import { makePad } from "../shared/pad.js";
@@ -14,7 +14,7 @@ const page = openPage(30, {
   hello: (_, { edit }) => { find("cure").disabled = !edit; },
   saved: (sentence) => { find("cured").textContent = sentence; },
   driver(runs) {
-    page.notice("driver", runs ? "" : "For a gel to press: neurotouch demo --mouse");
+    page.notice("driver", runs ? "" : "To press a gel: neurotouch demo --mouse");
   },
 });
 
@@ -33,7 +33,7 @@ function listenTo(id, read) {
     const words = read(input);
     if (words === undefined) return;
     find(`${id}-value`).textContent = words;
-    input.setAttribute("aria-valuetext", words); // the slider says it; its output need not
+    input.setAttribute("aria-valuetext", words); // the slider says it, so its output need not
   };
   input.addEventListener("input", change);
   change();
@@ -68,7 +68,7 @@ function show(state) {
     ? `mouse to pad ${slow.hand_ms[0].toFixed(0)} ms, 95 % within ${slow.hand_ms[1].toFixed(0)} ms`
     : "");
   page.notice("driver", !slow.source || slow.source === MOUSE ? ""
-    : `The driver plays ${slow.source}. For a gel to press: neurotouch demo --mouse`);
+    : `The driver uses ${slow.source}. To press a gel: neurotouch demo --mouse`);
 }
 
 requestAnimationFrame(draw);

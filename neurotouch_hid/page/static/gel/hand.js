@@ -1,10 +1,10 @@
-// What mouse, touch, wheel, keys and buttons want the simulated hand to do, as one command.
+// Combines mouse, touch, wheel, keys and buttons into one command for the simulated hand.
 
 const REACH_MM = 22;
 const SPREAD_MM = 10;
 const TWIST_RAD = 1;
 const PUSH_MM = 18;
-const FINGER_MM = 13; // a twist of so many mm at the fingers is one radian
+const FINGER_MM = 13; // a twist of this many mm at the fingers is one radian
 const KEY_S = 0.25; // from nothing to the full strength of a key
 const WHEEL_MM = 0.012; // per unit of a wheel's turn
 const WHEEL_MS = 450; // after its last turn the fingers release
@@ -17,10 +17,10 @@ const KEYS = {
 const clamp = (value, most) => Math.min(Math.max(value, -most), most);
 
 export class Hand {
-  // `place(event)` gives a pointer's place on the gel in mm.
+  // `place(event)` returns a pointer's place on the gel in mm.
   constructor(canvas, place) {
     this.size_mm = 6;
-    this.held = false; // by the button; Ctrl does it too
+    this.held = false; // by the button or by Ctrl
     this._ctrl = false;
     this._pointers = new Map();
     this._acting = new Map(); // gestures of keys and buttons: 0..1
@@ -47,7 +47,7 @@ export class Hand {
     this._pressed.delete(gesture);
   }
 
-  // Time goes on by dt seconds; true while anything moves by itself.
+  // Advances time by dt seconds; returns true while anything still moves.
   advance(dt, now) {
     let moves = false;
     for (const [gesture, share] of this._acting) {
@@ -104,7 +104,7 @@ export class Hand {
       this._follow();
       stamp(event);
     };
-    // Raw moves come as the mouse reports them, others wait for the next picture.
+    // Raw moves arrive as the mouse reports them, others wait for the next picture.
     canvas.addEventListener("onpointerrawupdate" in window ? "pointerrawupdate" : "pointermove",
       move);
     const up = (event) => {
@@ -141,7 +141,7 @@ export class Hand {
     });
   }
 
-  // Fingers were laid down or one was lifted: what they do is counted from here.
+  // A finger was laid down or lifted: the movement counts from here.
   _lay() {
     const all = [...this._pointers.values()];
     for (const pointer of all) pointer.from = pointer.at;

@@ -1,11 +1,11 @@
-// A gel that mouse, touch and keys press: commands for the simulated hand out, the markers in.
+// A gel for mouse, touch and keys: sends commands to the simulated hand, and draws the markers.
 
 import { drawDisc, findScale } from "../shared/disc.js";
 import { colour, element } from "../shared/wire.js";
 import { Hand } from "./hand.js";
 
 export const MOUSE = "sim:mouse"; // the source that such a gel presses
-const AGAIN_MS = 100; // a held command is repeated, so that the simulator knows a person is there
+const AGAIN_MS = 100; // a held command repeats, so that the simulator knows that a person is there
 const LEAST_MS = 6; // mice may report a thousand times a second; the gel has 250 moments
 const FINGER_MM = 6.5;
 const LEAST_PRESS_MS = 600;
@@ -15,8 +15,8 @@ const GESTURES = {
   twist_ccw: "↺ Twist (Q)", twist_cw: "↻ Twist (E)",
 };
 
-// `send(command)` hands a command to the simulated hand. `turn(now, state)` belongs into each
-// animation frame.
+// `send(command)` sends a command to the simulated hand. Call `turn(now, state)` in each animation
+// frame.
 export function makeGel(canvas, send) {
   const hand = new Hand(canvas, (event) => {
     const { left, top, width, height } = canvas.getBoundingClientRect();
@@ -27,7 +27,7 @@ export function makeGel(canvas, send) {
   let sent = "";
   let sentAt = 0;
   let before = performance.now();
-  let drawn = null; // each state once: the browser needs its time for the mouse
+  let drawn = null; // draws each state once, because the browser needs its time for the mouse
 
   function sendCommand(at_ms) {
     const command = { ...hand.command, ...settings };
@@ -57,8 +57,8 @@ export function makeGel(canvas, send) {
   return { hand, settings, turn };
 }
 
-// A button for each gesture. It acts as long as it is pressed, and long enough to be felt: a short
-// click, or one that nothing held down as screen readers and switches give it, is a short press.
+// A button for each gesture. It acts as long as it is pressed, but never too briefly to be noticed:
+// a click without a hold, as screen readers and switches send it, is a short press.
 export function makeGestureButtons(box, hand) {
   for (const [gesture, name] of Object.entries(GESTURES)) {
     const button = element("button", { type: "button", text: name, "data-gesture": gesture });
@@ -88,7 +88,7 @@ export function makeGestureButtons(box, hand) {
       if (!event.repeat) press();
     });
     button.addEventListener("click", (event) => {
-      if (event.detail) return; // a mouse, which has pressed and released by itself
+      if (event.detail) return; // a mouse, which sends press and release events
       press();
       release();
     });

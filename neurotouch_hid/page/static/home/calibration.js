@@ -1,4 +1,4 @@
-// The questions of `neurotouch calibrate`, and buttons for its keys.
+// Shows the questions of `neurotouch calibrate`, with buttons for its keys.
 
 import { element } from "../shared/wire.js";
 
@@ -38,7 +38,7 @@ export function makeCalibration(find, answer) {
       button.addEventListener("click", () => {
         answer(number);
         showChoices(false);
-        find("answers").hidden = true; // what was asked last is over
+        find("answers").hidden = true; // the last question is over
       });
       return button;
     }));
@@ -46,7 +46,7 @@ export function makeCalibration(find, answer) {
   }
 
   function hear(news) {
-    if (!runs) begin(); // another page has begun it
+    if (!runs) begin(); // another page started it
     if ("code" in news) {
       runs = false;
       find("request").textContent = news.code === 0 ? "Done." : "Ended. Nothing was saved.";

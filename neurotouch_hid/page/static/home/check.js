@@ -10,7 +10,7 @@ export function makeCheck(find, say) {
   function begin() {
     lines = [];
     find("findings").replaceChildren();
-    say("check-state", "Checking: this takes some seconds, the first time a minute.");
+    say("check-state", "Checking. This takes some seconds, the first time a minute.");
   }
 
   function hear(news) {
@@ -31,8 +31,8 @@ export function makeCheck(find, say) {
 
   function show(findings) {
     const failed = findings.filter(({ status }) => status === "FAILED").length;
-    say("check-state", failed ? `${failed} of ${findings.length} need something.`
-      : `${findings.length} checks: nothing is missing.`);
+    say("check-state", failed ? `${failed} of ${findings.length} checks found a fault.`
+      : `${findings.length} checks: everything is in order.`);
     find("findings").replaceChildren(...findings
       .filter(({ status }) => status !== "OK" && status !== "SKIPPED")
       .map(({ status, check, sentence, fix, commands }) => element("li", {},

@@ -1,4 +1,4 @@
-// What a movement is to do: from a picture of the gamepad, from a list, or by pressing the key.
+// Chooses a movement's output: from a picture of the gamepad, from a list, or by pressing the key.
 
 import { element } from "../shared/wire.js";
 import { makePad } from "../shared/pad.js";
@@ -103,12 +103,12 @@ export function makeChooser(dialog, { bind, closed }) {
       find("instead-choice").replaceChildren(
         ...own.map((each) => element("option", { value: each.key,
           text: `${each.when}, ${nameOutput(groups, each.do)}` })),
-        element("option", { value: "", text: "nothing: it does both" }));
+        element("option", { value: "", text: "nothing: keep both" }));
       if (instead !== undefined) find("instead-choice").value = instead;
       showGroup(groups.length ? groups[0].name : "");
       find("chooser-told").textContent = "";
       dialog.showModal();
-      // Said when the dialog is there: a screen reader that comes from the gel says no title.
+      // Announced after the dialog is open: a screen reader that comes from the gel reads no title.
       setTimeout(() => {
         find("chooser-told").textContent = `${MOVEMENTS[which][1]}: choose what it does.`;
       }, TOLD_MS);

@@ -1,4 +1,4 @@
-// The first page: from any state to playing, without a terminal.
+// The first page: leads from any state to playing, without a terminal.
 
 import { MOUSE, makeGel, makeGestureButtons } from "../gel/pressed_gel.js";
 import { openPage } from "../shared/header.js";
@@ -23,7 +23,7 @@ const ADVICE = { // where the page can do nothing
   service_stopped: "An administrator starts it: sudo systemctl start neurotouch",
   unusable: "See below: Check this machine.",
   no_data: "Look at its cable, or try everything with the mouse first.",
-  ready: "Your hand stays off the gel until the dots are found.",
+  ready: "Keep your hand off the gel until the dots are found.",
 };
 
 const MENDS = { setup: "Give me the right", service: "Start the service" };
@@ -37,10 +37,10 @@ let newest = null;
 let situation = null;
 let runs = false;
 let starting = "";
-let begun = false; // from this page
-let faults = []; // what a start has failed of
+let begun = false; // this page started the driver
+let faults = []; // errors of a failed start
 let layer = "";
-let fresh = false; // a movement is waited for, and the driver paused for it
+let fresh = false; // the page waits for a movement, and has paused the driver for it
 
 const page = openPage(HZ, {
   hello(_, { edit, far }) {
@@ -127,7 +127,7 @@ function showStart() {
     [words, advice] = ["The mouse presses a simulated gel.", "Drag on the gel below, turn the " +
       "wheel, or use the arrow keys, Q, E, plus and minus."];
   } else if (isSimulated) {
-    [words, advice] = ["A simulated hand plays.", "Everything on this page can be tried with it."];
+    [words, advice] = ["A simulated hand plays.", "You can try everything on this page with it."];
   } else if (newest) {
     [words, advice] = ["Ready to play.", `Every game sees the gamepad: ${newest.slow.device}.`];
   } else if (situation) {
@@ -146,7 +146,7 @@ function showStart() {
   find("press").hidden = !isMouse;
   find("look").hidden = !newest;
   find("end").hidden = !runs;
-  // The button that began it is gone, and the focus with it.
+  // The button that started it is gone, and the focus too.
   if (newest && begun && document.activeElement === document.body) find("fly").focus();
   if (newest) begun = false;
   find("by-doing").hidden = !(newest && about && about.edit);
@@ -154,15 +154,15 @@ function showStart() {
   find("measure").disabled = !newest || !mayEdit || listener.waits;
   const known = about && about.ranges ? Object.keys(about.ranges).length : 0;
   say("range-words", `${known ? `Your own range is known for ${known} of 8 movements. ` : ""}${newest
-    ? "Small movements are enough: the gamepad can learn how far yours go. Nothing is timed."
-    : "Start first: then the gamepad can learn how far your movements go. Nothing is timed."}`);
+    ? "Small movements are enough: the gamepad can learn your range. There is no time limit."
+    : "Start first: then the gamepad can learn your range. There is no time limit."}`);
 }
 
 function say(id, text) {
   if (find(id).textContent !== text) find(id).textContent = text;
 }
 
-// Told once: a live region would be read again whenever a dialog closes.
+// Announced once: a screen reader would read a live region again whenever a dialog closes.
 function sayStart(text) {
   if (find("start-lines").textContent !== text) page.tell(text);
   say("start-lines", text);
@@ -191,7 +191,7 @@ find("look").addEventListener("click", () => {
   looks = looks ? 0 : setInterval(() => page.send({ do: "picture" }), PICTURE_MS);
   if (looks) page.send({ do: "picture" });
   find("picture").hidden = true;
-  find("look").textContent = looks ? "Hide the picture" : "Show what the camera sees";
+  find("look").textContent = looks ? "Hide the picture" : "Show the camera's picture";
 });
 
 function hearProgram(news) {
@@ -240,7 +240,7 @@ find("by-doing").addEventListener("click", () => {
     find("gesture-buttons").open = true;
     find("gel").focus();
   }
-  find("by-doing").textContent = "Never mind";
+  find("by-doing").textContent = "Cancel";
   find("measure").disabled = true;
   say("saved", "Make the movement on the gel, and lift your fingers. The gamepad is paused meanwhile.");
 });
@@ -353,9 +353,9 @@ function showRemote(found) {
   find("remote-end").hidden = !found;
   find("code").hidden = !found;
   if (found) find("code").src = found.code;
-  say("remote-state", found ? `Photograph this with the phone. Its right ends after ${found.minutes} minutes, ` +
-    "and what was started from the phone ends then, too."
-    : "No phone is let in.");
+  say("remote-state", found ? `Scan this with the phone's camera. The access ends after ${found.minutes} minutes. ` +
+    "What was started from the phone ends then, too."
+    : "No phone is connected.");
   say("remote-link", found ? found.link : "");
 }
 

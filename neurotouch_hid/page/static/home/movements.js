@@ -1,4 +1,4 @@
-// What each movement does, as cards; the movement that is being made is marked.
+// Cards of all movements and their outputs; the present movement is marked.
 
 import { element } from "../shared/wire.js";
 
@@ -9,10 +9,10 @@ export const MOVEMENTS = {
   pinch: ["→←", "Pinch"], zoom: ["←→", "Zoom"],
   twist_cw: ["↻", "Twist clockwise"], twist_ccw: ["↺", "Twist counter-clockwise"],
 };
-const LEAST_MM = 1.5; // of a movement that chooses a card
+const LEAST_MM = 1.5; // smallest movement that chooses a card
 const DIRECTIONS = 4;
 
-// The binding is for this movement alone; a push in any direction is a movement of its own.
+// Returns true if the binding is for this movement alone; a push in any direction counts as one.
 export function belongs(binding, movement) {
   const isAnyPush = binding.movements.length === DIRECTIONS;
   return movement === "push" ? isAnyPush : !isAnyPush && binding.movements.includes(movement);
@@ -71,13 +71,13 @@ export function makeCards(list, { choose, remove, name: nameOutput }) {
   return { show, mark };
 }
 
-// In words, without the movement itself, which the card names.
+// Describes a binding without its movement, which the card names.
 export function describe(binding, nameOutput) {
   const when = binding.when.replace(/^(push( (left|right|up|down))?|pinch|zoom|twist( c?cw)?)/, "");
   return `${when.trim() ? `${when.trim()}: ` : ""}${nameOutput(binding.do)}`;
 }
 
-// Waits for one whole movement, from rest to rest, and gives the one that went furthest.
+// Waits for one whole movement, from rest to rest, and returns the largest one.
 export function makeListener(heard) {
   let waits = false;
   let best = {};

@@ -1,4 +1,4 @@
-// What a binding does, in the words of the list of outputs.
+// Names the output of a binding as the list of outputs does.
 
 const MODE = /^(toggle|sticky|oneshot|turbo) /;
 

@@ -1,4 +1,4 @@
-// A sheet to print: what each movement does now, in large letters.
+// A sheet to print: all movements and their outputs, in large letters.
 
 import { openPage } from "../shared/header.js";
 import { element } from "../shared/wire.js";

@@ -1,8 +1,8 @@
-// The gel from above: markers, how far they have moved, fingers, and how sure we are of them.
+// Draws the gel from above: markers and their motion, contacts and their uncertainty.
 
 import { colour, LATTICE, prepareCanvas } from "./wire.js";
 
-const ARROW = 3; // arrows are drawn three times as long as the way
+const ARROW = 3; // arrows are three times as long as the motion
 const RADIUS_MM = 33;
 export const UNSURE_MM = 3.4; // mean error of a contact point, from the paper
 

@@ -28,16 +28,16 @@ const KEY_CHOICE = "neurotouch-pause-key";
 const SILENT_MS = 3000; // a busy machine may be late by a second
 const NOTICES = ["connection", "driver", "profile", "request", "own"]; // the first one that applies shows
 
-// Builds the header and connects. `handlers` are those of `connect`. Returns the page's way to
-// the server (`ask`, `send`), `say` and `tell` of its speech, and `notice(about,
-// sentence)`; an empty sentence takes the notice about that back.
+// Builds the header and connects. `handlers` are those of `connect`. Returns the page's
+// functions to the server (`ask`, `send`), `say` and `tell` of its speech, and `notice(about,
+// sentence)`; an empty sentence removes that notice.
 export function openPage(hz, handlers, { gap_ms } = {}) {
   const parts = build(document.querySelector("header"));
   const speech = makeSpeech(parts.live, gap_ms);
   const notices = new Map();
   let wire = null;
   let shown = "waiting"; // of STATES
-  let driver = "waiting"; // as the driver last said
+  let driver = "waiting"; // the driver's last state
   let runs = false;
   let asked = 0; // the number of the last Pause or Resume
   let mayPause = true;
@@ -66,7 +66,7 @@ export function openPage(hz, handlers, { gap_ms } = {}) {
     parts.state.textContent = STATES[shown];
     parts.state.dataset.state = shown;
     const reason = mayPause || !hasDriver() ? ""
-      : "This page only shows. To pause here: neurotouch view --edit";
+      : "This page is read-only. To pause here: neurotouch view --edit";
     parts.reason.textContent = reason;
     parts.reason.hidden = !reason;
     parts.button.setAttribute("aria-disabled", String(isDisabled()));
@@ -125,7 +125,7 @@ export function openPage(hz, handlers, { gap_ms } = {}) {
         show("waiting");
       }
     },
-    // An older request's refusal is over. Of ours, only what waits for data needs a sentence.
+    // The refusal of an older request is obsolete. Only an answer that waits for data is shown.
     saved: (sentence, { n }) => notice("request", n === asked ? sentence : ""),
     refused: (sentence) => notice("request", sentence),
     lost(sentence) {
@@ -182,8 +182,8 @@ function build(header) {
   return { button, word, hint, state, reason, spoken, key, badges, live, notice };
 }
 
-// The key acts wherever the focus is, but for fields in which people type. It can be switched off
-// (WCAG 2.1.4): speech input may hear single letters.
+// The key acts wherever the focus is, except in text fields. It can be switched off (WCAG 2.1.4),
+// because speech input may produce single letters.
 function listenToKey({ button, hint, key }, act) {
   const show = () => {
     hint.hidden = !key.checked;

@@ -1,4 +1,4 @@
-// What this browser remembers for the pages. Where it may not remember, the usual value applies.
+// Settings that this browser remembers. If it may not remember, the default value applies.
 
 export function recall(key, usual) {
   try {
@@ -12,6 +12,6 @@ export function remember(key, value) {
   try {
     localStorage.setItem(key, value);
   } catch {
-    // Then the choice ends with the page.
+    // Then the choice lasts until the page is closed.
   }
 }

@@ -1,4 +1,4 @@
-// The virtual pad as a picture: sticks, triggers, buttons; what is pressed also in words.
+// The virtual pad as a picture: sticks, triggers, buttons; pressed ones also in words.
 
 const SVG = "http://www.w3.org/2000/svg";
 const BUTTONS = {
@@ -15,13 +15,13 @@ function draw(name, attributes, text) {
   return made;
 }
 
-// `choose(part)` makes it a picture to choose from; who cannot point has the list beside it.
+// With `choose(part)` a person can choose a part; people who cannot point use the list beside it.
 export function makePad(box, words, choose) {
   const svg = draw("svg", { viewBox: "0 0 320 176", "aria-hidden": "true" });
   svg.append(draw("path", { class: "pad-body",
     d: "M74 36h172c34 0 52 30 60 78 5 30-6 48-24 48-22 0-30-32-56-32H94c-26 0-34 32-56 32-18 0-29-18-24-48 8-48 26-78 60-78z" }));
   const parts = {};
-  const wells = {}; // what can be pointed at where the part itself is small
+  const wells = {}; // larger targets for parts that are too small to click
   for (const [side, x] of [["left", 56], ["right", 228]]) {
     const trigger = draw("rect", { class: "pad-trigger", x, y: 6, width: 36, height: 14, rx: 5 });
     svg.append(trigger);

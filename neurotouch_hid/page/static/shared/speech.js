@@ -1,12 +1,12 @@
-// What a screen reader is told, and how much of it: one live region for the whole page.
+// Sends sentences to screen readers through one live region for the whole page.
 
 import { recall, remember } from "./memory.js";
 
 export const LEVELS = { all: "all", important: "important", none: "none" };
 const KEY = "neurotouch-spoken";
 
-// `say` is for what changes all the time, `tell` for what a person must not miss: the driver's
-// state, profile, layer, refusals and errors. Numbers alone are no change worth a sentence.
+// `say` is for frequent changes, `tell` for changes that a person must not miss: the driver's state,
+// profile, layer, refusals and errors. A change of numbers alone makes no sentence.
 export function makeSpeech(region, gap_ms = 1500) {
   let level = recall(KEY, LEVELS.all);
   if (!(level in LEVELS)) level = LEVELS.all;
@@ -43,7 +43,7 @@ export function makeSpeech(region, gap_ms = 1500) {
   return {
     say(sentence) {
       if (level !== LEVELS.all) return;
-      if (readShape(sentence) === shape) newest = null; // back to what was said last
+      if (readShape(sentence) === shape) newest = null; // back to the last sentence
       else newest = sentence;
       plan();
     },

@@ -1,13 +1,13 @@
-// The stream from the server: the token, the connection and its return, states as plain objects.
+// The connection to the server: the token, reconnecting, and states as plain objects.
 
 const KEY = "neurotouch-token";
 const AGAIN_MS = 1000;
 const N_MARKERS = 177;
 const decoder = new TextDecoder();
 
-// The token comes in the fragment, which no server and no referrer ever sees. It moves to this
-// tab's own memory, so that the address bar can be shown, shared and bookmarked; it ends with the
-// tab.
+// The token arrives in the fragment, which browsers send to no server and in no referrer. It moves
+// to the storage of this tab, so that the address can be shown, shared and bookmarked; it is deleted
+// with the tab.
 function takeToken() {
   const given = /^#k=([\w-]+)$/.exec(location.hash);
   if (given) {
@@ -59,7 +59,7 @@ export function connect(hz, listeners) {
     socket.onclose = ({ code, reason }) => {
       if (code === 1008) {
         ended = true;
-        call("lost", `This page may not watch: ${reason || "the token is wrong"}. ` +
+        call("lost", `The server refuses this page: ${reason || "the token is wrong"}. ` +
           "Open the link that the terminal shows.");
       } else if (code === 1013) {
         call("lost", "Too many viewers (4). Close one.");

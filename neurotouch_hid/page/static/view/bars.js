@@ -1,4 +1,4 @@
-// Eight bars: how far each movement goes now, its peak, and the marks of what is bound to it.
+// Eight bars: the present size of each movement, its peak, and the marks of its bindings.
 
 import { element } from "../shared/wire.js";
 import { makeMark, makeRows, watchWidth } from "./marks.js";

@@ -1,4 +1,4 @@
-// The response curve of a binding, the hand's point on it, and where it was in the last 30 s.
+// The response curve of a binding, with the hand's present point and those of the last 30 s.
 
 import { colour, element, prepareCanvas } from "../shared/wire.js";
 import { layOut, makeMark, watchWidth } from "./marks.js";
@@ -9,7 +9,7 @@ const BENDS = { expo: [0.875, 0.125], power: [0.9659, 0.0313] }; // values at ha
 export function makeCurve({ canvas, handles, select, save, words }) {
   let bindings = [];
   let chosen = 0;
-  let byHand = false; // the person has chosen; until then the gesture does
+  let byHand = false; // the person has chosen a binding; until then the gesture chooses it
   let cloud = [];
 
   watchWidth(handles);
@@ -65,7 +65,7 @@ export function makeCurve({ canvas, handles, select, save, words }) {
 
   function show(state, now) {
     const gesture = state.gesture;
-    const isEdited = handles.contains(document.activeElement); // it must not go under the hand
+    const isEdited = handles.contains(document.activeElement); // the person holds it, so it must stay
     if (!byHand && !isEdited && gesture.movement !== "none") {
       const found = bindings.findIndex((each) => each.movements.includes(gesture.movement));
       if (found >= 0) choose(found);

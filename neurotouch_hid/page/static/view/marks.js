@@ -1,9 +1,9 @@
 // Marks that can be dragged: thresholds and ends of ranges in the bars, ends and bend of a curve.
 //
-// Each is a slider for the keyboard and for screen readers. Nothing is saved while it is dragged,
-// only where it is released; keys save after a short pause, and until then hold the mark too.
-// All marks of one value move at once. `moved` bubbles from a mark that a person moves, `letgo`
-// from one that was held and needs no saving.
+// Each is a slider for the keyboard and for screen readers. A dragged mark is saved when it is
+// released; keys save after a short pause, and the mark stays with the person until then. All marks
+// of one value move together. `moved` bubbles from a mark that a person moves, `letgo` from one
+// that was released and needs no saving.
 
 import { element } from "../shared/wire.js";
 
@@ -20,13 +20,13 @@ const LIMITS = {
 const THRESHOLDS = ["off_mm", "on_mm"]; // above a bar; ends of ranges are below it
 const SAVE_MS = 700;
 const APART_PX = 40; // the centres of two handles: a handle is at most 36 px wide
-const movers = new WeakMap(); // what shows another value, by mark
+const movers = new WeakMap(); // functions that show another value, by mark
 
 export function listMarks(binding) {
   return ["on_mm", "off_mm", "rest", "full"].filter((name) => name in binding);
 }
 
-// `where` tells apart what one binding shows in several places: "Push left", "Curve".
+// `where` distinguishes the marks of one binding in several places: "Push left", "Curve".
 export function nameMark(binding, mark, where = "") {
   const name = `${binding.when} → ${binding.do}: ${NAMES[mark]}`;
   return where ? `${where}, ${name}` : name;
@@ -103,7 +103,7 @@ function spread(places, width) {
   });
 }
 
-// The name of a row is where there is more room: behind its handles, or before them.
+// The name of a row is behind its handles, or before them if there is more room.
 function placeName(name, centres, width) {
   const before = centres[0] - APART_PX / 2;
   const behind = width - centres.at(-1) - APART_PX / 2;
@@ -131,7 +131,7 @@ export function makeMark({ binding, mark, value, box, place, read, save, edit, w
   let now = value;
   let saved = value;
   let timer = 0;
-  let grip = [0, 0]; // from the true place to where the pointer has taken the handle
+  let grip = [0, 0]; // offset of the pointer from the true place of the handle
   const isBend = mark === "expo" || mark === "power";
   const unit = isBend ? "" : " mm";
 
@@ -184,7 +184,7 @@ export function makeMark({ binding, mark, value, box, place, read, save, edit, w
       if (now !== saved) save(saved = now);
       else handle.dispatchEvent(new Event("letgo", { bubbles: true }));
     };
-    handle.addEventListener("lostpointercapture", release); // released, or taken away by a scroll
+    handle.addEventListener("lostpointercapture", release); // released, or ended by a scroll
     handle.addEventListener("keydown", (event) => {
       const size = isBend ? 0.05 : 0.1;
       const steps = {

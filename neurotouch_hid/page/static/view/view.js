@@ -1,4 +1,4 @@
-// The live view: one state in, every part of the page shows it.
+// The live view: shows each state in every part of the page.
 
 import { openPage } from "../shared/header.js";
 import { element } from "../shared/wire.js";
@@ -17,7 +17,7 @@ const STAGES = {
 const bars = makeBars(find("bars"), save);
 const curve = makeCurve({
   canvas: find("curve"), handles: find("curve-handles"), select: find("curve-choice"), save,
-  words: (binding, point) => say("curve-words", !binding ? "Nothing follows a gesture here."
+  words: (binding, point) => say("curve-words", !binding ? "No output follows a gesture here."
     : `${binding.rest} to ${binding.full} ${binding.unit}` +
       (point ? `; now ${point[0].toFixed(1)} ${binding.unit} gives ${percent(point[1])}` : "")),
 });
@@ -28,7 +28,7 @@ let newest = null;
 let layer = "";
 let drawn = false;
 let late = false; // the profile has changed while a mark was held
-const unanswered = new Map(); // what has been set, by the number under which the server answers it
+const unanswered = new Map(); // changed values, by the number with which the server answers
 
 const page = openPage(30, {
   state(state) {
@@ -62,7 +62,7 @@ const page = openPage(30, {
     say("saved", "");
   },
   hello() {
-    unanswered.clear(); // a new connection answers nothing that the old one was asked
+    unanswered.clear(); // a new connection does not answer requests of the old one
   },
 });
 
@@ -71,7 +71,7 @@ function save(key, mark, value) {
   keepUnanswered();
 }
 
-// The profile as the server tells it is older than what it has not answered yet.
+// The server's profile is older than changes that it has not answered yet.
 function keepUnanswered() {
   const bindings = about && about.layers ? about.layers.flatMap((each) => each.bindings) : [];
   for (const { key, mark, value } of unanswered.values()) {
@@ -113,7 +113,7 @@ function draw() {
 function showLayer(fresh) {
   const found = about && about.layers && about.layers.find((each) => each.name === layer);
   const edit = Boolean(about && about.edit);
-  // What is being dragged stays in the hand; the new values come when it is released.
+  // A dragged mark stays with the person; the new values appear after it is released.
   late = fresh && document.querySelector(".mark.held") !== null;
   if (late) return;
   const focused = document.activeElement;
@@ -163,7 +163,7 @@ function showSlow({ slow }) {
   }
   if (about && about.filter_ms) rows.push([`tremor filter ${about.filter}`, about.filter_ms,
     about.filter_ms]);
-  if (slow.hand_ms) rows.push(["mouse to pad, all of it", ...slow.hand_ms]);
+  if (slow.hand_ms) rows.push(["mouse to pad, in total", ...slow.hand_ms]);
   find("stages").replaceChildren(...rows.map(([name, median, most], i) => element("tr", {},
     element("th", { scope: "row" },
       element("span", { class: `swatch swatch-${i % 7}`, "aria-hidden": "true" }), name),
@@ -197,7 +197,7 @@ function showSlow({ slow }) {
     `The gel from above: ${slow.tracked} of 177 markers tracked`);
 }
 
-// The same marks once more for those who do not drag: a list, minus and plus.
+// The same marks for people who do not drag: a list, minus and plus.
 let entries = [];
 function showEditor(found, edit) {
   find("editor").hidden = !edit;
@@ -220,7 +220,7 @@ function showEntry(value) {
   say("mark-value", entry ? `${value ?? entry.binding[entry.mark]} mm` : "–");
 }
 
-// The mark that is in use is also the one of the list, which says its name in full.
+// Selects the mark in use also in the list, which has its full name.
 function chooseEntry({ key, mark }, value) {
   const found = entries.findIndex((each) => each.binding.key === key && each.mark === mark);
   if (found < 0) return;

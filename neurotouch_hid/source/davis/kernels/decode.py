@@ -1,17 +1,17 @@
-"""The compiled loop from the camera's words to events and frames.
+"""Compiled loop that turns the camera's words into events and frames.
 
 A word is 16 bits, little-endian [libcaer ``davis_common.h``]: ``1ttt…`` is the low 15 bits of the
-time in µs; else three bits of code and twelve of data. All that is known between two words is in
-a record, so the stream may be cut anywhere.
+time in µs; else three bits of code and twelve of data. The state between two words is in a record,
+so the stream may be cut anywhere.
 """
 
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+from neurotouch_hid.process.kernel_cache import kernel
 
 Records = NDArray[np.void]
 
@@ -33,7 +33,7 @@ WRAP_US = 0x8000
 
 
 class AddressLayout(NamedTuple):
-    """How a camera's addresses map to the picture, as the camera reports it.
+    """Mapping of a camera's addresses to the picture, as the camera reports it.
 
     Attributes:
         columns: of the DVS, as the chip counts: limits X words.
@@ -63,11 +63,15 @@ STATE_DTYPE = np.dtype(
         ("y", "<i8"),
         ("in_frame", "?"),
         ("is_frame_ok", "?"),
-        ("n_region", "<i8"),
-        ("region_byte", "<i8"),
-        ("region", "<i8", (4,)),
+        ("n_limits", "<i8"),
+        ("limit_byte", "<i8"),
+        ("first_x", "<i8"),
+        ("first_y", "<i8"),
+        ("last_x", "<i8"),
+        ("last_y", "<i8"),
         ("kind", "<i8"),
-        ("n_columns", "<i8", (2,)),
+        ("n_reset_columns", "<i8"),
+        ("n_signal_columns", "<i8"),
         ("n_samples", "<i8"),
         ("frame_begin_us", "<i8"),
         ("exposure_begin_us", "<i8"),
@@ -75,13 +79,16 @@ STATE_DTYPE = np.dtype(
     ],
     align=True,
 )
-"""All that is known between two words. ``is_synced``: the timestamp reset of the start has been
+"""The state between two words. ``is_synced``: the timestamp reset of the start has been
 seen. Of the stream's time: ``origin_us`` at the camera's time 0, ``base_us`` that the wraps have
 added up to, ``now_us`` at the last word, which never goes back. ``y``: the last row word, -1 if
-none or a wrong one. Of the frame that is being read: ``region`` its first x and y and last x and y,
-``n_region`` of which have been seen, ``region_byte`` the high byte of the next; ``kind`` 0 in a
-reset column, 1 in a signal column, -1 between columns; ``n_columns`` read so far, by kind;
-``n_samples`` in this column."""
+none or a wrong one. Of the frame that is being read: ``first_x``, ``first_y``, ``last_x`` and
+``last_y`` are the limits of its region, ``n_limits`` of which have been seen in this order,
+``limit_byte`` the high byte of the next; ``kind`` of the present column; ``n_reset_columns`` and
+``n_signal_columns`` read so far; ``n_samples`` in this column."""
+
+BETWEEN_COLUMNS, RESET_COLUMN, SIGNAL_COLUMN = -1, 0, 1
+"""Kinds of a column: its values before the exposure, and after it."""
 
 COUNTERS_DTYPE = np.dtype(
     [
@@ -97,13 +104,13 @@ COUNTERS_DTYPE = np.dtype(
         )
     ]
 )
-"""What was malformed; see ``DecoderStats``."""
+"""Counts of malformed data; see ``DecoderStats``."""
 
 TOO_BRIGHT = 384  # a reset value below this is one that the light has already pulled down
 WHITE = 1023
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def decode(
     words: NDArray[np.uint16],
     start: int,
@@ -124,7 +131,7 @@ def decode(
         carried: (1,) STATE_DTYPE, carried from call to call.
         counted: (1,) COUNTERS_DTYPE, counted up.
         events: EVENT_DTYPE, long enough for all words.
-        n: events that are in it already.
+        n: number of events already in it.
         reset: (260, 346) int16, the reset values of the frame that is being read.
         pixels: (260, 346) uint8, that frame.
 
@@ -137,7 +144,7 @@ def decode(
     now, y = state["now_us"], state["y"]
     origin = state["origin_us"] + state["base_us"]
     i = start
-    if not state["is_synced"]:  # what comes before the reset is left over from before
+    if not state["is_synced"]:  # words before the reset are from an earlier run
         while i < len(words) and words[i] != RESET:
             i += 1
         if i == len(words):
@@ -196,9 +203,9 @@ def decode(
         elif code == BYTE:
             kind = data >> 8
             if kind == ROI_HIGH:
-                state["region_byte"] = data & 0xFF
+                state["limit_byte"] = data & 0xFF
             elif kind == ROI_LOW:
-                _take_region(data & 0xFF, state, pixels)
+                _take_limit(data & 0xFF, state, pixels)
             elif kind not in (IMU_BYTE, IMU_SETUP):
                 counters["unknown"] += 1
         elif data >> 10:  # SLICE: parts of the exposure in clock cycles, only 0 is in use
@@ -207,26 +214,34 @@ def decode(
     return i, n, False
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _take_special(data: int, layout: AddressLayout, state: Records, counters: Records) -> bool:
     """Takes a special word other than a timestamp reset; True if it completes a frame."""
     if data in (FRAME_GLOBAL, FRAME_ROLLING):
         counters["bad_frames"] += state["in_frame"]
         now = state["now_us"]
         state["in_frame"] = state["is_frame_ok"] = True
-        state["n_region"], state["kind"], state["n_columns"][0], state["n_columns"][1] = 0, -1, 0, 0
+        state["n_limits"], state["kind"] = 0, BETWEEN_COLUMNS
+        state["n_reset_columns"] = state["n_signal_columns"] = 0
         state["frame_begin_us"], state["exposure_begin_us"], state["exposure_end_us"] = now, -1, -1
     elif data in (COLUMN_RESET, COLUMN_SIGNAL):
-        is_early = data == COLUMN_SIGNAL and state["n_columns"][1] >= state["n_columns"][0]
-        if state["kind"] >= 0 or is_early:  # the one before has no end, or no reset value is known
+        is_behind = state["n_signal_columns"] >= state["n_reset_columns"]
+        is_early = data == COLUMN_SIGNAL and is_behind
+        if (
+            state["kind"] != BETWEEN_COLUMNS or is_early
+        ):  # the one before has no end, or no reset value is known
             state["is_frame_ok"] = False
-        state["kind"], state["n_samples"] = data - COLUMN_RESET, 0
+        state["kind"] = RESET_COLUMN if data == COLUMN_RESET else SIGNAL_COLUMN
+        state["n_samples"] = 0
     elif data == COLUMN_END:
-        if state["kind"] < 0 or state["n_samples"] != _expected(layout, state, rows=True):
+        is_between = state["kind"] == BETWEEN_COLUMNS
+        if is_between or state["n_samples"] != _expected(layout, state, rows=True):
             state["is_frame_ok"] = False
-        if state["kind"] >= 0:
-            state["n_columns"][state["kind"]] += 1
-        state["kind"] = -1
+        if state["kind"] == RESET_COLUMN:
+            state["n_reset_columns"] += 1
+        elif state["kind"] == SIGNAL_COLUMN:
+            state["n_signal_columns"] += 1
+        state["kind"] = BETWEEN_COLUMNS
     elif data == EXPOSURE_BEGIN:
         state["exposure_begin_us"] = state["now_us"]
     elif data == EXPOSURE_END:
@@ -243,7 +258,7 @@ def _take_special(data: int, layout: AddressLayout, state: Records, counters: Re
     return False
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _end_frame(layout: AddressLayout, state: Records, counters: Records) -> bool:
     if not state["in_frame"]:
         return False
@@ -251,10 +266,10 @@ def _end_frame(layout: AddressLayout, state: Records, counters: Records) -> bool
     n_columns = _expected(layout, state, rows=False)
     is_whole = (
         state["is_frame_ok"]
-        and state["n_region"] == 4
-        and state["kind"] < 0
-        and state["n_columns"][0] == n_columns
-        and state["n_columns"][1] == n_columns
+        and state["n_limits"] == 4
+        and state["kind"] == BETWEEN_COLUMNS
+        and state["n_reset_columns"] == n_columns
+        and state["n_signal_columns"] == n_columns
     )
     if not is_whole:
         counters["bad_frames"] += 1
@@ -266,36 +281,46 @@ def _end_frame(layout: AddressLayout, state: Records, counters: Records) -> bool
     return True
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _expected(layout: AddressLayout, state: Records, rows: bool) -> int:
     """Returns the rows, or columns, of the frame's region as the chip counts them."""
-    first = 0 if rows == layout.swap_frames else 1
-    count: int = state["region"][first + 2] - state["region"][first] + 1
-    return count
+    if rows == layout.swap_frames:
+        width: int = state["last_x"] - state["first_x"] + 1
+        return width
+    height: int = state["last_y"] - state["first_y"] + 1
+    return height
 
 
-@njit(cache=True, nogil=True)
-def _take_region(low: int, state: Records, pixels: NDArray[np.uint8]) -> None:
+@kernel
+def _take_limit(low: int, state: Records, pixels: NDArray[np.uint8]) -> None:
     """Takes the low byte of a limit of the frame's region; the fourth one completes it."""
-    if not state["in_frame"] or state["n_region"] > 3:
+    if not state["in_frame"] or state["n_limits"] > 3:
         return
-    state["region"][state["n_region"]] = state["region_byte"] << 8 | low
-    state["n_region"] += 1
-    if state["n_region"] < 4:
+    limit, n_before = state["limit_byte"] << 8 | low, state["n_limits"]
+    state["n_limits"] += 1
+    if n_before == 0:
+        state["first_x"] = limit
+    elif n_before == 1:
+        state["first_y"] = limit
+    elif n_before == 2:
+        state["last_x"] = limit
+    else:
+        state["last_y"] = limit
+    if state["n_limits"] < 4:
         return
     if not (
-        state["region"][0] <= state["region"][2] < SENSOR_WIDTH_PX
-        and state["region"][1] <= state["region"][3] < SENSOR_HEIGHT_PX
+        state["first_x"] <= state["last_x"] < SENSOR_WIDTH_PX
+        and state["first_y"] <= state["last_y"] < SENSOR_HEIGHT_PX
     ):
         state["is_frame_ok"] = False
     elif (
-        state["region"][2] - state["region"][0] + 1 < SENSOR_WIDTH_PX
-        or state["region"][3] - state["region"][1] + 1 < SENSOR_HEIGHT_PX
+        state["last_x"] - state["first_x"] + 1 < SENSOR_WIDTH_PX
+        or state["last_y"] - state["first_y"] + 1 < SENSOR_HEIGHT_PX
     ):
         pixels[:] = 0
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def _take_samples(
     words: NDArray[np.uint16],
     i: int,
@@ -304,28 +329,28 @@ def _take_samples(
     reset: NDArray[np.int16],
     pixels: NDArray[np.uint8],
 ) -> int:
-    """Readings of the ADC up to the next other word, put to their pixels; returns where that is.
+    """Puts readings of the ADC to their pixels; returns the index of the next other word.
 
-    What is too many for the frame goes nowhere, and the frame counts as bad.
+    Surplus readings are dropped, and the frame counts as bad.
     """
     kind, row = state["kind"], state["n_samples"]
     n_columns = _expected(layout, state, rows=False)
     n_rows = _expected(layout, state, rows=True)
-    column = state["n_columns"][1 if kind == 1 else 0]
-    is_read = kind >= 0 and state["is_frame_ok"] and state["n_region"] == 4
+    column = state["n_signal_columns"] if kind == SIGNAL_COLUMN else state["n_reset_columns"]
+    is_read = kind != BETWEEN_COLUMNS and state["is_frame_ok"] and state["n_limits"] == 4
     # a column's pixels are on a line in the picture
     across = n_columns - 1 - column if layout.flip_columns else column
     along, step = (n_rows - 1, -1) if layout.flip_rows else (0, 1)
-    x, y, x_step, y_step = state["region"][0] + across, state["region"][1] + along, 0, step
+    x, y, x_step, y_step = state["first_x"] + across, state["first_y"] + along, 0, step
     if layout.swap_frames:
-        x, y, x_step, y_step = state["region"][0] + along, state["region"][1] + across, step, 0
+        x, y, x_step, y_step = state["first_x"] + along, state["first_y"] + across, step, 0
     if layout.mirrored:
         x, x_step = SENSOR_WIDTH_PX - 1 - x, -x_step
     x, y = x + row * x_step, y + row * y_step
     while i < len(words) and words[i] >> 12 == SAMPLE:
         if is_read and column < n_columns and row < n_rows:
             value = np.int64(words[i] & 0x3FF)
-            if kind == 0:
+            if kind == RESET_COLUMN:
                 reset[y, x] = value
             else:
                 before = np.int64(reset[y, x])

@@ -1,4 +1,4 @@
-"""Where every marker is, over time: the script's fingers through the gel's elasticity."""
+"""Positions of all markers over time: the script's fingers through the gel's elasticity."""
 
 import math
 from collections import deque
@@ -26,7 +26,7 @@ ELASTICITIES: tuple[Elasticity, ...] = get_args(Elasticity)
 
 @dataclass(frozen=True, slots=True)
 class GelConfig:
-    """How the gel follows the fingers.
+    """Settings of the gel's elasticity.
 
     Attributes:
         lag: share of the motion that follows late; silicone loses about a tenth of its work.
@@ -49,9 +49,9 @@ class Knot:
         kind: of the stroke at work, NONE at rest.
         contacts_px: (k, 2) float64, place of the largest deformation of each finger.
         seen_mm: (k,) float64, how far that place has moved in the image since rest.
-        moved_mm: (k,) float64, how far the finger's middle has. It is what people call intensity:
-            of the place of the largest deformation, the paper's method would be off by 2 mm, with
-            the middle by 1.6, on real hands it is by 1 mm [NT, "Results"].
+        moved_mm: (k,) float64, how far the finger's middle has moved; this is the intensity. With
+            the place of the largest deformation, the error of the paper's method would be 2 mm;
+            with the middle it is 1.6 mm, and on real hands 1 mm [NT, "Results"].
     """
 
     outline: NDArray[np.float64]
@@ -64,8 +64,8 @@ class Knot:
 class GelMotion:
     """Knots of a script, computed in order and remembered for a few seconds.
 
-    The state at any moment is the same however it is asked for; asking for a moment that is long
-    gone starts the script again.
+    The state at a moment never depends on the order of the calls. A call for a moment that is no
+    longer remembered computes the script again from its start.
     """
 
     def __init__(self, script: Play, camera: CameraModel, px_per_mm: float, gel: GelConfig) -> None:
@@ -154,7 +154,7 @@ class _Grip:
             moved = solid.deform(*given)
         else:
             moved = np.empty_like(self._late)
-            kernels.deform(*given, NEIGHBOURS, self._mobility, moved)
+            kernels.move_points(*given, NEIGHBOURS, self._mobility, moved)
         self._late += (moved - self._late) * (1.0 - math.exp(-KNOT_US / gel.lag_us))
         moved += gel.lag * (self._late - moved)
         return moved
@@ -164,7 +164,7 @@ class _Grip:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Returns the place of each finger's largest deformation, (k, 2) px.
 
-        And how far (k,) that place and the finger's middle have moved.
+        Also how far that place and the finger's middle have moved, (k,) each.
         """
         shape = (len(self.grasp.fingers), -1)
         far = np.linalg.norm(probes_px - self._rest_px, axis=1).reshape(shape)

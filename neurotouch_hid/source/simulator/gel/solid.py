@@ -29,13 +29,13 @@ STEP_MM, STEP_RAD = 1.5, 0.1  # of a motion; the elements are linear, the path o
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surface:
-    """The gel as its surface feels.
+    """The stiffness of the gel at its surface.
 
     Attributes:
         plan: (n, 2) mm, the nodes seen from above.
         compliance: (3 n, 3 n), how far each moves under a unit force on each; symmetric.
         grid: (N_SIDE, N_SIDE) intp, the node at each place of the grid, n where there is none.
-        skin: what a fingertip adds to the compliance under it.
+        skin: compliance that a fingertip adds under it.
     """
 
     plan: Floats
@@ -72,7 +72,7 @@ def build_surface() -> Surface:
 def deform(
     points: Floats, centres: Floats, radii: Floats, motions: Floats, depths: Floats
 ) -> Floats:
-    """Moves points of the surface as the fingers move what they touch.
+    """Moves points of the surface with the fingers that touch it.
 
     Args:
         points: (n, 2) float64 mm, the points at rest.
@@ -99,7 +99,7 @@ def deform(
 def _pull(centres: Floats, radii: Floats, motions: Floats, depths: Floats) -> Floats:
     """Returns how every node moves, (n + 1, 3) mm, under the fingers.
 
-    The last one never does.
+    The last node never moves.
     """
     surface = build_surface()
     plan, compliance = surface.plan, surface.compliance
@@ -150,7 +150,7 @@ def _read(field: Floats, points: Floats) -> Floats:
 
 
 def _plan() -> tuple[Floats, NDArray[np.intp], NDArray[np.intp]]:
-    """Nodes (n, 2) mm of the bricks seen from above, the four of each, and ``build_surface``'s."""
+    """Returns the nodes (n, 2) mm of the bricks seen from above, the four of each, and the grid."""
     half = N_SIDE // 2
     ticks = CELL_MM * (np.arange(N_SIDE) - half)
     middle = ticks[:-1] + 0.5 * CELL_MM
@@ -173,7 +173,7 @@ def _height(r: Floats) -> Floats:
 
 
 def _stiffen(corners: Floats) -> Floats:
-    """Stiffness (e, 24, 24) of bricks (e, 8, 3) mm, four corners below, four above.
+    """Returns the stiffness (e, 24, 24) of bricks (e, 8, 3) mm, four corners below, four above.
 
     The shear modulus µ is 1, for only ratios matter. 2 µ ε:ε is integrated at eight points; λ
     (div u)² takes the mean of the brick.

@@ -1,10 +1,11 @@
-"""The compiled loop of the gel: contact patches in, displacement of material points out."""
+"""Compiled loops of the gel: contact patches in, displacement of material points out."""
 
 import math
 
-import numba as nb
 import numpy as np
 from numpy.typing import NDArray
+
+from neurotouch_hid.process.kernel_cache import kernel
 
 Floats = NDArray[np.float64]
 
@@ -19,15 +20,18 @@ SQUEEZE_SWEEPS = 6  # per step; a push travels one marker a sweep, and a long dr
 STEP_MM = 1.5  # longest step of a drag, so that the field can follow the patch
 STEP_RAD = 0.08  # longest step of a turn
 
+DRAG_X, DRAG_Y, TURN = range(3)
+"""The columns of a motion and of a load: drag in mm, turn in rad."""
 
-@nb.njit(cache=True, nogil=True)
+
+@kernel
 def clamp_window(x: float, y: float) -> float:
     """Returns how freely the gel moves at (x, y) mm: 1 in the centre, 0 at the clamped rim."""
     w = 1.0 - (x * x + y * y) / (CLAMP_RADIUS_MM * CLAMP_RADIUS_MM)
     return w**CLAMP_EXPONENT if w > 0.0 else 0.0
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def patch_field(
     x: float, y: float, a: float, dx: float, dy: float, turn: float
 ) -> tuple[float, float]:
@@ -53,7 +57,7 @@ def patch_field(
     )
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def press_depth(r2: float, a: float) -> float:
     """Returns the depth at squared distance ``r2`` of a Hertz press of depth 1 and radius a."""
     q2 = r2 / (a * a)
@@ -63,7 +67,7 @@ def press_depth(r2: float, a: float) -> float:
     return ((2.0 - q2) * math.asin(1.0 / q) + math.sqrt(q2 - 1.0)) / math.pi
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def _solve(matrix: Floats, vector: Floats, n: int) -> None:
     """Solves the n x n system in place (Gauss with pivoting); the answer replaces ``vector``."""
     for i in range(n):
@@ -85,15 +89,15 @@ def _solve(matrix: Floats, vector: Floats, n: int) -> None:
         vector[i] /= matrix[i, i]
 
 
-@nb.njit(cache=True, nogil=True)
-def couple(centres: Floats, radii: Floats, motions: Floats, loads: Floats) -> None:
-    """Loads with which every patch makes its prescribed motion although the others pull at it.
+@kernel
+def solve_loads(centres: Floats, radii: Floats, motions: Floats, loads: Floats) -> None:
+    """Writes the loads that give every patch its prescribed motion against the others' pull.
 
     Args:
         centres: (k, 2) float64 mm.
         radii: (k,) float64 mm.
         motions: (k, 3) float64: drag x, drag y in mm, turn in rad, wanted as the mean over a patch.
-        loads: (k, 3) float64, written: what each patch alone would be moved by.
+        loads: (k, 3) float64, written: the motion that each load would cause alone.
     """
     n = len(centres)
     matrix, vector = np.zeros((3 * n, 3 * n)), np.zeros(3 * n)
@@ -101,9 +105,9 @@ def couple(centres: Floats, radii: Floats, motions: Floats, loads: Floats) -> No
         own = max(clamp_window(centres[j, 0], centres[j, 1]), 1e-3)
         for axis in range(3):
             vector[3 * j + axis] = motions[j, axis]
-            dx = 1.0 if axis == 0 else 0.0
-            dy = 1.0 if axis == 1 else 0.0
-            turn = 1.0 if axis == 2 else 0.0
+            dx = 1.0 if axis == DRAG_X else 0.0
+            dy = 1.0 if axis == DRAG_Y else 0.0
+            turn = 1.0 if axis == TURN else 0.0
             for i in range(n):
                 arm = 0.6 * radii[i]
                 for sample in range(5):
@@ -125,7 +129,7 @@ def couple(centres: Floats, radii: Floats, motions: Floats, loads: Floats) -> No
             loads[j, axis] = vector[3 * j + axis]
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def resist_squeeze(
     rest: Floats, neighbours: NDArray[np.intp], mobility: Floats, moved: Floats
 ) -> None:
@@ -162,8 +166,8 @@ def resist_squeeze(
             break
 
 
-@nb.njit(cache=True, nogil=True)
-def deform(
+@kernel
+def move_points(
     points: Floats,
     centres: Floats,
     radii: Floats,
@@ -191,8 +195,8 @@ def deform(
     n_patches = len(centres)
     steps = 1
     for k in range(n_patches):
-        length = math.hypot(motions[k, 0], motions[k, 1])
-        steps = max(steps, math.ceil(length / STEP_MM), math.ceil(abs(motions[k, 2]) / STEP_RAD))
+        length = math.hypot(motions[k, DRAG_X], motions[k, DRAG_Y])
+        steps = max(steps, math.ceil(length / STEP_MM), math.ceil(abs(motions[k, TURN]) / STEP_RAD))
     centre = centres.copy()
     part, loads = np.empty((n_patches, 3)), np.empty((n_patches, 3))
     for k in range(n_patches):
@@ -201,7 +205,7 @@ def deform(
     for i in range(len(points)):
         out[i, 0], out[i, 1], out[i, 2] = points[i, 0], points[i, 1], 0.0
     for _ in range(steps):
-        couple(centre, radii, part, loads)
+        solve_loads(centre, radii, part, loads)
         for k in range(n_patches):
             own = max(clamp_window(centre[k, 0], centre[k, 1]), 1e-3)
             for axis in range(3):
@@ -215,17 +219,17 @@ def deform(
                     x - centre[k, 0],
                     y - centre[k, 1],
                     radii[k],
-                    loads[k, 0],
-                    loads[k, 1],
-                    loads[k, 2],
+                    loads[k, DRAG_X],
+                    loads[k, DRAG_Y],
+                    loads[k, TURN],
                 )
                 ux += vx
                 uy += vy
             out[i, 0] += window * ux
             out[i, 1] += window * uy
         for k in range(n_patches):
-            centre[k, 0] += part[k, 0]
-            centre[k, 1] += part[k, 1]
+            centre[k, 0] += part[k, DRAG_X]
+            centre[k, 1] += part[k, DRAG_Y]
         resist_squeeze(points, neighbours, mobility, out)
     for k in range(n_patches):
         for i in range(len(points)):

@@ -3,11 +3,11 @@
 import math
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+from neurotouch_hid.process.kernel_cache import kernel
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -46,8 +46,8 @@ class Picture(NamedTuple):
     counts: Records
 
 
-@nb.njit(cache=True, nogil=True, error_model="numpy")
-def draw(
+@kernel(error_model="numpy")
+def draw_markers(
     knots: Floats,
     u: float,
     picture: Picture,
@@ -105,7 +105,7 @@ def draw(
     counts["touched"] = n
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def expose(picture: Picture) -> None:
     """Adds the picture of one tick to the frame."""
     for slot in range(picture.counts[0]["touched"]):

@@ -3,12 +3,12 @@
 import math
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.messages import SENSOR_WIDTH_PX
-from neurotouch_hid.source.simulator.kernels.optics import Picture, draw, expose
+from neurotouch_hid.process.kernel_cache import kernel
+from neurotouch_hid.source.simulator.kernels.optics import Picture, draw_markers, expose
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -37,7 +37,7 @@ period."""
 
 
 class Chip(NamedTuple):
-    """The event pixels of one sensor, and what they see.
+    """The event pixels of one sensor, and the picture on them.
 
     Attributes:
         picture: the picture on them.
@@ -74,7 +74,7 @@ class Stretch(NamedTuple):
     """A stretch of time within one knot interval.
 
     Attributes:
-        t_us: begin of the first tick.
+        t_us: start of the first tick.
         tick_us: length of a tick.
         first_tick: index of the first tick within the interval.
         n_ticks: how many ticks.
@@ -94,7 +94,7 @@ class Stretch(NamedTuple):
     exposing: bool
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def random_uniform(state: NDArray[np.uint64]) -> float:
     """Returns the next number in [0, 1) of splitmix64, whose counter is ``state[0]``."""
     state[0] += np.uint64(0x9E3779B97F4A7C15)
@@ -105,7 +105,7 @@ def random_uniform(state: NDArray[np.uint64]) -> float:
     return float(z >> np.uint64(11)) / 9007199254740992.0
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def random_poisson(mean: float, state: NDArray[np.uint64]) -> int:
     """Returns a Poisson number, by counting exponential gaps."""
     n = 0
@@ -116,7 +116,7 @@ def random_poisson(mean: float, state: NDArray[np.uint64]) -> int:
     return n
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def wake_touched(chip: Chip) -> None:
     """Makes the pixels active where a marker is drawn."""
     pixels, active, touched, counts = chip.pixels, chip.active, chip.picture.touched, chip.counts[0]
@@ -130,7 +130,7 @@ def wake_touched(chip: Chip) -> None:
     counts["active"] = n
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def wake_leaking(end_us: float, chip: Chip) -> None:
     """Makes every pixel active whose leak alone fires it before ``end_us``."""
     pixels, active, counts = chip.pixels, chip.active, chip.counts[0]
@@ -146,7 +146,7 @@ def wake_leaking(end_us: float, chip: Chip) -> None:
     counts["active"] = n
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def _emit(t: float, i: int, polarity: bool, events: Records, counts: Records) -> None:
     n = counts[0]["events"]
     if n >= len(events):
@@ -158,7 +158,7 @@ def _emit(t: float, i: int, polarity: bool, events: Records, counts: Records) ->
     counts[0]["events"] = n + 1
 
 
-@nb.njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@kernel(error_model="numpy", inline="always")
 def _fire(i: int, before: float, after: float, begin: float, end: float, chip: Chip) -> float:
     """Lets pixel ``i`` fire in a tick in which its signal runs from ``before`` to ``after``.
 
@@ -187,16 +187,16 @@ def _fire(i: int, before: float, after: float, begin: float, end: float, chip: C
     return distance
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def sense(t_us: int, tick_us: int, rest_us: int, chip: Chip) -> None:
-    """Lets all active pixels see one tick of the picture and fire where they cross a threshold.
+    """Runs all active pixels through one tick of the picture; those that cross a threshold fire.
 
-    The signal runs linearly from its value at the begin of the tick to that at its end, so crossing
+    The signal runs linearly from its value at the start of the tick to that at its end, so crossing
     times are exact to the µs. In the refractory period the pixel is held in reset, as the circuit
     does: its reference is the signal when the period ends. Pixels that have settled go to sleep.
 
     Args:
-        t_us: begin of the tick.
+        t_us: start of the tick.
         tick_us: its length.
         rest_us: a pixel stays active if its leak can fire it within this time.
         chip: its picture is that at the end of the tick; updated, its new events not sorted.
@@ -228,12 +228,12 @@ def sense(t_us: int, tick_us: int, rest_us: int, chip: Chip) -> None:
     chip.counts[0]["active"] = n_kept
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def add_noise(t_us: int, tick_us: int, chip: Chip) -> None:
     """Adds shot noise (full rate in the dark, a quarter at white) and hot pixels for one tick.
 
     Args:
-        t_us: begin of the tick.
+        t_us: start of the tick.
         tick_us: its length.
         chip: updated, its new events not sorted.
     """
@@ -257,12 +257,12 @@ def add_noise(t_us: int, tick_us: int, chip: Chip) -> None:
             pixel["seen_us"] = float(t_us + tick_us)
 
 
-@nb.njit(cache=True, nogil=True)
+@kernel
 def sort_tick(first: int, t_us: int, tick_us: int, row_us: int, events: Records, end: int) -> None:
     """Sorts the events from ``first`` to ``end``, all of one tick, by time (stable counting sort).
 
-    With ``row_us`` > 0 the events of a row wait for the row's turn, which comes every ``row_us``
-    µs, and share its stamp, as a row-wise readout does.
+    With ``row_us`` > 0 the events of a row wait until the row is read, every ``row_us`` µs, and
+    share its stamp, as in a row-wise readout.
     """
     part = events[first:end].copy()
     place = np.zeros(tick_us + 1, np.int64)
@@ -281,12 +281,12 @@ def sort_tick(first: int, t_us: int, tick_us: int, row_us: int, events: Records,
         place[k] += 1
 
 
-@nb.njit(cache=True, nogil=True)
-def advance(knots: Floats, stretch: Stretch, chip: Chip) -> None:
+@kernel
+def run_sensor(knots: Floats, stretch: Stretch, chip: Chip) -> None:
     """Runs picture and pixels through a stretch of time.
 
     Args:
-        knots: (4, n, 6) float64, see ``draw``; the interval is between the second and the third.
+        knots: (4, n, 6) float64, see ``draw_markers``; the interval is from the second to third.
         stretch: when.
         chip: updated; its new events are in order of time.
     """
@@ -298,7 +298,9 @@ def advance(knots: Floats, stretch: Stretch, chip: Chip) -> None:
             wake_leaking(float(begin + window_us), chip)
         if stretch.moving:
             wake_touched(chip)
-            draw(knots, (stretch.first_tick + tick + 1) / stretch.ticks_per_knot, chip.picture)
+            draw_markers(
+                knots, (stretch.first_tick + tick + 1) / stretch.ticks_per_knot, chip.picture
+            )
             wake_touched(chip)
         sense(begin, tick_us, window_us, chip)
         add_noise(begin, tick_us, chip)

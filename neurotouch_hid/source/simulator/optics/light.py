@@ -16,7 +16,7 @@ PROFILE_SCALE = PROFILE_STEPS / PROFILE_REACH**2
 
 @dataclass(frozen=True, slots=True)
 class LightConfig:
-    """What the LED ring makes of the scene; levels in DN of an 8-bit frame.
+    """Settings of the light; levels in DN of an 8-bit frame.
 
     Attributes:
         white_dn: a marker at full light.
@@ -37,7 +37,7 @@ class LightConfig:
     seed: int = 0
 
 
-def paint(config: LightConfig, rig: Rig) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def compute_light(config: LightConfig, rig: Rig) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Returns the picture without markers and the brightness of a marker everywhere.
 
     Returns:
@@ -62,7 +62,9 @@ def paint(config: LightConfig, rig: Rig) -> tuple[NDArray[np.float64], NDArray[n
 
 
 def marker_profile(blur_px: float) -> NDArray[np.float32]:
-    """Brightness of a blurred white disc over its squared relative radius, 0 at the last entry.
+    """Returns the brightness of a blurred white disc over its squared relative radius.
+
+    The last entry is 0.
 
     Returns:
         (PROFILE_STEPS + 1,) float32.

@@ -1,4 +1,4 @@
-"""How the camera under the gel sees a marker: perspective of the dome, lens, rig, brightness."""
+"""Projects markers to the image: perspective of the dome, lens, rig, brightness."""
 
 from dataclasses import dataclass
 
@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import GEL_RADIUS_MM, MARKER_DIAMETER_MM, NOMINAL_PX_PER_MM, Rig
 
-RING_MM = 31.5  # the housing hides what is further out
+RING_MM = 31.5  # the housing hides everything further out
 SHIPPED_RIG = Rig((172.5, 129.5), NOMINAL_PX_PER_MM)  # the middle of the sensor
 
 
 @dataclass(frozen=True, slots=True)
 class CameraConfig:
-    """The camera's place and what its lens does.
+    """The camera's place and the distortion of its lens.
 
     Attributes:
         rig: where the gel is in the image.
@@ -43,7 +43,7 @@ class CameraModel:
         return self._config.rig.to_px(magnified)
 
     def outline(self, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Returns how markers look.
+        """Returns the appearance of markers in the image.
 
         Args:
             points_mm: (n, 3) x, y and depth below the dome in mm.

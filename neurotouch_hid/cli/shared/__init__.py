@@ -1,0 +1,1 @@
+"""Parts of several commands: playing a driver, its page, commands without click."""

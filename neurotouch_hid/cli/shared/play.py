@@ -1,0 +1,75 @@
+"""Runs a driver with monitors for ``run`` and ``demo``, and prints a summary at the end."""
+
+import sys
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from neurotouch_hid.cli.ui.output import echo, is_plain
+from neurotouch_hid.monitor import LinesMonitor, PictureMonitor, TraceWriter
+from neurotouch_hid.monitor.output import Output
+from neurotouch_hid.process.dead_output import silence
+from neurotouch_hid.process.signals import stop_on_signals
+
+if TYPE_CHECKING:
+    from neurotouch_hid.driver import Driver
+    from neurotouch_hid.profile import MappingDecision
+    from neurotouch_hid.runtime import Tap
+
+
+def play(
+    driver: "Driver", *, show: str, trace: Path | None = None, seconds: float | None = None
+) -> None:
+    """Runs a driver with the chosen monitors until its source ends, a signal comes or time is up.
+
+    Args:
+        driver: the opened driver.
+        show: ``picture``, ``lines``, ``nothing``, or ``auto``: a picture on a terminal, but lines
+            elsewhere and where plain output is asked for.
+        trace: file for one JSON line per slice.
+        seconds: ends after this much sensor time.
+    """
+    if show == "auto":
+        show = "lines" if is_plain() else "picture"
+    stop = stop_on_signals(driver.reload if driver.options.is_listening else None)
+    title = f"{driver.source.name} -> {driver.device.name}, profile {driver.profile.name}"
+    if driver.source.is_simulated:
+        title = f"SIMULATED {title}"
+    announce(f"Gamepad ready: {title}. Ctrl-C ends.")
+
+    def read_decisions() -> "tuple[MappingDecision, ...]":
+        return driver.pipeline.mapping.decisions()  # other values of the person: a new mapping
+
+    with ExitStack() as stack:
+        taps: list[Tap] = []
+        if trace is not None:
+            writer = TraceWriter(trace, announce)
+            stack.callback(writer.close)
+            taps.append(writer)
+        if show != "nothing":
+            out = Output(sys.stdout, "the output", announce)
+            monitor = (
+                PictureMonitor(out, title)
+                if show == "picture"
+                else LinesMonitor(out, read_decisions)
+            )
+            stack.callback(monitor.close)
+            taps.append(monitor)
+        stats = driver.run(taps, seconds=seconds, stop=stop)
+    seen = driver.pipeline.rest.detector.stats()
+    if stats.slices and not seen.n_references:
+        announce(f"Warning: no gel was found until the end: {seen.reason}.")
+    elif seen.n_references and not seen.n_frames:
+        announce(f"Warning: the gel was {seen.reason}.")
+    speed = ""
+    if stats.host_s and driver.options.speed == "max":
+        speed = f", {stats.sensor_s / stats.host_s:.1f} times as fast as recorded"
+    announce(f"Played {stats.sensor_s:.1f} s, {stats.events:,} events{speed}. The pad is neutral.")
+
+
+def announce(sentence: str) -> None:
+    """Prints a sentence for the person on the standard error, if it can still be written."""
+    try:
+        echo(sentence, err=True)
+    except OSError:  # the terminal has gone, or the disk that keeps it is full
+        silence(sys.stderr)

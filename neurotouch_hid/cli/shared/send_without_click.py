@@ -1,0 +1,71 @@
+"""``neurotouch pause``, ``resume``, ``panic``, ``stop``: one word to the running drivers, at once.
+
+In an emergency nothing but the standard library is imported before it, not even ``click``.
+"""
+
+import json
+import sys
+from collections.abc import Iterable
+
+from neurotouch_hid.client import Reached, ask_every, wait_until_ended
+from neurotouch_hid.errors import DriverError
+from neurotouch_hid.players import list_players
+
+
+def send_command(command: str, *, as_json: bool = False) -> int:
+    """Sends a command to every driver of every player that this person may ask.
+
+    Prints what each answers, with its name where there are several.
+
+    Returns:
+        The exit code: 0 if all have obeyed.
+    """
+    try:
+        reached = ask_every(command, list_players())
+    except DriverError as error:
+        return _tell_failure("", error, as_json=as_json)
+    if command == "stop":
+        reached = [_wait(each) for each in reached]
+    code = 0
+    for name, each in zip(_name_all(reached), reached, strict=True):
+        if each.error is not None:
+            code = _tell_failure(name, each.error, as_json=as_json)
+        else:
+            text = name + each.text
+            print(json.dumps({"status": "OK", "message": text}) if as_json else text)
+    return code
+
+
+def _wait(reached: Reached) -> Reached:
+    """Returns the same once that driver has ended, or with the error that it has not."""
+    try:
+        if reached.error is None:
+            wait_until_ended(reached.folder)
+    except DriverError as error:
+        return reached._replace(error=error)
+    return reached
+
+
+def _name_all(reached: Iterable[Reached]) -> list[str]:
+    """Returns what to write before the answer of each driver, so that nobody mistakes it."""
+    rows = [(each.player, each.name) for each in reached]
+    players, names = {player for player, _ in rows}, {name for _, name in rows}
+    if len(rows) == 1:
+        return [""]
+    if len(players) == 1:
+        return [f"{name[0].upper()}{name[1:]}: " for _, name in rows]
+    if len(names) == 1:
+        return [f"Player {player}: " for player, _ in rows]
+    return [f"Player {player}, {name}: " for player, name in rows]
+
+
+def _tell_failure(name: str, error: DriverError, *, as_json: bool) -> int:
+    """Prints why a driver did not obey, and returns the exit code."""
+    message = name + error.message
+    if as_json:
+        print(json.dumps({"status": "FAILED", "message": message, "fix": error.hint}))
+        return error.exit_code
+    print(f"Error: {message}", file=sys.stderr)
+    if error.hint:
+        print(f"Fix: {error.hint}", file=sys.stderr)
+    return error.exit_code

@@ -1,0 +1,1 @@
+"""Reads small files that a person or a stranger wrote, with limits."""

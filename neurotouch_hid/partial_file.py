@@ -1,0 +1,112 @@
+"""Writes files so that at every moment the old or the new one is there, never a part.
+
+Every file that a person names is written here.
+"""
+
+import os
+import stat
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+
+class PartialFile:
+    """A new file beside ``path`` that takes its name in one step; a context manager.
+
+    A link stays a link, and an older file's mode stays. What is no plain file, such as a device, a
+    pipe or the standard output, is written as it is. The temporary name is that of the process too,
+    so two writers never share it.
+
+    Args:
+        path: where the file will be.
+
+    Attributes:
+        file: takes the content, unbuffered.
+
+    Raises:
+        OSError: the file cannot be made.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._part: Path | None = None
+        if not is_plain(path):
+            self.file = os.fdopen(_open(path, 0), "wb", buffering=0)
+            return
+        self._path = Path(os.path.realpath(path))  # also of a link to itself
+        self._part = self._path.with_name(f".{path.name}.{os.getpid()}.partial")
+        self._part.unlink(missing_ok=True)  # of a process that had this number before a power cut
+        # Whoever may write to the folder could have put a link there.
+        descriptor = _open(self._part, os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW)
+        self.file = os.fdopen(descriptor, "wb", buffering=0)
+
+    def commit(self) -> None:
+        """Gives the file its name, replacing an older one.
+
+        Raises:
+            OSError: the file system refuses; the older one is still there.
+        """
+        if self._part is None:
+            self.file.close()
+            return
+        try:
+            with self.file:
+                os.fsync(self.file.fileno())
+            if self._path.exists():
+                self._part.chmod(stat.S_IMODE(self._path.stat().st_mode))
+            self._part.replace(self._path)
+        except OSError:
+            self.discard()
+            raise
+
+    def discard(self) -> None:
+        """Removes the temporary file."""
+        self.file.close()
+        if self._part is not None:
+            self._part.unlink(missing_ok=True)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if kind is None:
+            self.commit()
+        else:
+            self.discard()
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Writes a file; when this returns, also a power cut does not take it away.
+
+    Args:
+        path: where the file will be.
+        content: all of it.
+
+    Raises:
+        OSError: it could not be written; the old file is still there.
+    """
+    with PartialFile(path) as partial:
+        rest = memoryview(content)
+        while rest:
+            rest = rest[partial.file.write(rest) :]
+    folder = os.open(Path(os.path.realpath(path)).parent, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)
+
+
+def is_plain(path: Path) -> bool:
+    """Returns whether a file of this name may be removed, or replaced by a new one."""
+    folder = os.path.realpath(path.parent)
+    if folder == "/dev" or f"{folder}/".startswith("/proc/"):  # such as /dev/stdout
+        return False
+    return not path.exists() or stat.S_ISREG(path.stat().st_mode)
+
+
+def _open(path: Path, flags: int) -> int:
+    return os.open(path, flags | os.O_WRONLY | os.O_CLOEXEC, 0o666)

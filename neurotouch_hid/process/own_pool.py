@@ -1,0 +1,29 @@
+"""Processes of our own that share out a long work."""
+
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from multiprocessing import active_children, get_context
+
+
+@contextmanager
+def open_pool(
+    jobs: int, prepare: Callable[[], object] | None = None
+) -> Iterator[ProcessPoolExecutor]:
+    """Gives processes of our own that work beside this one; they end with the block.
+
+    They are fresh: to fork a process that has loaded kernels and OpenCV's threads is not safe.
+
+    Args:
+        jobs: how many at once.
+        prepare: is called in each before it works.
+    """
+    os.environ["PYTHONSAFEPATH"] = "1"  # what ``-P`` is to a command
+    pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=prepare)
+    try:
+        yield pool
+    finally:
+        for process in active_children():  # those that still work, after an error or Ctrl-C
+            process.terminate()
+        pool.shutdown()

@@ -1,0 +1,151 @@
+"""What a running driver says of itself, and whether an answer says it."""
+
+from typing import (
+    Any,
+    NotRequired,
+    TypedDict,
+    cast,
+    get_args,
+    get_origin,
+    get_type_hints,
+    is_typeddict,
+)
+
+from neurotouch_hid.errors import DriverError
+
+StageSpread = TypedDict("StageSpread", {"p50": float, "p99": float, "p99.9": float})
+"""Percentiles of the time in a stage since the start, in ms a slice."""
+
+
+class Fatigue(TypedDict):
+    """A movement that fades.
+
+    Attributes:
+        movement: its name, as in the person's ranges.
+        peak_mm: how far it goes now.
+        full_mm: what the range could be set to; None while it need not be.
+        needs: the share of its range that it needs now; 1 without help.
+    """
+
+    movement: str
+    peak_mm: float
+    full_mm: float | None
+    needs: float
+
+
+class ErrorNote(TypedDict):
+    """What went wrong: a sentence, and when, in s since 1970."""
+
+    at: float
+    error: str
+
+
+class PipelineStatus(TypedDict):
+    """What a running pipeline says of itself.
+
+    Attributes:
+        pid: the driver's process.
+        state: ``running``, ``paused`` or ``panic``.
+        profile: name of the profile that is active.
+        layer: name of its layer that is active.
+        markers_tracked: how many of the 177 are measured.
+        gel: ``found``, or what keeps it from being found.
+        gesture: the gesture now, ``none`` at rest.
+        ignored: the last gesture that came to nothing, and why, in a sentence; None without.
+        silent_s: for how long nothing has come from the source; 0 while it comes.
+        uptime_s: since the start.
+        slices: since the start.
+        slices_hz: slices per second.
+        events_hz: events per second.
+        events_lost: since the start.
+        stage_ms: mean host time a slice, by stage.
+        stage_spread_ms: its percentiles since the start.
+        fatigue: movements that fade.
+        long_holds: how often each movement was held for more than 5 s.
+        errors: the newest errors.
+    """
+
+    pid: int
+    state: str
+    profile: str
+    layer: str
+    markers_tracked: int
+    gel: str
+    gesture: str
+    ignored: str | None
+    silent_s: float
+    uptime_s: float
+    slices: int
+    slices_hz: float
+    events_hz: int
+    events_lost: int
+    stage_ms: dict[str, float]
+    stage_spread_ms: dict[str, StageSpread]
+    fatigue: list[Fatigue]
+    long_holds: dict[str, int]
+    errors: list[ErrorNote]
+
+
+class Status(PipelineStatus):
+    """The answer to ``status``: the pipeline's, and what surrounds it in a sentence each.
+
+    Attributes:
+        version: of this format: 1.
+        source: what is played.
+        device: the virtual gamepad.
+        keyboard: which keyboards can stop the driver.
+        desktop: which window has chosen the profile.
+        sound: how the driver is heard.
+        settings: whose settings apply.
+        copilot: the physical device that plays along.
+        mouse: which mice are watched.
+        rumble: how games shake the pad.
+    """
+
+    version: int
+    source: str
+    device: str
+    keyboard: str
+    desktop: str
+    sound: str
+    settings: str
+    copilot: NotRequired[str]
+    mouse: NotRequired[str]
+    rumble: NotRequired[dict[str, float]]
+
+
+def check_status(answer: dict[str, Any]) -> Status:
+    """Returns an answer as the status it is.
+
+    Raises:
+        DriverError: it lacks something, or something in it is of another kind.
+    """
+    for key, kind in get_type_hints(Status).items():
+        is_left_out = key in Status.__optional_keys__ and key not in answer
+        if not is_left_out and not _fits(answer.get(key), kind):
+            raise explain_missing(key)
+    return cast(Status, answer)
+
+
+def explain_missing(key: str) -> DriverError:
+    """Returns the error about an answer that lacks a key, or has something else there."""
+    return DriverError(
+        f"The driver's answer lacks '{key}'.",
+        hint="The driver may be of another version than this command: start it again.",
+    )
+
+
+def _fits(value: Any, kind: Any) -> bool:
+    """Returns whether a value that was read from JSON is what an annotation promises."""
+    origin, inner = get_origin(kind), get_args(kind)
+    if is_typeddict(kind):
+        hints = get_type_hints(kind)
+        return isinstance(value, dict) and all(_fits(value.get(key), hints[key]) for key in hints)
+    if origin in (list, dict):
+        parts = value.values() if isinstance(value, dict) else value
+        return isinstance(value, origin) and all(_fits(each, inner[-1]) for each in parts)
+    if inner:  # one of several, or one that may be left out
+        return any(_fits(value, each) for each in inner)
+    if isinstance(value, bool):
+        return kind is bool
+    return isinstance(value, int | float if kind is float else kind)

@@ -1,0 +1,99 @@
+"""Nothing that comes from elsewhere steers a terminal, whichever command shows it."""
+
+import ast
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import click
+import pytest
+from click.testing import CliRunner
+from hypothesis import given
+from hypothesis import strategies as st
+
+import neurotouch_hid
+from neurotouch_hid.cli.ui.output import echo, print_json, say, show_changes
+from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.printable import make_lines_printable, make_printable
+
+EVIL = "\x1b]0;owned\a\x1b[8m\u202e\x9b2K\x7f\udc80"
+CLI = Path(neurotouch_hid.__file__).with_name("cli")
+RAW = {
+    "ui/output.py": 4,  # the one place
+    "main.py": 4,  # before any command is imported
+    "send.py": 4,  # without click; what it prints was made printable by errors and client
+    "monitor.py": 1,  # these three draw over their own last lines
+    "record.py": 3,
+    "doctor.py": 2,  # a script, and a word in colour
+    "profile/sharing.py": 1,  # a file, byte by byte
+    "schema.py": 1,  # files of the program
+    "completion.py": 1,
+}
+"""The calls that print as it is, and why."""
+
+
+def test_commands_print_in_one_place():
+    found = {}
+    for path in CLI.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Call) and ast.unparse(node.func) in ("click.echo", "print"):
+                name = str(path.relative_to(CLI))
+                found[name] = found.get(name, 0) + 1
+    assert found == RAW
+
+
+def show(function, *arguments, **more) -> str:
+    command = click.Command("x", callback=lambda: function(*arguments, **more))
+    return CliRunner().invoke(command).output
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        show(echo, EVIL),
+        show(say, "OK", EVIL, EVIL),
+        show(show_changes, [("added", 1, EVIL)], plain=True),
+        str(NeuroTouchError(EVIL)),
+        NeuroTouchError("x", hint=EVIL).hint,
+        make_lines_printable(EVIL),
+        make_printable(EVIL + "\n"),
+    ],
+)
+def test_what_steers_a_terminal_is_taken_out(said):
+    assert "owned" in said
+    assert all(line.isprintable() for line in said.rstrip("\n").split("\n"))
+
+
+@given(st.text())
+def test_lines_stay_lines_and_all_is_printable(text):
+    lines = make_lines_printable(text).split("\n")
+    assert len(lines) == len(text.split("\n"))
+    assert all(char.isprintable() or char in "\u200c\u200d" for line in lines for char in line)
+
+
+@given(st.recursive(st.text(), lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner)))
+def test_json_says_the_same_in_visible_characters(value):
+    said = show(print_json, value)
+    assert json.loads(said) == value
+    assert all(line.isprintable() for line in said.replace("\u200c", "").split("\n"))
+
+
+def test_a_command_line_is_quoted_without_what_steers():
+    done = subprocess.run(
+        [sys.executable, "-m", "neurotouch_hid", "profile", "show", "x\x1b[8m\u202e"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 6
+    assert done.stderr.startswith("Error: ")
+    assert "\x1b" not in done.stderr
+    done = subprocess.run(
+        [sys.executable, "-m", "neurotouch_hid", "x\x1b[8m"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert "\x1b" not in done.stderr

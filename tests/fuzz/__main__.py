@@ -1,0 +1,54 @@
+"""Feeds damaged input to the program: ``python -m tests.fuzz [AREA ...] --minutes N --seed S``.
+
+Every fault is kept as a file. The same seed gives the same cases; without one it is drawn and said.
+"""
+
+import argparse
+import random
+import sys
+from pathlib import Path
+
+from tests.fuzz.area import Report, run_area
+from tests.fuzz.areas import AREAS
+
+
+def main() -> int:
+    """Runs the areas one after the other, each for its share of the time."""
+    options = _parse()
+    seed = options.seed or f"{random.SystemRandom().randrange(10**6):06d}"
+    options.folder.mkdir(parents=True, exist_ok=True)
+    faults = 0
+    for name in options.areas or AREAS:
+        share = 60 * options.minutes / len(options.areas or AREAS)
+        report = run_area(
+            AREAS[name], f"{name}-{seed}", options.folder, cases=options.cases, seconds=share
+        )
+        print(_format(name, seed, report), flush=True)
+        faults += len(report.faults)
+    return min(faults, 1)
+
+
+def _parse() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m tests.fuzz", description=__doc__)
+    parser.add_argument("areas", nargs="*", metavar="AREA", help=f"of {', '.join(AREAS)}")
+    parser.add_argument("--minutes", type=float, default=1.0, help="of all areas together")
+    parser.add_argument("--cases", type=int, help="of each area, instead of minutes")
+    parser.add_argument("--seed", help="what the cases are drawn from")
+    parser.add_argument("--folder", type=Path, default=Path(".cache/fuzz"), help="for the faults")
+    options = parser.parse_args()
+    unknown = [name for name in options.areas if name not in AREAS]
+    if unknown:
+        parser.error(f"there is no area '{unknown[0]}'; known are {', '.join(AREAS)}")
+    return options
+
+
+def _format(name: str, seed: str, report: Report) -> str:
+    line = (
+        f"{name:<12} seed {seed}: {report.cases} cases in {report.seconds:.0f} s, "
+        f"{report.refused} refused, at most {report.growth_bytes >> 20} MB more, "
+        f"{len(report.faults)} faults"
+    )
+    return "\n  ".join([line, *report.faults])
+
+
+sys.exit(main())

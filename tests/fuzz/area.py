@@ -1,0 +1,135 @@
+"""What an area of the fuzzing is, and how cases of it are run and judged."""
+
+import random
+import resource
+import signal
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Final
+
+from neurotouch_hid.errors import NeuroTouchError
+
+_IN_MEMORY: Final = Path("/dev/shm")  # a hundred times as fast as some disks
+MAX_SECONDS: Final = 10
+MAX_GROWTH_BYTES: Final = 200 << 20
+"""The driver itself takes some 200 MB, and 400 MB is what it may take with any file."""
+
+
+@dataclass(frozen=True, slots=True)
+class Area:
+    """One kind of input from outside.
+
+    Attributes:
+        make: gives the bytes of a case; equal generators give equal cases.
+        check: does with a file of them what the program would do, and raises what it raises.
+        refusal: the one error that is right.
+        suffix: how such a file is called.
+        lines: how many lines a refusal may have.
+    """
+
+    make: Callable[[random.Random], bytes]
+    check: Callable[[Path], object]
+    refusal: type[NeuroTouchError]
+    suffix: str
+    lines: int = 1
+
+
+@dataclass(slots=True)
+class Report:
+    """What became of the cases of an area.
+
+    Attributes:
+        cases: how many ran.
+        refused: how many ended in the area's refusal.
+        faults: what went wrong, a line each.
+        growth_bytes: the most that a case added to the memory.
+        seconds: how long all took.
+    """
+
+    cases: int = 0
+    refused: int = 0
+    faults: list[str] = field(default_factory=list)
+    growth_bytes: int = 0
+    seconds: float = 0.0
+
+
+def run_area(
+    area: Area, seed: str, folder: Path, *, cases: int | None = None, seconds: float = 0.0
+) -> Report:
+    """Runs cases of an area until there are enough, or the time is over.
+
+    Args:
+        area: what is run.
+        seed: with the number of a case, gives its bytes.
+        folder: where the cases with faults are kept.
+        cases: how many; None means until the time is over.
+        seconds: the time.
+    """
+    report, begin = Report(), time.monotonic()
+    with TemporaryDirectory(dir=_IN_MEMORY if _IN_MEMORY.is_dir() else None) as place:
+        path = Path(place) / f"case{area.suffix}"
+        while report.cases < cases if cases is not None else time.monotonic() < begin + seconds:
+            content = area.make(random.Random(f"{seed}:{report.cases}"))
+            path.write_bytes(content)
+            if fault := _judge(area, path, report):
+                kept = folder / f"{seed}-{report.cases}{area.suffix}"
+                kept.write_bytes(content)
+                report.faults.append(f"{kept}: {fault}")
+            report.cases += 1
+    report.seconds = time.monotonic() - begin
+    return report
+
+
+def _judge(area: Area, path: Path, report: Report) -> str:
+    """Runs one case; returns what is wrong, or nothing."""
+    fault = ""
+    before, begin = _reset_peak(), time.monotonic()
+    try:
+        with _time_limit():
+            area.check(path)
+    except area.refusal as error:
+        report.refused += 1
+        said = error.message.split("\n")
+        if len(said) > area.lines or not all(line.isprintable() for line in said):
+            fault = f"not a printable sentence: {error.message!r}"
+    except BaseException as error:
+        if isinstance(error, KeyboardInterrupt):
+            raise
+        fault = f"{type(error).__name__}: {str(error)[:200]}"
+    growth = _peak_bytes() - before
+    report.growth_bytes = max(report.growth_bytes, growth)
+    if growth > MAX_GROWTH_BYTES:
+        fault = fault or f"{growth >> 20} MB"
+    if time.monotonic() - begin > MAX_SECONDS:
+        fault = fault or f"{time.monotonic() - begin:.0f} s"
+    return fault
+
+
+@contextmanager
+def _time_limit() -> Iterator[None]:
+    """Ends the work in it by an error after three times the time it may take."""
+
+    def end(*_: object) -> None:
+        raise TimeoutError(f"more than {3 * MAX_SECONDS} s")
+
+    before = signal.signal(signal.SIGALRM, end)
+    signal.setitimer(signal.ITIMER_REAL, 3 * MAX_SECONDS)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def _peak_bytes() -> int:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss << 10
+
+
+def _reset_peak() -> int:
+    """Returns the memory taken now, and lets the kernel count its peak from here on."""
+    Path("/proc/self/clear_refs").write_text("5", "ascii")
+    return _peak_bytes()

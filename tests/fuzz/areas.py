@@ -1,0 +1,42 @@
+"""The table of the areas: everything that comes from outside and is fuzzed."""
+
+from typing import Final
+
+from neurotouch_hid.errors import DriverError, ProfileError
+from tests.fuzz import control_socket, page_messages, profiles
+from tests.fuzz.area import Area
+from tests.fuzz.recordings import RECORDINGS
+from tests.fuzz.texts import CAMERAS, DRIVERS, IDENTITIES, LABELS, RIGS, SERVICES, USERS
+
+FILES: Final[dict[str, Area]] = {
+    "recordings": RECORDINGS,
+    "rigs": RIGS,
+    "labels": LABELS,
+    "identities": IDENTITIES,
+    "users": USERS,
+    "drivers": DRIVERS,
+    "services": SERVICES,
+    "cameras": CAMERAS,
+}
+"""Each case of them is right, or ends in the area's refusal."""
+
+MESSAGES: Final[dict[str, Area]] = {
+    "profiles": Area(
+        profiles.make, lambda path: profiles.check(path.read_bytes()), ProfileError, ".yaml"
+    ),
+    "control": Area(
+        control_socket.make,
+        lambda path: control_socket.check(path.read_bytes()),
+        DriverError,
+        ".json",
+    ),
+    "page": Area(
+        page_messages.make,
+        lambda path: page_messages.check(path.read_bytes()),
+        DriverError,
+        ".json",
+    ),
+}
+"""Each case of them gets an answer; a refusal is one, too."""
+
+AREAS: Final[dict[str, Area]] = FILES | MESSAGES

@@ -1,0 +1,38 @@
+"""A few hundred cases of each area; `make fuzz` runs as many as time allows."""
+
+import random
+
+import pytest
+
+from neurotouch_hid.errors import RecordingError
+from tests.fuzz.area import Area, run_area
+from tests.fuzz.areas import FILES
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_damaged_input_ends_in_one_sentence(tmp_path, name):
+    report = run_area(FILES[name], f"{name}-1", tmp_path, cases=300)
+    assert report.faults == []
+    assert report.refused > 30
+    assert report.refused < 300  # some come through, so the program's work is reached
+
+
+def test_the_same_seed_gives_the_same_cases():
+    for area in FILES.values():
+        for n in range(20):
+            assert area.make(random.Random(f"x:{n}")) == area.make(random.Random(f"x:{n}"))
+
+
+@pytest.mark.parametrize(
+    ("check", "fault"),
+    [
+        (lambda path: 1 // 0, "ZeroDivisionError"),
+        (lambda path: bytearray(300 << 20).count(1), " MB"),
+    ],
+)
+def test_a_fault_is_kept(tmp_path, check, fault):
+    area = Area(lambda chance: b"x", check, RecordingError, ".x")
+    report = run_area(area, "s", tmp_path, cases=1)
+    (said,) = report.faults
+    assert fault in said
+    assert (tmp_path / "s-0.x").read_bytes() == b"x"

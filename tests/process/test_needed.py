@@ -1,0 +1,107 @@
+"""Python and numba still do what these tricks prevent: whoever sees one fail may delete the trick.
+
+The other tricks of ``process/`` have such a test beside their own tests.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import neurotouch_hid
+from neurotouch_hid.process import own_command
+
+PACKAGE = Path(neurotouch_hid.__file__).parent
+
+
+def say(*command: str, cwd: Path | None = None, **environment: str) -> str:
+    inherited = {k: v for k, v in os.environ.items() if not k.startswith("NUMBA")}
+    done = subprocess.run(
+        command,
+        cwd=cwd,
+        env=inherited | {"PYTHONPATH": str(PACKAGE.parent)} | environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return done.stdout.strip()
+
+
+OLD_GARBAGE = """
+import contextlib, gc, weakref
+from neurotouch_hid.process.gc_freeze import freeze_gc
+
+class Node:
+    pass
+
+def make_old_garbage():
+    node = Node()
+    node.me = node
+    gc.collect()  # it is in use, so it counts as old from now on
+    return weakref.ref(node)
+
+found, new = make_old_garbage(), []
+with {block}:
+    while found() is not None and len(new) < 1_000_000:
+        new.append([])
+print(found() is None)
+"""
+
+
+def test_python_looks_through_what_is_old_unless_it_is_frozen():
+    plain = say(sys.executable, "-c", OLD_GARBAGE.format(block="contextlib.nullcontext()"))
+    assert plain == "True", "Python leaves old objects alone by itself: freeze_gc may go"
+    assert say(sys.executable, "-c", OLD_GARBAGE.format(block="freeze_gc()")) == "False"
+
+
+def test_numba_alone_misses_an_update_of_an_imported_constant(tmp_path):
+    """Our own cache notices it, see ``test_kernel_cache.py``."""
+    (tmp_path / "plain.py").write_text(
+        "from numba import njit\nfrom constants import TWO\n\n\n"
+        "@njit(cache=True)\ndef call(x):\n    return TWO * x\n"
+    )
+    constants = tmp_path / "constants.py"
+    constants.write_text("TWO = 2\n")
+    command = (sys.executable, "-c", "from plain import call; print(call(3))")
+    assert say(*command, PYTHONPATH=str(tmp_path)) == "6"
+    constants.write_text("TWO = 2 + 2\n")
+    after = say(*command, PYTHONPATH=str(tmp_path))
+    assert after == "6", "numba sees what a kernel imports: kernel_cache may go"
+
+
+def test_isolated_python_finds_no_package_beside_it(tmp_path):
+    """The Debian package's libraries are in such a folder, which only its launcher knows."""
+    package = tmp_path / "neurotouch_hid"
+    (package / "process").mkdir(parents=True)
+    for name in ("__init__.py", "process/__init__.py"):
+        (package / name).touch()
+    shutil.copy(own_command.__file__, package / "process/own_command.py")
+    (package / "__main__.py").write_text("print('started')\n")
+    isolated = (sys.executable, "-I", "-S")
+    plain = subprocess.run(
+        [*isolated, "-m", "neurotouch_hid"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "No module named neurotouch_hid" in plain.stderr, "own_command may go"
+    launcher = (
+        f"import subprocess, sys; sys.path.insert(0, {str(tmp_path)!r}); "
+        "from neurotouch_hid.process.own_command import make_own_command; "
+        "subprocess.run(make_own_command())"
+    )
+    assert say(*isolated, "-c", launcher, cwd=tmp_path) == "started"
+
+
+def test_pydantic_searches_all_packages_for_plugins_unless_it_is_told_not_to():
+    program = (
+        "import importlib.metadata as packages; "
+        "packages.distributions = lambda **_: print('searched') or []; "
+        "import pydantic; pydantic.create_model('A', a=(int, 0))"
+    )
+    plain = say(sys.executable, "-c", program)
+    assert plain == "searched", "leave_out_pydantic_plugins may go"
+    told = "from neurotouch_hid.process.startup import *; leave_out_pydantic_plugins(); "
+    assert say(sys.executable, "-c", told + program) == ""

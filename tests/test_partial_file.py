@@ -1,0 +1,120 @@
+"""A file is whole or not there, a link in the way is not followed, and a device stays a device."""
+
+import os
+import re
+import stat
+import threading
+from pathlib import Path
+
+import pytest
+
+from neurotouch_hid.cli.ui.output import save_json
+from neurotouch_hid.partial_file import PartialFile, write_whole
+
+ROOT = Path(__file__).parents[1]
+WRITES = re.compile(r"\.write_(text|bytes)\(|\.open\([\"'][wxa]|O_CREAT|mkstemp|NamedTemporary")
+OTHERS = {
+    "page/address.py": "a secret, made with its owner's rights only",
+    "page/requests.py": "another secret",
+    "evaluation/accuracy/report/write.py": "a report, in a new folder that then takes its name",
+    "driver/control_socket.py": "a lock",
+    "cli/session.py": "a lock",
+    "recording/writer.py": "a recording that can be read while it is written",
+    "emulator/usbip.py": "a switch of the kernel",
+}
+
+
+def test_nothing_else_writes_a_file():
+    packages = ("neurotouch_hid", "devtools/neurotouch_devtools")
+    places = {
+        str(path.relative_to(ROOT / package))
+        for package in packages
+        for path in (ROOT / package).rglob("*.py")
+        if path.name != "partial_file.py" and WRITES.search(path.read_text())
+    }
+    assert places == set(OTHERS), "write it by partial_file.py"
+
+
+def test_the_old_file_is_there_until_the_new_one_is_whole(tmp_path):
+    path = tmp_path / "numbers.json"
+    path.write_text("old")
+    path.chmod(0o640)
+    with PartialFile(path) as partial:
+        partial.file.write(b"new")
+        assert path.read_text() == "old"
+    assert path.read_text() == "new"
+    assert stat.S_IMODE(path.stat().st_mode) == 0o640
+    assert [*tmp_path.iterdir()] == [path]
+
+
+def test_a_failure_leaves_the_old_file_and_nothing_beside_it(tmp_path):
+    path = tmp_path / "numbers.json"
+    path.write_text("old")
+    with pytest.raises(ZeroDivisionError), PartialFile(path):
+        raise ZeroDivisionError
+    assert path.read_text() == "old"
+    assert [*tmp_path.iterdir()] == [path]
+
+
+def test_a_link_that_waits_beside_it_is_not_followed(tmp_path):
+    victim, path = tmp_path / "victim", tmp_path / "numbers.json"
+    victim.write_text("precious")
+    (tmp_path / f".{path.name}.{os.getpid()}.partial").symlink_to(victim)
+    write_whole(path, b"new")
+    assert victim.read_text() == "precious"
+    assert path.read_text() == "new"
+
+
+def test_a_link_stays_a_link(tmp_path):
+    (tmp_path / "folder").mkdir()
+    target, path = tmp_path / "folder/real", tmp_path / "numbers.json"
+    path.symlink_to(target)
+    write_whole(path, b"new")
+    assert path.is_symlink()
+    assert target.read_text() == "new"
+
+
+def test_a_link_to_itself_is_no_riddle(tmp_path):
+    path = tmp_path / "numbers.json"
+    path.symlink_to(path)
+    write_whole(path, b"new")
+    assert path.read_text() == "new"
+
+
+@pytest.mark.parametrize("device", ["/dev/null", "/dev/stdout"])
+def test_a_device_stays_one(device):
+    kind = os.lstat(device).st_mode
+    write_whole(Path(device), b"")
+    assert os.lstat(device).st_mode == kind
+
+
+def test_a_link_to_a_device_is_written_as_it_is(tmp_path):
+    path = tmp_path / "nowhere"
+    path.symlink_to("/dev/null")
+    write_whole(path, b"all of it")
+    assert path.is_symlink()
+    assert path.is_char_device()
+
+
+def test_a_pipe_is_written_to(tmp_path):
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    read = []
+    reader = threading.Thread(target=lambda: read.append(path.read_bytes()))
+    reader.start()
+    write_whole(path, b"all of it")
+    reader.join()
+    assert read == [b"all of it"]
+    assert path.is_fifo()
+
+
+def test_a_full_device_is_an_error():
+    with pytest.raises(OSError, match="No space left"):
+        write_whole(Path("/dev/full"), b"too much")
+
+
+def test_the_json_of_a_command_may_go_to_a_device(tmp_path):
+    path = tmp_path / "nowhere"
+    path.symlink_to("/dev/null")
+    save_json(path, {"a": 1})
+    assert path.is_char_device()
