@@ -2,6 +2,7 @@
 
 import socket
 from contextlib import suppress
+from pathlib import Path
 from typing import Final
 
 from neurotouch_hid.closing import Closing
@@ -19,27 +20,35 @@ class Subscriber(Closing):
 
     Attributes:
         peer: the connection, or None while no driver runs.
+        hz: how many states a second are asked for.
     """
 
     def __init__(self, player: int | None = None) -> None:
         self._player = player
         self.peer: socket.socket | None = None
-        self._hz = 0
+        self._folder: Path | None = None  # of the driver at the other end
+        self.hz = 0
 
     def connect(self) -> socket.socket | None:
-        """Connects to a driver; returns the connection, or None if none runs."""
-        if self.peer is None:
-            for folder in list_runtime_folders(self._player):
-                with suppress(OSError):
-                    self.peer = connect_to(folder / FEED)
-                    self._tell()
-                    break
+        """Connects to a driver; returns the connection, or None if none runs.
+
+        The person's own driver takes the place of the service, as it does for commands.
+        """
+        for folder in list_runtime_folders(self._player):
+            if folder == self._folder:
+                break
+            with suppress(OSError):
+                peer = connect_to(folder / FEED)
+                self.close()
+                self.peer, self._folder = peer, folder
+                self._tell()
+                break
         return self.peer
 
     def want(self, hz: int) -> None:
         """Requests ``hz`` states a second; 0 for none."""
-        if hz != self._hz:
-            self._hz = hz
+        if hz != self.hz:
+            self.hz = hz
             self._tell()
 
     def take(self) -> bytes | None:
@@ -62,9 +71,9 @@ class Subscriber(Closing):
         """Disconnects; the driver then no longer sends."""
         if self.peer is not None:
             self.peer.close()
-            self.peer = None
+            self.peer = self._folder = None
 
     def _tell(self) -> None:
         if self.peer is not None:
             with suppress(OSError):  # it has ended, which the next call will notice
-                self.peer.send(str(self._hz).encode())
+                self.peer.send(str(self.hz).encode())

@@ -101,18 +101,15 @@ def undo_calibration(*, plain: bool, as_json: bool) -> None:
         ProfileError: there is none to take back, or it cannot be saved.
     """
     from neurotouch_hid.profile.calibration import undo_ranges
-    from neurotouch_hid.profile.editing import ProfileText, compare, hand_over_saved, take_user
+    from neurotouch_hid.profile.editing import compare, hand_over_saved, take_user
 
     edited = take_user(make_stamp)
-    for before, after in edited.store.changes("calibration"):
-        text = undo_ranges(edited.text, ProfileText(before.decode()), ProfileText(after.decode()))
-        if text != edited.text:
-            edited.save(text)
-            break
-    else:
+    text = edited.undo_kind("calibration", undo_ranges)
+    if text is None:
         raise ProfileError(
             "There is no calibration to undo.", hint="Versions: neurotouch profile history user"
         )
+    edited.save(text)
     path, lines = edited.store.path, compare(edited.text, text)
     effect = hand_over_saved(edited.name)
     outcome = Outcome(

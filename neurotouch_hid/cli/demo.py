@@ -13,6 +13,8 @@ from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 if TYPE_CHECKING:
     from neurotouch_hid.source import Source
 
+_PROFILE = "spacecraft"
+
 
 @click.command(
     epilog="\b\nExamples:\n"
@@ -24,7 +26,11 @@ if TYPE_CHECKING:
 @click.option("--scene", default="tour", show_default=True, help="Scene of the simulator.")
 @click.option("--mouse", is_flag=True, help="Press the gel with mouse, touch or keyboard.")
 @click.option("--page/--no-page", default=True, help="Serve the live view and the spacecraft too.")
-@click.option("--profile", default="spacecraft", show_default=True, help="Name or path.")
+@click.option(
+    "--profile",
+    show_default="spacecraft; with --mouse your favourite, if you have chosen one",
+    help="Name or path.",
+)
 @seconds_option
 @click.option(
     "--show",
@@ -34,7 +40,7 @@ if TYPE_CHECKING:
     help="auto: a picture on a terminal, else lines.",
 )
 def command(
-    scene: str, mouse: bool, page: bool, profile: str, seconds: float | None, show: str
+    scene: str, mouse: bool, page: bool, profile: str | None, seconds: float | None, show: str
 ) -> None:
     """Let a simulated gel drive the pad: no camera needed.
 
@@ -52,7 +58,7 @@ def command(
 
     options = DriverOptions(
         source=played,
-        profile=profile,
+        profile=profile or (_find_favourite() if mouse else None) or _PROFILE,
         copilot="",
         needs_device=False,
     )
@@ -78,3 +84,15 @@ def command(
         if page:
             stack.enter_context(open_page("gel" if mouse else ""))
         play(driver, show=show, seconds=seconds)
+
+
+def _find_favourite() -> str | None:
+    """Returns the first of the person's favourites; None if they have chosen none.
+
+    Raises:
+        ProfileError: the file with the person's values cannot be used.
+    """
+    from neurotouch_hid.profile import load_user
+
+    user = load_user()
+    return user.slots[0] if "slots" in user.model_fields_set else None

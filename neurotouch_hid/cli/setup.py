@@ -4,6 +4,7 @@ import os
 import shlex
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 from textwrap import indent
 from typing import Final
@@ -111,6 +112,14 @@ def _have_udev_look_again() -> list[str]:
     ]
 
 
+def _list_gates() -> tuple[str, ...]:
+    """Returns the ways to become root; the first asks where the person can answer."""
+    desktop = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    if desktop and not sys.stdin.isatty():  # the page has started us
+        return "pkexec", "sudo"
+    return "sudo", "pkexec"
+
+
 def _run_as_root(script: list[str]) -> None:
     """Runs the commands up to the first that fails; asks for the password once.
 
@@ -124,7 +133,7 @@ def _run_as_root(script: list[str]) -> None:
         )
     shell = ["sh", "-euc", "\n".join(script)]
     if os.geteuid() != 0:
-        gate = shutil.which("sudo") or shutil.which("pkexec")
+        gate = next(filter(None, map(shutil.which, _list_gates())), None)
         if gate is None:
             raise NeuroTouchError(
                 "Neither sudo nor pkexec is installed, so this command cannot become root.",

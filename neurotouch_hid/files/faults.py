@@ -78,6 +78,13 @@ def format_faults(faults: Iterable[Fault], name: str, text: str) -> str:
     return "\n".join(blocks)
 
 
+def describe_fault(fault: Fault) -> str:
+    """Returns a fault in one sentence, for people who see no file, and its hint as another."""
+    about = f", '{fault.path}'" if fault.path else ""
+    hint = f" {fault.hint[:1].upper()}{fault.hint[1:]}" if fault.hint else ""
+    return f"Line {fault.mark.line + 1}{about}: {fault.sentence}.{hint}"
+
+
 def _format_fault(fault: Fault, name: str, lines: Sequence[str]) -> str:
     mark = fault.mark
     place = f"{name}:{mark.line + 1}:{mark.column + 1}: {fault.severity}[{fault.code}]: "

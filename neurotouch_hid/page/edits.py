@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from neurotouch_hid.client import ask, get_text
 from neurotouch_hid.errors import DriverError, NotRunningError, ProfileError
+from neurotouch_hid.page.handed_over import pass_on
 from neurotouch_hid.page.profile_view import Place, is_editable, list_places
 from neurotouch_hid.page.reading import read_number
 from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_unused
@@ -16,7 +17,6 @@ from neurotouch_hid.profile.editing import (
     EditedFile,
     ProfileText,
     hand_over_restored,
-    hand_over_saved,
     make_favourite,
     make_profile,
     parse_do,
@@ -92,9 +92,9 @@ class Changes:
         text = _write(edited.text, place, mark, value)
         if text == edited.text:
             return f"{edited.name} has this value already."
-        edited.save(text)
+        _save(edited, text)
         said = _describe(place.binding, mark, value)
-        return f"Saved in {edited.name}: {said}. {_hand_over(edited.name)}"
+        return f"Saved in {edited.name}: {said}. {pass_on(edited.name)}"
 
     def bind(self, path: Path, wish: "Wish") -> str:
         """Binds a movement to an output; returns a sentence about the saved change.
@@ -111,11 +111,9 @@ class Changes:
             wish.layer or None,
             instead=wish.instead or None,
         )
-        edited.save(text)
+        _save(edited, text)
         words = MOVEMENTS[wish.movement].words if wish.movement in MOVEMENTS else wish.movement
-        return (
-            f"Saved in {edited.name}: {words} {wish.press} → {wish.do}. {_hand_over(edited.name)}"
-        )
+        return f"Saved in {edited.name}: {words} {wish.press} → {wish.do}. {pass_on(edited.name)}"
 
     def unbind(self, path: Path, key: str) -> str:
         """Removes a binding.
@@ -125,8 +123,8 @@ class Changes:
             DriverError: as ``bind``.
         """
         edited = self._take(path)
-        edited.save(remove_binding(edited.text, key))
-        return f"Removed from {edited.name}. {_hand_over(edited.name)}"
+        _save(edited, remove_binding(edited.text, key))
+        return f"Removed from {edited.name}. {pass_on(edited.name)}"
 
     def use(self, name: str) -> str:
         """Switches to a profile.
@@ -136,7 +134,7 @@ class Changes:
             DriverError: the running driver does not use it.
         """
         stem, _, _ = make_favourite(name, self._stamp)
-        said = _hand_over(OWN_VALUES)
+        said = pass_on(OWN_VALUES)
         with suppress(NotRunningError):
             said = get_text(ask("use", profile=stem))
         return said
@@ -180,16 +178,21 @@ class Changes:
         return take_profile(path.stem, self._stamp)
 
 
-def _hand_over(name: str) -> str:
-    """Passes the saved change to the running driver; returns a sentence about the result.
+def _save(edited: EditedFile, text: ProfileText) -> None:
+    """Saves a changed text if it is right.
 
     Raises:
-        DriverError: the saved change has no effect.
+        ProfileError: it is not; the first mistake is told without its place in the file.
     """
-    effect = hand_over_saved(name)
-    if effect.status != "OK":
-        raise DriverError(f"Saved, but not in use. {effect.text}", hint=effect.fix)
-    return effect.text
+    checked = edited.check(text)
+    if checked.whole is None:
+        known = {(each.path, each.sentence) for each in edited.check(edited.text).faults}
+        errors = [each for each in checked.faults if each.severity == "error"]
+        new = [each for each in errors if (each.path, each.sentence) not in known]
+        fault = (new or errors)[0]
+        hint = f"{fault.hint[:1].upper()}{fault.hint[1:]}"
+        raise ProfileError(f"Nothing was saved: {fault.sentence}.", hint=hint or None)
+    edited.save(text)
 
 
 def _describe(binding: Binding, mark: str, value: Any) -> str:

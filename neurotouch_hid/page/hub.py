@@ -16,12 +16,17 @@ from neurotouch_hid.ipc import HAND, connect_to, read_object
 from neurotouch_hid.page.edits import Changes
 from neurotouch_hid.page.guard import Rate
 from neurotouch_hid.page.messages import PageMessage, SituationState
+from neurotouch_hid.page.own_values import (
+    OwnValues,
+    OwnValuesView,
+    describe_values,
+    load_usable_user,
+)
 from neurotouch_hid.page.profile_view import ProfileFault, ProfileView, describe_profile
 from neurotouch_hid.page.reading import read_number
 from neurotouch_hid.page.requests import Requests
 from neurotouch_hid.page.situation import find_situation
 from neurotouch_hid.players import find_runtime_folder, find_user_file
-from neurotouch_hid.profile import load_user
 from neurotouch_hid.profile.reading import find_profile
 from neurotouch_hid.snapshot import read_head
 from neurotouch_hid.subscriber import Subscriber
@@ -32,17 +37,25 @@ if TYPE_CHECKING:
 LOOK_S: Final = 0.5
 """Interval at which it looks for a driver, and for changes of the profile's file."""
 
+SILENT_S: Final = 3.0
+"""A driver that has shown nothing for so long waits for its camera."""
+
 MOST_HZ: Final = 60
 MOST_TRIALS: Final = 500
 
 
 class Client:
-    """A browser. A slow one misses states: only the newest state waits."""
+    """A browser. A slow one misses states: only the newest state waits.
+
+    Attributes:
+        pauses: the driver is paused for as long as this browser waits for a movement.
+    """
 
     def __init__(self, socket: ServerConnection) -> None:
         self.socket = socket
         self.hz = 0
         self.rate = Rate()
+        self.pauses = False
         self._state: bytes | None = None
         self._words: list[str] = []
         self._due_s = 0.0
@@ -89,9 +102,13 @@ class Hub:
     """
 
     def __init__(self, *, edit: bool, stamp: Any, is_far: bool = False) -> None:
-        self._edit = edit
+        self._edit, self._is_far = edit, is_far
         self._requests = Requests(
-            edit=edit, is_far=is_far, changes=Changes(stamp), tell_all=self._tell_all
+            edit=edit,
+            is_far=is_far,
+            changes=Changes(stamp),
+            own=OwnValues(stamp),
+            tell_all=self._tell_all,
         )
         self._situation: SituationState | None = None
         self._listener = Subscriber()
@@ -100,8 +117,10 @@ class Hub:
         self._path = Path()
         self._stamps: tuple[Any, ...] = ()
         self._about: ProfileView | ProfileFault | None = None
+        self._own: OwnValuesView = {}
         self._hand: Any = None
         self._newest: bytes | None = None
+        self._heard_s = 0.0
 
     @property
     def n_clients(self) -> int:
@@ -110,31 +129,32 @@ class Hub:
 
     async def run(self) -> None:
         """Connects to a driver, and to the next one when it has ended; never returns."""
-        loop = asyncio.get_running_loop()
         while True:
-            if self._listener.peer is None:
-                self._connect()
-            elif not self._clients:
-                loop.remove_reader(self._listener.peer.fileno())
-                self._listener.close()
-                self._newest = None
             if self._clients:
+                self._connect()
                 self._look_at_profile()
                 await self._look_around()
+            elif self._listener.peer is not None:
+                asyncio.get_running_loop().remove_reader(self._listener.peer.fileno())
+                self._listener.close()
+                self._newest = None
             self._came.clear()
             with suppress(TimeoutError):
                 await asyncio.wait_for(self._came.wait(), LOOK_S)
 
     async def _look_around(self) -> None:
-        """Tells the browsers what to do next, while no driver runs."""
-        if self._newest is not None:
-            self._situation = None
+        """Tells the browsers what to do next, while no driver runs or nothing comes from it."""
+        runs = self._listener.peer is not None
+        if runs and (time.monotonic() - self._heard_s < SILENT_S or not self._wanted_hz):
+            if self._newest is not None:
+                self._situation = None
             return
-        situation = await asyncio.to_thread(find_situation)
+        situation = await asyncio.to_thread(find_situation, waits=runs)
         found: SituationState = {
             "kind": situation.kind,
             "text": situation.text,
             "next": situation.next,
+            "mend": situation.mend,
         }
         if found != self._situation:
             self._situation = found
@@ -145,10 +165,26 @@ class Hub:
             client.tell(**message)
 
     def _connect(self) -> None:
-        peer = self._listener.connect() if self._clients else None
-        if peer is not None:
-            loop = asyncio.get_running_loop()
-            loop.add_reader(peer.fileno(), self._receive, peer.fileno())
+        """Looks for a driver, and for the person's own one while the service is watched."""
+        before = self._listener.peer
+        descriptor = -1 if before is None else before.fileno()
+        peer = self._listener.connect()
+        if peer is None or peer is before:
+            return
+        loop = asyncio.get_running_loop()
+        if before is not None:
+            self._forget_driver(descriptor)
+        loop.add_reader(peer.fileno(), self._receive, peer.fileno())
+        self._heard_s = time.monotonic()
+        for client in self._clients:
+            client.tell(driver=True)
+
+    def _forget_driver(self, descriptor: int) -> None:
+        asyncio.get_running_loop().remove_reader(descriptor)
+        self._newest = None
+        for client in self._clients:
+            client.end_states()
+            client.tell(driver=False)
 
     async def serve(self, client: Client, hz: int) -> None:
         """Serves a browser that has sent the token, until it disconnects."""
@@ -158,12 +194,13 @@ class Hub:
         sender = asyncio.create_task(client.send())
         try:
             client.hz = min(max(hz, 0), MOST_HZ)
-            if self._listener.peer is None:
-                self._connect()
+            self._connect()
             self._set_rate()
-            client.tell(hello=True, edit=self._edit, driver=self._listener.peer is not None)
+            runs = self._listener.peer is not None
+            client.tell(hello=True, edit=self._edit, far=self._is_far, driver=runs)
             if self._about is not None:
                 client.tell(about=self._about)
+            client.tell(own=self._own)
             if self._situation is not None:
                 client.tell(situation=self._situation)
             for news in self._requests.news:
@@ -177,6 +214,9 @@ class Hub:
             pass
         finally:
             self._clients.discard(client)
+            if client.pauses:  # nobody else goes on
+                with suppress(NeuroTouchError):
+                    await self._requests.carry_out({"do": "resume"}, self._path)
             self._set_rate()
             sender.cancel()
             with suppress(asyncio.CancelledError, ConnectionClosed):
@@ -189,20 +229,23 @@ class Hub:
         if self._hand is not None:
             self._hand.close()
 
+    @property
+    def _wanted_hz(self) -> int:
+        return max((client.hz for client in self._clients), default=0)
+
     def _set_rate(self) -> None:
-        self._listener.want(max((client.hz for client in self._clients), default=0))
+        if not self._listener.hz:  # nothing was asked for until now
+            self._heard_s = time.monotonic()
+        self._listener.want(self._wanted_hz)
 
     def _receive(self, descriptor: int) -> None:
         state = self._listener.take()
         if self._listener.peer is None:  # the driver has ended
-            asyncio.get_running_loop().remove_reader(descriptor)
-            self._newest = None
-            for client in self._clients:
-                client.end_states()
-                client.tell(driver=False)
+            self._forget_driver(descriptor)
             return
         if state is None:
             return
+        self._heard_s = time.monotonic()
         for client in self._clients:
             client.queue_state(state)
         is_first, self._newest = self._newest is None, state
@@ -225,8 +268,9 @@ class Hub:
                 self._about = describe_profile(path, edit=self._edit)
             except NeuroTouchError as error:
                 self._about = {"fault": error.message}
+        self._own = describe_values()
         for client in self._clients:
-            client.tell(about=self._about, driver=runs)
+            client.tell(about=self._about, own=self._own, driver=runs)
 
     async def _hear(self, client: Client, message: str | bytes) -> None:
         """Carries out a browser's request; reports refused ones to the browser."""
@@ -245,16 +289,19 @@ class Hub:
                     self._steer(message if isinstance(message, bytes) else message.encode())
                 case "throughput":
                     client.tell(throughput=await asyncio.to_thread(_measure, request.get("trials")))
-                case _:
+                case verb:
                     reply = await self._requests.carry_out(request, self._path)
+                    if verb in ("pause", "resume"):
+                        client.pauses = verb == "pause" and request.get("for") == "movement"
                     answer: PageMessage = {**reply, "n": n}
+                    self._look_at_profile()  # first: what is said to be saved is shown already
                     client.tell(**answer)
-                    self._look_at_profile()
         except NeuroTouchError as error:
             hint = f" {error.hint}" if error.hint else ""
             client.tell(refused=f"{error.message}{hint}", n=n)
             if self._about is not None:
                 client.tell(about=self._about)  # a mark that was dragged goes back
+            client.tell(own=self._own)
 
     def _steer(self, message: bytes) -> None:
         """Forwards a command of the mouse gel to the simulator, if the simulator is the source.
@@ -279,7 +326,7 @@ class Hub:
 def _find_favourite() -> str:
     """Returns the profile that the next driver would use; empty if it is unknown."""
     try:
-        return str(find_real_path(find_profile(load_user().slots[0])))
+        return str(find_real_path(find_profile(load_usable_user().slots[0])))
     except (NeuroTouchError, OSError):
         return ""
 

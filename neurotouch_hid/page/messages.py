@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, Literal, NotRequired, TypedDict
 
 from neurotouch_hid.page.output_choices import OutputGroup
+from neurotouch_hid.page.own_values import OwnValuesView
 from neurotouch_hid.page.profile_view import ProfileFault, ProfileView
 from neurotouch_hid.page.situation import SituationKind
 
@@ -16,6 +17,7 @@ class SituationState(TypedDict):
     kind: SituationKind
     text: str
     next: str
+    mend: str
 
 
 class ProfileRow(TypedDict):
@@ -70,8 +72,10 @@ class PageMessage(TypedDict, total=False):
     Attributes:
         hello: the browser may stay.
         edit: the browser may change profiles and pause the driver; comes with ``hello``.
+        far: the page is served to other machines; comes with ``hello``.
         driver: a driver runs.
         about: the active profile; while no driver runs, the one it would play.
+        own: the person's own values, as far as the page changes them.
         saved: a sentence about what has been done; empty where the next state says it.
         refused: the reason why something has not been done.
         throughput: the figures of a game.
@@ -88,8 +92,10 @@ class PageMessage(TypedDict, total=False):
 
     hello: Literal[True]
     edit: bool
+    far: bool
     driver: bool
     about: ProfileView | ProfileFault | None
+    own: OwnValuesView
     saved: str
     refused: str
     throughput: "Figures"

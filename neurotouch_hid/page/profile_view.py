@@ -5,7 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, NotRequired, TypedDict, get_args
 
-from neurotouch_hid.profile import check_profile, load_user
+from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.faults import describe_fault
+from neurotouch_hid.page.own_values import load_usable_user
+from neurotouch_hid.profile import check_profile
 from neurotouch_hid.profile.diagnostics import describe_target, describe_when
 from neurotouch_hid.profile.editing import name_bindings
 from neurotouch_hid.profile.engine import FILTERS, OneEuro, make_response
@@ -128,11 +131,14 @@ def describe_profile(path: Path, *, edit: bool) -> ProfileView:
         edit: True if changes are allowed.
 
     Raises:
-        ProfileError: the file cannot be used; or the person's own.
+        ProfileError: the file cannot be used.
     """
-    user = load_user()
+    user = load_usable_user()
     checked = check_profile(path)
-    profile = checked.require()
+    if checked.whole is None:
+        fault = next(each for each in checked.faults if each.severity == "error")
+        raise ProfileError(f"The profile '{path.stem}' cannot be used. {describe_fault(fault)}")
+    profile = checked.whole
     places = list_places(checked.written) if isinstance(checked.written, Profile) else []
     filter_name = choose_filter(profile, user)
     return {

@@ -17,8 +17,12 @@ COMMANDS: Final = {
     "mouse": ("demo", "--mouse", "--show", "lines"),
     "calibrate": ("calibrate",),
     "check": ("doctor", "--json"),
+    "setup": ("setup", "--yes"),
 }
 """The commands that a browser may start, by name. It cannot add arguments."""
+
+SERVICE: Final = ("pkexec", "systemctl", "start", "neurotouch")
+"""The only command of the list that is not ours: ``service``."""
 
 DRIVERS: Final = ("camera", "mouse")
 MOST_LINES: Final = 400
@@ -57,17 +61,24 @@ class Programs:
         Raises:
             PageError: there is none of this name, or such a program runs already.
         """
-        if name not in COMMANDS and not arguments:
+        if name == "service":
+            command = [*SERVICE]
+        elif arguments or name in COMMANDS:
+            command = make_own_command(*(arguments or COMMANDS[name]))
+        else:
             raise PageError("There is no such program.")
         if any(other in self._running for other in (DRIVERS if name in DRIVERS else (name,))):
             raise PageError("It runs already.")
-        process = await asyncio.create_subprocess_exec(
-            *make_own_command(*(arguments or COMMANDS[name])),
-            stdin=asyncio.subprocess.PIPE,
-            stdout=asyncio.subprocess.DEVNULL if name in DRIVERS else asyncio.subprocess.PIPE,
-            stderr=asyncio.subprocess.PIPE if name in DRIVERS else asyncio.subprocess.STDOUT,
-            start_new_session=True,  # Ctrl-C is for the page's server, which then ends them
-        )
+        try:
+            process = await asyncio.create_subprocess_exec(
+                *command,
+                stdin=asyncio.subprocess.PIPE,
+                stdout=asyncio.subprocess.DEVNULL if name in DRIVERS else asyncio.subprocess.PIPE,
+                stderr=asyncio.subprocess.PIPE if name in DRIVERS else asyncio.subprocess.STDOUT,
+                start_new_session=True,  # Ctrl-C is for the page's server, which then ends them
+            )
+        except OSError as error:
+            raise PageError(f"'{command[0]}' cannot be started: {error.strerror}.") from error
         self._running[name], self._lines[name] = process, []
         reader = asyncio.create_task(self._read(name, process))
         self._readers.add(reader)

@@ -7,18 +7,20 @@ from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any, Final
 
-from neurotouch_hid.client import ask, ask_every, get_text
+from neurotouch_hid.client import ask, ask_every, get_text, is_served
 from neurotouch_hid.errors import PageError, ProfileError
 from neurotouch_hid.page.address import write_secret
 from neurotouch_hid.page.edits import Changes, Wish
 from neurotouch_hid.page.guard import make_token
 from neurotouch_hid.page.messages import PageMessage, ProfileRow, ProgramNews, Remote
 from neurotouch_hid.page.output_choices import OutputGroup, list_outputs
+from neurotouch_hid.page.own_values import OwnValues, load_usable_user
 from neurotouch_hid.page.pictures import draw_code, take_picture
-from neurotouch_hid.page.programs import COMMANDS, Programs
+from neurotouch_hid.page.programs import DRIVERS, Programs
 from neurotouch_hid.page.reading import read_word
+from neurotouch_hid.page.situation import MENDS
 from neurotouch_hid.players import find_player, find_runtime_folder
-from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_user
+from neurotouch_hid.profile import Profile, check_profile, list_profiles
 from neurotouch_hid.profile.reading import find_user_folder
 
 Request = dict[str, Any]
@@ -41,7 +43,9 @@ class Requests:
         edit: True if changes are allowed.
         is_far: the page is served to other machines, and may not admit more of them.
         changes: saves changes to profiles.
+        own: saves changes to the person's own values.
         tell_all: sends a message to every browser.
+        remote_s: how long another device may use the page.
     """
 
     def __init__(
@@ -50,14 +54,18 @@ class Requests:
         edit: bool,
         is_far: bool,
         changes: Changes,
+        own: OwnValues,
         tell_all: Callable[[Reply], object],
+        remote_s: float = REMOTE_S,
     ) -> None:
         self._edit, self._is_far = edit, is_far
-        self._changes = changes
+        self._changes, self._own = changes, own
         self._tell_all = tell_all
         self._programs = Programs(self._hear_program)
         self._token = ""
         self._remote: Remote | None = None
+        self._remote_s = remote_s
+        self._expiry: asyncio.TimerHandle | None = None
         self._looks: dict[str, Handler] = {
             "outputs": self._list_outputs,
             "profiles": self._list_profiles,
@@ -76,6 +84,10 @@ class Requests:
             "stop": self._stop,
             "answer": self._answer,
             "remote": self._let_in,
+            "own value": self._set_own,
+            "undo own values": self._undo_own,
+            "undo calibration": self._undo_calibration,
+            "mend own values": self._mend_own,
         }
 
     @property
@@ -134,6 +146,19 @@ class Requests:
         name = read_word(request, "profile")
         return {"saved": await asyncio.to_thread(self._changes.copy, _take_name(name))}
 
+    async def _set_own(self, request: Request, _file: Path) -> Reply:
+        name, value = read_word(request, "name"), read_word(request, "value")
+        return {"saved": await asyncio.to_thread(self._own.set, name, value)}
+
+    async def _undo_own(self, _request: Request, _file: Path) -> Reply:
+        return {"saved": await asyncio.to_thread(self._own.undo)}
+
+    async def _undo_calibration(self, _request: Request, _file: Path) -> Reply:
+        return {"saved": await asyncio.to_thread(self._own.undo_calibration)}
+
+    async def _mend_own(self, _request: Request, _file: Path) -> Reply:
+        return {"saved": await asyncio.to_thread(self._own.mend)}
+
     async def _command(self, request: Request, _file: Path) -> Reply:
         """Pauses or resumes every driver of this player: the page shows the nearest one only."""
         reached = await asyncio.to_thread(ask_every, request["do"], [find_player()])
@@ -145,8 +170,12 @@ class Requests:
 
     async def _start(self, request: Request, _file: Path) -> Reply:
         name = read_word(request, "what")
-        if name not in COMMANDS:
+        if name == "remote":
             raise PageError("There is no such program.")
+        if name in MENDS.values() and self._is_far:
+            raise PageError("Only the machine itself may ask for its password.")
+        if name in DRIVERS and await asyncio.to_thread(is_served, find_runtime_folder()):
+            raise PageError("A driver of yours runs already.", hint="Press 'End the driver' first.")
         await self._programs.start(name)
         return {"started": name}
 
@@ -187,18 +216,19 @@ class Requests:
             raise PageError(f"The secret cannot be kept: {error.strerror}.") from error
         command = ("view", "--edit", "--listen", address, "--token-file", str(path))
         await self._programs.start("remote", *command)
-        asyncio.get_running_loop().call_later(REMOTE_S, self._end_remote)
+        self._expiry = asyncio.get_running_loop().call_later(self._remote_s, self._end_remote)
         return {"started": "remote"}
 
     def _end_remote(self) -> None:
-        if self._remote is not None:
-            self._ending = asyncio.create_task(self._programs.stop("remote"))
+        self._ending = asyncio.create_task(self._programs.stop("remote"))
 
     def _hear_program(self, news: ProgramNews) -> None:
         """Forwards the output of a program; of a remote page, its link as a QR code."""
         if news["name"] != "remote":
             self._tell_all({"program": news})
         elif "line" not in news:
+            if self._expiry is not None:
+                self._expiry.cancel()  # the next phone has an hour of its own
             self._remote = None
             self._tell_all({"remote": None})
         elif news["line"].startswith(("Error: ", "Fix: ")):
@@ -206,7 +236,7 @@ class Requests:
         elif found := _FAR_LINK.search(news["line"]):
             (find_runtime_folder() / _REMOTE_FILE).unlink(missing_ok=True)  # it has been read
             link = f"{found[1]}#k={self._token}"
-            self._remote = {"link": link, "code": draw_code(link), "minutes": REMOTE_S / 60}
+            self._remote = {"link": link, "code": draw_code(link), "minutes": self._remote_s / 60}
             self._tell_all({"remote": self._remote})
 
 
@@ -222,7 +252,7 @@ def _take_name(name: str) -> str:
 
 
 def _describe_profiles() -> list[ProfileRow]:
-    favourites, own = load_user().slots, find_user_folder()
+    favourites, own = load_usable_user().slots, find_user_folder()
     rows: list[ProfileRow] = []
     for name, path in list_profiles().items():
         written = check_profile(path).written

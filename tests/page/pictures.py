@@ -117,6 +117,7 @@ def take_view(browser: Browser, home: Path, folder: Path) -> None:
             page.screenshot(path=folder / f"{name}.png", full_page=name == "view")
             page.close()
         take_home(browser, view, folder)
+        take_sheet(browser, view, folder)
         page = browser.new_page(viewport=DESK)
         page.clock.install()
         page.goto(view.page("game"))
@@ -133,10 +134,21 @@ def take_home(browser: Browser, view: View, folder: Path) -> None:
     """The first page, with a profile that a person has begun with."""
     page = browser.new_page(viewport={"width": 1280, "height": 1000}, color_scheme="light")
     page.goto(view.home)
-    page.wait_for_selector("[data-movement=pinch] li button")
+    page.wait_for_selector("[data-movement=pinch] li:has-text('button A')")
+    page.wait_for_selector("#profile-choice option", state="attached")
     found = "() => /simulated/.test(document.getElementById('situation').textContent)"
     page.wait_for_function(found)
     page.screenshot(path=folder / "home.png", full_page=True)
+    page.close()
+
+
+def take_sheet(browser: Browser, view: View, folder: Path) -> None:
+    """The sheet as it comes out of the printer."""
+    page = browser.new_page(viewport={"width": 760, "height": 400}, color_scheme="light")
+    page.goto(view.page("sheet"))
+    page.wait_for_selector("#layers td")
+    page.emulate_media(media="print")
+    page.screenshot(path=folder / "sheet.png", full_page=True)
     page.close()
 
 

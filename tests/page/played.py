@@ -4,6 +4,7 @@ import json
 
 from neurotouch_hid.geometry import N_MARKERS
 from neurotouch_hid.snapshot import pack
+from tests.page.waiting import wait_on
 
 HEALTH = {
     "events_hz": 0,
@@ -74,6 +75,13 @@ class PlayedDriver:
     def show(self, **changes) -> None:
         """Sends a state: the hand at rest, but for the changes."""
         self._line.send(pack({**REST, **changes}, bytes(5 * N_MARKERS)))
+
+    def wait_for_request(self, page) -> dict:
+        """Returns the oldest request, without its number."""
+        wait_on(page, lambda: self.asked)
+        request = self.asked.pop(0)
+        request.pop("n", None)
+        return request
 
     def answer(self, **message) -> dict:
         """Answers the oldest request, which it returns."""

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 PROGRAM = [sys.executable, "-m", "neurotouch_hid"]
 LIMIT_S = 180.0
@@ -16,19 +17,27 @@ LIMIT_S = 180.0
 class Process:
     """A command of ours that runs until the test ends it."""
 
-    def __init__(self, folder: Path, *arguments: str, ready: str, **variables: str) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        *arguments: str,
+        ready: str,
+        program: list[str] = PROGRAM,
+        **variables: str | None,
+    ) -> None:
         folder.mkdir(exist_ok=True)
         self.folder = folder
-        self.environment = {
-            **os.environ,
+        changed = {
             "RUNTIME_DIRECTORY": str(folder / "run"),
             "XDG_CONFIG_HOME": str(folder / "config"),
             **variables,
         }
-        self._log = folder / f"{arguments[0]}.txt"
+        kept = {name: value for name, value in os.environ.items() if name not in changed}
+        self.environment = kept | {name: value for name, value in changed.items() if value}
+        self._log = folder / f"{arguments[0] if arguments else 'program'}.txt"
         with self._log.open("w") as log:
             self.process = subprocess.Popen(
-                [*PROGRAM, *arguments],
+                [*program, *arguments],
                 stdout=log,
                 stderr=subprocess.STDOUT,
                 stdin=subprocess.DEVNULL,
@@ -89,9 +98,9 @@ class Driver(Process):
 class View(Process):
     """``neurotouch view``."""
 
-    def __init__(self, folder: Path, *arguments: str, **variables: str) -> None:
+    def __init__(self, folder: Path, *arguments: str, **how: Any) -> None:
         command = ("view", "--port", "0", *arguments)
-        super().__init__(folder, *command, ready="Spacecraft: ", **variables)
+        super().__init__(folder, *command, ready="Spacecraft: ", **how)
         self.link = re.search(r"Live view: (\S+)", self.said)[1]
         self.home = re.search(r"Page: (\S+)", self.said)[1]
         self.root, self.token = self.home.split("#k=")

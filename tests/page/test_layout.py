@@ -1,8 +1,11 @@
 """Every page in every way of seeing it: nothing overlaps, is cut, or scrolls sideways."""
 
+import json
+
 import pytest
 
 from neurotouch_hid.page.output_choices import list_outputs
+from neurotouch_hid.page.pictures import draw_code
 from neurotouch_hid.page.profile_view import describe_profile
 from neurotouch_hid.profile.reading.library import find_shipped_folder
 from tests.page.played import HEALTH
@@ -167,6 +170,85 @@ def test_a_page_can_be_read(play, name, way):
             }"""
         )
         check_texts(page, "landed")
+
+
+FINDINGS = [
+    {
+        "check": "udev rule",
+        "status": "WARNING",
+        "sentence": "No udev rule gives /dev/uinput to the person at the machine.",
+        "fix": "Install ours, as 'neurotouch setup' does.",
+        "commands": [
+            "sudo install -D -m 644 /usr/lib/python3/dist-packages/neurotouch_hid/rules.d/"
+            "70-neurotouch-uinput.rules /etc/udev/rules.d/70-neurotouch-uinput.rules",
+            "sudo udevadm control --reload",
+        ],
+    }
+]
+CHOICES = [
+    "Zoom goes 31 % as far as Pinch. What shall be done?",
+    "  1. Keep it: with its own range, a small movement counts as a whole one",
+    "  2. Let a long Pinch do what Zoom does in the profile 'default'",
+    "Number, 1 to 2:",
+]
+CODE = draw_code(f"http://192.168.100.100:78780/#k={'k' * 32}")
+
+
+def show_values(driver) -> None:
+    values = {"filter": "strong", "timing": "slow", "neutral": "resting", "fatigue": "auto"}
+    driver.tell(own={"values": {**values, "feedback.sound": "speech"}})
+    driver.tell(own={"fault": "Your own values cannot be read. Line 2, 'filtr': unknown key."})
+
+
+def show_calibration(driver) -> None:
+    for line in ("Step 3 of 10. Push left, as far as is comfortable. Twice.", "good: 6.2 mm"):
+        driver.tell(program={"name": "calibrate", "line": line})
+
+
+def show_choices(driver) -> None:
+    for line in CHOICES:
+        driver.tell(program={"name": "calibrate", "line": line})
+
+
+def show_findings(driver) -> None:
+    driver.tell(program={"name": "calibrate", "code": 0})
+    driver.tell(program={"name": "check", "line": f"Checking …\n{json.dumps(FINDINGS)}"})
+    driver.tell(program={"name": "check", "code": 0})
+
+
+def show_code(driver) -> None:
+    link = f"http://192.168.100.100:78780/#k={'k' * 32}"
+    driver.tell(remote={"link": link, "code": CODE, "minutes": 60})
+
+
+def show_waiting(driver) -> None:
+    kind = {"kind": "no_right", "next": "", "mend": "setup"}
+    driver.tell(driver=False, situation={**kind, "text": "Camera found but not readable."})
+    driver.tell(hello=True, edit=True, far=True)
+
+
+MOMENTS = {
+    "the mouse gel": (lambda driver: None, "#gel"),
+    "own values": (show_values, "#own-mend"),
+    "measuring": (show_calibration, "#answers"),
+    "measuring, with a choice": (show_choices, "#choices button"),
+    "the doctor's findings": (show_findings, "#findings pre"),
+    "a phone": (show_code, "#code"),
+    "a right is missing": (show_waiting, "#mend"),
+}
+
+
+@pytest.mark.parametrize("way", ["100", "200", "400", "forced", "phone"])
+def test_every_moment_of_the_first_page_can_be_read(play, way):
+    page, driver = play("", **WAYS[way])
+    show_much(driver)
+    wait_for(page, "badges", "slow-and-steady")
+    page.click("#gesture-buttons summary")
+    for moment, (show, shown) in MOMENTS.items():
+        show(driver)
+        page.wait_for_selector(f"{shown} >> nth=0")
+        check_texts(page, moment)
+        check_rules(page, moment)
 
 
 def test_nothing_moves_by_itself_for_those_who_want_that(play):

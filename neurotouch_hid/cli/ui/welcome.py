@@ -38,7 +38,7 @@ def _describe_driver(status: "Status") -> None:
     elif status["errors"]:
         echo(f"Last error: {status['errors'][-1]['error']}. More: neurotouch status")
     else:
-        echo("Next: neurotouch view")
+        echo("Next: neurotouch view --edit --open")
 
 
 def _advise() -> str:

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Final
 
-from neurotouch_hid.files.faults import format_path
-from neurotouch_hid.profile.editing.edit_values import reset_value, set_value
+from neurotouch_hid.profile.editing.edit_values import reset_value, set_value, take_back
 from neurotouch_hid.profile.editing.profile_text import ProfileText
 from neurotouch_hid.profile.editing.yaml_values import format_value
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
@@ -24,7 +23,7 @@ LEAST_REST_MM: Final = 0.6
 MOST_REST_MM: Final = 3.0
 LEAST_ROOM_MM: Final = 1.0
 WEAK_SHARE: Final = 0.5
-_CALIBRATED: Final = (("unused",), ("filter",), ("tremor_hz",))
+_CALIBRATED: Final = ("unused", "filter", "tremor_hz")
 _DATE: Final = re.compile(r"^# Calibrated \d{4}-\d{2}-\d{2}\.", re.MULTILINE)
 
 
@@ -134,14 +133,8 @@ def undo_ranges(text: ProfileText, before: ProfileText, after: ProfileText) -> P
         before: the file when the calibration began.
         after: the file when it was saved. What was changed again since then stays.
     """
-    for keys in [*(("range", each) for each in Ranges.model_fields), *_CALIBRATED]:
-        was, became, is_ = (each.find(keys) for each in (before, after, text))
-        if was == became or is_ != became:
-            continue
-        if was is None:
-            text = text.remove(keys)
-        else:
-            text = set_value(text, format_path(keys), was, UserSettings)
+    names = [*(f"range.{each}" for each in Ranges.model_fields), *_CALIBRATED]
+    text = take_back(text, before, after, names, UserSettings)
     saved, first = _DATE.search(after.text), _DATE.search(before.text)
     if saved is None:
         return text

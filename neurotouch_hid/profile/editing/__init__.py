@@ -19,7 +19,7 @@ if TYPE_CHECKING:
         remove_binding,
         unbind,
     )
-    from neurotouch_hid.profile.editing.edit_values import reset_value, set_value
+    from neurotouch_hid.profile.editing.edit_values import reset_value, set_value, take_back
     from neurotouch_hid.profile.editing.edited_file import (
         EditedFile,
         compare,
@@ -66,7 +66,7 @@ else:
             "deletion": "delete_profile take_deleted",
             "edit_bindings": "bind list_company list_namesakes locate_bindings rebind "
             "remove_binding unbind",
-            "edit_values": "reset_value set_value",
+            "edit_values": "reset_value set_value take_back",
             "edited_file": "EditedFile compare find_own_path find_schema make_profile read_text "
             "take_file take_profile take_user",
             "effect": "SavedEffect hand_over_restored hand_over_saved",
@@ -128,6 +128,7 @@ __all__ = [
     "set_value",
     "summarize",
     "summarize_binding",
+    "take_back",
     "take_deleted",
     "take_file",
     "take_profile",

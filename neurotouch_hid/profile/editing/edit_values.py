@@ -1,5 +1,6 @@
 """Sets one value of a profile or of the user's file, or takes it back to its default."""
 
+from collections.abc import Collection
 from typing import Any
 
 from pydantic import BaseModel
@@ -45,6 +46,31 @@ def reset_value(text: ProfileText, path: str, model: type[BaseModel] = Profile) 
     if not found.exists:
         raise ProfileError(f"'{path}' is not set, its default applies already.")
     return text.remove(found.keys)
+
+
+def take_back(
+    text: ProfileText,
+    before: ProfileText,
+    after: ProfileText,
+    names: Collection[str],
+    model: type[BaseModel] = Profile,
+) -> ProfileText:
+    """Returns the text with some values as they were before a change, and all else as it is.
+
+    Args:
+        text: the file now.
+        before: the file when the change began.
+        after: the file when it was saved. What was changed again since then stays.
+        names: the values, as people name them.
+        model: the model of the file.
+    """
+    for name in names:
+        keys = tuple(name.split("."))
+        was, became, is_ = (each.find(keys) for each in (before, after, text))
+        if was == became or is_ != became:
+            continue
+        text = text.remove(keys) if was is None else set_value(text, name, was, model)
+    return text
 
 
 def insert_value(

@@ -40,6 +40,9 @@ from neurotouch_hid.vocabulary import NAME_PATTERN
 Stamp = Callable[[], str]
 """The present moment as letters, digits, ``-`` and ``_``."""
 
+TakeBack = Callable[[ProfileText, ProfileText, ProfileText], ProfileText]
+"""Takes a change back in a text, given that text, and the text before and after the change."""
+
 
 @dataclass(frozen=True, slots=True)
 class EditedFile:
@@ -88,6 +91,20 @@ class EditedFile:
             self.store.keep(self.text.encode())
         self.store.save(text.encode(), over=self.content, keep=keep)
         return checked
+
+    def undo_kind(self, kind: str, take_back: TakeBack) -> ProfileText | None:
+        """Returns the text without the last change of a kind; None if there is none to undo.
+
+        Args:
+            kind: how the stamps of its versions end.
+            take_back: is given the text, and a change's text before and after.
+        """
+        for before, after in self.store.changes(kind):
+            changed = (self.text.rewrite(each.decode()) for each in (before, after))
+            text = take_back(self.text, *changed)
+            if text != self.text:
+                return text
+        return None
 
 
 def take_profile(name_or_path: str, stamp: Stamp) -> EditedFile:

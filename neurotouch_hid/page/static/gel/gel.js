@@ -11,6 +11,8 @@ let newest = null;
 let shown = null;
 const page = openPage(30, {
   state(state) { newest = state; },
+  hello: (_, { edit }) => { find("cure").disabled = !edit; },
+  saved: (sentence) => { find("cured").textContent = sentence; },
   driver(runs) {
     page.notice("driver", runs ? "" : "To press a gel: neurotouch demo --mouse");
   },
@@ -40,6 +42,8 @@ listenTo("size", ({ value }) => { hand.size_mm = Number(value); return `${value}
 listenTo("tremor", ({ value }) => { settings.tremor_mm = Number(value); return `${value} mm`; });
 listenTo("weak", ({ value }) => { settings.weak_zoom = value / 100; return `${value} %`; });
 listenTo("resting", ({ checked }) => { settings.resting = checked; });
+find("cure").addEventListener("click", () =>
+  page.ask({ do: "own value", name: "neutral", value: "resting" }));
 
 function draw(now) {
   turn(now, newest);

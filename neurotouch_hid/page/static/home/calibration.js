@@ -10,6 +10,7 @@ const KEYS = /^Enter = next/;
 export function makeCalibration(find, answer) {
   let choices = [];
   let question = "";
+  let runs = false;
 
   for (const button of find("answers").querySelectorAll("button")) {
     button.addEventListener("click", () => answer(button.dataset.answer));
@@ -17,6 +18,7 @@ export function makeCalibration(find, answer) {
 
   function begin() {
     choices = [];
+    runs = true;
     find("measuring").hidden = false;
     find("request").textContent = "One moment …";
     find("answer").textContent = "";
@@ -44,8 +46,9 @@ export function makeCalibration(find, answer) {
   }
 
   function hear(news) {
-    if (find("measuring").hidden) begin(); // another page started it
+    if (!runs) begin(); // another page started it
     if ("code" in news) {
+      runs = false;
       find("request").textContent = news.code === 0 ? "Done." : "Ended. Nothing was saved.";
       find("answers").hidden = find("choices").hidden = true;
       find("measure").hidden = false;
@@ -73,5 +76,5 @@ export function makeCalibration(find, answer) {
     }
   }
 
-  return { begin, hear };
+  return { begin, hear, get runs() { return runs; } };
 }

@@ -2,19 +2,15 @@
 
 import { element } from "../shared/wire.js";
 import { makePad } from "../shared/pad.js";
+import { nameKey } from "./keys.js";
 import { MOVEMENTS, belongs } from "./movements.js";
 import { nameOutput } from "./outputs.js";
 
 const NOT_ALONE = ["stick left", "stick right", "mouse pointer"]; // need all directions of a push
 const SIDES = { push_left: "_x -", push_right: "_x +", push_up: "_y -", push_down: "_y +" };
 const TOLD_MS = 200;
-const KEYS = {
-  " ": "space", Control: "ctrl", Shift: "shift", Alt: "alt", Meta: "super", Enter: "enter",
-  Escape: "escape", Tab: "tab", Backspace: "backspace", Delete: "delete", Insert: "insert",
-  Home: "home", End: "end", PageUp: "page_up", PageDown: "page_down", ArrowUp: "up",
-  ArrowDown: "down", ArrowLeft: "left", ArrowRight: "right", "-": "minus", "=": "equal",
-  ",": "comma", ".": "dot", "/": "slash", ";": "semicolon",
-};
+const MODIFIERS = [["Control", "ctrl"], ["Shift", "shift"], ["Alt", "alt"], ["AltGraph", "altgr"],
+  ["Meta", "super"]];
 
 // `bind(movement, press, mode, output, instead)` is called with the words of the choice.
 export function makeChooser(dialog, { bind, closed }) {
@@ -64,22 +60,29 @@ export function makeChooser(dialog, { bind, closed }) {
 
   let catches = false;
   find("key-catch").addEventListener("click", () => {
-    catches = true;
-    find("key-catch").textContent = "Waiting for the key …";
+    listen(true);
   });
+  function listen(wanted) {
+    catches = wanted;
+    dialog.toggleAttribute("data-takes-keys", wanted); // the header's key is a key like others
+    find("key-catch").textContent = wanted ? "Waiting for the key …" : "Press the key now";
+    find("key-said").textContent = "";
+  }
   dialog.addEventListener("keydown", (event) => {
-    if (!catches || ["Control", "Shift", "Alt", "Meta"].includes(event.key)) return;
+    if (!catches || MODIFIERS.some(([name]) => event.key === name)) return;
     event.preventDefault();
     event.stopPropagation();
-    catches = false;
-    const modifiers = [["ctrlKey", "ctrl"], ["shiftKey", "shift"], ["altKey", "alt"],
-      ["metaKey", "super"]].filter(([flag]) => event[flag]).map(([, name]) => name);
-    const key = KEYS[event.key] || event.key.toLowerCase();
-    take(`key ${[...modifiers, key].join("+")}`);
+    const key = nameKey(event.code);
+    listen(false);
+    if (!key) {
+      find("key-said").textContent = "This key has no name in profiles. Take another one.";
+      return;
+    }
+    const held = MODIFIERS.filter(([name]) => event.getModifierState(name)).map(([, name]) => name);
+    take(`key ${[...held, key].join("+")}`);
   });
   dialog.addEventListener("close", () => {
-    catches = false;
-    find("key-catch").textContent = "Press the key now";
+    listen(false);
     closed();
   });
 

@@ -4,23 +4,34 @@ import { MOUSE, makeGel, makeGestureButtons } from "../gel/pressed_gel.js";
 import { openPage } from "../shared/header.js";
 import { element } from "../shared/wire.js";
 import { makeCalibration } from "./calibration.js";
+import { makeCheck } from "./check.js";
 import { makeChooser } from "./chooser.js";
 import { makeCards, makeListener } from "./movements.js";
+import { makeOwnValues } from "./own_values.js";
 
 const HZ = 30;
 const PICTURE_MS = 1000;
 const GEL_MARKERS = 40; // fewer are no gel
 const FAULT = /^(Error|Fix|Warning|No real)/;
+const EDITS = ["check", "remote", "undo", "profile-use", "profile-copy", "range-undo", "own-undo"];
+const PAUSE = { do: "pause", for: "movement" }; // which ends with this page
 const STARTING = "The first start on a machine takes up to a minute.";
-const ADVICE = {
+const ADVICE = { // where the page can do nothing
   no_camera: "Plug the camera in, or try everything with the mouse first.",
   no_right: "You may not use the camera yet. Once, in a terminal: neurotouch setup",
+  no_pad: "No game sees what you do yet. Once, in a terminal: neurotouch setup",
   service_stopped: "An administrator starts it: sudo systemctl start neurotouch",
   unusable: "See below: Check this machine.",
+  no_data: "Look at its cable, or try everything with the mouse first.",
   ready: "Keep your hand off the gel until the dots are found.",
 };
 
+const MENDS = { setup: "Give me the right", service: "Start the service" };
+const PASSWORD = "This computer then asks for the password of an administrator.";
+
 const find = (id) => document.getElementById(id);
+let mayEdit = false;
+const places = new Map(); // where the answer to a request is said
 let about = null;
 let newest = null;
 let situation = null;
@@ -32,12 +43,13 @@ let layer = "";
 let fresh = false; // the page waits for a movement, and has paused the driver for it
 
 const page = openPage(HZ, {
-  hello(_, { edit }) {
+  hello(_, { edit, far }) {
     page.send({ do: "profiles" });
     page.send({ do: "outputs" });
-    for (const id of ["measure", "check", "remote", "undo", "profile-use", "profile-copy"]) {
-      find(id).disabled = !edit;
-    }
+    for (const id of EDITS) find(id).disabled = !edit;
+    find("far").hidden = !far;
+    mayEdit = edit;
+    if (fresh) page.send(PAUSE); // the connection was lost, and the driver has gone on
   },
   state(state) {
     const before = newest;
@@ -56,8 +68,8 @@ const page = openPage(HZ, {
     if (!is) newest = null;
     showStart();
   },
-  situation(found) {
-    situation = found;
+  situation(found) { // told while nothing comes
+    [situation, newest] = [found, null];
     showStart();
   },
   about(message) {
@@ -71,8 +83,18 @@ const page = openPage(HZ, {
     showLayer();
   },
   profiles: showProfiles,
-  saved(sentence) { if (sentence) say("saved", sentence); },
-  refused() { starting = ""; showStart(); },
+  own(found) {
+    const { fault, values } = found;
+    showOwn(values, mayEdit);
+    page.notice("own", fault ? `${fault} Below, 'Mend my values' brings back what could be read.` : "");
+    find("own-mend").hidden = !(fault && mayEdit);
+  },
+  saved(sentence, { n }) { if (sentence) say(places.get(n) || "saved", sentence); },
+  refused() {
+    if (starting) sayStart("");
+    starting = "";
+    showStart();
+  },
   picture: (address) => { find("picture").src = address; find("picture").hidden = false; },
   program: hearProgram,
   remote: showRemote,
@@ -110,23 +132,26 @@ function showStart() {
     [words, advice] = ["Ready to play.", `Every game sees the gamepad: ${newest.slow.device}.`];
   } else if (situation) {
     [words, advice] = [situation.kind === "ready" ? "The camera is ready." : situation.text,
-      ADVICE[situation.kind]];
+      situation.mend ? PASSWORD : ADVICE[situation.kind]];
   }
   if (find("situation").textContent !== words && newest) page.say(words);
   say("situation", words);
   say("advice", advice);
-  const isIdle = !runs && !starting && situation !== null;
-  find("start-camera").hidden = !(isIdle && situation.kind === "ready");
+  const isIdle = !newest && !starting && situation !== null;
+  find("start-camera").hidden = runs || !(isIdle && situation.kind === "ready");
+  find("mend").hidden = !(isIdle && situation.mend);
+  if (isIdle && situation.mend) say("mend", MENDS[situation.mend]);
   find("start-mouse").hidden = !isIdle;
   find("fly").hidden = !newest;
   find("press").hidden = !isMouse;
   find("look").hidden = !newest;
-  find("end").hidden = !newest;
+  find("end").hidden = !runs;
   // The button that started it is gone, and the focus too.
   if (newest && begun && document.activeElement === document.body) find("fly").focus();
   if (newest) begun = false;
   find("by-doing").hidden = !(newest && about && about.edit);
-  find("measure").disabled = !newest;
+  find("by-doing").disabled = calibration.runs; // both listen to the same movements
+  find("measure").disabled = !newest || !mayEdit || listener.waits;
   const known = about && about.ranges ? Object.keys(about.ranges).length : 0;
   say("range-words", `${known ? `Your own range is known for ${known} of 8 movements. ` : ""}${newest
     ? "Small movements are enough: the gamepad can learn your range. There is no time limit."
@@ -154,6 +179,11 @@ function start(what) {
 
 find("start-camera").addEventListener("click", () => start("camera"));
 find("start-mouse").addEventListener("click", () => start("mouse"));
+find("mend").addEventListener("click", () => {
+  faults = [];
+  sayStart("Asking for the password …");
+  page.send({ do: "start", what: situation.mend });
+});
 find("end").addEventListener("click", () => page.send({ do: "stop", what: "driver" }));
 let looks = 0;
 find("look").addEventListener("click", () => {
@@ -165,15 +195,19 @@ find("look").addEventListener("click", () => {
 });
 
 function hearProgram(news) {
-  if (news.name === "calibrate") return calibration.hear(news);
-  if (news.name === "check") return hearCheck(news);
+  if (news.name === "check") return check.hear(news);
+  if (news.name === "calibrate") {
+    calibration.hear(news);
+    return showStart();
+  }
   if ("line" in news) {
     if (FAULT.test(news.line)) faults.push(news.line);
     if (faults.length) sayStart(faults.join(" "));
     return;
   }
+  if (news.name in MENDS && news.code && !faults.length) faults = ["Nothing was changed."];
   starting = "";
-  if (!faults.length) sayStart("");
+  sayStart(faults.join(" "));
   return showStart();
 }
 
@@ -200,13 +234,14 @@ find("by-doing").addEventListener("click", () => {
     return;
   }
   fresh = newest !== null && newest.state === "running";
-  if (fresh) page.send({ do: "pause" });
+  if (fresh) page.send(PAUSE);
   listener.start();
   if (hasGel()) {
     find("gesture-buttons").open = true;
     find("gel").focus();
   }
   find("by-doing").textContent = "Cancel";
+  find("measure").disabled = true;
   say("saved", "Make the movement on the gel, and lift your fingers. The gamepad is paused meanwhile.");
 });
 
@@ -214,6 +249,7 @@ function endListening() {
   find("by-doing").textContent = "Make a movement to change it";
   if (fresh) page.send({ do: "resume" });
   fresh = false;
+  showStart();
 }
 
 function findLayer() {
@@ -283,40 +319,28 @@ const calibration = makeCalibration(find, (text) =>
 find("measure").addEventListener("click", () => {
   calibration.begin();
   page.send({ do: "start", what: "calibrate" });
+  showStart();
+});
+find("range-undo").addEventListener("click", () =>
+  places.set(page.ask({ do: "undo calibration" }), "range-said"));
+
+// 4 How it helps you
+
+const showOwn = makeOwnValues(find("own"), (name, value) => askOwn({ do: "own value", name, value }));
+const askOwn = (request) => places.set(page.ask(request), "own-said");
+find("own-undo").addEventListener("click", () => askOwn({ do: "undo own values" }));
+find("own-mend").addEventListener("click", () => {
+  askOwn({ do: "mend own values" });
+  find("own-undo").focus();
 });
 
 // Help
 
-let checked = [];
+const check = makeCheck(find, say);
 find("check").addEventListener("click", () => {
-  checked = [];
-  find("findings").replaceChildren();
-  say("check-state", "Checking. This takes some seconds, the first time a minute.");
+  check.begin();
   page.send({ do: "start", what: "check" });
 });
-
-function hearCheck(news) {
-  if ("line" in news) {
-    checked.push(news.line);
-    return;
-  }
-  const text = checked.join("\n");
-  let findings = [];
-  try {
-    findings = JSON.parse(text.slice(text.indexOf("\n[") + 1));
-  } catch {
-    say("check-state", checked.at(-1) || "The check has ended without a result.");
-    return;
-  }
-  const failed = findings.filter(({ status }) => status === "FAILED").length;
-  say("check-state", failed ? `${failed} of ${findings.length} checks found a fault.`
-    : `${findings.length} checks: everything is in order.`);
-  find("findings").replaceChildren(...findings
-    .filter(({ status }) => status !== "OK" && status !== "SKIPPED")
-    .map(({ status, check, sentence, message, fix }) => element("li", {},
-      element("strong", { text: `${status} ${check}: ` }), sentence || message || "",
-      ...(fix ? [element("p", { class: "aside", text: `Fix: ${fix}` })] : []))));
-}
 
 find("remote").addEventListener("click", () => {
   say("remote-state", "One moment …");
@@ -329,7 +353,8 @@ function showRemote(found) {
   find("remote-end").hidden = !found;
   find("code").hidden = !found;
   if (found) find("code").src = found.code;
-  say("remote-state", found ? `Scan this with the phone's camera. The access ends after ${found.minutes} minutes.`
+  say("remote-state", found ? `Scan this with the phone's camera. The access ends after ${found.minutes} minutes. ` +
+    "What was started from the phone ends then, too."
     : "No phone is connected.");
   say("remote-link", found ? found.link : "");
 }

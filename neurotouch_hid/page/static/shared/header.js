@@ -26,7 +26,7 @@ const STATES = {
 const PAUSE_KEY = "p";
 const KEY_CHOICE = "neurotouch-pause-key";
 const SILENT_MS = 3000; // a busy machine may be late by a second
-const NOTICES = ["connection", "driver", "profile", "request"]; // the first one that applies shows
+const NOTICES = ["connection", "driver", "profile", "request", "own"]; // the first one that applies shows
 
 // Builds the header and connects. `handlers` are those of `connect`. Returns the page's
 // functions to the server (`ask`, `send`), `say` and `tell` of its speech, and `notice(about,
@@ -209,6 +209,7 @@ const NO_TYPING = ["button", "checkbox", "color", "file", "image", "radio", "ran
 
 function isTyping(target) {
   if (!(target instanceof HTMLElement)) return false;
+  if (target.closest("[data-takes-keys]")) return true;
   if (target.isContentEditable || target.matches("select, textarea")) return true;
   return target instanceof HTMLInputElement && !NO_TYPING.includes(target.type);
 }
