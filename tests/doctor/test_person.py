@@ -99,14 +99,10 @@ def test_the_keys_are_heard_in_any_time(config, machine):
 
     finding = person.try_chords(said.append, wait, nodes=machine.nodes, system=machine.system)
     assert finding.status is CheckStatus.OK
-<<<<<<< HEAD
-    assert "Hold Backspace + Esc + Enter together (panic). There is no time limit; S and Enter skips." in said
-=======
     assert (
         "Hold Backspace + Esc + Enter together (panic). There is no time limit; S and Enter skips."
         in said
     )
->>>>>>> words
 
 
 def test_one_may_skip(config, machine):

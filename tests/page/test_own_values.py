@@ -61,7 +61,9 @@ def test_undo_goes_back_change_by_change_and_leaves_all_else(file, own):
     own.set("filter", "strong")
     own.set("neutral", "resting")
     edited = take_user(lambda: "now_calibration")
-    edited.save(write_ranges(edited.text, {"pinch": MovementRange(rest=1.0, full=4.0)}, "2026-01-01"))
+    edited.save(
+        write_ranges(edited.text, {"pinch": MovementRange(rest=1.0, full=4.0)}, "2026-01-01")
+    )
     own.undo()
     assert read() == {**USUAL, "filter": "strong"}
     own.undo()
@@ -74,7 +76,9 @@ def test_undo_goes_back_change_by_change_and_leaves_all_else(file, own):
 
 def test_a_calibration_is_undone_and_what_was_chosen_stays(file, own):
     edited = take_user(lambda: "now_calibration")
-    edited.save(write_ranges(edited.text, {"pinch": MovementRange(rest=1.0, full=4.0)}, "2026-01-01"))
+    edited.save(
+        write_ranges(edited.text, {"pinch": MovementRange(rest=1.0, full=4.0)}, "2026-01-01")
+    )
     own.set("fatigue", "auto")
     assert own.undo_calibration().startswith("Your range is as before that measurement.")
     assert load_user().range.pinch is None
