@@ -6,27 +6,8 @@ from typing import Final
 
 from neurotouch_hid.errors import SourceError
 from neurotouch_hid.plugins import SOURCES, list_plugins
+from neurotouch_hid.source.simulator.scenes import check_scene, scene_names
 from neurotouch_hid.vocabulary import SourceKind, find_source_kind
-
-SCENES: Final = (
-    "tour",
-    "rest",
-    "press",
-    "push",
-    "push-left",
-    "push-right",
-    "push-up",
-    "push-down",
-    "pinch",
-    "zoom",
-    "twist-cw",
-    "twist-ccw",
-    "three-fingers",
-    "fast",
-    "noise",
-    "random",
-)
-"""The scenes of the simulator, in the order of the documentation."""
 
 FORMS: Final = ("davis:", "davis:SERIAL", "file:NAME.aedat4", "sim:NAME", "driver:")
 """How the sources of this package are written."""
@@ -58,21 +39,6 @@ def _is_offered(spec: str) -> bool:
     return spec == "driver:" or (bool(colon) and kind in list_plugins(SOURCES))
 
 
-def check_scene(name: str) -> None:
-    """Checks that there is a scene of the simulator.
-
-    Raises:
-        SourceError: there is none of that name.
-    """
-    if name in SCENES:
-        return
-    close = difflib.get_close_matches(name.lower(), SCENES, 1)
-    hint = f"Did you mean sim:{close[0]}?" if close else f"Scenes: {', '.join(SCENES)}."
-    if not name:
-        raise SourceError("'sim:' needs the name of a scene, for example sim:tour.", hint=hint)
-    raise SourceError(f"There is no simulated scene called '{name}'.", hint=hint)
-
-
 def find_path(spec: str) -> Path:
     """Returns the recording of a source.
 
@@ -91,8 +57,9 @@ def refuse_source(spec: str) -> SourceError:
     """Returns the error for a name that is no source, with the one that was meant."""
     kind, _, rest = spec.partition(":")
     forms = [*FORMS, *(f"{name}:" for name in list_plugins(SOURCES))]
-    if spec in SCENES or rest in SCENES:
-        hint = f"Did you mean sim:{spec if spec in SCENES else rest}?"
+    scenes = scene_names()
+    if spec in scenes or rest in scenes:
+        hint = f"Did you mean sim:{spec if spec in scenes else rest}?"
     elif Path(spec).is_dir():
         hint = f"It is a folder. Give a recording in it: file:{spec}/NAME.aedat4"
     elif Path(spec).is_file():
