@@ -14,13 +14,12 @@ from neurotouch_hid.messages import Axis, Button, Frame, GamepadState
 from neurotouch_hid.players import explain_start
 from neurotouch_hid.snapshot import MarkerWriter, PadState, read_head, read_markers
 from neurotouch_hid.subscriber import Subscriber
+from neurotouch_hid.vocabulary import RUNNING_DRIVER
 
 if TYPE_CHECKING:
     from neurotouch_hid.driver import Driver
     from neurotouch_hid.messages import Step
 
-DRIVER: Final = "driver:"
-"""Name of the source that reads the running driver's states."""
 _HZ: Final = 60
 """States a second requested from a running driver; this is its highest rate."""
 
@@ -134,7 +133,7 @@ def open_gel(
         raise ValueError(f"player must be 1, 2, 3 or 4, not {player!r}")
     if rate_hz is not None and not 25 <= rate_hz <= 1000:
         raise ValueError(f"rate_hz must be between 25 and 1000, not {rate_hz!r}")
-    if source == DRIVER:
+    if source == RUNNING_DRIVER:
         subscriber = Subscriber(player)
         subscriber.want(_HZ)
         if subscriber.connect() is None:

@@ -30,7 +30,7 @@ from neurotouch_hid.process.realtime import realtime_priority
 from neurotouch_hid.profile import Profile
 from neurotouch_hid.runtime import LoopStats, Pipeline, Tap, run_pipeline
 from neurotouch_hid.source import Source
-from neurotouch_hid.source.running_driver import NAME as RUNNING_DRIVER
+from neurotouch_hid.vocabulary import RUNNING_DRIVER
 
 
 class Driver(Closing):
