@@ -8,7 +8,7 @@ from neurotouch_hid.errors import PluginError
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket
 from neurotouch_hid.plugins import SOURCES, make_plugin
 from neurotouch_hid.source.check import refuse_source
-from neurotouch_hid.source.protocol import ActivityAware, LiveSource, Source
+from neurotouch_hid.source.protocol import ActivityAware, PolledSource, Source
 
 _MEMBERS = ("name", "rig", "is_live", "is_simulated", "__iter__", "close")
 
@@ -36,7 +36,7 @@ def open_plugin(spec: str, slice_us: int, seed: int) -> Source:
             f"The source '{kind}:' has no {', '.join(missing)}.",
             hint="It must be what neurotouch_hid.source.Source describes.",
         )
-    return (_CheckedLive if isinstance(source, LiveSource) else _Checked)(kind, source)
+    return (_CheckedPolled if isinstance(source, PolledSource) else _Checked)(kind, source)
 
 
 class _Checked(Closing):
@@ -70,7 +70,7 @@ class _Checked(Closing):
             )
 
 
-class _CheckedLive(_Checked):
+class _CheckedPolled(_Checked):
     """The same for a source that may have no packets for a while."""
 
     def poll(self) -> Iterator[EventPacket | None]:
