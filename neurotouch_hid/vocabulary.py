@@ -15,6 +15,9 @@ PipelineState = Literal["running", "paused", "panic"]
 Phase = Literal["attack", "hold", "release"]
 """Whether the intensity of a gesture rises, stays or falls."""
 
+Speed = Literal["recorded", "max"]
+"""How fast a source plays: as it was recorded, or as fast as possible."""
+
 RUNNING_DRIVER: Final = "driver:"
 """The source that gives what the running driver sees."""
 

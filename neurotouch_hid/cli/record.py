@@ -22,7 +22,8 @@ from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_ki
 
 if TYPE_CHECKING:
     from neurotouch_hid.recording import Recorder, RecorderStats
-    from neurotouch_hid.source import Source, Speed
+    from neurotouch_hid.source import Source
+    from neurotouch_hid.vocabulary import Speed
 
 _ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGALRM)
 _PATIENCE_S = 10.0
@@ -60,7 +61,9 @@ class _Silence(KeyboardInterrupt):
     help="davis:SERIAL (a camera), file:NAME.aedat4 (a recording) or sim:NAME (the simulator).",
 )
 @click.option("--seconds", type=Finite(min=0.1), help="End after this many seconds of sensor time.")
-@click.option("--seed", default=0, show_default=True, help="Seed of the simulator.")
+@click.option(
+    "--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the simulator."
+)
 @click.option("--force", is_flag=True, help="Replace OUT if it exists.")
 @plain_option
 @json_option

@@ -1,7 +1,7 @@
 """Sources of packets: the camera, recordings and the simulator."""
 
 from neurotouch_hid.source.check import FORMS, check_source
-from neurotouch_hid.source.opening import Speed, open_source
+from neurotouch_hid.source.opening import open_source
 from neurotouch_hid.source.protocol import (
     ActivityAware,
     FactTelling,
@@ -18,7 +18,6 @@ __all__ = [
     "PolledSource",
     "Slicer",
     "Source",
-    "Speed",
     "Troubled",
     "check_source",
     "open_source",

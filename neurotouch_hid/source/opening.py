@@ -1,18 +1,17 @@
 """Opens a source by its name on the command line."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from neurotouch_hid.source.check import find_path, refuse_source
 from neurotouch_hid.source.pacing import PacedSource
 from neurotouch_hid.source.plugin import open_plugin
 from neurotouch_hid.source.protocol import Source
-from neurotouch_hid.vocabulary import SourceKind, find_source_kind
+from neurotouch_hid.vocabulary import SourceKind, Speed, find_source_kind
 
 if TYPE_CHECKING:
     from neurotouch_hid.source.davis import DavisConfig
 
-Speed = Literal["recorded", "max"]
 PAPER_US = 10_000
 """Slices of recordings and simulations [NT, "Results"], so that figures stay comparable."""
 LIVE_US = 4_000
