@@ -192,7 +192,7 @@ class Driver(Closing):
         if not self._is_open:
             raise NeuroTouchError(
                 "The driver is not open.",
-                hint="Use it inside its block: with Driver(options) as driver: driver.run()",
+                hint="Use it inside its block: with Driver(options) as driver: ...",
             )
 
     def _open(self) -> None:
