@@ -103,3 +103,19 @@ class DesktopError(NeuroTouchError):
 
 class PluginError(NeuroTouchError):
     """A method or a source of another package cannot be used."""
+
+
+def require_type(name: str, value: object, kind: type | tuple[type, ...], wanted: str) -> None:
+    """Checks the type of an argument; True and False are no numbers.
+
+    Args:
+        name: the argument's.
+        value: what was given.
+        kind: what it must be.
+        wanted: the same in words, with an example.
+
+    Raises:
+        TypeError: it is something else.
+    """
+    if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
+        raise TypeError(f"{name} must be {wanted}, not {type(value).__name__}: {value!r}")

@@ -3,24 +3,25 @@
 import select
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.closing import Closing
-from neurotouch_hid.errors import NeuroTouchError, NotRunningError
+from neurotouch_hid.driver import DriverOptions
+from neurotouch_hid.errors import NeuroTouchError, NotRunningError, require_type
 from neurotouch_hid.messages import Axis, Button, Frame, GamepadState
 from neurotouch_hid.players import explain_start
 from neurotouch_hid.snapshot import MarkerWriter, PadState, read_head, read_markers
 from neurotouch_hid.subscriber import Subscriber
+from neurotouch_hid.vocabulary import RUNNING_DRIVER, Speed
 
 if TYPE_CHECKING:
     from neurotouch_hid.driver import Driver
     from neurotouch_hid.messages import Step
 
-DRIVER: Final = "driver:"
-"""Name of the source that reads the running driver's states."""
 _HZ: Final = 60
 """States a second requested from a running driver; this is its highest rate."""
 
@@ -78,15 +79,21 @@ class Gel(Closing):
         Raises:
             NeuroTouchError: the gel is closed, or the source fails.
         """
-        while self._owner is not None:
+        while True:
+            self._require_open()
             touch = next(self._touches, None)
             if touch is None:
                 return
             yield touch
-        raise NeuroTouchError(
-            "The gel is closed.",
-            hint="Read it inside the block: with open_gel(...) as gel: for touch in gel: ...",
-        )
+
+    def __enter__(self) -> Self:
+        """Returns the gel itself.
+
+        Raises:
+            NeuroTouchError: it is closed.
+        """
+        self._require_open()
+        return self
 
     def close(self) -> None:
         """Closes the source; a second call does nothing."""
@@ -94,13 +101,20 @@ class Gel(Closing):
         if owner is not None:
             owner.close()
 
+    def _require_open(self) -> None:
+        if self._owner is None:
+            raise NeuroTouchError(
+                "The gel is closed.",
+                hint="Read it inside the block: with open_gel(...) as gel: for touch in gel: ...",
+            )
+
 
 def open_gel(
-    source: str = "davis:",
+    source: str | Path = "davis:",
     *,
-    profile: str = "default",
+    profile: str | Path = "default",
     method: str = "neurotouch",
-    speed: str = "recorded",
+    speed: Speed = "recorded",
     rate_hz: float | None = None,
     seed: int = 0,
     player: int = 1,
@@ -109,15 +123,15 @@ def open_gel(
     """Opens a gel.
 
     Args:
-        source: ``davis:`` (the camera), ``file:NAME.aedat4``, ``sim:NAME``, a source of a plug-in,
-            or ``driver:``, the running driver. Reading a driver does not affect it; a slow reader
-            misses states and always gets the newest. The other options do not apply to it, except
-            ``player``.
+        source: ``davis:`` (the camera), ``file:NAME.aedat4`` or a ``Path`` (a recording),
+            ``sim:NAME``, a source of a plug-in, or ``driver:``, the running driver. Reading a
+            driver does not affect it; a slow reader misses states and always gets the newest. The
+            other options do not apply to it, except ``player``.
         profile: name or path of the profile that makes ``Touch.pad``.
         method: the recogniser.
         speed: ``recorded`` plays as recorded, ``max`` as fast as possible.
         rate_hz: slices a second, 25 to 1000; None means the usual rate of the source.
-        seed: the seed of the simulation.
+        seed: the seed of the simulation, 0 or more.
         player: the player number, 1 to 4.
         personal: the person's own range, filter and resting hand apply, as in a game.
 
@@ -127,44 +141,30 @@ def open_gel(
         NotRunningError: ``driver:`` was asked for, and none runs.
         NeuroTouchError: the source, the profile or the method cannot be used.
     """
-    _check(source=source, profile=profile, method=method, speed=speed)
-    if speed not in ("recorded", "max"):
-        raise ValueError(f"speed must be 'recorded' or 'max', not {speed!r}")
-    if isinstance(player, bool) or player not in (1, 2, 3, 4):
-        raise ValueError(f"player must be 1, 2, 3 or 4, not {player!r}")
-    if rate_hz is not None and not 25 <= rate_hz <= 1000:
-        raise ValueError(f"rate_hz must be between 25 and 1000, not {rate_hz!r}")
-    if source == DRIVER:
+    require_type("profile", profile, (str, Path), "a name or path such as 'spacecraft'")
+    options = DriverOptions(
+        source=f"file:{source}" if isinstance(source, Path) else source,
+        profile=f"{Path.cwd() / profile}" if isinstance(profile, Path) else profile,
+        device="memory",
+        player=player,
+        speed=speed,
+        rate_hz=rate_hz,
+        method=method,
+        seed=seed,
+        personal=personal,
+        listens=False,
+    )
+    if options.source == RUNNING_DRIVER:
         subscriber = Subscriber(player)
         subscriber.want(_HZ)
         if subscriber.connect() is None:
             raise NotRunningError("No driver is running.", hint=explain_start())
-        return Gel(_read_driver(subscriber), subscriber, source)
-    from neurotouch_hid.driver import Driver, DriverOptions  # noqa: PLC0415  # needs numba
+        return Gel(_read_driver(subscriber), subscriber, options.source)
+    from neurotouch_hid.driver import Driver  # noqa: PLC0415  # needs numba
 
-    driver = Driver(
-        DriverOptions(
-            source=source,
-            profile=profile,
-            device="memory",
-            player=player,
-            speed=speed,  # type: ignore[arg-type]  # checked above
-            rate_hz=rate_hz,
-            method=method,
-            seed=seed,
-            personal=personal,
-            listens=False,
-        )
-    )
+    driver = Driver(options)
     driver.__enter__()
     return Gel(_read_steps(driver), driver, driver.source.name)
-
-
-def _check(**texts: object) -> None:
-    for name, value in texts.items():
-        if not isinstance(value, str):
-            kind = type(value).__name__
-            raise TypeError(f"{name} must be a text such as 'sim:tour', not {kind}: {value!r}")
 
 
 def _read_steps(driver: "Driver") -> Iterator[Touch]:

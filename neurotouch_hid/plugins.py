@@ -8,11 +8,13 @@ A package offers a recogniser or a source under a name of its own, in its ``pypr
 
 import inspect
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Final, Literal
 
-from neurotouch_hid.errors import PluginError
+from neurotouch_hid.errors import NeuroTouchError, PluginError
 
 Group = Literal["neurotouch.methods", "neurotouch.sources"]
 
@@ -26,12 +28,11 @@ def list_plugins(group: Group) -> tuple[str, ...]:
     return tuple(sorted({point.name for point in entry_points(group=group)}))
 
 
-def make_plugin(group: Group, name: str, *arguments: object, **options: object) -> Any:
-    """Returns the object made by another package's function; None if no package offers the name.
+def find_plugin(group: Group, name: str) -> "Plugin | None":
+    """Returns what another package offers under a name; None if no package does.
 
     Raises:
-        PluginError: the package cannot be imported, its function takes other arguments, or two
-            packages offer the same name.
+        PluginError: two packages offer the same name.
     """
     found = {point.value: point for point in entry_points(group=group, name=name)}
     if not found:
@@ -43,16 +44,69 @@ def make_plugin(group: Group, name: str, *arguments: object, **options: object) 
             hint="Uninstall all but one of them.",
         )
     (point,) = found.values()
-    try:
-        make = point.load()
-    except Exception as error:
-        raise PluginError(
-            f"'{name}' of the package {find_owner(point)} cannot be loaded: "
-            f"{type(error).__name__}: {error}.",
-            hint="Update or uninstall that package.",
-        ) from error
-    check_call(f"'{point.value}' of the package {find_owner(point)}", make, *arguments, **options)
-    return make(*arguments, **options)
+    return Plugin(point)
+
+
+@dataclass(frozen=True, slots=True)
+class Plugin:
+    """A method or a source of another package.
+
+    Attributes:
+        point: its entry point.
+    """
+
+    point: EntryPoint
+
+    def make(self, *arguments: object, **options: object) -> Any:
+        """Returns what the function of the package makes.
+
+        Raises:
+            PluginError: the package cannot be imported, or its function takes other arguments or
+                fails.
+        """
+        try:
+            make = self.point.load()
+        except Exception as error:
+            raise PluginError(
+                f"'{self.point.name}' of the package {find_owner(self.point)} cannot be loaded: "
+                f"{type(error).__name__}: {error}.",
+                hint="Update or uninstall that package.",
+            ) from error
+        what = f"'{self.point.value}' of the package {find_owner(self.point)}"
+        check_call(what, make, *arguments, **options)
+        with self.running():
+            return make(*arguments, **options)
+
+    @contextmanager
+    def running(self) -> Iterator[None]:
+        """A block that runs code of the package; our own errors pass unchanged.
+
+        Raises:
+            PluginError: the code fails; it names the package, the file and the line.
+        """
+        try:
+            yield
+        except NeuroTouchError:
+            raise
+        except Exception as error:
+            kind = "method" if self.point.group == METHODS else "source"
+            raise PluginError(
+                f"The {kind} '{self.point.name}' of the package {find_owner(self.point)} failed: "
+                f"{type(error).__name__}: {error} ({self._locate(error)}).",
+                hint=f"Fix it there, or uninstall that package. {_WHOLE_TRACEBACK}",
+            ) from error
+
+    def _locate(self, error: Exception) -> str:
+        """Returns file and line of the innermost call in the package, else of the innermost."""
+        calls = list(traceback.walk_tb(error.__traceback__))
+        package = self.point.module.partition(".")[0]
+        inside = [
+            call
+            for call in calls
+            if call[0].f_globals.get("__name__", "").partition(".")[0] == package
+        ]
+        frame, line = (inside or calls)[-1]
+        return f"{frame.f_code.co_filename}, line {line}"
 
 
 def check_call(
@@ -70,34 +124,6 @@ def check_call(
             f"{what} cannot be called: {error}.",
             hint="GestureMethod and Source (docs/api.md) say which arguments it must take.",
         ) from error
-
-
-def blame_plugin(error: Exception) -> PluginError | None:
-    """Returns the error of a plug-in as one sentence.
-
-    Args:
-        error: the exception, with its traceback.
-
-    Returns:
-        None if no code of a plug-in was running.
-    """
-    owners = {
-        point.module.partition(".")[0]: (group, point)
-        for group in (METHODS, SOURCES)
-        for point in entry_points(group=group)
-    }
-    for frame, line in reversed(list(traceback.walk_tb(error.__traceback__))):
-        found = owners.get(frame.f_globals.get("__name__", "").partition(".")[0])
-        if found is not None:
-            group, point = found
-            kind = "method" if group == METHODS else "source"
-            return PluginError(
-                f"The {kind} '{point.name}' of the package {find_owner(point)} failed: "
-                f"{type(error).__name__}: {error} "
-                f"({frame.f_code.co_filename}, line {line}).",
-                hint=f"Fix it there, or uninstall that package. {_WHOLE_TRACEBACK}",
-            )
-    return None
 
 
 def find_owner(point: EntryPoint) -> str:

@@ -15,6 +15,12 @@ PipelineState = Literal["running", "paused", "panic"]
 Phase = Literal["attack", "hold", "release"]
 """Whether the intensity of a gesture rises, stays or falls."""
 
+Speed = Literal["recorded", "max"]
+"""How fast a source plays: as it was recorded, or as fast as possible."""
+
+RUNNING_DRIVER: Final = "driver:"
+"""The source that gives what the running driver sees."""
+
 # The members are looked up in sets and dicts a hundred times a slice, and ``Enum`` works out their
 # hash in Python; their values have the same equality and a hash in C.
 
@@ -79,6 +85,7 @@ class SourceKind(StrEnum):
     CAMERA = "davis"
     RECORDING = "file"
     SIMULATION = "sim"
+    DRIVER = "driver"
     OTHER = "other"
 
 
@@ -89,6 +96,6 @@ def find_source_kind(name: str) -> SourceKind:
         name: as a person writes it, for example ``sim:tour`` or ``play.aedat4``.
     """
     kind, colon, _ = name.partition(":")
-    if colon and kind in ("davis", "file", "sim"):
+    if colon and kind in ("davis", "file", "sim", "driver"):
         return SourceKind(kind)
     return SourceKind.RECORDING if name.endswith(".aedat4") else SourceKind.OTHER

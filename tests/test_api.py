@@ -1,16 +1,29 @@
 """The API: ten lines read a gel, wherever it is."""
 
 import json
+import re
 import subprocess
 import sys
 import threading
+from dataclasses import fields
 from itertools import islice
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from neurotouch_hid import Driver, DriverOptions, NeuroTouchError, open_gel
-from neurotouch_hid.errors import NotRunningError, SourceError
+import neurotouch_hid
+from neurotouch_hid import (
+    Driver,
+    DriverOptions,
+    Gel,
+    NeuroTouchError,
+    Touch,
+    load_profile,
+    open_gel,
+)
+from neurotouch_hid.errors import NotRunningError, RecordingError, SourceError
+from neurotouch_hid.profile.reading.library import find_shipped_folder
 from neurotouch_hid.recording import RecordingWriter
 from neurotouch_hid.vocabulary import Axis
 
@@ -89,18 +102,179 @@ def test_a_closed_gel_says_so():
         next(iter(gel))
 
 
+MISUSE = [
+    ({"source": 5}, TypeError, "source must be a text such as 'sim:tour', not int: 5"),
+    ({"profile": None}, TypeError, "profile must be a name or path such as 'spacecraft', not None"),
+    ({"profile": 3}, TypeError, "profile must be a name or path such as 'spacecraft', not int: 3"),
+    ({"method": 1}, TypeError, "method must be a text such as 'neurotouch', not int: 1"),
+    ({"speed": "fast"}, ValueError, "speed must be 'recorded' or 'max', not 'fast'"),
+    ({"player": 9}, ValueError, "player must be 1, 2, 3 or 4, not 9"),
+    ({"player": 1.0}, TypeError, "player must be a whole number from 1 to 4, not float: 1.0"),
+    ({"player": True}, TypeError, "player must be a whole number from 1 to 4, not bool: True"),
+    ({"rate_hz": "250"}, TypeError, "rate_hz must be a number such as 250, not str: '250'"),
+    ({"rate_hz": -5}, ValueError, "rate_hz must be from 25 to 1000, not -5"),
+    ({"rate_hz": float("nan")}, ValueError, "rate_hz must be from 25 to 1000, not nan"),
+    ({"seed": "a"}, TypeError, "seed must be a whole number such as 0, not str: 'a'"),
+    ({"seed": 1.5}, TypeError, "seed must be a whole number such as 0, not float: 1.5"),
+    ({"seed": -1}, ValueError, "seed must be 0 or more, not -1"),
+    ({"personal": "yes"}, TypeError, "personal must be True or False, not str: 'yes'"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "error", "sentence"), MISUSE)
+def test_a_wrong_argument_is_one_sentence(arguments, error, sentence):
+    for source in ("sim:push", "driver:"):
+        with pytest.raises(error, match=f"^{re.escape(sentence)}"):
+            open_gel(**{"source": source, **arguments})
+    if arguments != {"profile": None}:  # the first of the person's favourites
+        with pytest.raises(error, match=f"^{re.escape(sentence)}"):
+            DriverOptions(**arguments)
+
+
+def test_no_option_of_a_driver_is_without_a_check():
+    for option in fields(DriverOptions):
+        with pytest.raises((TypeError, ValueError), match=f"^{option.name} must be "):
+            DriverOptions(**{option.name: b"?"})
+    DriverOptions(seed=np.int64(3), rate_hz=np.float32(250), profile=None, listens=None)
+
+
 @pytest.mark.parametrize(
-    ("arguments", "error", "sentence"),
+    ("source", "error", "sentence", "hint"),
     [
-        ({"source": 5}, TypeError, "source must be a text such as 'sim:tour', not int: 5"),
-        ({"source": "sim:push", "profile": None}, TypeError, "profile must be a text"),
-        ({"source": "sim:push", "speed": "fast"}, ValueError, "must be 'recorded' or 'max'"),
-        ({"source": "sim:push", "player": 5}, ValueError, "player must be 1, 2, 3 or 4, not 5"),
-        ({"source": "sim:push", "rate_hz": 1}, ValueError, "must be between 25 and 1000"),
-        ({"source": "sim:pusch"}, SourceError, "no simulated scene called 'pusch'"),
-        ({"source": "driver:"}, NotRunningError, "No driver is running"),
+        ("sim:pusch", SourceError, "no simulated scene called 'pusch'", "Did you mean sim:push?"),
+        ("driver:", NotRunningError, "No driver is running", "neurotouch run"),
+        ("driver:2", SourceError, "'driver:2' is not a source", "Write driver: alone"),
+        ("", SourceError, "The source is empty", "Give one of davis:"),
+        (Path("no.aedat4"), RecordingError, "There is no file 'no.aedat4'", "Check the name"),
+        ("davis:", SourceError, "No DAVIS camera is plugged in", "choose the source sim:tour"),
     ],
 )
-def test_misuse_gives_one_sentence(arguments, error, sentence):
-    with pytest.raises(error, match=sentence):
-        open_gel(**arguments)
+def test_a_source_that_cannot_be_opened_is_one_sentence(source, error, sentence, hint):
+    with pytest.raises(error, match=sentence) as caught:
+        open_gel(source)
+    assert hint in caught.value.hint
+    assert "--" not in caught.value.hint  # an option of the command line
+
+
+@pytest.mark.parametrize("name", [3, None])
+def test_a_profile_has_a_name_or_a_path(name):
+    with pytest.raises(TypeError, match="must be a name or path such as 'spacecraft', not"):
+        load_profile(name)
+
+
+def test_a_recording_and_a_profile_may_be_paths(push, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    recording, profile = Path("push.aedat4"), Path("mine")
+    with RecordingWriter(recording) as writer:
+        for packet in push.packets:
+            writer.write(packet)
+    profile.write_bytes((find_shipped_folder() / "spacecraft.yaml").read_bytes())
+    with open_gel(recording, profile=profile, speed="max") as gel:
+        assert max(touch.pad.axes.get(Axis.LEFT_X, 0.0) for touch in gel) > 0.5
+    assert load_profile(profile).name == load_profile("spacecraft").name
+
+
+def test_a_driver_takes_options_only():
+    with pytest.raises(
+        TypeError, match=re.escape("options must be DriverOptions(source=...), not")
+    ):
+        Driver("sim:tour")
+
+
+def test_a_driver_is_used_once_and_inside_its_block():
+    driver = Driver(DriverOptions(source="sim:push", device="memory", speed="max", personal=False))
+    for use in (driver.steps, driver.run):
+        with pytest.raises(NeuroTouchError, match="The driver is not open") as caught:
+            use()
+        assert "with Driver(options) as driver" in caught.value.hint
+    with driver:
+        steps = driver.steps()
+        next(steps)
+        with pytest.raises(NeuroTouchError, match="opened only once"):
+            driver.__enter__()
+        next(steps)  # and is none the worse
+    for use in (driver.steps, driver.run, lambda: next(steps)):
+        with pytest.raises(NeuroTouchError, match="The driver is not open"):
+            use()
+    with pytest.raises(NeuroTouchError, match="opened only once"):
+        driver.__enter__()
+
+
+def test_a_closed_gel_is_not_opened_again():
+    gel = open_gel("sim:push", speed="max")
+    gel.close()
+    with pytest.raises(NeuroTouchError, match="The gel is closed"), gel:
+        pass
+
+
+LIGHT = {
+    "client",
+    "closing",
+    "driver",
+    "driver.options",
+    "errors",
+    "gel",
+    "geometry",
+    "ipc",
+    "messages",
+    "players",
+    "snapshot",
+    "subscriber",
+    "vocabulary",
+}
+"""The modules that a reader of a running driver may load; ``make bench`` says what it costs."""
+
+
+def test_a_reader_of_a_driver_loads_light_modules_only():
+    program = """
+import sys
+from neurotouch_hid import open_gel
+from neurotouch_hid.errors import NotRunningError
+
+try:
+    open_gel("driver:")
+except NotRunningError:
+    print(*(name for name in sys.modules if name.partition(".")[0] == "neurotouch_hid"))
+    print(*{"numba", "cv2", "pydantic", "scipy", "importlib.metadata"} & set(sys.modules))
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    ours, heavy = done.stdout.splitlines()
+    loaded = {name.removeprefix("neurotouch_hid.") for name in ours.split()} - {"neurotouch_hid"}
+    assert loaded <= LIGHT
+    assert heavy == ""
+
+
+def test_what_is_public_stays():
+    rule = (
+        "What a program may rely on has changed. The deprecation rule (docs/api.md): a name that "
+        "will go warns for at least one minor version before. Add names freely, and list them here."
+    )
+    assert sorted(neurotouch_hid.__all__) == [
+        "Driver",
+        "DriverOptions",
+        "Gel",
+        "NeuroTouchError",
+        "Touch",
+        "__version__",
+        "load_profile",
+        "open_gel",
+    ], rule
+    assert [each.name for each in fields(Touch)] == [
+        "t_us",
+        "kind",
+        "intensity_mm",
+        "contacts_mm",
+        "translation_mm",
+        "rotation_rad",
+        "scale",
+        "confidence",
+        "pad",
+        "markers_mm",
+        "measured",
+        "events",
+        "frames",
+    ], rule
+    public = {name for name in [*dir(Gel), *Gel.__annotations__] if not name.startswith("_")}
+    assert public == {"close", "name"}, rule

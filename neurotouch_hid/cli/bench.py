@@ -99,6 +99,7 @@ def _format(result: dict[str, Any]) -> str:
         ("recording, whole pipeline", result["realtime_factor"], "x real time", 10, False),
         ("evaluate, all cores", result["evaluate_factor"], "x real time", 40, False),
         ("neurotouch --help", start["help_cpu"], "s of processor", 0.15, True),
+        ("import for driver:", start["reader_cpu"], "s of processor", 0.15, True),
         ("run until the pad is ready", start["pad"], "s", 1.0, True),
         ("memory", result["rss_mb"], "MB", 250, True),
     ):

@@ -16,6 +16,7 @@ from neurotouch_hid.cli.ui.options import (
 from neurotouch_hid.cli.ui.output import json_option, plain_option
 from neurotouch_hid.errors import DriverError, NeuroTouchError
 from neurotouch_hid.profile.schema import MOVEMENTS
+from neurotouch_hid.vocabulary import RUNNING_DRIVER
 
 if TYPE_CHECKING:
     from neurotouch_hid.cli.ui.keyboard import Keyboard
@@ -73,7 +74,7 @@ def command(
     from neurotouch_hid.client import is_driver_running
     from neurotouch_hid.source.check import check_source
 
-    source = source or ("driver:" if is_driver_running() else "davis:")
+    source = source or (RUNNING_DRIVER if is_driver_running() else "davis:")
     if not undo:
         check_source(source)
     from neurotouch_hid.cli.calibrate_result import conclude, undo_calibration
@@ -127,7 +128,7 @@ def _pause_driver(source: str, voice: "Voice") -> Iterator[None]:
     """Keeps a running driver from acting on what is measured; goes on if it went before."""
     from neurotouch_hid.client import ask, ask_status
 
-    if source != "driver:" or ask_status()["state"] != "running":
+    if source != RUNNING_DRIVER or ask_status()["state"] != "running":
         yield
         return
     ask("pause")

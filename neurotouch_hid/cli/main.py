@@ -10,7 +10,7 @@ import click
 
 from neurotouch_hid import __version__
 from neurotouch_hid.cli.ui.group import LazyGroup
-from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.errors import NeuroTouchError, PluginError
 from neurotouch_hid.printable import make_lines_printable
 from neurotouch_hid.process.interrupts import EXIT_INTERRUPTED, handle_interrupts
 
@@ -96,6 +96,8 @@ def main() -> None:
         code = _run()
         sys.stdout.flush()
     except NeuroTouchError as error:
+        if sys.flags.dev_mode and isinstance(error, PluginError) and error.__cause__ is not None:
+            raise  # with the traceback of the package's own error
         code = _tell(error.message, error.hint, error.exit_code)
     except click.exceptions.NoArgsIsHelpError as error:
         error.show()
@@ -122,13 +124,6 @@ def main() -> None:
         )
         code = _tell(f"{what}: {error.strerror}.", None, 1)
         sys.stdout = None
-    except Exception as error:
-        from neurotouch_hid.plugins import blame_plugin
-
-        fault = None if sys.flags.dev_mode else blame_plugin(error)
-        if fault is None:
-            raise
-        code = _tell(fault.message, fault.hint, fault.exit_code)
     sys.exit(code if isinstance(code, int) else 0)
 
 

@@ -5,7 +5,7 @@ import shutil
 import signal
 import sys
 import threading
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict
 from pathlib import Path
@@ -18,12 +18,12 @@ from neurotouch_hid.cli.ui.options import Finite
 from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_json, say
 from neurotouch_hid.errors import NeuroTouchError, NotRunningError, RecordingError, SourceError
 from neurotouch_hid.partial_file import is_plain
-from neurotouch_hid.vocabulary import SourceKind, find_source_kind
+from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_kind
 
 if TYPE_CHECKING:
-    from neurotouch_hid.messages import EventPacket
     from neurotouch_hid.recording import Recorder, RecorderStats
-    from neurotouch_hid.source import Source, Speed
+    from neurotouch_hid.source import Source
+    from neurotouch_hid.vocabulary import Speed
 
 _ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGALRM)
 _PATIENCE_S = 10.0
@@ -37,11 +37,10 @@ _TERMINAL_S, _PLAIN_S = 1.0, 10.0
 
 
 class _Opened(NamedTuple):
-    """The opened source: its name, its packets, and whether it continues without this command."""
+    """The opened source, and what a person calls it."""
 
     name: str
-    packets: "Iterable[EventPacket]"
-    live: bool
+    source: "Source"
 
 
 class _Silence(KeyboardInterrupt):
@@ -62,7 +61,9 @@ class _Silence(KeyboardInterrupt):
     help="davis:SERIAL (a camera), file:NAME.aedat4 (a recording) or sim:NAME (the simulator).",
 )
 @click.option("--seconds", type=Finite(min=0.1), help="End after this many seconds of sensor time.")
-@click.option("--seed", default=0, show_default=True, help="Seed of the simulator.")
+@click.option(
+    "--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the simulator."
+)
 @click.option("--force", is_flag=True, help="Replace OUT if it exists.")
 @plain_option
 @json_option
@@ -146,11 +147,11 @@ def _open(stack: ExitStack, source: str | None, speed: "Speed", seed: int) -> _O
 
     if source is None:
         with suppress(NotRunningError):
-            packets = open_one("driver:")
-            name = f"the running driver's data ({packets.name.removeprefix('driver: ')})"
-            return _Opened(name, packets, live=True)
+            packets = open_one(RUNNING_DRIVER)
+            played = packets.name.removeprefix(RUNNING_DRIVER).strip()
+            return _Opened(f"the running driver's data ({played})", packets)
     packets = open_one(source or "davis:")
-    return _Opened(packets.name, packets, live=packets.is_live)
+    return _Opened(packets.name, packets)
 
 
 def _record(opened: _Opened, recorder: "Recorder", seconds: float | None) -> None:
@@ -159,18 +160,19 @@ def _record(opened: _Opened, recorder: "Recorder", seconds: float | None) -> Non
     Raises:
         SourceError: a live source ended or fell silent before ``--seconds``.
     """
-    patience_s = _PATIENCE_S if opened.live and seconds is not None else 0.0  # 0: no limit
+    is_live = opened.source.is_live
+    patience_s = _PATIENCE_S if is_live and seconds is not None else 0.0  # 0: no limit
     begin_us: int | None = None
     signal.setitimer(signal.ITIMER_REAL, patience_s)
-    for packet in opened.packets:
+    for packet in opened.source:
         signal.setitimer(signal.ITIMER_REAL, patience_s)
         begin_us = packet.t_begin_us if begin_us is None else begin_us
-        recorder.take(packet, wait=not opened.live)
+        recorder.take(packet, wait=not is_live)
         if recorder.error is not None:
             return
         if seconds is not None and packet.t_end_us - begin_us >= seconds * 1e6:
             return
-    if opened.live and seconds is not None:
+    if is_live and seconds is not None:
         raise SourceError(f"The source ended before {seconds:g} s were recorded.")
 
 

@@ -95,8 +95,7 @@ def command(
     """Drive the virtual gamepad from the gel until the source ends, the time is over or Ctrl-C.
 
     A camera does not end; a recording ends once. Of the simulated scenes tour, noise, random and
-    rest repeat for ever; the others end after one pass: press, push, push-left, push-right,
-    push-up, push-down, pinch, zoom, twist-cw, twist-ccw, three-fingers and fast.
+    rest repeat for ever; all others end after one pass. --source sim: lists them.
     """
     from neurotouch_hid.source.check import check_source
 

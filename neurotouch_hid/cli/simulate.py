@@ -25,7 +25,13 @@ from neurotouch_hid.cli.ui.output import echo
     show_default=True,
     help="Length of all recordings together.",
 )
-@click.option("--seed", type=int, default=0, show_default=True, help="Another seed, other people.")
+@click.option(
+    "--seed",
+    type=click.IntRange(0),
+    default=0,
+    show_default=True,
+    help="Another seed, other people.",
+)
 @click.option(
     "--gel",
     type=click.Choice(["half-space", "solid", "both"]),

@@ -22,7 +22,12 @@ from neurotouch_hid.driver.settings import load_driver_settings
 from neurotouch_hid.driver.source_opening import open_driver_source
 from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.driver.time_limit import cut_off, stop_after
-from neurotouch_hid.errors import AlreadyRunningError, DriverError
+from neurotouch_hid.errors import (
+    AlreadyRunningError,
+    DriverError,
+    NeuroTouchError,
+    require_type,
+)
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import Step
 from neurotouch_hid.players import find_runtime_folder
@@ -30,7 +35,7 @@ from neurotouch_hid.process.realtime import realtime_priority
 from neurotouch_hid.profile import Profile
 from neurotouch_hid.runtime import LoopStats, Pipeline, Tap, run_pipeline
 from neurotouch_hid.source import Source
-from neurotouch_hid.source.running_driver import NAME as RUNNING_DRIVER
+from neurotouch_hid.vocabulary import RUNNING_DRIVER
 
 
 class Driver(Closing):
@@ -56,6 +61,7 @@ class Driver(Closing):
         taps: read every Step; add your own before ``run``.
 
     Raises:
+        TypeError: the options are not ``DriverOptions``.
         NeuroTouchError: when the block is entered: something cannot be opened. Everything that was
             opened by then is closed.
     """
@@ -75,6 +81,7 @@ class Driver(Closing):
         guests: Guests | None = None,
         people: People | None = None,
     ) -> None:
+        require_type("options", options, DriverOptions, "DriverOptions(source=...)")
         self.options = options
         self.taps: list[Tap] = []
         self._announce = announce
@@ -85,17 +92,24 @@ class Driver(Closing):
         self._attachments: Attachments | None = None
         self._stop = Event()
         self._closing = ExitStack()
+        self._is_open: bool | None = None  # None: not yet
 
     def __enter__(self) -> Self:
+        if self._is_open is not None:
+            raise NeuroTouchError(
+                "A driver can be opened only once.", hint="Make another: Driver(options)."
+            )
         try:
             self._open()
         except BaseException:
             self.close()
             raise
+        self._is_open = True
         return self
 
     def close(self) -> None:
-        """Releases everything, in the opposite order."""
+        """Releases everything, in the opposite order; harmless when repeated."""
+        self._is_open = False
         self._closing.close()
 
     def compile(self) -> None:
@@ -131,7 +145,9 @@ class Driver(Closing):
 
         Raises:
             GelNotFoundError: the source has ended and no frame has shown the gel.
+            NeuroTouchError: the driver is not open.
         """
+        self._require_open()
         stop = stop or self._stop
         if self._stop.is_set():  # before the loop begins
             stop.set()
@@ -157,12 +173,27 @@ class Driver(Closing):
 
         Args:
             seconds: ends after so much sensor time.
+
+        Raises:
+            NeuroTouchError: the driver is not open.
         """
+        self._require_open()
+        return self._advance(seconds)
+
+    def _advance(self, seconds: float | None) -> Iterator[Step]:
         packets = self.source if seconds is None else cut_off(self.source, seconds)
         for packet in packets:
+            self._require_open()
             step = self.pipeline.advance(packet)
             yield step
             self.pipeline.process_frames(step)
+
+    def _require_open(self) -> None:
+        if not self._is_open:
+            raise NeuroTouchError(
+                "The driver is not open.",
+                hint="Use it inside its block: with Driver(options) as driver: ...",
+            )
 
     def _open(self) -> None:
         options, closing = self.options, self._closing

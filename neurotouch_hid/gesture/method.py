@@ -10,7 +10,7 @@ from neurotouch_hid.errors import PluginError
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.gesture.config import GestureConfig
 from neurotouch_hid.messages import Gesture
-from neurotouch_hid.plugins import METHODS, check_call, list_plugins, make_plugin
+from neurotouch_hid.plugins import METHODS, Plugin, check_call, find_plugin, list_plugins
 
 BUILT_IN: Final = ("neurotouch", "paper")
 
@@ -68,12 +68,12 @@ def make_method(config: GestureConfig) -> GestureMethod:
         from neurotouch_hid.gesture.paper.method import PaperMethod  # noqa: PLC0415
 
         return PaperMethod(config)
-    method = make_plugin(METHODS, config.method, config)
-    if method is None:
+    plugin = find_plugin(METHODS, config.method)
+    if plugin is None:
         raise PluginError(
             f"There is no method '{config.method}'.", hint=f"Methods: {', '.join(list_methods())}."
         )
-    return _Checked(config.method, method)
+    return _Checked(plugin, plugin.make(config))
 
 
 _UPDATE: Final = ("t_us", "step_us", "rest_px", "moved_px", "use", "rig")
@@ -82,7 +82,8 @@ _UPDATE: Final = ("t_us", "step_us", "rest_px", "moved_px", "use", "rig")
 class _Checked:
     """Checks what another package's method returns, so that an error names the mistake."""
 
-    def __init__(self, name: str, method: GestureMethod) -> None:
+    def __init__(self, plugin: Plugin, method: GestureMethod) -> None:
+        name = plugin.point.name
         for function, arguments in (("update", _UPDATE), ("reset", ())):
             if not callable(getattr(method, function, None)):
                 raise PluginError(
@@ -91,7 +92,7 @@ class _Checked:
                 )
             what = f"The function '{function}' of the method '{name}'"
             check_call(what, getattr(method, function), *arguments)
-        self._name, self._method = name, method
+        self._name, self._method, self._plugin = name, method, plugin
 
     def update(
         self,
@@ -102,7 +103,9 @@ class _Checked:
         use: NDArray[np.bool_],
         rig: Rig,
     ) -> Gesture:
-        gesture: object = self._method.update(t_us, step_us, rest_px, moved_px, use, rig)
+        gesture: object
+        with self._plugin.running():
+            gesture = self._method.update(t_us, step_us, rest_px, moved_px, use, rig)
         if not isinstance(gesture, Gesture):
             raise PluginError(
                 f"The method '{self._name}' returned {type(gesture).__name__}, not a Gesture.",
@@ -123,4 +126,5 @@ class _Checked:
         return gesture
 
     def reset(self) -> None:
-        self._method.reset()
+        with self._plugin.running():
+            self._method.reset()

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
+from neurotouch_hid.recording.header import MAGIC
 
 CAMERA_NAME: Final = "DAVIS346"
 EVENTS, FRAMES = 0, 1
 """The numbers of the two streams."""
 
-MAGIC: Final = b"#!AER-DAT4.0\r\n"
 _LZ4: Final = 1
 _GREY_SENSOR: Final = 1
 

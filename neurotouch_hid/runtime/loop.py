@@ -11,7 +11,7 @@ from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.runtime.pipeline import Pipeline
 from neurotouch_hid.runtime.pipeline_control import PipelineControl
 from neurotouch_hid.runtime.stall_guard import LIVE_STALL_S, STALL_S, StallGuard
-from neurotouch_hid.source import ActivityAware, LiveSource
+from neurotouch_hid.source import ActivityAware, PolledSource
 
 Tap = Callable[[Step], None]
 """Reads Steps and never feeds back."""
@@ -39,7 +39,7 @@ def run_pipeline(
 ) -> LoopStats:
     """Drives the pad until the source ends or ``stop`` is set; the pad is neutral afterwards.
 
-    Commands of ``control`` are applied between two slices. While a live source has nothing, the
+    Commands of ``control`` are applied between two slices. While a polled source has nothing, the
     loop goes round all the same, so that it takes commands and can end.
 
     Args:
@@ -57,7 +57,7 @@ def run_pipeline(
     taps = tuple(taps)
     polled: Iterable[EventPacket | None] = source
     stall_s = STALL_S
-    if isinstance(source, LiveSource):
+    if isinstance(source, PolledSource):
         polled, stall_s = source.poll(), LIVE_STALL_S
     aware = source if pipeline.has_frame_thread and isinstance(source, ActivityAware) else None
     slices = events = 0

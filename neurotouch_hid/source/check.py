@@ -6,29 +6,10 @@ from typing import Final
 
 from neurotouch_hid.errors import SourceError
 from neurotouch_hid.plugins import SOURCES, list_plugins
-from neurotouch_hid.vocabulary import SourceKind, find_source_kind
+from neurotouch_hid.source.simulator.scenes import check_scene, scene_names
+from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_kind
 
-SCENES: Final = (
-    "tour",
-    "rest",
-    "press",
-    "push",
-    "push-left",
-    "push-right",
-    "push-up",
-    "push-down",
-    "pinch",
-    "zoom",
-    "twist-cw",
-    "twist-ccw",
-    "three-fingers",
-    "fast",
-    "noise",
-    "random",
-)
-"""The scenes of the simulator, in the order of the documentation."""
-
-FORMS: Final = ("davis:", "davis:SERIAL", "file:NAME.aedat4", "sim:NAME", "driver:")
+FORMS: Final = ("davis:", "davis:SERIAL", "file:NAME.aedat4", "sim:NAME", RUNNING_DRIVER)
 """How the sources of this package are written."""
 
 
@@ -49,28 +30,16 @@ def check_source(spec: str) -> None:
         from neurotouch_hid.recording.container import check_recording  # noqa: PLC0415
 
         check_recording(find_path(spec))
+    elif kind is SourceKind.DRIVER:
+        if rest:
+            raise refuse_source(spec)
     elif kind is SourceKind.OTHER and not _is_offered(spec):
         raise refuse_source(spec)
 
 
 def _is_offered(spec: str) -> bool:
     kind, colon, _ = spec.partition(":")
-    return spec == "driver:" or (bool(colon) and kind in list_plugins(SOURCES))
-
-
-def check_scene(name: str) -> None:
-    """Checks that there is a scene of the simulator.
-
-    Raises:
-        SourceError: there is none of that name.
-    """
-    if name in SCENES:
-        return
-    close = difflib.get_close_matches(name.lower(), SCENES, 1)
-    hint = f"Did you mean sim:{close[0]}?" if close else f"Scenes: {', '.join(SCENES)}."
-    if not name:
-        raise SourceError("'sim:' needs the name of a scene, for example sim:tour.", hint=hint)
-    raise SourceError(f"There is no simulated scene called '{name}'.", hint=hint)
+    return bool(colon) and kind in list_plugins(SOURCES)
 
 
 def find_path(spec: str) -> Path:
@@ -91,8 +60,13 @@ def refuse_source(spec: str) -> SourceError:
     """Returns the error for a name that is no source, with the one that was meant."""
     kind, _, rest = spec.partition(":")
     forms = [*FORMS, *(f"{name}:" for name in list_plugins(SOURCES))]
-    if spec in SCENES or rest in SCENES:
-        hint = f"Did you mean sim:{spec if spec in SCENES else rest}?"
+    scenes = scene_names()
+    if not spec:
+        return SourceError("The source is empty.", hint=f"Give one of {', '.join(forms)}.")
+    if find_source_kind(spec) is SourceKind.DRIVER:
+        hint = f"Write {RUNNING_DRIVER} alone. The player number says whose driver it is."
+    elif spec in scenes or rest in scenes:
+        hint = f"Did you mean sim:{spec if spec in scenes else rest}?"
     elif Path(spec).is_dir():
         hint = f"It is a folder. Give a recording in it: file:{spec}/NAME.aedat4"
     elif Path(spec).is_file():

@@ -39,7 +39,7 @@ class MouseSource(Closing):
         SourceError: no socket can be made there.
     """
 
-    is_live = False
+    is_live = True
     is_simulated = True
 
     rig: Rig | None = None

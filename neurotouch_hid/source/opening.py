@@ -1,17 +1,17 @@
 """Opens a source by its name on the command line."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
-from neurotouch_hid.source.check import find_path
+from neurotouch_hid.source.check import find_path, refuse_source
 from neurotouch_hid.source.pacing import PacedSource
 from neurotouch_hid.source.plugin import open_plugin
 from neurotouch_hid.source.protocol import Source
+from neurotouch_hid.vocabulary import SourceKind, Speed, find_source_kind
 
 if TYPE_CHECKING:
     from neurotouch_hid.source.davis import DavisConfig
 
-Speed = Literal["recorded", "max"]
 PAPER_US = 10_000
 """Slices of recordings and simulations [NT, "Results"], so that figures stay comparable."""
 LIVE_US = 4_000
@@ -53,19 +53,14 @@ def open_source(
         CameraError: the camera cannot be used.
         DriverError: ``driver:`` was asked for, and none runs, or it refuses.
     """
-    kind, colon, rest = spec.partition(":")
-    if spec == "driver:":
+    kind, rest = find_source_kind(spec), spec.partition(":")[2]
+    if kind is SourceKind.DRIVER:
         from neurotouch_hid.source.running_driver import RunningDriver  # noqa: PLC0415
 
+        if rest:
+            raise refuse_source(spec)
         return RunningDriver()
-    if not colon or kind not in {"file", "sim", "davis"}:
-        if spec.endswith(".aedat4"):
-            kind, rest = "file", spec
-        else:
-            opened = open_plugin(spec, slice_us or PAPER_US, seed)
-            is_paced = speed == "recorded" and not opened.is_live
-            return PacedSource(opened) if is_paced else opened
-    if kind == "davis":
+    if kind is SourceKind.CAMERA:
         from neurotouch_hid.source.davis import MAX_DELAY_US, DavisSource  # noqa: PLC0415
 
         return DavisSource(
@@ -75,19 +70,22 @@ def open_source(
             wait=wait,
             max_delay_us=max_delay_us or MAX_DELAY_US,
         )
-    source = _open(kind, rest, slice_us or PAPER_US, seed, repeats)
-    return PacedSource(source) if speed == "recorded" else source
+    source = _open(kind, spec, slice_us or PAPER_US, seed, repeats)
+    return PacedSource(source) if speed == "recorded" and not source.is_live else source
 
 
-def _open(kind: str, rest: str, slice_us: int, seed: int, repeats: bool) -> Source:
+def _open(kind: SourceKind, spec: str, slice_us: int, seed: int, repeats: bool) -> Source:
     # Imported here: a replay needs no simulator and its compiled kernels, and the other way round.
-    if kind == "file":
+    if kind is SourceKind.RECORDING:
         from neurotouch_hid.source.replay import Replay  # noqa: PLC0415
 
-        return Replay(find_path(f"file:{rest}"), slice_us=slice_us)
+        return Replay(find_path(spec), slice_us=slice_us)
+    if kind is SourceKind.OTHER:
+        return open_plugin(spec, slice_us, seed)
     from neurotouch_hid.source.simulator import Simulator  # noqa: PLC0415
     from neurotouch_hid.source.simulator.scenes import find_scene, scene_config  # noqa: PLC0415
 
-    scene = find_scene(rest)
+    name = spec.partition(":")[2]
+    scene = find_scene(name)
     scene = replace(scene, endless=repeats or scene.endless)
-    return Simulator(scene, scene_config(rest), seed=seed, slice_us=slice_us)
+    return Simulator(scene, scene_config(name), seed=seed, slice_us=slice_us)

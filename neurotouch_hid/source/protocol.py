@@ -15,7 +15,7 @@ class Source(Protocol):
     Attributes:
         name: the source as the user may write it.
         rig: how the sensor sees the gel, if known beforehand, else None.
-        is_live: the packets come from a camera in real time and cannot be repeated.
+        is_live: the packets come in real time and cannot be repeated, as from a camera.
         is_simulated: the packets come from a simulation, not from a sensor.
     """
 
@@ -80,7 +80,7 @@ class Troubled(Protocol):
 
 
 @runtime_checkable
-class LiveSource(Source, Protocol):
+class PolledSource(Source, Protocol):
     """A source that may have no packets for a while, such as a camera that was unplugged."""
 
     def poll(self) -> Iterator[EventPacket | None]:

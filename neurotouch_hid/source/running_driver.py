@@ -7,8 +7,7 @@ from neurotouch_hid.closing import Closing
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.recording.wire import receive_packets
-
-NAME = "driver:"
+from neurotouch_hid.vocabulary import RUNNING_DRIVER
 
 
 class RunningDriver(Closing):
@@ -30,7 +29,7 @@ class RunningDriver(Closing):
 
     def __init__(self) -> None:
         answer, self._line = open_stream("record")
-        self.name = f"{NAME} {answer.get('source', '')}".strip()
+        self.name = f"{RUNNING_DRIVER} {answer.get('source', '')}".strip()
         self.is_simulated = answer.get("simulated") is True
 
     def __iter__(self) -> Iterator[EventPacket]:

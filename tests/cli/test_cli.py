@@ -136,11 +136,13 @@ def test_run_ends_after_its_seconds(tmp_path):
     assert "Played 1.5 s" in done.stderr
 
 
-def test_run_names_every_scene_and_how_it_ends():
-    said = " ".join(neurotouch("run", "--help").stdout.split()).replace("- ", "-")
-    again, once = said.split("Of the simulated scenes ")[1].split("after one pass: ")
-    for name in scene_names():
-        assert name in (again if find_scene(name).endless else once).split("Options:")[0]
+def test_run_names_the_scenes_that_never_end_and_lists_all():
+    said = " ".join(neurotouch("run", "--help").stdout.split())
+    again = said.split("Of the simulated scenes ")[1].split(" repeat for ever; all others end ")[0]
+    endless = {name for name in scene_names() if find_scene(name).endless}
+    assert set(again.replace(" and ", ", ").split(", ")) == endless
+    listed = neurotouch("run", "--source", "sim:")
+    assert f"Fix: Scenes: {', '.join(scene_names())}." in listed.stderr
 
 
 def test_run_writes_a_trace_with_one_line_per_slice(tmp_path):

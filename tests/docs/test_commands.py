@@ -11,6 +11,7 @@ import pytest
 from markdown_it import MarkdownIt
 
 from neurotouch_hid.cli.main import cli
+from neurotouch_hid.source import FORMS
 from neurotouch_hid.source.simulator import scene_names
 from tests.docs.prose import ROOT, pages
 
@@ -106,6 +107,11 @@ def test_commands_are_found_in_text():
     text += "```\nneurotouch a \\\n --b\n```\n"
     found = [words_of(call) for _, call in commands_of(text)]
     assert found == [["run"], ["setup"], ["a", "--b"]]
+
+
+def test_every_kind_of_source_is_on_the_page_of_commands():
+    page = (ROOT / "docs" / "commands.md").read_text()
+    assert [form for form in [*FORMS, "KIND:REST"] if f"| `{form}` |" not in page] == []
 
 
 def test_every_scene_is_on_the_page_of_commands():

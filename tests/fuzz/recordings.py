@@ -18,12 +18,13 @@ from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
 from neurotouch_hid.recording import Recording, packing
 from neurotouch_hid.recording.compression import LZ4, LZ4_HIGH, NONE, ZSTD, ZSTD_HIGH
+from neurotouch_hid.recording.header import MAGIC
 from neurotouch_hid.source.replay import Replay
 from tests.fuzz.area import Area
 from tests.recording.streams import make_events
 
-_TEXT_AT: Final = len(packing.MAGIC) + packing._HEADER.size
-_COMPRESSION_AT: Final = len(packing.MAGIC) + 4 + 28
+_TEXT_AT: Final = len(MAGIC) + packing._HEADER.size
+_COMPRESSION_AT: Final = len(MAGIC) + 4 + 28
 _NUMBERS: Final = (0, 1, 2, 7, 16, 255, 346, 1000, 65535, 0x7FFFFFFF, 1 << 40, 1 << 62, -1, -16)
 _WORDS: Final = (b"", b"<", b">", b"EVTS", b"FRME", b"IMUS", b"0", b"1", b"346", b"-1", b"9" * 30)
 _MARKUP: Final = (
@@ -140,7 +141,7 @@ def _change_header(header: bytearray, chance: random.Random) -> None:
             text = text[:at] + new + text[at + gone :]
             header[_TEXT_AT:] = text
             header[_TEXT_AT - 4 : _TEXT_AT] = struct.pack("<I", len(text))
-            begin = len(packing.MAGIC)
+            begin = len(MAGIC)
             header[begin : begin + 4] = struct.pack("<I", max(0, len(header) - begin - 4))
         case 2:
             del header[chance.randint(0, len(header)) :]

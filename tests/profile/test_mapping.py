@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -10,15 +11,10 @@ from hypothesis import strategies as st
 
 from neurotouch_hid.messages import Axis, Button, GamepadState, Gesture, GestureKind
 from neurotouch_hid.profile import Mapping, Profile, UserSettings, list_profiles, load_profile
-from neurotouch_hid.profile.reading.load import parse_profile
+from tests.profile import stage
 
 SLICE_US = 10_000
-RAW = UserSettings(filter="none")
-
-
-def make_profile(*bindings: str, more: str = "latch: false") -> Profile:
-    lines = "".join(f"  - {{{binding}}}\n" for binding in bindings)
-    return parse_profile(f"version: 1\nname: x\n{more}\nbindings:\n{lines}".encode(), "x.yaml")
+make_profile = partial(stage.make_profile, more="latch: false")
 
 
 def gesture(
@@ -40,7 +36,7 @@ def push(mm: float, degrees: float, contacts: int = 1) -> Gesture:
 
 def play(profile: Profile, *gestures: Gesture) -> list[str]:
     """What the pad says after each: pressed buttons and axes that are not at rest."""
-    mapping = Mapping(profile, RAW)
+    mapping = Mapping(profile, stage.RAW)
     return [
         describe(mapping.update(replace(gesture, t_us=i * SLICE_US)))
         for i, gesture in enumerate(gestures)
@@ -264,7 +260,7 @@ def test_a_push_without_a_way_moves_nothing() -> None:
     for way in ((0.0, 0.0), (math.nan, 1.0), (math.inf, 0.0)):
         lost = Gesture(0, GestureKind.PUSH, points, points, 9.0, way)
         assert (
-            Mapping(make_profile(*FOUR_WAYS, "when: push, do: {stick: left}"), RAW)
+            Mapping(make_profile(*FOUR_WAYS, "when: push, do: {stick: left}"), stage.RAW)
             .update(lost)
             .is_neutral
         )
@@ -272,7 +268,7 @@ def test_a_push_without_a_way_moves_nothing() -> None:
 
 def test_the_pad_speaks_the_records_words() -> None:
     profile = make_profile(*(f"when: pinch, do: {{button: {button}}}" for button in Button))
-    pad = Mapping(profile, RAW).update(gesture(GestureKind.PINCH, 5))
+    pad = Mapping(profile, stage.RAW).update(gesture(GestureKind.PINCH, 5))
     assert pad.buttons == frozenset(Button)
     assert all(isinstance(button, Button) for button in pad.buttons)
 

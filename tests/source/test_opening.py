@@ -105,6 +105,8 @@ def test_a_recording_without_frames(recorded, tmp_path):
         ("http://x", "'http://x' is not a source", "sim:NAME"),
         ("file:", "needs the name of a recording", "file:play.aedat4"),
         ("sim:nothing", "nothing", "tour"),
+        ("", "The source is empty", "Give one of davis:"),
+        ("driver:2", "'driver:2' is not a source", "Write driver: alone"),
     ],
 )
 def test_unknown_sources(spec, words, hint):
@@ -131,6 +133,7 @@ def test_recordings_keep_the_papers_slices_unless_told_otherwise(recorded):
         ("file:a:b.aedat4", SourceKind.RECORDING),
         ("play.aedat4", SourceKind.RECORDING),
         ("sim:tour", SourceKind.SIMULATION),
+        ("driver:", SourceKind.DRIVER),
         ("mirrored:sim:tour", SourceKind.OTHER),
         ("sim", SourceKind.OTHER),
         ("", SourceKind.OTHER),

@@ -100,7 +100,13 @@ speed_option = click.option(
     show_default=True,
     help="As recorded, or as fast as possible, without pauses for a person.",
 )
-seed_option = click.option("--seed", default=0, show_default=True, help="Seed of the simulation.")
+seed_option = click.option(
+    "--seed",
+    type=click.IntRange(0),
+    default=0,
+    show_default=True,
+    help="Seed of the simulation.",
+)
 seconds_option = click.option(
     "--seconds", type=Finite(min=0.1), help="End after this many seconds."
 )

@@ -145,7 +145,7 @@ def check_identity(identity: Identity, kind: PadKind) -> None:
             return
     raise DeviceError(
         f"A pad cannot be {ids}, version {identity.version:#06x}: {reason}.",
-        hint="With --device hid use the identity 'own'." if kind == "hid" else "Use other ids.",
+        hint="With the device hid use the identity 'own'." if kind == "hid" else "Use other ids.",
     )
 
 

@@ -4,6 +4,7 @@ import gc
 import os
 import resource
 import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -37,6 +38,17 @@ PREPARED_S = 20.0
 _LABELLED_US = range(0, round(PREPARED_S * 1e6) + 1, 40_000)
 READY, PLAYED = "Gamepad ready", "Played "
 """The words that ``neurotouch run`` prints when the pad is ready, and at the end."""
+_READER = """
+import time
+begun = time.process_time()
+from neurotouch_hid import NeuroTouchError, open_gel
+try:
+    open_gel("driver:").close()
+except NeuroTouchError:
+    pass  # none runs, which is found out last
+print(time.process_time() - begun)
+"""
+"""A program that reads a running driver, up to its first state."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +87,8 @@ def run_benchmark(
         ``tracker_ratio`` (how much longer it takes to look for the nearest marker among all),
         ``events_per_s`` of the scene of the slices, ``realtime_factor`` of a recording
         played as fast as possible, ``startup_s`` (``help_cpu``: processor
-        time of ``neurotouch --help``; ``pad``: from the start of ``run`` to the pad) and
+        time of ``neurotouch --help``; ``reader_cpu``: of importing and opening ``driver:``, the
+        best of several; ``pad``: from the start of ``run`` to the pad) and
         ``rss_mb``, the most memory that playing it took; ``evaluate_factor``, of recordings on
         all cores; and ``live``, see ``run_live_benchmark``.
     """
@@ -206,8 +219,9 @@ def _read_peak_mb(pid: int) -> float:
 
 
 def _measure_start(method: str) -> dict[str, float]:
-    help_cpu, pad = [], []
+    help_cpu, reader_cpu, pad = [], [], []
     for _ in range(5):
+        reader_cpu.append(_measure_reader())
         usage = _reap(_start(["--help"]))
         help_cpu.append(usage.ru_utime + usage.ru_stime)
         begun = time.perf_counter()
@@ -216,7 +230,17 @@ def _measure_start(method: str) -> dict[str, float]:
         pad.append(time.perf_counter() - begun)
         process.terminate()
         _reap(process)
-    return {"help_cpu": float(np.median(help_cpu)), "pad": float(np.median(pad))}
+    return {
+        "help_cpu": float(np.median(help_cpu)),
+        "reader_cpu": min(reader_cpu),
+        "pad": float(np.median(pad)),
+    }
+
+
+def _measure_reader() -> float:
+    command = [sys.executable, "-c", _READER]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)  # noqa: S603  # ours
+    return float(done.stdout)
 
 
 def _start_run(source: str, method: str) -> subprocess.Popen[str]:

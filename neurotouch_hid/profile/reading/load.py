@@ -8,7 +8,7 @@ from typing import Final, Generic, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.errors import ProfileError, require_type
 from neurotouch_hid.files.faults import Fault, Mark, format_faults, format_path, suggest
 from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, find_real_path, read_bytes
 from neurotouch_hid.files.yaml_document import Node, find_mark, parse_document
@@ -71,9 +71,11 @@ def load_profile(name_or_path: str | Path, folder: Path | None = None) -> Profil
         folder: the person's settings; None means those of this process's user.
 
     Raises:
+        TypeError: the name is neither a text nor a path.
         ProfileError: there is none, or the file says something we cannot do; the message then holds
             all mistakes, each with ``file:line:column`` and the marked line.
     """
+    require_type("name_or_path", name_or_path, (str, Path), "a name or path such as 'spacecraft'")
     return check_profile(name_or_path, folder=folder).require()
 
 

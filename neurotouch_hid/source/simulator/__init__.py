@@ -1,11 +1,10 @@
 """A simulated gel under a simulated DAVIS-346: scripts in, packets and their truth out."""
 
-from neurotouch_hid.source.simulator.gel import GelConfig
-from neurotouch_hid.source.simulator.optics import CameraConfig, LightConfig
+from typing import TYPE_CHECKING
+
+from neurotouch_hid.lazy import load_lazily
 from neurotouch_hid.source.simulator.scenes import find_scene, scene_config, scene_names
 from neurotouch_hid.source.simulator.script import Finger, Script, Stroke, sequence
-from neurotouch_hid.source.simulator.sensor import SensorConfig
-from neurotouch_hid.source.simulator.simulator import Simulator, SimulatorConfig
 from neurotouch_hid.source.simulator.strokes import (
     Fingertips,
     StrokeTiming,
@@ -15,6 +14,22 @@ from neurotouch_hid.source.simulator.strokes import (
     twist,
     zoom,
 )
+
+if TYPE_CHECKING:
+    from neurotouch_hid.source.simulator.gel import GelConfig
+    from neurotouch_hid.source.simulator.optics import CameraConfig, LightConfig
+    from neurotouch_hid.source.simulator.sensor import SensorConfig
+    from neurotouch_hid.source.simulator.simulator import Simulator, SimulatorConfig
+else:  # they have compiled loops, which a check of a scene's name does not need
+    __getattr__ = load_lazily(
+        __name__,
+        {
+            "gel": "GelConfig",
+            "optics": "CameraConfig LightConfig",
+            "sensor": "SensorConfig",
+            "simulator": "Simulator SimulatorConfig",
+        },
+    )
 
 __all__ = [
     "CameraConfig",

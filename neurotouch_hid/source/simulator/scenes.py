@@ -1,16 +1,19 @@
-"""Named scripts for the demo, for tests and for trying things out: ``sim:NAME``."""
+"""Named scripts for the demo, for tests and for trying things out: ``sim:NAME``.
 
+The names are checked before the simulator is loaded, so nothing compiled is imported at the top.
+"""
+
+import difflib
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from neurotouch_hid.errors import SourceError
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.source.check import SCENES, check_scene
 from neurotouch_hid.source.simulator.script import Script, Stroke, sequence
-from neurotouch_hid.source.simulator.simulated_people import draw_stroke
-from neurotouch_hid.source.simulator.simulator import SimulatorConfig
 from neurotouch_hid.source.simulator.strokes import (
     Fingertips,
     StrokeTiming,
@@ -21,8 +24,10 @@ from neurotouch_hid.source.simulator.strokes import (
     zoom,
 )
 
-LEFT, RIGHT, UP, DOWN = math.pi, 0.0, -math.pi / 2, math.pi / 2
+if TYPE_CHECKING:
+    from neurotouch_hid.source.simulator.simulator import SimulatorConfig
 
+LEFT, RIGHT, UP, DOWN = math.pi, 0.0, -math.pi / 2, math.pi / 2
 
 THREE = Fingertips(n_fingers=3, spread_mm=12.0)
 CLOSE = Fingertips(n_fingers=3, spread_mm=8.5)
@@ -30,7 +35,22 @@ CLOSE = Fingertips(n_fingers=3, spread_mm=8.5)
 
 def scene_names() -> tuple[str, ...]:
     """Returns all names, in the order of the documentation."""
-    return SCENES
+    return tuple(_SCENES)
+
+
+def check_scene(name: str) -> None:
+    """Checks that there is a scene of this name.
+
+    Raises:
+        SourceError: there is none.
+    """
+    if name in _SCENES:
+        return
+    close = difflib.get_close_matches(name.lower(), _SCENES, 1)
+    hint = f"Did you mean sim:{close[0]}?" if close else f"Scenes: {', '.join(_SCENES)}."
+    if not name:
+        raise SourceError("'sim:' needs the name of a scene, for example sim:tour.", hint=hint)
+    raise SourceError(f"There is no simulated scene called '{name}'.", hint=hint)
 
 
 def find_scene(name: str) -> Script:
@@ -43,8 +63,10 @@ def find_scene(name: str) -> Script:
     return replace(_SCENES[name](), name=name)
 
 
-def scene_config(name: str) -> SimulatorConfig:
+def scene_config(name: str) -> "SimulatorConfig":
     """Returns the set-up of a scene: the default one, but ``noise`` has a noisy sensor."""
+    from neurotouch_hid.source.simulator.simulator import SimulatorConfig  # noqa: PLC0415
+
     config = SimulatorConfig()
     if name == "noise":
         sensor = replace(config.sensor, shot_hz=5.0, n_hot=20, contrast_spread=0.05)
@@ -94,6 +116,8 @@ def _three_fingers() -> Script:
 
 
 def _random() -> Script:
+    from neurotouch_hid.source.simulator.simulated_people import draw_stroke  # noqa: PLC0415
+
     rng = np.random.default_rng(7)
     kinds = list(GestureKind)[1:]
     strokes = [draw_stroke(kinds[int(rng.integers(len(kinds)))], rng) for _ in range(60)]

@@ -17,7 +17,7 @@ from neurotouch_hid.errors import CameraBusyError, CameraError, SourceError
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline, run_pipeline
-from neurotouch_hid.source import LiveSource
+from neurotouch_hid.source import PolledSource
 from neurotouch_hid.source.davis import Biases, DavisConfig, DavisSource, Roi
 from neurotouch_hid.source.davis.registers import CoarseFine
 from neurotouch_hid.source.davis.stream import AWAKE_US, IDLE_FRAME_S, MAX_FAULTS
@@ -64,7 +64,7 @@ def test_slices_of_a_running_camera():
     camera = ScriptedCamera()
     camera.at_reset.append([make_events(0, 51)])
     with open_camera(camera) as source:
-        assert isinstance(source, LiveSource)
+        assert isinstance(source, PolledSource)
         assert source.name == "davis:00001055"
         packets = take(source, 5)
     assert_sound(packets)
