@@ -218,6 +218,7 @@ LIGHT = {
     "ipc",
     "messages",
     "players",
+    "printable",
     "snapshot",
     "subscriber",
     "vocabulary",

@@ -108,7 +108,7 @@ class Driver(Closing):
         return self
 
     def close(self) -> None:
-        """Releases everything, in the opposite order; harmless when repeated."""
+        """Releases everything, in the opposite order; a second call does nothing."""
         self._is_open = False
         self._closing.close()
 
