@@ -77,6 +77,16 @@ def test_it_is_renewed_while_it_plays(guest):
     assert not seen["left_pressed"]
 
 
+def test_after_an_upgrade_the_machine_s_values_apply_until_a_person_saves_others(guest):
+    seen = guest("upgrade")
+    assert "slots: [gears]" in seen["kept"]["values"]
+    assert seen["kept"]["profile"]
+    assert seen["used"]["code"] == 0, seen["used"]["err"]
+    assert "filter: light" in seen["own"]
+    assert "platformer" in seen["own"]
+    assert seen["machine_after"] == seen["kept"]["values"]
+
+
 def test_purged_it_leaves_nothing(guest):
     seen = guest("purge")
     assert seen["apt"]["code"] == 0, seen["apt"]["err"]

@@ -23,6 +23,18 @@ def test_the_user_at_the_seat_pauses_it_and_others_may_not(guest):
     assert "another user" in seen["stranger"]["err"]
 
 
+def test_the_settings_of_the_person_at_the_seat_apply(guest):
+    seen = guest("people")
+    assert seen["player"]["code"] == 0, seen["player"]["err"]
+    assert seen["refused"]["code"] != 0
+    assert "not you" in seen["refused"]["out"] + seen["refused"]["err"]
+    assert seen["not_theirs"]
+    assert "visitor" in seen["status"] or "platformer" in seen["status"]
+    assert seen["same"]
+    assert seen["undone"]["code"] == 0, seen["undone"]["err"]
+    assert seen["in_the_end"]
+
+
 @pytest.mark.parametrize("who", ["root", "player", "service"])
 def test_a_second_driver_is_refused_with_a_clear_sentence(guest, who):
     seen = guest("another")

@@ -8,6 +8,8 @@ import stat
 import pytest
 
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.players import find_user_file
+from neurotouch_hid.profile import UserSettings, load_user
 from neurotouch_hid.profile.editing import Store, make_profile, take_profile, take_user
 from neurotouch_hid.profile.reading.library import find_shipped_folder, find_user_folder
 
@@ -140,6 +142,44 @@ def test_the_users_first_values_can_be_undone(stamp):
     edited.save(edited.text.rewrite(f"{edited.text}filter: strong\n"))
     take_user(stamp).store.undo()
     assert "filter" not in take_user(stamp).text.text
+
+
+@pytest.fixture
+def machine(tmp_path, monkeypatch):
+    """The values of people who have saved none, as an administrator has written them."""
+    folder = tmp_path / "etc/neurotouch"
+    folder.mkdir(parents=True)
+    monkeypatch.setenv("CONFIGURATION_DIRECTORY", str(folder))
+    (folder / "user.yaml").write_text(
+        "# For the whole ward.\nversion: 1\nfilter: strong\nslots: [racing, default]\n"
+    )
+    return folder / "user.yaml"
+
+
+def test_a_person_s_first_values_begin_with_those_of_the_machine(machine, stamp):
+    before, content = load_user(), machine.read_bytes()
+    edited = take_user(stamp)
+    assert edited.content is None  # a file of the person's own
+    edited.save(edited.text.rewrite(f"{edited.text}timing: slow\n"))
+    assert edited.store.path == find_user_file()
+    assert load_user() == before.model_copy(update={"timing": "slow"})
+    assert machine.read_bytes() == content
+
+
+def test_favourites_that_are_the_default_do_not_become_a_choice(machine, stamp):
+    """A service plays the machine's profile for a person who has chosen none."""
+    machine.write_text("version: 1\nfilter: strong\nslots: [default]\n")
+    edited = take_user(stamp)
+    edited.save(edited.text)
+    assert load_user().filter == "strong"
+    assert "slots" not in load_user().model_fields_set
+
+
+def test_without_the_machine_s_values_a_person_s_begin_empty(machine, stamp):
+    machine.unlink()
+    edited = take_user(stamp)
+    edited.save(edited.text)
+    assert load_user() == UserSettings()
 
 
 def test_a_link_to_itself_is_explained(stamp):

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from tests.system.guest import additions, package, service
+from tests.system.guest import additions, package, people, service
 from tests.system.guest.camera import Camera
 from tests.system.guest.desk import Desk
 
@@ -25,6 +25,7 @@ CHAPTERS: dict[str, Callable[[Desk], Any]] = {
     "pull": service.pull,
     "storm": service.storm,
     "order": service.order,
+    "people": people.share,
     "another": service.start_another,
     "upgrade": package.upgrade,
     "stop": service.stop,

@@ -18,6 +18,15 @@ SERVICE = "neurotouch.service"
 PLAYER = "player"
 PATIENCE_S = 90.0
 
+Control = tuple[int, int]
+"""A key or an axis of the pad: its type and its code."""
+STICK: Control = (3, 0)
+"""What the push to the right moves with the default profile: the left stick, ABS_X."""
+BUMPER: Control = (1, 0x137)
+"""What it presses with racing: the right bumper, BTN_TR."""
+D_PAD: Control = (3, 0x10)
+"""What it presses besides with platformer: ABS_HAT0X."""
+
 _EVENT = struct.Struct("@llHHi")  # seconds, microseconds, type, code, value
 _EVIOCSCLOCKID = 0x400445A0
 EV_KEY, EV_ABS = 1, 3
@@ -128,9 +137,9 @@ class Reader:
         fcntl.ioctl(self._descriptor, _EVIOCSCLOCKID, struct.pack("i", time.CLOCK_MONOTONIC))
         threading.Thread(target=self._read, daemon=True).start()
 
-    def pressed(self) -> dict[tuple[int, int], int]:
+    def pressed(self) -> dict[Control, int]:
         """Every key and axis that is not at rest, by type and code."""
-        values: dict[tuple[int, int], int] = {}
+        values: dict[Control, int] = {}
         for _, kind, code, value in list(self.events):
             if kind in (EV_KEY, EV_ABS):
                 values[kind, code] = value

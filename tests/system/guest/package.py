@@ -10,6 +10,8 @@ from typing import Any
 from tests.system.guest.camera import PACE
 from tests.system.guest.desk import Desk
 from tests.system.guest.observation import (
+    BUMPER,
+    D_PAD,
     PLAYER,
     SERVICE,
     describe_node,
@@ -25,6 +27,8 @@ from tests.system.guest.observation import (
 
 _OPEN = "import os, sys; os.close(os.open(sys.argv[1], os.O_RDWR))"
 _CACHE = Path("/var/cache/neurotouch")
+_VALUES = Path("/etc/neurotouch/user.yaml")
+_PROFILES = Path("/etc/neurotouch/profiles")
 _PLACES = ("/etc", "/usr", "/var", "/run", "-xdev", "-name", "*neurotouch*")
 _LEAVING_OUT = ("-not", "-path", "/var/cache/apt/*", "-not", "-path", "/var/log/*")
 
@@ -105,10 +109,20 @@ def look_at_rights(_: Desk) -> dict[str, Any]:
 def upgrade(desk: Desk) -> dict[str, Any]:
     """The same package once more, while it plays: what dpkg does with a newer one.
 
-    At half the pace: the one processor would be left to dpkg for a quarter of the time only.
+    The machine has values and a profile for everybody, as an existing installation does. Later the
+    person at it saves a choice of their own. At half the pace: the one processor would be left to
+    dpkg for a quarter of the time only.
     """
+    shipped = _VALUES.read_text()
+    _PROFILES.mkdir()
+    racing = run("neurotouch", "profile", "export", "racing")["out"]
+    gears = _PROFILES / "gears.yaml"
+    gears.write_text(racing.replace("name: racing", "name: gears"))
+    _VALUES.write_text("version: 1\nfilter: light\nslots: [gears]\n")
+    run("systemctl", "restart", SERVICE)
     desk.camera.plug(pace=PACE / 2)
-    reader = desk.play_until_pushed()
+    reader = desk.read_pad()
+    wait_for(lambda: BUMPER in reader.pressed())
     before = desk.identity()
     done = subprocess.Popen(
         ["apt-get", "install", "--yes", "--reinstall", str(desk.package)],
@@ -121,15 +135,24 @@ def upgrade(desk: Desk) -> dict[str, Any]:
     gone_s = time.monotonic()
     wait_for(find_pad)
     back_s = time.monotonic()
-    code = done.wait(600)
-    desk.play_until_pushed()
+    saw = {"code": done.wait(600), "gap_s": back_s - gone_s}
+    saw |= {"new_process": before[1] != main_pid()}
+    saw |= {"left_pressed": [list(control) for control in reader.pressed() if control[0] == 1]}
     desk.camera.plug()
-    return {
-        "code": code,
-        "gap_s": back_s - gone_s,
-        "new_process": before[1] != main_pid(),
-        "left_pressed": [list(control) for control in reader.pressed() if control[0] == 1],
-    }
+    reader = desk.read_pad()
+    wait_for(lambda: BUMPER in reader.pressed())
+    saw["kept"] = {"values": _VALUES.read_text(), "profile": gears.exists()}
+    saw["used"] = run_as(PLAYER, "neurotouch", "profile", "use", "platformer")
+    wait_for(lambda: D_PAD in reader.pressed())
+    saw["own"] = run_as(PLAYER, "cat", f"/home/{PLAYER}/.config/neurotouch/user.yaml")["out"]
+    saw["machine_after"] = _VALUES.read_text()
+    run_as(PLAYER, "neurotouch", "profile", "undo", "user")
+    gears.unlink()
+    _PROFILES.rmdir()
+    _VALUES.write_text(shipped)
+    run("systemctl", "restart", SERVICE)
+    desk.play_until_pushed()
+    return saw
 
 
 def purge(desk: Desk) -> dict[str, Any]:
