@@ -33,8 +33,8 @@ REQUEST_S: Final = 1.0
 """A question must be there, and is answered, within this time."""
 
 LOADING_S: Final = 10.0
-"""What has a profile loaded, ``reload`` or ``use``, is answered within this time: the answer says
-what came of it."""
+"""Time limit for the answer to ``reload`` and ``use``, which load a profile and report the result.
+"""
 
 ENDING_S: Final = 10.0
 """A driver that was asked to end has ended within this time."""
@@ -51,9 +51,9 @@ class Reached(NamedTuple):
     Attributes:
         player: whose driver it is.
         folder: where its sockets are.
-        text: its answer, in a sentence; empty if it did not obey.
+        text: its answer, in a sentence; empty if it refused.
         is_done: whether the command has taken effect already.
-        error: why it did not obey; None if it did.
+        error: why it refused; None if it did not.
     """
 
     player: int
@@ -97,7 +97,7 @@ def ask_every(command: str, players: Iterable[int]) -> list[Reached]:
         players: whose drivers: each may have one of this user, and one that is a service.
 
     Returns:
-        The drivers that run, whether or not they obeyed.
+        The drivers that run, whether or not they refused.
 
     Raises:
         NotRunningError: none runs.

@@ -24,7 +24,7 @@ from neurotouch_hid.printable import make_lines_printable
 
 
 class NeuroTouchError(Exception):
-    """A failure with one clear sentence for the user and, if there is one, the way out.
+    """A failure with one clear sentence for the user and, if there is one, a fix.
 
     Whatever the sentence quotes is made printable here, once for all places that show it.
     """

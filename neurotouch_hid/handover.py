@@ -22,7 +22,7 @@ class Handover:
         status: ``plays``: a driver has them; ``waits``: none runs; ``refused``: the driver keeps
             its settings.
         text: the same in a sentence.
-        fix: the way out of a refusal.
+        fix: the fix after a refusal.
         profiles: the active profiles of the drivers that have them.
     """
 

@@ -35,7 +35,7 @@ class PartialFile:
         self._path = Path(os.path.realpath(path))  # also of a link to itself
         self._part = self._path.with_name(f".{path.name}.{os.getpid()}.partial")
         self._part.unlink(missing_ok=True)  # of a process that had this number before a power cut
-        # Whoever may write to the folder could have put a link there.
+        # Another user who may write to the folder could have put a link there.
         descriptor = _open(self._part, os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW)
         self.file = os.fdopen(descriptor, "wb", buffering=0)
 
@@ -80,7 +80,7 @@ class PartialFile:
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Writes a file; when this returns, also a power cut does not take it away.
+    """Writes a file; when this returns, the file survives a power cut.
 
     Args:
         path: where the file will be.

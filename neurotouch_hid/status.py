@@ -51,7 +51,7 @@ class PipelineStatus(TypedDict):
         markers_tracked: how many of the 177 are measured.
         gel: ``found``, or what keeps it from being found.
         gesture: the gesture now, ``none`` at rest.
-        ignored: the last gesture that came to nothing, and why, in a sentence; None without.
+        ignored: the last gesture that had no effect, and why, in a sentence; None without.
         silent_s: for how long nothing has come from the source; 0 while it comes.
         uptime_s: since the start.
         slices: since the start.

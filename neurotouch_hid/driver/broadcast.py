@@ -17,7 +17,7 @@ QUEUE_BYTES: Final = 16 << 20
 """Bytes that may wait for one subscriber: 0.2 s at 5 million events/s. Then the oldest is lost."""
 
 PATIENCE_S: Final = 10.0
-"""A subscriber that takes nothing for so long is given up."""
+"""A subscriber that takes nothing for this time is dropped."""
 
 
 class Broadcast:

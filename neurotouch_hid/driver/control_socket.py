@@ -26,15 +26,15 @@ _BACKLOG: Final = 1024
 """Clients in the kernel's queue: a crowd of strangers must not fill it."""
 
 _REFUSED_S: Final = 0.2
-"""For so long a refused user is refused unread: asking logind each time would hold up the queue."""
+"""Time for which a refused user is refused again without asking logind, which would be slow."""
 
 Answerer = Callable[[dict[str, Any], int], Answer]
 """Answers a question of a user in the time that ``client`` promises; may be called from several
 threads at once."""
 
 Streams = Mapping[str, Callable[[socket.socket], object]]
-"""Functions that go on sending after the answer, by command; each gets the socket and may take its
-time. After a refusal none is called."""
+"""Functions that go on sending after the answer, by command; each gets the socket and may be slow.
+After a refusal none is called."""
 
 
 class ControlSocket(Closing):
@@ -91,7 +91,7 @@ class ControlSocket(Closing):
         threading.Thread(target=self._accept, name="control socket", daemon=True).start()
 
     def close(self) -> None:
-        """Takes the socket away. Harmless when repeated."""
+        """Removes the socket. A second call does nothing."""
         if self._closed:
             return
         self._closed = True

@@ -139,7 +139,7 @@ class Driver(Closing):
 
         Args:
             taps: read every Step, beside ``self.taps``.
-            seconds: ends after so much sensor time.
+            seconds: ends after this much sensor time.
             stop: ends the loop when it is set.
             on_round: is called after every round of the loop, also one without a slice.
 
@@ -172,7 +172,7 @@ class Driver(Closing):
         """Gives each Step as it comes; the pad is not written.
 
         Args:
-            seconds: ends after so much sensor time.
+            seconds: ends after this much sensor time.
 
         Raises:
             NeuroTouchError: the driver is not open.

@@ -149,5 +149,5 @@ def _read_settings(settings: dict[str, Any], player: int | None) -> tuple[str, d
         with suppress(UnicodeEncodeError):
             text.encode()
             continue
-        raise DriverError("One of the files is no text.")
+        raise DriverError("One of the files is not valid text.")
     return origin, texts

@@ -8,7 +8,7 @@ from neurotouch_hid.runtime import Tap
 
 
 def stop_after(seconds: float, stop: Event) -> Tap:
-    """Returns a tap that sets ``stop`` after so much sensor time.
+    """Returns a tap that sets ``stop`` after this much sensor time.
 
     The loop itself still sees the source, because a live one must go round while it is silent.
     """
@@ -24,7 +24,7 @@ def stop_after(seconds: float, stop: Event) -> Tap:
 
 
 def cut_off(packets: Iterable[EventPacket], seconds: float) -> Iterator[EventPacket]:
-    """Gives the packets of so much sensor time."""
+    """Yields the packets of the first ``seconds`` of sensor time."""
     begin_us: int | None = None
     for packet in packets:
         begin_us = packet.t_begin_us if begin_us is None else begin_us

@@ -27,7 +27,7 @@ TOKEN_S: Final = 5.0
 """Time within which a client must send its token."""
 
 TICKET_S: Final = 60.0
-"""For so long a ticket opens the page: a browser may have to start first."""
+"""Time for which a ticket opens the page: a browser may have to start first."""
 
 SILENCE_S: Final = 20.0
 """Interval of pings to a client; without an answer, it is dropped after twice this time."""
@@ -170,7 +170,7 @@ class Waiting:
             oldest.drop()
 
     def remove(self, connection: object) -> None:
-        """Forgets one that has shown the token or gone. Harmless when repeated."""
+        """Forgets one that has sent the token or gone. A second call does nothing."""
         self._addresses.pop(cast(Connection, connection), None)
 
 

@@ -38,7 +38,7 @@ LOOK_S: Final = 0.5
 """Interval at which it looks for a driver, and for changes of the profile's file."""
 
 SILENT_S: Final = 3.0
-"""A driver that has shown nothing for so long waits for its camera."""
+"""A driver that has sent no state for this time waits for its camera."""
 
 MOST_HZ: Final = 60
 MOST_TRIALS: Final = 500

@@ -32,7 +32,7 @@ _NOT_READ: Final = "Your own values cannot be read."
 
 
 class OwnValuesView(TypedDict, total=False):
-    """What the page shows of the person's own values.
+    """The person's own values for the page.
 
     Attributes:
         values: those of ``NAMES``, by name; empty where the profile decides.

@@ -22,7 +22,7 @@ def read_word(request: Mapping[str, Any], key: str, default: str | None = None) 
         default: what counts where it is missing; None: it must be there.
 
     Raises:
-        PageError: it is no text, too long, or missing.
+        PageError: it is missing, too long, or not text.
     """
     word = request.get(key)
     if word is None and default is not None:

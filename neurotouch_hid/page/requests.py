@@ -181,7 +181,7 @@ class Requests:
 
     async def _stop(self, request: Request, _file: Path) -> Reply:
         name = read_word(request, "what")
-        if name == "driver":  # whoever has started it
+        if name == "driver":  # started from here or elsewhere
             answer = await asyncio.to_thread(ask, "stop")
             return {"saved": get_text(answer)}
         await self._programs.stop(name)

@@ -20,7 +20,7 @@ share of the processor: the programs of one terminal or of one service."""
 PRIORITY = 1
 """The lowest of SCHED_RR: before all usual programs of all groups, behind sound."""
 MOST_BUSY_US = 100_000
-"""A thread that works for so long without waiting does not keep up, or hangs, and gets the usual
+"""A thread that works for this time without waiting does not keep up, or hangs, and gets the usual
 priority again; so a pipeline that hangs does not stop the machine."""
 PAUSE_S = 1.0
 """After this pause the thread is preferred again. A pipeline that was held up for a moment must not

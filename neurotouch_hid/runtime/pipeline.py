@@ -171,7 +171,7 @@ class Pipeline:
         return False
 
     def close(self) -> None:
-        """Ends the thread of the rest detection, if there is one; harmless when repeated."""
+        """Ends the thread of the rest detection, if there is one; a second call does nothing."""
         self.rest.close()
 
 

@@ -140,7 +140,7 @@ class PipelineControl:
         }
 
     def _find_ignored(self) -> str | None:
-        """Returns the sentence about the last gesture that came to nothing."""
+        """Returns the sentence about the last gesture that had no effect."""
         decisions = self._pipeline.mapping.decisions()
         return next((str(each) for each in reversed(decisions) if each.is_refusal), None)
 

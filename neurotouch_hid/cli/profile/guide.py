@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Guide:
-    """Asks, changes the draft, shows what came of it; the person keeps it or takes it back."""
+    """Asks, changes the draft and shows the result; the person keeps it or undoes it."""
 
     def __init__(
         self,

@@ -18,7 +18,7 @@ def send_command(command: str, *, as_json: bool = False) -> int:
     Prints what each answers, with its name where there are several.
 
     Returns:
-        The exit code: 0 if all have obeyed.
+        The exit code: 0 if all have carried it out.
     """
     try:
         reached = ask_every(command, list_players())
@@ -60,7 +60,7 @@ def _name_all(reached: Iterable[Reached]) -> list[str]:
 
 
 def _tell_failure(name: str, error: DriverError, *, as_json: bool) -> int:
-    """Prints why a driver did not obey, and returns the exit code."""
+    """Prints why a driver refused, and returns the exit code."""
     message = name + error.message
     if as_json:
         print(json.dumps({"status": "FAILED", "message": message, "fix": error.hint}))

@@ -1,4 +1,4 @@
-"""Measures a hand, without hurry: noise, tremor, the range of eight movements."""
+"""Measures a hand, without a time limit: noise, tremor, the range of eight movements."""
 
 from neurotouch_hid.profile.calibration.repetition import Repetition
 from neurotouch_hid.profile.calibration.result import (

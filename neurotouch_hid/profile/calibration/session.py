@@ -27,9 +27,10 @@ EVERYTHING: Final = "everything"
 _HOLD_SHARE: Final = 0.6
 _ALL_KINDS: Final = frozenset(kind for kind in GestureKind if kind != GestureKind.NONE)
 _NEUTRAL_US: Final = 3_000_000
-"""So much before one goes on counts as rest; how the hand was laid down before that does not."""
+"""The last time before the next step counts as rest; earlier readings, of laying the hand down, do
+not."""
 _SETTLE_READINGS: Final = 30
-"""It is rest only so long after a repetition and so long before one: 0.3 s."""
+"""Readings beside a repetition that do not count as rest, before and after it: 0.3 s."""
 
 
 @dataclass(slots=True)

@@ -19,7 +19,7 @@ class SavedEffect:
     Attributes:
         status: ``WARNING`` if the file has errors or the driver refuses it.
         text: the same in a sentence.
-        fix: the way out if it does not act.
+        fix: the fix if it has no effect.
     """
 
     status: Literal["OK", "WARNING"]

@@ -272,7 +272,7 @@ def _find_missing(root: Node) -> list[Fault]:
 
 
 class _UnreadableError(Exception):
-    """The content is no text we read."""
+    """The content is not text in UTF-8."""
 
     def __init__(self, fault: Fault, text: str) -> None:
         self.fault, self.text = fault, text
