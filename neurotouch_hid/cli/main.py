@@ -12,7 +12,11 @@ from neurotouch_hid import __version__
 from neurotouch_hid.cli.ui.group import LazyGroup
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.printable import make_lines_printable
-from neurotouch_hid.process.interrupts import EXIT_INTERRUPTED, handle_interrupts
+from neurotouch_hid.process.interrupts import (
+    EXIT_INTERRUPTED,
+    end_at_next_interrupt,
+    handle_interrupts,
+)
 
 _SUMMARIES = {
     "run": "Drive the virtual gamepad from a camera, a recording or the simulator.",
@@ -129,6 +133,7 @@ def main() -> None:
         if fault is None:
             raise
         code = _tell(fault.message, fault.hint, fault.exit_code)
+    end_at_next_interrupt()
     sys.exit(code if isinstance(code, int) else 0)
 
 
