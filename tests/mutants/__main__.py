@@ -1,7 +1,7 @@
 """Changes the safety-critical modules one spot at a time: does a test fail?
 
 ``python -m tests.mutants [MODULE ...] --count N --seed S``. Survivors that `survivors.md` does not
-explain end it with 1. The working tree is never changed.
+explain end it with 1. No file is changed.
 """
 
 import argparse
@@ -12,7 +12,7 @@ import tomllib
 from pathlib import Path
 
 from tests.mutants.operators import Mutant, find_mutants
-from tests.mutants.trial import Copy
+from tests.mutants.trial import try_mutants
 
 HERE = Path(__file__).parent
 MODULES: dict[str, list[str]] = tomllib.loads((HERE / "modules.toml").read_text())
@@ -22,28 +22,23 @@ def main() -> int:
     """Runs the chosen mutants, one after the other."""
     options = _parse()
     explained = (HERE / "survivors.md").read_text()
-    copy = Copy(options.folder)
     chosen = _choose(options.modules or list(MODULES), options.count, options.seed)
     total, left, unknown = 0, 0, 0
     for path, mutants in chosen.items():
         begin_s, source = time.monotonic(), Path(path).read_bytes()
-        quick = copy.find_quick(path, MODULES[path])
-        timeout_s = 30 + 5 * (time.monotonic() - begin_s)
-        print(f"{path}: {len(quick)} tests, {sum(quick.values()):.1f} s", flush=True)
-        survivors = []
-        for mutant in mutants:
-            copy.write(path, mutant.apply(source))
-            if copy.survives(quick, timeout_s):
-                survivors.append(mutant)
-                print(_row(mutant, source), flush=True)
-        copy.write(path, source)
+        answer = try_mutants(mutants, MODULES[path])
+        survivors = [mutants[n] for n in answer["survivors"]]
         total, left = total + len(mutants), left + len(survivors)
-        unknown += sum(_key(mutant, source) not in explained for mutant in survivors)
         print(
-            f"{path}: {len(mutants)} mutants, {len(survivors)} survive, "
-            f"{time.monotonic() - begin_s:.0f} s",
-            flush=True,
+            f"{path}: {len(mutants)} mutants, {len(survivors)} survive {answer['tests']} tests, "
+            f"{time.monotonic() - begin_s:.0f} s"
         )
+        for test in answer["left_out"]:
+            print(f"  left out: {test}")
+        for mutant in survivors:
+            is_known = _key(mutant, source) in explained
+            unknown += not is_known
+            print(f"  {'explained' if is_known else 'NEW':<9} {_row(mutant, source)}", flush=True)
     print(f"seed {options.seed}: {total} mutants, {left} survive, {unknown} of them unexplained")
     return min(unknown, 1)
 
@@ -53,7 +48,6 @@ def _parse() -> argparse.Namespace:
     parser.add_argument("modules", nargs="*", metavar="MODULE", help="a path of modules.toml")
     parser.add_argument("--count", type=int, default=300, help="of all modules together")
     parser.add_argument("--seed", default="1", help="what the mutants are drawn with")
-    parser.add_argument("--folder", type=Path, default=Path(".cache/mutants"), help="of the copy")
     options = parser.parse_args()
     unknown = [path for path in options.modules if path not in MODULES]
     if unknown:

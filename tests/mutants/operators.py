@@ -1,4 +1,4 @@
-"""Small changes of a module's source, each of which a test should notice."""
+"""Small changes of the functions of a module, each of which a test should notice."""
 
 import ast
 from collections.abc import Iterator
@@ -32,6 +32,7 @@ class Mutant:
     """One change: the bytes from `begin` to `end` of the file become `text`."""
 
     path: str
+    function: str
     line: int
     operator: str
     begin: int
@@ -66,9 +67,11 @@ class _Finder:
         self._starts = [sum(map(len, lines[:n])) for n in range(len(lines) + 1)]
 
     def find(self) -> Iterator[Mutant]:
-        for node, parent in _walk(ast.parse(self._source)):
-            for operator, begin, end, text in self._changes(node, parent):
-                yield Mutant(self._path, node.lineno, operator, begin, end, text)
+        for name, function in _find_functions(ast.parse(self._source)):
+            for statement in function.body:
+                for node, parent in _walk(statement, function):
+                    for operator, begin, end, text in self._changes(node, parent):
+                        yield Mutant(self._path, name, node.lineno, operator, begin, end, text)
 
     def _changes(self, node: ast.AST, parent: ast.AST) -> Iterator[tuple[str, int, int, str]]:
         match node:
@@ -135,18 +138,19 @@ def _is_text(node: ast.BinOp) -> bool:
     )
 
 
-def _is_named_value(node: ast.AST, parent: ast.AST | None) -> bool:
-    if not isinstance(parent, ast.Module) or not isinstance(node, ast.Assign | ast.AnnAssign):
-        return False
-    target = node.targets[0] if isinstance(node, ast.Assign) else node.target
-    return isinstance(target, ast.Name) and target.id.isupper()
+def _find_functions(node: ast.AST, prefix: str = "") -> Iterator[tuple[str, ast.FunctionDef]]:
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.FunctionDef):
+            yield prefix + child.name, child
+        elif isinstance(child, ast.ClassDef):
+            yield from _find_functions(child, f"{prefix}{child.name}.")
 
 
-def _walk(node: ast.AST, parent: ast.AST | None = None) -> Iterator[tuple[ast.AST, ast.AST]]:
-    """Every node but those of annotations, sentences and named values, which tests import."""
-    yield node, parent or node
+def _walk(node: ast.AST, parent: ast.AST) -> Iterator[tuple[ast.AST, ast.AST]]:
+    """Every node but those of annotations and sentences."""
+    yield node, parent
     for name, value in ast.iter_fields(node):
-        if name in ANNOTATIONS or isinstance(node, ast.JoinedStr) or _is_named_value(node, parent):
+        if name in ANNOTATIONS or isinstance(node, ast.JoinedStr):
             continue
         for child in value if isinstance(value, list) else [value]:
             if isinstance(child, ast.AST):

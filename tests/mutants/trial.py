@@ -1,130 +1,142 @@
-"""Runs the tests of one module in a copy of the tree, in a process of its own for each mutant.
+"""Runs tests against mutants: a process that has collected and run them is forked for each.
 
-The process is forked from one that has loaded the libraries but none of our modules.
+The mutant's code takes the place of the function's, so no file is changed, and nothing is loaded
+twice. Programs that a test starts run unchanged.
 """
 
-import importlib
+import gc
 import json
 import os
-import shutil
 import signal
-import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
+from types import CodeType, FunctionType
 from typing import Any
 
 import pytest
+from _pytest.runner import runtestprotocol
+from numba.core.caching import NullCache
+from numba.core.dispatcher import Dispatcher
 
-LIBRARIES = ("numpy", "numba", "pydantic", "yaml", "click", "websockets.sync.server", "evdev")
-SLOW_S = 0.7  # of processor time, for one test
+from tests.mutants.operators import Mutant
+
+SLOW_S = 1.0  # of processor time; slower tests are left out
 
 
-class Copy:
-    """A copy of the working tree, whose source may be changed.
+def try_mutants(mutants: list[Mutant], tests: list[str]) -> dict[str, Any]:
+    """Returns `survivors`, the indices of the mutants with which every test passes.
 
-    Args:
-        folder: where the copy is made; what lies there is removed.
+    And the number of `tests` of them, and which are `left_out`: slow, or failing without a mutant.
     """
+    reader, writer = os.pipe()
+    pid = os.fork()
+    if pid == 0:
+        os.close(reader)
+        os.environ["NUMBA_OPT"] = "0"  # a changed kernel is compiled faster
+        output = os.open(os.devnull, os.O_RDWR)
+        os.dup2(output, 1)
+        trial = _Trial(mutants)
+        pytest.main(["-q", "-p", "no:cacheprovider", "-n", "0", "-s", *tests], [trial])
+        os.write(writer, json.dumps(trial.answer).encode())
+        os._exit(0)
+    os.close(writer)
+    with os.fdopen(reader) as answer:
+        text = answer.read()
+    os.waitpid(pid, 0)
+    return json.loads(text)  # type: ignore[no-any-return]
 
-    def __init__(self, folder: Path) -> None:
-        for library in LIBRARIES:
-            importlib.import_module(library)
-        self._folder = folder.resolve()
-        shutil.rmtree(self._folder, ignore_errors=True)
-        listed = ["git", "ls-files", "-coz", "--exclude-standard"]
-        for name in subprocess.check_output(listed, text=True).split("\0"):
-            if Path(name).is_file():
-                (self._folder / name).parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy2(name, self._folder / name)
 
-    def write(self, path: str, source: bytes) -> None:
-        """Writes a module; compiled code of the one before is not taken for its own."""
-        (self._folder / path).write_bytes(source)
-        for cached in (self._folder / path).parent.glob(f"__pycache__/{Path(path).stem}.*"):
-            cached.unlink()
+class _Trial:
+    """Takes the place of pytest's loop over the tests."""
 
-    def find_quick(self, path: str, tests: list[str]) -> dict[str, float]:
-        """Returns the tests that pass without a change and are not slow, with their times."""
-        self._run(tests, _Watch(set()), 3600, [])  # compiles kernels, which is kept
-        answer = self._run(tests, _Watch(set()), 3600, [])
-        quick = {name: s for name, s in (answer or {}).get("times", {}).items() if s < SLOW_S}
-        if not quick:
-            raise SystemExit(f"{path}: no test passes quickly of {' '.join(tests)}")
-        return quick
+    def __init__(self, mutants: list[Mutant]) -> None:
+        self._mutants = mutants
+        self._has_failed = False
+        self.answer: dict[str, Any] = {}
 
-    def survives(self, quick: dict[str, float], timeout_s: float) -> bool:
-        """Whether every test passes with the source as it is now."""
-        files = sorted({name.split("::")[0] for name in quick})
-        answer = self._run(files, _Watch(set(quick)), timeout_s, ["-x"])
-        return answer is not None and answer["code"] == 0
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        """Notes a failure of the test, its setup or its teardown."""
+        self._has_failed |= report.failed
 
-    def _run(self, tests: list[str], plugin: Any, timeout_s: float, options: list[str]) -> Any:
-        """Returns what the plugin tells and pytest's exit code; None after the time limit."""
-        result = self._folder / "result.json"
-        result.unlink(missing_ok=True)
+    def pytest_runtestloop(self, session: pytest.Session) -> bool:
+        """Runs the tests without a change, then the quick ones with each mutant."""
+        times, left_out = {}, []
+        begin_s = time.monotonic()
+        for item in session.items:
+            if self._fails([item]):  # here kernels are loaded and compiled
+                left_out.append(item.nodeid)
+                continue
+            again_s = time.process_time()
+            self._fails([item])
+            times[item] = time.process_time() - again_s
+        quick = [item for item in times if times[item] < SLOW_S]
+        left_out += [item.nodeid for item in times if times[item] >= SLOW_S]
+        quick.sort(key=lambda item: (str(item.path), times[item]))
+        timeout_s = 30 + 5 * (time.monotonic() - begin_s)
+        survivors = []
+        for n, mutant in enumerate(self._mutants):
+            if self._survives(mutant, quick, timeout_s):
+                survivors.append(n)
+        self.answer = {"survivors": survivors, "tests": len(quick), "left_out": left_out}
+        return True
+
+    def _fails(self, items: list[pytest.Item]) -> bool:
+        self._has_failed = False
+        for item in items:
+            runtestprotocol(item, log=True, nextitem=None)
+            if self._has_failed:
+                return True
+        return False
+
+    def _survives(self, mutant: Mutant, quick: list[pytest.Item], timeout_s: float) -> bool:
         pid = os.fork()
         if pid == 0:
             os.setsid()
-            self._become_the_tests(tests, plugin, options, result)
+            os.dup2(1, 2)
+            code = 2
+            with suppress(BaseException):
+                _swap(mutant)
+                code = int(self._fails(quick))
+            os._exit(code)
         end = time.monotonic() + timeout_s
-        while os.waitpid(pid, os.WNOHANG)[0] == 0:
-            if time.monotonic() > end:
-                os.killpg(pid, signal.SIGKILL)
-                os.waitpid(pid, 0)
-                return None
-            time.sleep(0.02)
-        try:
-            os.killpg(pid, signal.SIGKILL)  # what the tests have left behind
-        except ProcessLookupError:
-            pass
-        return json.loads(result.read_text()) if result.exists() else None
-
-    def _become_the_tests(
-        self, tests: list[str], plugin: Any, options: list[str], result: Path
-    ) -> None:
-        try:
-            quiet = os.open(os.devnull, os.O_RDWR)
-            for stream in (0, 1, 2):
-                os.dup2(quiet, stream)
-            here = str(Path.cwd())
-            os.chdir(self._folder)
-            sys.path[:] = [str(self._folder), *(p for p in sys.path if p not in ("", here))]
-            os.environ["PYTHONPATH"] = str(self._folder)
-            os.environ["NUMBA_OPT"] = "0"  # a changed kernel is compiled faster
-            os.environ["NUMBA_CACHE_DIR"] = f"{self._folder}-kernels"
-            for name in [n for n in sys.modules if n.split(".")[0] == "tests"]:
-                del sys.modules[name]
-            code = pytest.main(
-                ["-q", "-p", "no:cacheprovider", "-n", "0", *options, *tests], [plugin]
-            )
-            result.write_text(json.dumps({"code": int(code), **plugin.tell()}))
-        finally:
-            os._exit(0)
+        while (ended := os.waitpid(pid, os.WNOHANG))[0] == 0 and time.monotonic() < end:
+            time.sleep(0.01)
+        with suppress(ProcessLookupError):
+            os.killpg(pid, signal.SIGKILL)  # a mutant without end, and what its tests have started
+        if ended[0] == 0:
+            os.waitpid(pid, 0)
+        return ended == (pid, 0)
 
 
-class _Watch:
-    """Leaves only some tests, if any are named, and notes the processor time of those that pass."""
+def _swap(mutant: Mutant) -> None:
+    path = str(Path(mutant.path).resolve())
+    source = Path(path).read_bytes()
+    old = _find_functions(compile(source, path, "exec"), mutant.function)
+    new = _find_functions(compile(mutant.apply(source), path, "exec"), mutant.function)
+    pairs = {code.co_firstlineno: changed for code, changed in zip(old, new, strict=True)}
+    for found in gc.get_objects():
+        if isinstance(found, FunctionType):
+            code = found.__code__
+            if code.co_filename == path and code.co_qualname == mutant.function:
+                found.__code__ = pairs[code.co_firstlineno]
+    if kernels := [k for k in vars(_find_module(path)).values() if isinstance(k, Dispatcher)]:
+        for kernel in kernels:
+            kernel._cache = NullCache()
+        for kernel in kernels:
+            kernel.recompile()
 
-    def __init__(self, chosen: set[str]) -> None:
-        self._chosen = chosen
-        self._begin_s = 0.0
-        self._times: dict[str, float] = {}
 
-    @pytest.hookimpl(trylast=True)
-    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        if self._chosen:
-            items[:] = [item for item in items if item.nodeid in self._chosen]
+def _find_module(path: str) -> Any:
+    return next(m for m in list(sys.modules.values()) if getattr(m, "__file__", None) == path)
 
-    def pytest_runtest_logstart(self) -> None:
-        self._begin_s = time.process_time()
 
-    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        if report.failed:
-            self._times.pop(report.nodeid, None)
-        elif report.when == "call" and report.passed:
-            self._times[report.nodeid] = time.process_time() - self._begin_s
-
-    def tell(self) -> dict[str, Any]:
-        """Returns the times by test."""
-        return {"times": self._times}
+def _find_functions(code: CodeType, name: str) -> list[CodeType]:
+    """Returns the functions of this name, in the order of the source: a property has up to three."""
+    inner = [const for const in code.co_consts if isinstance(const, CodeType)]
+    return [
+        found
+        for const in inner
+        for found in ([const] if const.co_qualname == name else _find_functions(const, name))
+    ]
