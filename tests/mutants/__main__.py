@@ -21,7 +21,7 @@ MODULES: dict[str, list[str]] = tomllib.loads((HERE / "modules.toml").read_text(
 def main() -> int:
     """Runs the chosen mutants, one after the other."""
     options = _parse()
-    explained = (HERE / "survivors.md").read_text()
+    explained = (HERE / "survivors.md").read_text().splitlines()
     chosen = _choose(options.modules or list(MODULES), options.count, options.seed)
     total, left, unknown = 0, 0, 0
     for path, mutants in chosen.items():
@@ -36,9 +36,9 @@ def main() -> int:
         for test in answer["left_out"]:
             print(f"  left out: {test}")
         for mutant in survivors:
-            is_known = _key(mutant, source) in explained
+            is_known = _is_explained(mutant, source, explained)
             unknown += not is_known
-            print(f"  {'explained' if is_known else 'NEW':<9} {_row(mutant, source)}", flush=True)
+            print(f"  {'explained' if is_known else 'NEW':<9} {_show(mutant, source)}", flush=True)
     print(f"seed {options.seed}: {total} mutants, {left} survive, {unknown} of them unexplained")
     return min(unknown, 1)
 
@@ -62,18 +62,26 @@ def _choose(paths: list[str], count: int, seed: str) -> dict[str, list[Mutant]]:
     for n, path in enumerate(sorted(paths, key=lambda path: len(found[path]))):
         share = min(len(found[path]), count // (len(paths) - n))
         count -= share
-        drawn = random.Random(f"{seed} {path}").sample(range(len(found[path])), share)
-        chosen[path] = [found[path][k] for k in sorted(drawn)]
+        drawn = list(range(len(found[path])))
+        random.Random(f"{seed} {path}").shuffle(drawn)  # fewer are the first of more
+        chosen[path] = [found[path][k] for k in sorted(drawn[:share])]
     return chosen
 
 
-def _key(mutant: Mutant, source: bytes) -> str:
-    old, new = mutant.diff(source)
-    return f"| `{old}` | `{new}` |".replace("|=", "\\|=")
+def _is_explained(mutant: Mutant, source: bytes, explained: list[str]) -> bool:
+    """Whether a row names the module and both lines, wherever they are in the file now."""
+    lines = _show_lines(mutant, source)
+    return any(f"| {mutant.path}:" in row and lines in row for row in explained)
 
 
-def _row(mutant: Mutant, source: bytes) -> str:
-    return f"| {mutant.path}:{mutant.line} | {mutant.operator} {_key(mutant, source)}"
+def _show_lines(mutant: Mutant, source: bytes) -> str:
+    old, new = (text.replace("|", "\\|") for text in mutant.diff(source))
+    return f"| `{old}` | `{new}` |"
 
 
-sys.exit(main())
+def _show(mutant: Mutant, source: bytes) -> str:
+    return f"| {mutant.path}:{mutant.line} | {mutant.operator} {_show_lines(mutant, source)}"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

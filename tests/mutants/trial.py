@@ -45,6 +45,8 @@ def try_mutants(mutants: list[Mutant], tests: list[str]) -> dict[str, Any]:
     with os.fdopen(reader) as answer:
         text = answer.read()
     os.waitpid(pid, 0)
+    if not text:
+        raise SystemExit(f"The tests were ended from outside: {' '.join(tests)}")
     return json.loads(text)  # type: ignore[no-any-return]
 
 
