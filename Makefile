@@ -12,7 +12,7 @@ WHEELHOUSE := .cache/wheelhouse
 EPOCH := $(shell git log -1 --format=%ct 2>/dev/null || echo 315532800)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint kernel docs pictures fuzz bench dist deb lock try-package system-test clean
+.PHONY: help demo test lint kernel docs pictures fuzz mutants bench dist deb lock try-package system-test clean
 
 help: ## list the tasks
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -46,6 +46,9 @@ pictures: $(VENV)/.dev ## make the pictures of the documents (needs Chromium)
 
 fuzz: $(VENV)/.dev ## feed damaged files to the program for MINUTES=30 (AREAS="recordings rigs", SEED=1)
 	@$(BIN)/python -m tests.fuzz $(AREAS) --minutes $(or $(MINUTES),30) $(if $(SEED),--seed $(SEED))
+
+mutants: $(VENV)/.dev ## change the safety-critical modules at COUNT=300 places: a test must fail (SEED=1, MODULES=paths)
+	@nice $(BIN)/python -m tests.mutants $(MODULES) --count $(or $(COUNT),300) $(if $(SEED),--seed $(SEED))
 
 bench: $(VENV)/.runtime ## measure the speed of every stage on this machine
 	@$(BIN)/neurotouch bench

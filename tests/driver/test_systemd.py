@@ -54,6 +54,18 @@ def test_the_watchdog_is_fed_four_times_in_its_limit_however_often_the_loop_turn
     assert heard == [b"WATCHDOG=1"] * 4 + [b"STOPPING=1"]
 
 
+def test_the_watchdog_is_fed_as_soon_as_a_quarter_of_its_limit_has_passed(systemd):
+    now_s = [100.0]
+    manager = ServiceManager(
+        environment(systemd, WATCHDOG_USEC="2000000"), clock_s=lambda: now_s[0]
+    )
+    for now_s[0] in (100.0, 100.4999, 100.5):
+        manager.report_alive()
+    manager.report_stopping()
+    heard = [systemd.recv(1000) for _ in range(3)]
+    assert heard == [b"WATCHDOG=1"] * 2 + [b"STOPPING=1"]
+
+
 def test_a_systemd_that_does_not_read_or_is_not_there_holds_nothing_up(systemd, tmp_path):
     now_s = [100.0]
     manager = ServiceManager(

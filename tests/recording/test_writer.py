@@ -3,12 +3,13 @@
 import resource
 import shutil
 from contextlib import contextmanager
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from neurotouch_hid.errors import RecordingError
-from neurotouch_hid.messages import EVENT_DTYPE
+from neurotouch_hid.messages import EVENT_DTYPE, Frame
 from neurotouch_hid.recording import Recording, RecordingWriter
 from tests.recording.streams import make_events, make_packets
 from tests.vendor import dv
@@ -114,6 +115,47 @@ def test_the_table_leads_to_every_packet(tmp_path, n_packets):
     low, high = recording.getTimeRange()
     assert (low, high) == (int(events["t"][0]), int(events["t"][-1]))
     assert count_with_the_maker(path) == (1_000, 0)
+
+
+def at(*times_us):
+    events = np.zeros(len(times_us), EVENT_DTYPE)
+    events["t"] = times_us
+    return events
+
+
+def picture(begin_us):
+    return Frame(np.zeros((260, 346), np.uint8), begin_us, begin_us + 5)
+
+
+def test_what_is_not_older_is_in_order(tmp_path):
+    path = tmp_path / "a.aedat4"
+    with RecordingWriter(path) as writer:
+        for events in (at(0), at(5, 5), at(), at(5)):
+            writer.write_events(events)
+        for wrong in (at(4), at(6, 5), at(-1)):
+            with pytest.raises(RecordingError, match="events must be written in order of time"):
+                writer.write_events(wrong)
+        for begin_us in (0, 7, 7):
+            writer.write_frame(picture(begin_us))
+        with pytest.raises(RecordingError, match="frames must be written in order of time"):
+            writer.write_frame(picture(6))
+    assert count(path) == (4, 3)
+
+
+def test_it_leaves_as_much_of_the_disk_as_it_says(tmp_path, monkeypatch):
+    free = [1 << 20]
+    monkeypatch.setattr(shutil, "disk_usage", lambda _folder: SimpleNamespace(free=free[0]))
+    path = tmp_path / "a.aedat4"
+    with RecordingWriter(path, min_free_bytes=1 << 20) as writer:
+        writer.write_events(at(1))
+        free[0] -= 1
+        with pytest.raises(RecordingError, match="the disk is full") as refused:
+            writer.write_events(at(2))
+        assert refused.value.hint == "Make room: 1 MB have to stay free."
+    assert count(path) == (1, 0)
+    with pytest.raises(RecordingError, match="the disk is full"):
+        RecordingWriter(tmp_path / "b.aedat4", min_free_bytes=1 << 20)
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_no_byte_of_memory_that_is_not_ours_gets_into_the_file(tmp_path):

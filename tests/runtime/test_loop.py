@@ -134,6 +134,21 @@ def test_a_machine_that_slept_shows_neutral_before_anything_else_happens(clock):
     assert device.states[-1].is_neutral
 
 
+def test_a_step_is_late_as_soon_as_its_time_is_over(clock):
+    """Not a moment later: by this clock, time passes only here."""
+    device = MemoryDevice()
+    with StallGuard(device, 2**-6) as guard:
+        guard.feed()
+        device.write(GamepadState(0, frozenset({Button.A})))
+        clock.now_s += 2**-6
+        assert guard.take_stall()
+        deadline = time.monotonic() + 60.0
+        while not device.states[-1].is_neutral and time.monotonic() < deadline:
+            time.sleep(0.001)
+        assert device.states[-1].is_neutral
+    assert "stall guard" not in [thread.name for thread in threading.enumerate()]
+
+
 def test_a_guard_that_is_fed_keeps_quiet(clock):
     device = MemoryDevice()
     n_states = len(device.states)

@@ -53,6 +53,20 @@ def test_malformed_words_are_counted_and_do_no_harm():
     )
 
 
+@pytest.mark.parametrize("swap", [True, False])
+def test_the_first_address_outside_is_no_event(swap):
+    """The last inside is one; the next would be written beside the picture."""
+    columns, rows = (260, 346) if swap else (346, 260)
+    layout = AddressLayout(columns, rows, swap, swap)
+    row, column = f"1{rows - 1:03X}", f"3{columns - 1:03X}"
+    events, _, stats = decode(pack(f"83E8 {row} {column}"), layout=layout)
+    assert (events, stats) == ([(1000, 345, 259, True)], DecoderStats())
+    events, _, stats = decode(pack(f"83E8 {row} 3{columns:03X} 2{columns:03X}"), layout=layout)
+    assert (events, stats) == ([], DecoderStats(bad_columns=2))
+    events, _, stats = decode(pack(f"83E8 {row} 1{rows:03X} {column}"), layout=layout)
+    assert (events, stats) == ([], DecoderStats(bad_rows=1, orphans=1))
+
+
 def test_a_frame_lies_at_its_place():
     events, frames, stats = decode(pack(V3))
     assert (events, stats) == ([], DecoderStats())

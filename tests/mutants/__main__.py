@@ -1,0 +1,87 @@
+"""Changes the safety-critical modules one spot at a time: does a test fail?
+
+``python -m tests.mutants [MODULE ...] --count N --seed S``. Survivors that `survivors.md` does not
+explain end it with 1. No file is changed.
+"""
+
+import argparse
+import random
+import sys
+import time
+import tomllib
+from pathlib import Path
+
+from tests.mutants.operators import Mutant, find_mutants
+from tests.mutants.trial import try_mutants
+
+HERE = Path(__file__).parent
+MODULES: dict[str, list[str]] = tomllib.loads((HERE / "modules.toml").read_text())
+
+
+def main() -> int:
+    """Runs the chosen mutants, one after the other."""
+    options = _parse()
+    explained = (HERE / "survivors.md").read_text().splitlines()
+    chosen = _choose(options.modules or list(MODULES), options.count, options.seed)
+    total, left, unknown = 0, 0, 0
+    for path, mutants in chosen.items():
+        begin_s, source = time.monotonic(), Path(path).read_bytes()
+        answer = try_mutants(mutants, MODULES[path])
+        survivors = [mutants[n] for n in answer["survivors"]]
+        total, left = total + len(mutants), left + len(survivors)
+        print(
+            f"{path}: {len(mutants)} mutants, {len(survivors)} survive {answer['tests']} tests, "
+            f"{time.monotonic() - begin_s:.0f} s"
+        )
+        for test in answer["left_out"]:
+            print(f"  left out: {test}")
+        for mutant in survivors:
+            is_known = _is_explained(mutant, source, explained)
+            unknown += not is_known
+            print(f"  {'explained' if is_known else 'NEW':<9} {_show(mutant, source)}", flush=True)
+    print(f"seed {options.seed}: {total} mutants, {left} survive, {unknown} of them unexplained")
+    return min(unknown, 1)
+
+
+def _parse() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m tests.mutants", description=__doc__)
+    parser.add_argument("modules", nargs="*", metavar="MODULE", help="a path of modules.toml")
+    parser.add_argument("--count", type=int, default=300, help="of all modules together")
+    parser.add_argument("--seed", default="1", help="what the mutants are drawn with")
+    options = parser.parse_args()
+    unknown = [path for path in options.modules if path not in MODULES]
+    if unknown:
+        parser.error(f"modules.toml has no '{unknown[0]}'")
+    return options
+
+
+def _choose(paths: list[str], count: int, seed: str) -> dict[str, list[Mutant]]:
+    """Draws as many mutants of each module; where a module has fewer, the next ones have more."""
+    found = {path: find_mutants(path, Path(path).read_bytes()) for path in paths}
+    chosen = {}
+    for n, path in enumerate(sorted(paths, key=lambda path: len(found[path]))):
+        share = min(len(found[path]), count // (len(paths) - n))
+        count -= share
+        drawn = list(range(len(found[path])))
+        random.Random(f"{seed} {path}").shuffle(drawn)  # fewer are the first of more
+        chosen[path] = [found[path][k] for k in sorted(drawn[:share])]
+    return chosen
+
+
+def _is_explained(mutant: Mutant, source: bytes, explained: list[str]) -> bool:
+    """Whether a row names the module and both lines, wherever they are in the file now."""
+    lines = _show_lines(mutant, source)
+    return any(f"| {mutant.path}:" in row and lines in row for row in explained)
+
+
+def _show_lines(mutant: Mutant, source: bytes) -> str:
+    old, new = (text.replace("|", "\\|") for text in mutant.diff(source))
+    return f"| `{old}` | `{new}` |"
+
+
+def _show(mutant: Mutant, source: bytes) -> str:
+    return f"| {mutant.path}:{mutant.line} | {mutant.operator} {_show_lines(mutant, source)}"
+
+
+if __name__ == "__main__":
+    sys.exit(main())
