@@ -73,4 +73,6 @@ def test_numbers_too_large_for_arithmetic_become_floats():
         f"{{'a': {'9' * 15}, 'b': 1111111111111111.0}}"
     )
     assert ipc.read_object(f'{{"a": {"9" * 400}}}') == {"a": float("inf")}
-    assert [ipc.read_object(text) for text in ("[1]", "7", "{", "[" * 100_000, b"\xff")] == [None] * 5
+    assert [ipc.read_object(text) for text in ("[1]", "7", "{", "[" * 100_000, b"\xff")] == [
+        None
+    ] * 5

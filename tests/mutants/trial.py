@@ -135,7 +135,7 @@ def _find_module(path: str) -> Any:
 
 
 def _find_functions(code: CodeType, name: str) -> list[CodeType]:
-    """Returns the functions of this name, in the order of the source: a property has up to three."""
+    """Returns the functions of this name in source order; a property has up to three."""
     inner = [const for const in code.co_consts if isinstance(const, CodeType)]
     return [
         found
