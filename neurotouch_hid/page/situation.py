@@ -72,7 +72,7 @@ def _judge(*, waits: bool) -> tuple[SituationKind, str, str]:
 def _judge_readable() -> tuple[SituationKind, str, str]:
     """Returns the same where a camera can be used."""
     if not os.access(_PAD_NODE, os.R_OK | os.W_OK):
-        text = "Camera found, but you have no right to make a gamepad."
+        text = "Camera found, but no gamepad can be made."
         return "no_pad", text, "Fix: neurotouch setup"
     step = "calibrate (about 3 minutes, no time limit)"
     with suppress(OSError):  # no values yet, or none that can be read

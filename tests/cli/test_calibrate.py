@@ -111,7 +111,7 @@ def test_nothing_is_saved_against_a_persons_will(home):
     assert "Nothing was saved" in output
     done = launch("-c", PLAYED, WEAK_ZOOM, answers="nonsense\n9\n")
     assert done.returncode != 0
-    assert "'nonsense' is none of the numbers" in done.stdout
+    assert "'nonsense' is not one of the numbers" in done.stdout
     assert "No movement was made twice" in conclude("rest 1s; pinch 8mm; rest 1s")
     assert not home.exists()
 

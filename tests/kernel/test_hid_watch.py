@@ -23,14 +23,14 @@ def test_each_report_is_a_line(seen):
 
 def test_it_ends_with_the_pad(seen):
     assert seen["rest"] == ""
-    assert "NeuroTouch Gamepad is gone" in seen["said"]
+    assert "NeuroTouch Gamepad was removed" in seen["said"]
     assert seen["exit_code"] == 0
 
 
 def test_without_a_pad(seen):
     code, said = seen["without"]
     assert code == 7
-    assert "There is no HID pad of ours here" in said
+    assert "No HID pad of this program was found" in said
     assert "neurotouch run --device hid" in said
 
 
