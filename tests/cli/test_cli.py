@@ -1,8 +1,8 @@
 """The command line as a user meets it: in a process of its own."""
 
 import json
-import re
 import os
+import re
 import signal
 import subprocess
 import sys
