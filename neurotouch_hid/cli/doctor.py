@@ -80,7 +80,7 @@ def command(
 
 def _show(finding: "Finding", *, plain: bool) -> None:
     status = paint(f"{finding.status:<8}", _COLOURS[finding.status], plain=plain)
-    echo(f"{status} ", nl=False)
+    click.echo(f"{status} ", nl=False)
     echo(f"{finding.check}: {finding.sentence}")
     if finding.fix:
         echo(f"         Fix: {finding.fix}")

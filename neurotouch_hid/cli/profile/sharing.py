@@ -76,7 +76,7 @@ def export(
         print_json({"status": "OK", "files": written, "content": content, "notes": list(notes)})
         return
     if output is None:
-        echo(shared.text, nl=False)
+        click.echo(shared.text, nl=False)
     for target in files:
         echo(f"OK Saved {target}", err=True)
     for note in notes:
