@@ -72,7 +72,7 @@ def run_pipeline(
                     pipeline.advance_partial(packet)
                 elif packet is not None:
                     # A recording gives the same Steps, however slow this machine is.
-                    if guard.take_stall() and pipeline.has_frame_thread:
+                    if guard.take_silence() and pipeline.has_frame_thread:
                         pipeline.mapping.release()
                     step = pipeline.advance(packet)
                     with pipeline.timings.device:

@@ -13,13 +13,16 @@ STALL_S = 0.2
 LIVE_STALL_S = 0.08
 """The same for a camera, which sends something at least every 33 ms, and whose unplugging must show
 within 100 ms. Recordings and simulations have no such beat."""
+FORGOTTEN_S = 1.0
+"""After this silence the gesture before it counts no more. A slow machine is silent for less, again
+and again, and must still be able to play."""
 
 
 class StallGuard(Closing):
     """Sends neutral when no step has been finished for too long.
 
-    The time counts in which the machine sleeps, or in which this process is stopped. What the pad
-    showed before belongs to a gesture that may long be over.
+    The time counts in which the machine sleeps, or in which this process is stopped. After a long
+    silence, the gesture before it may long be over.
 
     Args:
         device: the pad.
@@ -30,7 +33,7 @@ class StallGuard(Closing):
         self._device = device
         self._stall_s = stall_s
         self._fed_s = _read_clock_s()
-        self._has_stalled = False
+        self._was_silent = False
         self._done = threading.Event()
         self._thread = threading.Thread(target=self._watch, name="stall guard", daemon=True)
         self._thread.start()
@@ -42,18 +45,18 @@ class StallGuard(Closing):
 
     def feed(self) -> None:
         """Reports a finished step."""
-        self._has_stalled |= self._left_s() <= 0
+        self._was_silent |= self._is_silent()
         self._fed_s = _read_clock_s()
 
-    def take_stall(self) -> bool:
-        """Returns whether a step took too long since this was last asked, the present one included.
+    def take_silence(self) -> bool:
+        """Returns whether there was a long silence since this was last asked, up to now.
 
-        The pipeline's thread asks: after a stall it may be awake before the thread that sends
+        The pipeline's thread asks: after a silence it may be awake before the thread that sends
         neutral.
         """
-        has_stalled = self._has_stalled or self._left_s() <= 0
-        self._has_stalled = False
-        return has_stalled
+        was_silent = self._was_silent or self._is_silent()
+        self._was_silent = False
+        return was_silent
 
     def _watch(self) -> None:
         wait_s = self._stall_s
@@ -63,6 +66,9 @@ class StallGuard(Closing):
                 with suppress(DeviceError):  # the next write of the pipeline reports it
                     self._device.neutral()
             wait_s = left_s if left_s > 0 else self._stall_s
+
+    def _is_silent(self) -> bool:
+        return _read_clock_s() - self._fed_s >= FORGOTTEN_S
 
     def _left_s(self) -> float:
         return self._fed_s + self._stall_s - _read_clock_s()

@@ -22,7 +22,7 @@ CLI = Path(neurotouch_hid.__file__).with_name("cli")
 RAW = {
     "ui/output.py": 4,  # the one place
     "main.py": 4,  # before any command is imported
-    "shared/send_without_click.py": 4,  # without click; what it prints was made printable by errors and client
+    "shared/send_without_click.py": 4,  # without click; errors and client made it printable
     "monitor.py": 1,  # these three draw over their own last lines
     "record.py": 3,
     "doctor.py": 2,  # a script, and a word in colour
