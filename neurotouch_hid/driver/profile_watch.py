@@ -90,8 +90,10 @@ class ProfileWatch:
     @property
     def file(self) -> str:
         """The file of the active profile, as its owner calls it; empty if it has gone."""
-        with suppress(ProfileError, OSError, RuntimeError):  # the last: a link leads to itself
+        with suppress(ProfileError, OSError):
             path = find_real_path(find_profile(self._name, self._folder))
+            if path.is_symlink():  # it leads to itself
+                return ""
             return str(path if self._person is None else self._person.name_file(path))
         return ""
 

@@ -129,7 +129,7 @@ def test_a_recording_is_not_recorded_to_itself(tmp_path, record, quick):
     for source in (f"file:{path}", str(path)):
         done = record(path, "--source", source, "--force")
         assert done.returncode == 4
-        assert "to itself" in done.stderr
+        assert "is source and output at once" in done.stderr
     assert count(path) == (20_000, 5)
 
 
@@ -276,7 +276,7 @@ def test_while_playing_it_records_what_the_driver_sees(tmp_path, driver):
     assert done.returncode == 0, done.stderr
     said = json.loads(done.stdout)
     after = ask(environment)
-    assert said["source"] == "what the running driver sees (sim:tour)"
+    assert said["source"] == "the running driver's data (sim:tour)"
     assert 2.0 <= said["seconds"] < 2.0 + LONGEST_US / 1e6  # the last slice is recorded whole
     assert count(tmp_path / "a.aedat4") == (said["events"], said["frames"])
     assert said["frames"] >= 49
@@ -342,7 +342,7 @@ def test_a_driver_that_ends_before_the_seconds_are_there_is_told_of(tmp_path, re
     standing_in()
     done = record(tmp_path / "a.aedat4", "--seconds", "5")
     assert done.returncode == 3
-    assert done.stdout.startswith(f"WARNING {tmp_path / 'a.aedat4'} has 0.2 s of what the")
+    assert done.stdout.startswith(f"WARNING {tmp_path / 'a.aedat4'} has 0.2 s of the running")
     assert "Error: The source ended before 5 s were recorded." in done.stderr
     assert count(tmp_path / "a.aedat4") == (20_000, 5)
 

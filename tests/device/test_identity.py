@@ -165,8 +165,8 @@ def test_an_unknown_name():
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("a = " + "[" * 20_000, "has too many brackets in one another|is no TOML"),
-        ("a = " + "9" * 5_000, "is no TOML"),
+        ("a = " + "[" * 20_000, "has too many brackets in one another|is not valid TOML"),
+        ("a = " + "9" * 5_000, "is not valid TOML"),
         ("# " + "x" * (1 << 20), "cannot be read: it is larger than 64 kB"),
     ],
     ids=["deep", "long", "large"],

@@ -116,7 +116,7 @@ def test_a_folder_that_cannot_take_the_report_is_told_before_anything_is_played(
     recordings, tmp_path
 ):
     (tmp_path / "mine.txt").write_text("mine")
-    with pytest.raises(NeuroTouchError, match="something else"):
+    with pytest.raises(NeuroTouchError, match="not part of a report"):
         CliRunner().invoke(
             command, [str(recordings[0]), "--report", str(tmp_path)], catch_exceptions=False
         )

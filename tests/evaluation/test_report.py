@@ -260,7 +260,7 @@ def test_a_folder_with_anything_else_is_left_alone(tmp_path, stranger):
     for name in ("report.html", stranger):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text("mine")
-    with pytest.raises(NeuroTouchError, match="something else") as caught:
+    with pytest.raises(NeuroTouchError, match="not part of a report") as caught:
         check_folder(tmp_path)
     assert "new folder" in caught.value.hint
     assert (tmp_path / stranger).read_text() == "mine"
