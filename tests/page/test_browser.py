@@ -331,7 +331,7 @@ def test_a_mark_goes_back_if_its_save_is_refused(relayed):
     assert page.evaluate(FULL_SAYS) == "7.5"
     relay.let_save(instead=('"value":7.5', '"value":"far"'))
     wait_while_it_runs(page, f"{FULL_SAYS} === '8'")
-    assert "finite number" in page.inner_text("#notice")
+    assert "needs a number" in page.inner_text("#notice")
     assert path.read_text() == PROFILE
 
 
