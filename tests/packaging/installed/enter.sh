@@ -1,12 +1,13 @@
 #!/bin/sh
-# Installs the package DEB into a copy of this machine's Debian, and runs walk.py there as an
-# ordinary user. Nothing outside is changed: the copy is in memory and ends with this process.
-# Call it by: unshare --mount sh enter.sh DEB
+# Installs the package DEB into a copy of this machine's Debian, and runs walk.py there, which types
+# as an ordinary user. Nothing outside is changed: the copy is in memory and ends with this process.
+# Call it by: unshare --mount sh enter.sh DEB FOLDER; what FOLDER has is in the user's home.
 set -eu
 deb=$1
+things=$2
 here=$(dirname "$(readlink -f "$0")")
 top=$(mktemp -d)
-mount -t tmpfs -o size=4g tmpfs "$top"
+mount -t tmpfs -o size=6g tmpfs "$top"
 mkdir "$top/upper" "$top/work" "$top/root"
 mount -t overlay overlay -o "lowerdir=/,upperdir=$top/upper,workdir=$top/work" "$top/root"
 mount -t proc proc "$top/root/proc"
@@ -15,11 +16,17 @@ mount -t tmpfs tmpfs "$top/root/run"
 mount -t tmpfs tmpfs "$top/root/tmp"
 cp "$deb" "$top/root/tmp/neurotouch-hid.deb"
 cp "$here/walk.py" "$top/root/tmp/"
-chmod 755 "$top/root/tmp/walk.py"
+cp -r "$things" "$top/root/tmp/things"
+chmod -R a+rX "$top/root/tmp/walk.py" "$top/root/tmp/things"
+# A package of this name, as pip puts it there for everybody, is not ours.
+mkdir -p "$top/root/usr/lib/python3/dist-packages/backports"
+touch "$top/root/usr/lib/python3/dist-packages/backports/__init__.py"
 chroot "$top/root" sh -eu -c '
     useradd --create-home newcomer
+    chmod 1777 /tmp
+    # Fixes are typed with sudo; here root types them.
+    printf "#!/bin/sh\nexec \"\$@\"\n" > /usr/local/bin/sudo
+    chmod 755 /usr/local/bin/sudo
     apt-get install --yes --no-install-recommends /tmp/neurotouch-hid.deb >&2
-    rm /tmp/neurotouch-hid.deb
-    chmod 1777 /tmp' 
-exec chroot "$top/root" setpriv --reuid=newcomer --regid=newcomer --clear-groups \
-    env -i HOME=/home/newcomer PATH=/usr/bin:/bin /usr/bin/python3 /tmp/walk.py
+    rm /tmp/neurotouch-hid.deb'
+exec chroot "$top/root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin /usr/bin/python3 /tmp/walk.py

@@ -1,11 +1,14 @@
-"""Runs commands as a person at a terminal does; only the standard library, for the guest's Python.
+"""Types commands as a person at a terminal does; only the standard library, for the guest's Python.
 
-Reads a list of calls as JSON, writes what came of each: output, exit code, seconds.
+Runs as root. Reads a list of calls on each line, as JSON, and answers with a line: what came of
+each, with its output, exit code and seconds. A call is typed by the ordinary user, unless it says
+``root``; ``before`` is typed first in the same home.
 """
 
 import json
 import os
 import pty
+import pwd
 import select
 import shutil
 import signal
@@ -19,38 +22,59 @@ from fcntl import ioctl
 from pathlib import Path
 
 ROWS, COLUMNS = 24, 80
-LOOK_S = 7.0
-"""For so long a command may run before Ctrl-C."""
+LOOK_S = 3.0
+"""For so long a command without an end is looked at, after its first words."""
+SILENT_S = 30.0
+"""In which the first words have come."""
+LIMIT_S = 180.0
+"""In which all others have ended by themselves."""
 END_S = 20.0
-"""In which it has ended after Ctrl-C."""
-N_AT_ONCE = 2
+"""In which a command has ended after Ctrl-C."""
+N_AT_ONCE = 3
+"""Of two processors: much of the time a command waits."""
+
+PERSON = pwd.getpwnam("newcomer")
+CACHE = Path(PERSON.pw_dir) / ".cache"
+"""Compiled once for all homes."""
 
 
-def run(call: str, home: str, *, accessible: bool, look_s: float = LOOK_S) -> dict:
-    """Runs a call in a terminal of 80 x 24 until it ends, or until Ctrl-C ends it."""
+def become(person: pwd.struct_passwd) -> None:
+    os.setgroups([])
+    os.setgid(person.pw_gid)
+    os.setuid(person.pw_uid)
+
+
+def type_call(wanted: dict, home: str) -> dict:
+    """Types a call in a terminal of 80 x 24; waits until it ends, or until Ctrl-C ends it."""
     environment = {
-        "PATH": "/usr/bin:/bin",
+        "PATH": "/usr/local/bin:/usr/bin:/bin",
         "HOME": home,
         "TERM": "xterm",
         "LANG": "C.UTF-8",
-        "XDG_CACHE_HOME": os.environ["HOME"] + "/.cache",  # compiled once
+        "XDG_CACHE_HOME": str(CACHE),
         "XDG_RUNTIME_DIR": home,
-        **({"NT_ACCESSIBLE": "1"} if accessible else {}),
+        **({"NT_ACCESSIBLE": "1"} if wanted.get("accessible") else {}),
     }
     begun = time.monotonic()
     pid, terminal = pty.fork()
     if pid == 0:
         ioctl(0, termios.TIOCSWINSZ, struct.pack("4H", ROWS, COLUMNS, 0, 0))
+        if not wanted.get("root"):
+            become(PERSON)
         os.chdir(home)
-        os.execve("/bin/sh", ["/bin/sh", "-c", f"exec {call}"], environment)
+        os.execve("/bin/sh", ["/bin/sh", "-c", f"exec {wanted['call']}"], environment)
     output, interrupted, code = b"", False, None
-    deadline = begun + look_s
+    deadline = begun + (SILENT_S if wanted.get("endless") else LIMIT_S)
     while code is None:
         if select.select([terminal], [], [], 0.1)[0]:
             try:
-                output += os.read(terminal, 65536)
+                said = os.read(terminal, 65536)
             except OSError:  # the other end is closed
-                time.sleep(0.05)
+                said = b""
+                time.sleep(0.02)
+            if said and not output and wanted.get("endless"):
+                deadline = time.monotonic() + LOOK_S
+            output += said
         ended, status = os.waitpid(pid, os.WNOHANG)
         if ended:
             code = os.waitstatus_to_exitcode(status)
@@ -62,8 +86,7 @@ def run(call: str, home: str, *, accessible: bool, look_s: float = LOOK_S) -> di
                 interrupted, deadline = True, time.monotonic() + END_S
     os.close(terminal)
     return {
-        "call": call,
-        "accessible": accessible,
+        **wanted,
         "code": code,
         "interrupted": interrupted,
         "seconds": round(time.monotonic() - begun, 1),
@@ -73,35 +96,47 @@ def run(call: str, home: str, *, accessible: bool, look_s: float = LOOK_S) -> di
 
 def prepare(home: Path) -> None:
     """Makes what the examples are about: recordings, profiles of one's own, files of friends."""
+    shutil.copytree("/tmp/things", home, dirs_exist_ok=True)
+    own(home)
     for call in (
         "neurotouch record play.aedat4 --source sim:tour --seconds 2 --plain",
+        "neurotouch simulate play --users 1 --minutes 0.1",
         "neurotouch profile new mine",
         "neurotouch profile set user filter light",
         "neurotouch profile export mine --output friend.yaml --user me.yaml",
     ):
-        done = run(call, str(home), accessible=True, look_s=240.0)
+        done = type_call({"call": call, "accessible": True}, str(home))
         if done["code"] != 0:
             raise SystemExit(f"{call}: {done['output']}")
     for name in ("me.aedat4", "spin.aedat4", "recording.aedat4"):
         shutil.copy(home / "play.aedat4", home / name)
-    shutil.copy(home / "friend.yaml", home / "mine.yaml")
     shutil.copy(home / "friend.yaml", home / "draft.yaml")
     (home / "moves.txt").write_text("push left 5mm 300ms hold 1s; pinch tap\n")
+    own(home)
+
+
+def own(folder: Path) -> None:
+    """Gives a folder and all in it to the ordinary user."""
+    for path in (folder, *folder.rglob("*")):
+        os.chown(path, PERSON.pw_uid, PERSON.pw_gid)
 
 
 def main() -> None:
-    """Runs each call in a copy of the same home."""
-    calls = json.load(sys.stdin)
+    """Types each call in a copy of the same home."""
     template = Path(tempfile.mkdtemp(prefix="home-"))
     prepare(template)
 
-    def run_apart(wanted: dict) -> dict:
+    def type_apart(wanted: dict) -> dict:
         with tempfile.TemporaryDirectory(prefix="run-") as home:
             shutil.copytree(template, home, dirs_exist_ok=True)
-            return run(wanted["call"], home, accessible=wanted["accessible"])
+            own(Path(home))
+            if "before" in wanted:
+                type_call({"call": wanted["before"]}, home)
+            return type_call(wanted, home)
 
     with ThreadPoolExecutor(N_AT_ONCE) as pool:
-        json.dump(list(pool.map(run_apart, calls)), sys.stdout)
+        for line in sys.stdin:
+            print(json.dumps(list(pool.map(type_apart, json.loads(line)))), flush=True)
 
 
 if __name__ == "__main__":
