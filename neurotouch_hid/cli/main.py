@@ -12,7 +12,11 @@ from neurotouch_hid import __version__
 from neurotouch_hid.cli.ui.group import LazyGroup
 from neurotouch_hid.errors import NeuroTouchError, PluginError
 from neurotouch_hid.printable import make_lines_printable
-from neurotouch_hid.process.interrupts import EXIT_INTERRUPTED, handle_interrupts
+from neurotouch_hid.process.interrupts import (
+    EXIT_INTERRUPTED,
+    end_at_next_interrupt,
+    handle_interrupts,
+)
 
 _SUMMARIES = {
     "run": "Drive the virtual gamepad from a camera, a recording or the simulator.",
@@ -124,6 +128,7 @@ def main() -> None:
         )
         code = _tell(f"{what}: {error.strerror}.", None, 1)
         sys.stdout = None
+    end_at_next_interrupt()
     sys.exit(code if isinstance(code, int) else 0)
 
 

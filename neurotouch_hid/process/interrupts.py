@@ -30,6 +30,16 @@ def handle_interrupts() -> None:
     signal.signal(signal.SIGTERM, _interrupt)
 
 
+def end_at_next_interrupt() -> None:
+    """Makes a further Ctrl-C or SIGTERM end the process at once, because its work is over.
+
+    An exception would end up in what Python still does at the exit, as a traceback.
+    """
+    for number in (signal.SIGINT, signal.SIGTERM):
+        if signal.getsignal(number) is _interrupt:
+            signal.signal(number, lambda *_: os._exit(EXIT_INTERRUPTED))
+
+
 def _interrupt(number: int, frame: FrameType | None) -> None:
     begin = _find_begin(frame)
     if begin is None:

@@ -69,6 +69,29 @@ def test_signal_during_the_start(tmp_path, command, moment):
         assert said.splitlines()[-1] == "Stopped."
 
 
+ENDING = """\
+import atexit, os, signal, sys
+from neurotouch_hid.cli.main import main
+number = int(sys.argv[1])
+atexit.register(lambda: os.kill(os.getpid(), number))
+signal.signal(signal.SIGINT, signal.default_int_handler)  # also where the tests ignore it
+sys.argv = ["neurotouch", "--version"]
+main()
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_another_signal_while_it_ends_leaves_no_traceback(number):
+    done = subprocess.run(
+        [sys.executable, "-c", ENDING, str(int(number))],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.stderr == ""
+    assert done.returncode == 130
+
+
 @pytest.fixture
 def restored():
     before = {number: signal.getsignal(number) for number in (1, 2, 15)}

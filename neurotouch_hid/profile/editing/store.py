@@ -145,7 +145,8 @@ class Store:
         place = known.index(content) if content in known else -1
         if place + 1 >= len(versions):
             raise ProfileError(
-                f"There is nothing to undo: '{self.path.stem}' has no version before this one."
+                f"There is nothing to undo: '{self.path.stem}' has no version before this one.",
+                hint=f"See what is kept: neurotouch profile history {self.path.stem}",
             )
         return self._put_back(versions[place + 1], content, is_known=place >= 0)
 
