@@ -3,9 +3,11 @@
 import difflib
 import re
 import shlex
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
-_SENTENCE = re.compile(r"^(?:Fix|Next|Start it|Try)\b|\b(?:Did you mean|Next: |Start it: |Fix: )")
+_SENTENCE = re.compile(
+    r"^(?:Fix|Next|Start it|Try|To try it)\b|\b(?:Did you mean|Next: |Start it: |Fix: )"
+)
 _CALL = re.compile(r"(?<![\w/.-])neurotouch (?:[a-z-](?:'[^']*'|[^'.,;()\n]|[.,](?=\S))*)")
 _END = re.compile(r"\s+(?:or|and|to|shows|lists|says|as)\b(?!-)|\s{2,}|:\s")
 _MEANT = re.compile(r"Did you mean:? '?(?!neurotouch)([^?']+?)'?\?")
@@ -29,6 +31,12 @@ def read_fixes(call: str, output: str, gaps: Mapping[str, str]) -> list[str]:
     return [fix for fix in found if fix != call]
 
 
+def join(words: Iterable[str]) -> str:
+    """Returns words as they are typed; the shell finds files by patterns."""
+    plain = re.compile(r"[\w./*~:=,+@%#-]+")
+    return " ".join(word if plain.fullmatch(word) else shlex.quote(word) for word in words)
+
+
 def fill(call: str, gaps: Mapping[str, str]) -> str:
     """Returns the call with words in place of those in capitals."""
     return re.sub(
@@ -47,27 +55,31 @@ def _read_line(call: str, line: str) -> Iterator[str]:
     elif away := _AWAY.search(line):
         yield _leave_away(call, away[1])
     elif option := _OPTION.search(line):
-        is_sample = re.search(r": --", line) or re.search(r"Write only --", line)
-        yield _add(call, option[1], option[2] if is_sample else None)
+        has_value = re.search(r": --", line) or (option[2] or "").isupper()
+        yield _add(call, option[1], option[2] if has_value else None)
 
 
 def _replace_near(call: str, meant: str) -> str:
-    """Returns the call with the meant word in place of the one that resembles it most."""
-    words = shlex.split(call)
-    near = max(words[1:], key=lambda word: difflib.SequenceMatcher(None, word, meant).ratio())
-    return shlex.join([meant if word == near else word for word in words])
+    """Returns the call with the meant word in place of the one that resembles it most.
+
+    A word in quotes may itself be several.
+    """
+    words = [word.split(" ") for word in shlex.split(call)]
+    inner = [each for word in words[1:] for each in word if each]
+    near = max(inner, key=lambda each: difflib.SequenceMatcher(None, each, meant).ratio())
+    return join(" ".join(meant if each == near else each for each in word) for word in words)
 
 
 def _add(call: str, option: str, value: str | None) -> str:
     """Returns the call with an option, in place of the same one if it has it."""
-    words = shlex.split(call)
+    words = [word for word in shlex.split(call) if word]  # in place of an empty value
     more = [option] if value is None else [option, value]
     if option in words:
         at = words.index(option)
         follows = words[at + 1 : at + 2]
         has_value = bool(follows) and not follows[0].startswith("--")
-        return shlex.join([*words[:at], *more, *words[at + 1 + has_value :]])
-    return shlex.join([*words, *more])
+        return join([*words[:at], *more, *words[at + 1 + has_value :]])
+    return join([*words, *more])
 
 
 def _leave_away(call: str, option: str) -> str:
@@ -77,4 +89,4 @@ def _leave_away(call: str, option: str) -> str:
     at = words.index(option)
     follows = words[at + 1 : at + 2]
     has_value = bool(follows) and not follows[0].startswith("--")
-    return shlex.join([*words[:at], *words[at + 1 + has_value :]])
+    return join([*words[:at], *words[at + 1 + has_value :]])

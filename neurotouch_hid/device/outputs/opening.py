@@ -44,8 +44,7 @@ class DeviceNode:
         if error.errno == errno.ENOENT:
             return DeviceError(
                 f"There is no {node} here, so no virtual gamepad can be made.",
-                hint=f"Load the module: {load}. A container needs the host's {node}. "
-                "Without a gamepad: neurotouch run --device memory",
+                hint=f"Load the module: {load}. A container needs the host's {node}.",
             )
         if error.errno in (errno.ENODEV, errno.ENXIO):
             return DeviceError(

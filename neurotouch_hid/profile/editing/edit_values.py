@@ -5,7 +5,6 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.files.faults import Keys
 from neurotouch_hid.profile.editing.key_paths import find_key_path, list_known
 from neurotouch_hid.profile.editing.profile_text import ProfileText
@@ -39,13 +38,13 @@ def set_value(
 def reset_value(text: ProfileText, path: str, model: type[BaseModel] = Profile) -> ProfileText:
     """Returns the text without the value at the place a person names, so that the default applies.
 
+    It is the same text if the value is not set.
+
     Raises:
-        ProfileError: there is no such key, or it is not set.
+        ProfileError: there is no such key.
     """
     found = find_key_path(text.document, path, model)
-    if not found.exists:
-        raise ProfileError(f"'{path}' is not set, its default applies already.")
-    return text.remove(found.keys)
+    return text.remove(found.keys) if found.exists else text
 
 
 def take_back(

@@ -3,7 +3,6 @@
 import re
 import unicodedata
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 from difflib import unified_diff
 from pathlib import Path
@@ -170,8 +169,7 @@ def take_user(stamp: Stamp) -> EditedFile:
     if machine.exists():
         text = adopt(read_text(machine)[0], "user", schema)
         if load_user().slots == UserSettings().slots:  # no choice, and must not become one
-            with suppress(ProfileError):
-                text = reset_value(text, "slots", UserSettings)
+            text = reset_value(text, "slots", UserSettings)
         return EditedFile("user", store, None, text, UserSettings)
     begin = "# What belongs to you and applies in every profile.\nversion: 1\n"
     text = ProfileText(f"{MODELINE}{schema}\n#\n{begin}", str(path))

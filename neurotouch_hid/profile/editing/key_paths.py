@@ -155,7 +155,9 @@ def _find_new(
         inner = (*keys, "do", part) if do is not None and part in do.model_fields else (*keys, part)
         if find_model(model, inner, {}) is not None:
             return _find_new({}, inner, rest[1:], path, model)
-    raise _refuse(path, _find_deeper(value, rest, keys, model) or _advise(value, part, keys, model))
+    before = path.removesuffix(".".join(rest))
+    advice = _find_deeper(value, rest, keys, model) or _advise(value, part, keys, model, before)
+    raise _refuse(path, advice)
 
 
 def list_known(value: Any, keys: Keys, model: type[BaseModel]) -> list[str]:
@@ -177,7 +179,16 @@ def _find_deeper(value: Any, rest: list[str], keys: Keys, model: type[BaseModel]
     return f"Did you mean {' or '.join(found[:_MOST_PATHS])}?" if found else ""
 
 
-def _advise(value: Any, part: str, keys: Keys, model: type[BaseModel]) -> str:
+def _advise(value: Any, part: str, keys: Keys, model: type[BaseModel], before: str) -> str:
+    """Returns a hint with the path that was meant, or with the keys at its place.
+
+    Args:
+        value: what is at the place.
+        part: the wrong part of the path.
+        keys: the place.
+        model: of the whole file.
+        before: the path up to the wrong part, as the person has written it.
+    """
     known: list[str] = []
     if isinstance(value, dict):
         known = [*value, *list_known(value, keys, model)]
@@ -189,9 +200,10 @@ def _advise(value: Any, part: str, keys: Keys, model: type[BaseModel]) -> str:
     elif isinstance(value, list):
         known = _name_items(value, keys)
     known = list(dict.fromkeys(known))
-    near = suggest(part, known)
+    if near := suggest(part, known):
+        return near[:1].upper() + near[1:].replace("'", f"'{make_printable(before)}", 1)
     where = f"Known in {format_path(keys)}" if keys else "Known here"
-    return near[:1].upper() + near[1:] or (f"{where}: {', '.join(known)}." if known else "")
+    return f"{where}: {', '.join(known)}." if known else ""
 
 
 def _refuse(path: str, hint: str) -> ProfileError:

@@ -26,7 +26,7 @@ LOOK_S = 3.0
 """For so long a command without an end is looked at, after its first words."""
 SILENT_S = 30.0
 """In which the first words have come."""
-LIMIT_S = 180.0
+LIMIT_S = 240.0
 """In which all others have ended by themselves."""
 END_S = 20.0
 """In which a command has ended after Ctrl-C."""
@@ -47,7 +47,7 @@ def become(person: pwd.struct_passwd) -> None:
 def type_call(wanted: dict, home: str) -> dict:
     """Types a call in a terminal of 80 x 24; waits until it ends, or until Ctrl-C ends it."""
     environment = {
-        "PATH": "/usr/local/bin:/usr/bin:/bin",
+        "PATH": "/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sbin",
         "HOME": home,
         "TERM": "xterm",
         "LANG": "C.UTF-8",
@@ -108,6 +108,7 @@ def prepare(home: Path) -> None:
         done = type_call({"call": call, "accessible": True}, str(home))
         if done["code"] != 0:
             raise SystemExit(f"{call}: {done['output']}")
+    type_call({"call": "neurotouch doctor"}, str(home))  # compiles more; there is no camera
     for name in ("me.aedat4", "spin.aedat4", "recording.aedat4"):
         shutil.copy(home / "play.aedat4", home / name)
     shutil.copy(home / "friend.yaml", home / "draft.yaml")

@@ -119,11 +119,19 @@ def test_a_wrong_path_is_refused_with_a_way_out(path):
     assert caught.value.hint
 
 
+@pytest.mark.parametrize(
+    ("path", "meant"), [("push.gian", "push.gain"), ("push.curve.exp", "push.curve.expo")]
+)
+def test_the_whole_path_is_suggested(path, meant):
+    with pytest.raises(ProfileError) as caught:
+        set_value(TEXT, path, 1)
+    assert caught.value.hint == f"Did you mean '{meant}'?"
+
+
 def test_a_default_comes_back():
     changed = reset_value(TEXT, "push.curve")
     assert added(TEXT, changed) == ["do: {stick: left}"]
-    with pytest.raises(ProfileError, match="is not set"):
-        reset_value(TEXT, "push.gain")
+    assert reset_value(TEXT, "push.gain") == TEXT
 
 
 def test_the_users_own_values_are_set_in_the_same_way():
