@@ -105,3 +105,49 @@ def test_pydantic_searches_all_packages_for_plugins_unless_it_is_told_not_to():
     assert plain == "searched", "leave_out_pydantic_plugins may go"
     told = "from neurotouch_hid.process.startup import *; leave_out_pydantic_plugins(); "
     assert say(sys.executable, "-c", told + program) == ""
+
+
+FAILING_OUTPUT = """
+import os, sys
+from neurotouch_hid.process.dead_output import silence
+sys.stdout.write("lost")
+if len(sys.argv) > 1:
+    silence(sys.stdout)
+"""
+
+
+def end_with_dead_output(*arguments: str) -> tuple[int, str]:
+    """Returns exit code and errors of a program whose reader goes before it ends."""
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run(
+        [sys.executable, "-c", FAILING_OUTPUT, *arguments],
+        stdout=writer,
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
+        env=os.environ | {"PYTHONPATH": str(PACKAGE.parent), "PYTHONUNBUFFERED": ""},
+    )
+    os.close(writer)
+    return done.returncode, done.stderr
+
+
+def test_python_fails_at_the_end_if_nobody_reads_its_output():
+    code, errors = end_with_dead_output()
+    assert code != 0, "Python ends well with a dead output: dead_output.silence may go"
+    assert "BrokenPipeError" in errors
+    assert end_with_dead_output("silence") == (0, "")
+
+
+def test_a_spawned_python_imports_from_the_current_folder_unless_it_is_told_not_to(tmp_path):
+    """``own_pool`` tells it, and so does ``own_command``; see ``test_own_command.py``."""
+    program = (
+        "from multiprocessing import get_context; from importlib.util import find_spec\n"
+        "if __name__ == '__main__':\n"
+        "    with get_context('spawn').Pool(1) as pool:\n"
+        "        print(pool.apply(find_spec, ('found_here',)) is not None)"
+    )
+    (tmp_path / "found_here.py").touch()
+    plain = say(sys.executable, "-c", program, cwd=tmp_path)
+    assert plain == "True", "Python leaves the current folder alone: own_pool may go"
+    assert say(sys.executable, "-c", program, cwd=tmp_path, PYTHONSAFEPATH="1") == "False"
