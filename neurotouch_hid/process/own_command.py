@@ -9,11 +9,8 @@ import sys
 from pathlib import Path
 
 _LIBRARIES = Path(__file__).parents[2]
-_START = """\
-import runpy, sys
-sys.path.insert(0, sys.argv.pop(1))
-runpy.run_module({!r}, run_name="__main__", alter_sys=True)
-"""
+_START = "import sys; sys.path.insert(0, sys.argv.pop(1))\n"
+_RUN = 'import runpy; runpy.run_module({!r}, run_name="__main__", alter_sys=True)'
 
 
 def make_own_command(*arguments: str, module: str = "neurotouch_hid.__main__") -> list[str]:
@@ -23,6 +20,15 @@ def make_own_command(*arguments: str, module: str = "neurotouch_hid.__main__") -
         arguments: of the command line, such as ``view``.
         module: the module that runs; by default the ``neurotouch`` command.
     """
+    return make_own_python(_RUN.format(module), *arguments)
+
+
+def make_own_python(code: str, *arguments: str) -> list[str]:
+    """Returns a command that runs code with the same Python, which finds this package.
+
+    Args:
+        code: the code, without imports from the current folder.
+        arguments: of the code.
+    """
     safety = "-I" if sys.flags.isolated else "-P"
-    start = _START.format(module)
-    return [sys.executable, safety, "-c", start, str(_LIBRARIES), *arguments]
+    return [sys.executable, safety, "-c", _START + code, str(_LIBRARIES), *arguments]

@@ -4,7 +4,6 @@ import gc
 import os
 import resource
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -23,7 +22,7 @@ from neurotouch_hid.evaluation.speed.pace import run_live_benchmark
 from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
 from neurotouch_hid.messages import EventPacket, GestureKind, Truth
 from neurotouch_hid.process.gc_freeze import freeze_gc
-from neurotouch_hid.process.own_command import make_own_command
+from neurotouch_hid.process.own_command import make_own_command, make_own_python
 from neurotouch_hid.profile import Mapping, load_profile
 from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
 from neurotouch_hid.source import open_source
@@ -238,8 +237,7 @@ def _measure_start(method: str) -> dict[str, float]:
 
 
 def _measure_reader() -> float:
-    command = [sys.executable, "-c", _READER]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)  # noqa: S603  # ours
+    done = subprocess.run(make_own_python(_READER), capture_output=True, text=True, check=True)  # noqa: S603  # ours
     return float(done.stdout)
 
 
