@@ -15,7 +15,6 @@ ROOT = Path(__file__).parents[1]
 WRITES = re.compile(r"\.write_(text|bytes)\(|\.open\([\"'][wxa]|O_CREAT|mkstemp|NamedTemporary")
 OTHERS = {
     "page/address.py": "a secret, made with its owner's rights only",
-    "page/requests.py": "another secret",
     "evaluation/accuracy/report/write.py": "a report, in a new folder that then takes its name",
     "driver/control_socket.py": "a lock",
     "cli/session.py": "a lock",
