@@ -13,7 +13,7 @@ STALL_S = 0.2
 LIVE_STALL_S = 0.08
 """The same for a camera, which sends something at least every 33 ms, and whose unplugging must show
 within 100 ms. Recordings and simulations have no such beat."""
-FORGOTTEN_S = 5.0
+FORGOTTEN_S = 10.0
 """After this silence the gesture before it counts no more. A slow machine is silent for less, again
 and again, and must still be able to play."""
 
