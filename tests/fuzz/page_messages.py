@@ -151,7 +151,7 @@ def _make_folder() -> Path:
 
 @contextmanager
 def _elsewhere() -> Iterator[Path]:
-    """Keeps the settings and the drivers of who runs this out of it; each case begins anew."""
+    """Keeps the settings and the drivers of who runs this out of it; each case starts from the same files."""
     folder = _make_folder()
     profiles = folder / "config/neurotouch/profiles"
     for path in profiles.glob("**/*") if profiles.exists() else ():
