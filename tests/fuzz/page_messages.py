@@ -151,7 +151,7 @@ def _make_folder() -> Path:
 
 @contextmanager
 def _elsewhere() -> Iterator[Path]:
-    """Keeps the settings and the drivers of who runs this out of it; each case starts from the same files."""
+    """Keeps settings and drivers of this user out; each case has the same files to begin with."""
     folder = _make_folder()
     profiles = folder / "config/neurotouch/profiles"
     for path in profiles.glob("**/*") if profiles.exists() else ():
