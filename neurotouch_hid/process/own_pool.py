@@ -19,11 +19,16 @@ def open_pool(
         jobs: how many at once.
         prepare: is called in each before it works.
     """
+    before = os.environ.get("PYTHONSAFEPATH")
     os.environ["PYTHONSAFEPATH"] = "1"  # what ``-P`` is to a command
     pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=prepare)
     try:
         yield pool
     finally:
+        if before is None:
+            del os.environ["PYTHONSAFEPATH"]
+        else:
+            os.environ["PYTHONSAFEPATH"] = before
         for process in active_children():  # those that still work, after an error or Ctrl-C
             process.terminate()
         pool.shutdown()

@@ -75,7 +75,7 @@ def test_a_shipped_profile_is_copied_changed_and_undone(home):
 def test_what_is_wrong_is_refused_with_its_place_and_nothing_changes(home):
     for arguments, words in (
         (("set", "racing", "twist.gain", "99"), "too large, at most 5"),
-        (("set", "racing", "twist.gian", "1"), "Did you mean 'gain'?"),
+        (("set", "racing", "twist.gian", "1"), "Did you mean 'twist.gain'?"),
         (("set", "raceing", "twist.gain", "1"), "Did you mean 'racing'?"),
         (("bind", "racing", "pinch", "button q"), "is not one of: a, b"),
         (("bind", "racing", "pnch", "button a"), "Did you mean 'pinch'?"),
@@ -125,8 +125,8 @@ def test_binding_and_unbinding_in_words(home):
     assert "pinch hold" not in run("profile", "show", "mine")[0]
     output, code = run("profile", "bind", "mine", "pinch double", "button x")
     assert "The same gesture also does: " in output
-    assert "Did you mean 'on_mm'?" in run("profile", "set", "mine", "pinch_double.on", "4")[0]
-    assert run("profile", "set", "mine", "push.gain", "--default")[1] == 6
+    assert "Did you mean 'pinch_double.on_mm'?" in run("profile", "set", "mine", "pinch_double.on", "4")[0]
+    assert run("profile", "set", "mine", "push.gain", "--default")[1] == 0  # it applies already
     assert run("profile", "set", "mine", "push.gain")[1] == 2
 
 

@@ -16,7 +16,7 @@ PACKAGE = Path(neurotouch_hid.__file__).parent
 
 
 def say(*command: str, cwd: Path | None = None, **environment: str) -> str:
-    inherited = {k: v for k, v in os.environ.items() if not k.startswith("NUMBA")}
+    inherited = {k: v for k, v in os.environ.items() if not k.startswith(("NUMBA", "PYTHON"))}
     done = subprocess.run(
         command,
         cwd=cwd,

@@ -19,11 +19,12 @@ OURS = ("neurotouch_hid", "devtools/neurotouch_devtools", "packaging", "examples
 OWN = ("own_command.py", "own_pool.py")
 HOSTILE = ("runpy", "json", "pickle", "signal", "websockets", "numpy", "click", "multiprocessing")
 IN_A_POOL = """\
-import sys
+import os, sys
 from neurotouch_hid.process.own_pool import open_pool
 if __name__ == "__main__":
     with open_pool(1) as pool:
         print(pool.submit(len, "done").result())
+    print(os.environ.get("PYTHONSAFEPATH"))  # later processes of others are left alone
 """
 
 
@@ -81,5 +82,5 @@ def test_a_pool_of_processes_runs_nothing_from_the_current_folder(hostile, tmp_p
         text=True,
         check=False,
     )
-    assert done.stdout == "4\n", done.stderr
+    assert done.stdout == "4\nNone\n", done.stderr
     assert not (hostile / "ran").exists()
