@@ -1,6 +1,6 @@
-"""A method of 30 lines: every gesture is a push by the strongest tenth of the markers.
+"""A short method: every gesture is a push by the strongest tenth of the markers.
 
-Install it with ``pip install .``; then ``neurotouch run --method mean_push --source sim:push
+Install it with ``pip install -e .``; then ``neurotouch run --method mean_push --source sim:push
 --device memory`` (``memory`` needs no right to make a gamepad).
 """
 

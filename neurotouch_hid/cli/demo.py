@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.ui.options import seconds_option
+from neurotouch_hid.cli.ui.options import method_option, seconds_option
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ _PROFILE = "spacecraft"
     show_default="spacecraft; with --mouse your favourite, if you have chosen one",
     help="Name or path.",
 )
+@method_option
 @seconds_option
 @click.option(
     "--show",
@@ -40,7 +41,13 @@ _PROFILE = "spacecraft"
     help="auto: a picture on a terminal, else lines.",
 )
 def command(
-    scene: str, mouse: bool, page: bool, profile: str | None, seconds: float | None, show: str
+    scene: str,
+    mouse: bool,
+    page: bool,
+    profile: str | None,
+    method: str,
+    seconds: float | None,
+    show: str,
 ) -> None:
     """Let a simulated gel drive the pad: no camera needed.
 
@@ -59,6 +66,7 @@ def command(
     options = DriverOptions(
         source=played,
         profile=profile or (_find_favourite() if mouse else None) or _PROFILE,
+        method=method,
         copilot="",
         needs_device=False,
     )

@@ -17,6 +17,7 @@ bindings:
   - {when: twist_cw, do: {axis: right_x, sign: "+"}}
   - {when: {gesture: twist_cw, on_mm: 10.0}, do: {button: rb}}
   - {when: {gesture: push, direction: left}, do: {axis: left_x, sign: "-"}}
+  - {when: {gesture: push, direction: right, on_mm: 4.0}, do: {trigger: right}}
 """
 
 
@@ -30,6 +31,11 @@ bindings:
         ("zoom 2mm 200ms hold 300ms", ["zoom soft -> button x: peak 2.0 mm < 2.5 mm"]),
         ("push up 6mm 200ms hold 300ms", ["push up from 7 mm -> button b: peak 6.0 mm < 7 mm"]),
         ("push left 6mm 200ms hold 300ms", []),  # an axis has no threshold
+        (
+            "push right 3mm 200ms hold 300ms",
+            ["push right from 4 mm -> trigger right: peak 3.0 mm < 4 mm"],
+        ),
+        ("push right 5mm 200ms hold 300ms", []),  # it acts
         ("twist_cw 5mm 200ms hold 300ms", []),  # meant for the axis beside the button
         (
             "twist_cw 9mm 200ms hold 300ms",

@@ -171,7 +171,8 @@ def unbind(
 ) -> None:
     """Remove what a gesture does.
 
-    Without DO, WHEN no longer does anything. The words are those of bind.
+    Without DO, WHEN no longer does anything. The words are those of bind; of several bindings for
+    the same gesture, pinch#2 is the second.
     """
     from neurotouch_hid.profile.editing import parse_do, parse_when, take_profile
     from neurotouch_hid.profile.editing import unbind as unbind_text
@@ -180,7 +181,7 @@ def unbind(
     what = parse_do(do) if do is not None else None
     save_edited(
         edited,
-        unbind_text(edited.text, parse_when(when), what, layer),
+        unbind_text(edited.text, when if "#" in when else parse_when(when), what, layer),
         plain=plain,
         as_json=as_json,
     )

@@ -108,7 +108,9 @@ seed_option = click.option(
     help="Seed of the simulation.",
 )
 seconds_option = click.option(
-    "--seconds", type=Finite(min=0.1), help="End after this many seconds."
+    "--seconds",
+    type=Finite(min=0.1),
+    help="End after this many seconds, or before with the source.",
 )
 rate_option = click.option(
     "--rate",

@@ -23,20 +23,26 @@ def bind(
 
     Args:
         text: the profile.
-        when: a gesture as a profile writes it.
+        when: a gesture as a profile writes it; without a threshold, it means that of any.
         do: an output as a profile writes it.
         layer: the name of the layer; by default the first one.
         add: keep one for the same ``when`` beside it.
 
     Raises:
-        ProfileError: there is no such layer.
+        ProfileError: there is no such layer, or several bindings could be meant.
     """
     keys = locate_bindings(text.document, layer)
     bindings = text.find(keys)
     if bindings is None:
         return insert_value(text, keys, [{"when": when, "do": do}])
-    same = [i for i, binding in enumerate(bindings) if _say(binding["when"]) == _say(when)]
+    same = _find_meant(bindings, when)
     if same and not add:
+        thresholds = [_say(bindings[i]["when"]).get("on_mm") for i in same]
+        if len(set(thresholds)) > 1:
+            raise ProfileError(
+                "This gesture has several bindings, each with a threshold of its own.",
+                hint=f"Say which: the gesture, then 'from {thresholds[0]} mm'.",
+            )
         return text.replace((*keys, same[0], "do"), do)
     return text.append(keys, {"when": when, "do": do})
 
@@ -64,32 +70,41 @@ def list_company(text: ProfileText, when: Any, layer: str | None = None) -> list
         ProfileError: there is no such layer.
     """
     bindings = text.find(locate_bindings(text.document, layer)) or []
-    gesture = _say(when).get("gesture")
+    gesture, meant = _say(when).get("gesture"), _find_meant(bindings, when)
     return [
         said
-        for said, binding in zip(_describe_bindings(bindings), bindings, strict=True)
+        for i, said in enumerate(_describe_bindings(bindings))
         if gesture is not None
-        and _say(binding["when"]).get("gesture") == gesture
-        and _say(binding["when"]) != _say(when)
+        and _say(bindings[i]["when"]).get("gesture") == gesture
+        and i not in meant
     ]
 
 
 def unbind(text: ProfileText, when: Any, do: Any = None, layer: str | None = None) -> ProfileText:
     """Returns the text without the bindings for ``when``, or only without those that do ``do``.
 
+    Args:
+        text: the profile.
+        when: a gesture as a profile writes it, or one binding by its name, ``pinch#2``.
+        do: an output as a profile writes it, or a part of it.
+        layer: the name of the layer; by default the first one.
+
     Raises:
         ProfileError: there is no such layer or binding, or it is the last one.
     """
     keys = locate_bindings(text.document, layer)
     bindings = text.find(keys) or []
-    gone = [
-        i
-        for i, binding in enumerate(bindings)
-        if _say(binding["when"]) == _say(when) and binding["do"] == {**binding["do"], **(do or {})}
-    ]
+    names = name_bindings(bindings)
+    numbered = isinstance(when, str) and "#" in when
+    meant = (
+        [i for i, name in enumerate(names) if name == when]
+        if numbered
+        else _find_meant(bindings, when)
+    )
+    gone = [i for i in meant if bindings[i]["do"] == {**bindings[i]["do"], **(do or {})}]
     if not gone:
-        names = ", ".join(name_bindings(bindings))
-        raise ProfileError("There is no such binding.", hint=f"Bindings here: {names or 'none'}.")
+        known = ", ".join(names) or "none"
+        raise ProfileError("There is no such binding.", hint=f"Bindings here: {known}.")
     return _remove(text, keys, gone)
 
 
@@ -114,7 +129,7 @@ def rebind(
     old = text.find(keys)
     if not isinstance(old, dict) or "when" not in old:
         raise ProfileError(f"'{instead}' is no binding.")
-    if _say(old["when"]) == _say(when):
+    if _find_meant([old], when):
         return text.replace((*keys, "do"), do)
     return text.append(keys[:-1], {"when": when, "do": do}).remove(keys)
 
@@ -166,6 +181,19 @@ def _say(when: Any) -> dict[str, Any]:
     """Returns the part of a condition that people say; what is said alike is the same to them."""
     narrowed = {"gesture": when} if isinstance(when, str) else when
     return {key: value for key, value in narrowed.items() if key in SPOKEN}
+
+
+def _find_meant(bindings: Any, when: Any) -> list[int]:
+    """Returns which bindings a condition means; one without a threshold means those of any.
+
+    Where one has none either, it is meant alone.
+    """
+    said = [_say(binding["when"]) for binding in bindings]
+    exact = [i for i, each in enumerate(said) if each == _say(when)]
+    anyhow = [
+        i for i, each in enumerate(said) if {**each, "on_mm": None} == {**_say(when), "on_mm": None}
+    ]
+    return exact if exact or "on_mm" in _say(when) else anyhow
 
 
 def _describe_bindings(bindings: Any) -> list[str]:

@@ -18,8 +18,8 @@ class MissedThreshold:
     """Watches one layer for gestures that end just below every threshold.
 
     A gesture counts as missed if nothing was down while it lasted, and its peak is between half
-    of the lowest threshold and the threshold. What follows a gesture has no threshold to miss, but
-    where something does, the peak must be nearer to the threshold.
+    of the lowest threshold and the threshold. What follows a gesture from its start has no
+    threshold to miss, but where something does, the peak must be nearer to the threshold.
 
     Args:
         log: gets the decision ``missed``.
@@ -57,7 +57,7 @@ class MissedThreshold:
         self._peak_mm, self._on_mm = reading.mm, 0.0
         for each in wanted:
             on_mm, _ = each.binding.thresholds_mm
-            if each.binding.is_followed:
+            if on_mm == 0.0:
                 self._near = NEAR_BESIDE_AXIS
             elif not self._on_mm or on_mm < self._on_mm:
                 self._on_mm, self._label = on_mm, each.label

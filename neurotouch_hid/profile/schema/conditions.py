@@ -209,7 +209,7 @@ class Condition(Strict):
         if off_mm >= on_mm:
             raise PydanticCustomError(
                 "thresholds",
-                "must be below on_mm ({on} mm), or the output would flicker",
+                "off_mm must be below on_mm ({on} mm), or the output would flicker",
                 {
                     "at": ("off_mm",),
                     "on": f"{on_mm:g}",

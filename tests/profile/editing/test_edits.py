@@ -12,6 +12,7 @@ from neurotouch_hid.profile.editing import (
     adopt,
     bind,
     compare,
+    list_company,
     list_key_paths,
     parse_do,
     parse_when,
@@ -175,6 +176,27 @@ def test_a_profile_without_bindings_gets_some():
     assert load(bind(text, "pinch", {"button": "a"}))["bindings"] == [
         {"when": "pinch", "do": {"button": "a"}}
     ]
+
+
+def test_a_threshold_that_nobody_said_does_not_hide_a_binding():
+    text = ProfileText(
+        "bindings:\n"
+        "  - when: {gesture: pinch, on_mm: 7.0}\n    do: {button: a}\n"
+        "  - when: push\n    do: {stick: left}\n"
+    )
+    changed = load(bind(text, "pinch", {"button": "b"}))["bindings"]
+    assert changed[0] == {"when": {"gesture": "pinch", "on_mm": 7.0}, "do": {"button": "b"}}
+    assert len(changed) == 2
+    assert list_company(text, "pinch") == []
+    assert [b["when"] for b in load(unbind(text, "pinch"))["bindings"]] == ["push"]
+    two = bind(text, parse_when("pinch from 3 mm"), {"button": "x"})
+    assert len(load(two)["bindings"]) == 3
+    with pytest.raises(ProfileError, match="several bindings"):
+        bind(two, "pinch", {"button": "y"})
+    assert load(unbind(two, "pinch#2")) == load(text)
+    assert load(unbind(two, parse_when("pinch from 3 mm"))) == load(text)
+    with pytest.raises(ProfileError, match="no such binding"):
+        unbind(text, "pinch#2")
 
 
 def test_unbinding_takes_what_was_named():
