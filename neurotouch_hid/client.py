@@ -1,4 +1,4 @@
-"""The running driver as other processes reach it: where its socket is, and one question to it.
+"""Asks the running driver from another process: finds its socket and sends it one question.
 
 A question is one line of JSON, ``{"command": "pause"}``, and so is its answer: ``ok``, with
 ``text`` for people if it was done, else with ``error`` and perhaps ``hint``. Only the standard
@@ -42,7 +42,8 @@ ENDING_S: Final = 10.0
 _PATIENCE_S: Final = 3 * REQUEST_S
 _AGAIN_S: Final = 0.1
 
-Answer = dict[str, Any]
+Reply = dict[str, Any]
+"""An answer as it came over the socket: each value is checked where it is used."""
 
 
 class Reached(NamedTuple):
@@ -68,14 +69,14 @@ class Reached(NamedTuple):
         return "the service" if is_service_folder(self.folder) else "your driver"
 
 
-def ask(command: str, *, player: int | None = None, **arguments: Any) -> Answer:
+def ask(command: str, *, player: int | None = None, **arguments: Any) -> Reply:
     """Returns the nearest running driver's answer to a command.
 
     Args:
         command: ``reload``, ``status``, ``use``, ``settings``, ``pause``, ``resume``, ``panic`` or
             ``stop``.
-        player: whose driver; as the environment says without.
-        arguments: what the command needs: ``profile``, a name or an absolute path, for ``use``; for
+        player: the player number; None means the one of the environment.
+        arguments: of the command: ``profile``, a name or an absolute path, for ``use``; for
             ``settings`` see ``handover``.
 
     Raises:
@@ -84,8 +85,8 @@ def ask(command: str, *, player: int | None = None, **arguments: Any) -> Answer:
     """
     question = json.dumps({"command": command, **arguments}).encode() + b"\n"
     patience_s = _PATIENCE_S + (LOADING_S if command in ("reload", "use", "settings") else 0.0)
-    answer, line = _ask_any(question, patience_s, player)
-    line.close()
+    answer, connection = _ask_any(question, patience_s, player)
+    connection.close()
     return answer
 
 
@@ -94,7 +95,7 @@ def ask_every(command: str, players: Iterable[int]) -> list[Reached]:
 
     Args:
         command: ``pause``, ``resume``, ``panic``, ``stop`` or ``reload``.
-        players: whose drivers: each may have one of this user, and one that is a service.
+        players: the player numbers: each may have one of this user, and one that is a service.
 
     Returns:
         The drivers that run, whether or not they refused.
@@ -109,8 +110,8 @@ def ask_every(command: str, players: Iterable[int]) -> list[Reached]:
 
     def send(player: int, folder: Path) -> None:
         try:
-            answer, line = _ask_at(folder, question, patience_s)
-            line.close()
+            answer, connection = _ask_at(folder, question, patience_s)
+            connection.close()
             found.append(Reached(player, folder, get_text(answer), answer.get("done") is True))
         except NotRunningError as error:
             found.append(error)
@@ -141,7 +142,7 @@ def _call_at_once(send: Callable[[int, Path], None], folders: list[tuple[int, Pa
         thread.join()
 
 
-def get_text(answer: Answer) -> str:
+def get_text(answer: Reply) -> str:
     """Returns what an answer says to people.
 
     Raises:
@@ -157,7 +158,7 @@ def ask_status(player: int | None = None) -> Status:
     """Returns what the running driver says of itself.
 
     Args:
-        player: whose driver; as the environment says without.
+        player: the player number; None means the one of the environment.
 
     Raises:
         NotRunningError: no driver is running.
@@ -166,7 +167,7 @@ def ask_status(player: int | None = None) -> Status:
     return check_status(ask("status", player=player))
 
 
-def open_stream(command: str) -> tuple[Answer, socket.socket]:
+def open_stream(command: str) -> tuple[Reply, socket.socket]:
     """Returns the running driver's answer, and the socket on which it goes on speaking.
 
     Args:
@@ -176,9 +177,9 @@ def open_stream(command: str) -> tuple[Answer, socket.socket]:
         NotRunningError: no driver is running.
         DriverError: it does not answer, or it refuses.
     """
-    answer, line = _ask_any(json.dumps({"command": command}).encode() + b"\n", _PATIENCE_S)
-    line.settimeout(None)
-    return answer, line
+    answer, connection = _ask_any(json.dumps({"command": command}).encode() + b"\n", _PATIENCE_S)
+    connection.settimeout(None)
+    return answer, connection
 
 
 def is_service_running() -> bool:
@@ -222,8 +223,8 @@ def wait_until_ended(folder: Path) -> None:
 
 def _ask_any(
     question: bytes, patience_s: float, player: int | None = None
-) -> tuple[Answer, socket.socket]:
-    """Returns the answer of the nearest driver, and the open line.
+) -> tuple[Reply, socket.socket]:
+    """Returns the answer of the nearest driver, and the open connection.
 
     Raises:
         NotRunningError: none runs.
@@ -238,8 +239,8 @@ def _ask_any(
     raise _join(missing)
 
 
-def _ask_at(folder: Path, question: bytes, patience_s: float) -> tuple[Answer, socket.socket]:
-    """Returns the answer of the driver in a folder, and the open line.
+def _ask_at(folder: Path, question: bytes, patience_s: float) -> tuple[Reply, socket.socket]:
+    """Returns the answer of the driver in a folder, and the open connection.
 
     Raises:
         NotRunningError: none is there that is to be believed.
@@ -247,7 +248,7 @@ def _ask_at(folder: Path, question: bytes, patience_s: float) -> tuple[Answer, s
     """
     path = find_socket(folder)
     try:
-        answer, line = _ask_patiently(path, question, patience_s)
+        answer, connection = _ask_patiently(path, question, patience_s)
     except (StrangerError, PermissionError):
         raise NotRunningError(
             f"No driver is running. '{folder}' belongs to another user, so it was not asked.",
@@ -265,8 +266,8 @@ def _ask_at(folder: Path, question: bytes, patience_s: float) -> tuple[Answer, s
     except ValueError:
         raise DriverError(f"What answers at {path} is not a driver.") from None
     if answer.get("ok") is True:
-        return answer, line
-    line.close()
+        return answer, connection
+    connection.close()
     reason, hint = answer.get("error"), answer.get("hint")
     said = reason if isinstance(reason, str) else "The driver refuses and does not say why."
     raise DriverError(said, hint=hint if isinstance(hint, str) else None)
@@ -277,42 +278,42 @@ def _join(missing: Sequence[NotRunningError]) -> NotRunningError:
     return max(missing, key=lambda error: len(error.message))
 
 
-def _ask_patiently(path: Path, question: bytes, patience_s: float) -> tuple[Answer, socket.socket]:
-    """Returns the answer and the open line; while the driver is busy with others, asks again."""
+def _ask_patiently(path: Path, question: bytes, patience_s: float) -> tuple[Reply, socket.socket]:
+    """Returns the answer and the connection; while the driver is busy with others, asks again."""
     deadline = time.monotonic() + patience_s
     while time.monotonic() < deadline:
         with suppress(BlockingIOError):  # its queue is full
-            answer, line = _ask_once(path, question, patience_s)
+            answer, connection = _ask_once(path, question, patience_s)
             if not answer.get("busy"):
-                return answer, line
-            line.close()
+                return answer, connection
+            connection.close()
         time.sleep(_AGAIN_S)
     raise TimeoutError
 
 
-def _ask_once(path: Path, question: bytes, patience_s: float) -> tuple[Answer, socket.socket]:
-    line = connect_to(path, kind=socket.SOCK_STREAM, timeout_s=patience_s)
+def _ask_once(path: Path, question: bytes, patience_s: float) -> tuple[Reply, socket.socket]:
+    connection = connect_to(path, kind=socket.SOCK_STREAM, timeout_s=patience_s)
     try:
         with suppress(BrokenPipeError, ConnectionResetError):  # refused unread; the answer says why
-            line.sendall(question)
-        answer = json.loads(_read_line(line))
+            connection.sendall(question)
+        answer = json.loads(_read_line(connection))
         if not isinstance(answer, dict):
             raise ValueError
-        return make_value_printable(answer), line
+        return make_value_printable(answer), connection
     except RecursionError:
-        line.close()
+        connection.close()
         raise ValueError from None
     except (OSError, ValueError):
-        line.close()
+        connection.close()
         raise
 
 
-def _read_line(line: socket.socket) -> bytes:
-    """Returns a line of text, and not a byte more: what comes after it may be no text."""
+def _read_line(connection: socket.socket) -> bytes:
+    """Returns a line of text, and not a byte more: bytes after it may be no text."""
     text = b""
     while len(text) <= LIMIT_BYTES:
-        ahead = line.recv(4096, socket.MSG_PEEK)
-        piece = line.recv(ahead.find(b"\n") + 1 or len(ahead)) if ahead else b""
+        ahead = connection.recv(4096, socket.MSG_PEEK)
+        piece = connection.recv(ahead.find(b"\n") + 1 or len(ahead)) if ahead else b""
         text += piece
         if not piece or text.endswith(b"\n"):
             break

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import N_MARKERS, fit_rig
 from neurotouch_hid.messages import MarkerField
+from neurotouch_hid.status import PadFacts, RumbleState
 from neurotouch_hid.vocabulary import Phase, PipelineState
 
 STEP_MM: Final = 0.01
@@ -70,27 +71,6 @@ class PadState(TypedDict):
     mouse: list[str]
     pointer: list[float]
     wheel: float
-
-
-class RumbleState(TypedDict):
-    """Strength with which a game shakes the pad, 0 to 1."""
-
-    strong: float
-    weak: float
-
-
-class PadFacts(TypedDict):
-    """Facts about a pad and the devices that play along.
-
-    Attributes:
-        copilot: the physical device that plays along.
-        mouse: which mice are watched.
-        rumble: how games shake the pad.
-    """
-
-    copilot: str
-    mouse: str
-    rumble: RumbleState
 
 
 class SourceFacts(TypedDict, total=False):

@@ -2,6 +2,7 @@
 
 from typing import (
     Any,
+    Literal,
     NotRequired,
     TypedDict,
     cast,
@@ -12,6 +13,7 @@ from typing import (
 )
 
 from neurotouch_hid.errors import DriverError
+from neurotouch_hid.vocabulary import PipelineState
 
 StageSpread = TypedDict("StageSpread", {"p50": float, "p99": float, "p99.9": float})
 """Percentiles of the time in a stage since the start, in ms a slice."""
@@ -45,7 +47,7 @@ class PipelineStatus(TypedDict):
 
     Attributes:
         pid: the driver's process.
-        state: ``running``, ``paused`` or ``panic``.
+        state: whether gestures act.
         profile: name of the profile that is active.
         layer: name of its layer that is active.
         markers_tracked: how many of the 177 are measured.
@@ -66,7 +68,7 @@ class PipelineStatus(TypedDict):
     """
 
     pid: int
-    state: str
+    state: PipelineState
     profile: str
     layer: str
     markers_tracked: int
@@ -86,32 +88,108 @@ class PipelineStatus(TypedDict):
     errors: list[ErrorNote]
 
 
-class Status(PipelineStatus):
-    """The answer to ``status``: the pipeline's, and what surrounds it in a sentence each.
+class RumbleState(TypedDict):
+    """How strongly a game shakes the pad, 0 to 1."""
+
+    strong: float
+    weak: float
+
+
+class PadFacts(TypedDict):
+    """Facts about a pad and the devices that play along.
 
     Attributes:
-        version: of this format: 1.
-        source: what is played.
-        device: the virtual gamepad.
-        keyboard: which keyboards can stop the driver.
-        desktop: which window has chosen the profile.
-        sound: how the driver is heard.
-        settings: whose settings apply.
         copilot: the physical device that plays along.
-        mouse: which mice are watched.
+        mouse: the mice that are watched.
         rumble: how games shake the pad.
     """
 
-    version: int
+    copilot: str
+    mouse: str
+    rumble: RumbleState
+
+
+class Described(PadFacts):
+    """A sentence about each thing that surrounds the pipeline, and how a game shakes the pad.
+
+    Attributes:
+        source: the source, and why nothing comes from it.
+        device: the virtual gamepad.
+        keyboard: the keyboards that can stop the driver.
+        desktop: the window that has chosen the profile.
+        sound: the way in which the driver is heard.
+        settings: the owner of the settings that apply.
+    """
+
     source: str
     device: str
     keyboard: str
     desktop: str
     sound: str
     settings: str
-    copilot: NotRequired[str]
-    mouse: NotRequired[str]
-    rumble: NotRequired[dict[str, float]]
+
+
+class Status(PipelineStatus, Described):
+    """The answer to ``status``.
+
+    Attributes:
+        ok: True.
+        version: of this format: 1.
+    """
+
+    ok: Literal[True]
+    version: int
+
+
+class Done(TypedDict):
+    """The answer to a command that is carried out.
+
+    Attributes:
+        ok: True.
+        text: a sentence for the person.
+        done: whether it has taken effect already.
+        profile: name of the profile that is active now, where one was loaded.
+    """
+
+    ok: Literal[True]
+    text: str
+    done: NotRequired[bool]
+    profile: NotRequired[str]
+
+
+class Recording(TypedDict):
+    """The answer to ``record``; packets follow it.
+
+    Attributes:
+        ok: True.
+        source: the source of the driver.
+        simulated: no sensor has seen the packets.
+        text: a sentence for the person.
+    """
+
+    ok: Literal[True]
+    source: str
+    simulated: bool
+    text: str
+
+
+class Refusal(TypedDict):
+    """The answer to a question that the driver refuses.
+
+    Attributes:
+        ok: False.
+        error: the reason, in a sentence.
+        hint: the way out.
+        busy: the driver answers others now; ask again.
+    """
+
+    ok: Literal[False]
+    error: str
+    hint: NotRequired[str | None]
+    busy: NotRequired[bool]
+
+
+Answer = Status | Done | Recording | Refusal
 
 
 def check_status(answer: dict[str, Any]) -> Status:
@@ -141,6 +219,8 @@ def _fits(value: Any, kind: Any) -> bool:
     if is_typeddict(kind):
         hints = get_type_hints(kind)
         return isinstance(value, dict) and all(_fits(value.get(key), hints[key]) for key in hints)
+    if origin is Literal:
+        return any(type(value) is type(each) and value == each for each in inner)
     if origin in (list, dict):
         parts = value.values() if isinstance(value, dict) else value
         return isinstance(value, origin) and all(_fits(each, inner[-1]) for each in parts)

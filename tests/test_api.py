@@ -220,6 +220,7 @@ LIGHT = {
     "players",
     "printable",
     "snapshot",
+    "status",
     "subscriber",
     "vocabulary",
 }

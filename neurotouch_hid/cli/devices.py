@@ -40,7 +40,8 @@ def command(watch: bool, as_json: bool) -> None:
     from neurotouch_hid.source.davis import find_cameras
 
     cameras = [(info, *_identify(info)) for info in find_cameras()]
-    playing = str((find_driver() or {}).get("source", "")) if cameras else ""
+    running = find_driver() if cameras else None
+    playing = "" if running is None else running["source"]
     if find_source_kind(playing) is SourceKind.CAMERA:
         has = f"the running driver plays {playing}"
         cameras = [(info, known, f"{why}; {has}" if why else "") for info, known, why in cameras]

@@ -19,6 +19,7 @@ from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.profile import list_profiles, load_user
 from neurotouch_hid.profile.reading import find_shipped_folder
 from neurotouch_hid.source.davis import find_cameras
+from neurotouch_hid.status import Status
 from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
 VARIABLES: Final = (
@@ -94,11 +95,11 @@ def gather(findings: Iterable[Finding]) -> dict[str, Any]:
         "driver": None if running is None else _strip(running),
         "doctor": [finding.as_json() for finding in findings],
     }
-    said = "" if running is None else str(running.get("source", ""))
+    said = "" if running is None else running["source"]
     serials = {info.serial for info in cameras} | set(_SERIAL.findall(said))
     ours = {pad.name for pad in pads if pad.ours}
     names = {
-        "PROFILE": _find_profiles("" if running is None else str(running["profile"])),
+        "PROFILE": _find_profiles("" if running is None else running["profile"]),
         "RECORDING": _find_recording(said),
         "DEVICE": sorted(({pad.name for pad in pads} | _find_inputs()) - ours - {""}),
     }
@@ -278,5 +279,5 @@ def _describe_pad(ours: bool, pad: dict[str, Any]) -> dict[str, Any]:
     return pad if ours else {**pad, "place": "left out"}
 
 
-def _strip(status: dict[str, Any]) -> dict[str, Any]:
+def _strip(status: Status) -> dict[str, Any]:
     return {key: value for key, value in status.items() if key not in _PRIVATE_FACTS}

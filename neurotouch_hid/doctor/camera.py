@@ -40,7 +40,7 @@ def check_camera_right() -> Finding:
             f"{found.logic} patch {found.logic_patch}."
         )
     running = find_driver()
-    source = str(running.get("source", "")) if running is not None else ""
+    source = running["source"] if running is not None else ""
     if find_source_kind(source) is SourceKind.CAMERA:
         return approve("The running driver has the camera.")
     if "no right" in info.reason:

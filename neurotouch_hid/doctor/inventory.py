@@ -5,10 +5,11 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, cast
+from typing import Final
 
 from neurotouch_hid import client as driver
 from neurotouch_hid.errors import DriverError
+from neurotouch_hid.status import Status
 
 OURS: Final = "neurotouch/"
 """The physical path of our own devices starts with this."""
@@ -123,9 +124,9 @@ def _list_names(folder: Path) -> Iterator[str]:
         yield Path(words[1]).name
 
 
-def find_driver() -> dict[str, Any] | None:
+def find_driver() -> Status | None:
     """Returns the running driver's status; None if none runs or it does not answer."""
     try:
-        return cast("dict[str, Any]", driver.ask_status())
+        return driver.ask_status()
     except DriverError:
         return None

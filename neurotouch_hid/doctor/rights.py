@@ -68,7 +68,7 @@ def needs_no_right() -> str:
     if os.access(_NODE, os.R_OK | os.W_OK):
         return "You may make virtual gamepads."
     running = find_driver()
-    if running is not None and running.get("device") not in (None, "memory"):
+    if running is not None and running["device"] != "memory":
         return f"The running driver has a pad: {running['device']}."
     if SERVICE_RULE.exists():
         return "The service makes the pad once a camera is plugged in, so you need no right for it."

@@ -9,7 +9,7 @@ from neurotouch_hid.desktop import Follower, open_window
 from neurotouch_hid.device import ChordReader
 from neurotouch_hid.driver.broadcast import Broadcast
 from neurotouch_hid.driver.chosen import Chosen
-from neurotouch_hid.driver.commands import SAID, Commands, Described
+from neurotouch_hid.driver.commands import SAID, Commands
 from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.driver.extra_devices import find_extra_devices
 from neurotouch_hid.driver.pad_opening import DriverPad
@@ -24,6 +24,7 @@ from neurotouch_hid.players import find_machine_folder, find_runtime_folder
 from neurotouch_hid.runtime import Pipeline, PipelineControl, Tap
 from neurotouch_hid.snapshot import Facts, SourceFacts
 from neurotouch_hid.source import FactTelling, Source
+from neurotouch_hid.status import Described
 
 _KEYBOARD_OF_SERVICE: Final = "the service may not read keyboards, so none stops it"
 _SOUND_OF_SERVICE: Final = (

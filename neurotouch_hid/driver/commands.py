@@ -6,7 +6,7 @@ from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
 from typing import Any, Final, cast
 
-from neurotouch_hid.client import LOADING_S, REQUEST_S, Answer
+from neurotouch_hid.client import LOADING_S, REQUEST_S
 from neurotouch_hid.driver.broadcast import Broadcast
 from neurotouch_hid.driver.profile_watch import ProfileWatch
 from neurotouch_hid.driver.surroundings import Surroundings
@@ -14,8 +14,8 @@ from neurotouch_hid.errors import DriverError, NeuroTouchError
 from neurotouch_hid.printable import make_printable
 from neurotouch_hid.runtime.command_queue import CommandName
 from neurotouch_hid.runtime.pipeline_control import PipelineControl
-from neurotouch_hid.snapshot import PadFacts
 from neurotouch_hid.source import Source
+from neurotouch_hid.status import Answer, Described, Done
 from neurotouch_hid.vocabulary import NAME_PATTERN, PipelineState
 
 COMMANDS: Final = (
@@ -54,26 +54,6 @@ _BEGINS: Final[Mapping[PipelineState, str]] = {
 _WAIT_S: Final = 0.8 * REQUEST_S
 
 
-class Described(PadFacts):
-    """A sentence about each thing that surrounds the pipeline, and how a game shakes the pad.
-
-    Attributes:
-        source: the source, and why nothing comes from it.
-        device: the virtual gamepad.
-        keyboard: the keyboards that can stop the driver.
-        desktop: the window that has chosen the profile.
-        sound: the way in which the driver is heard.
-        settings: the owner of the settings that apply.
-    """
-
-    source: str
-    device: str
-    keyboard: str
-    desktop: str
-    sound: str
-    settings: str
-
-
 class Commands:
     """Answers the questions within ``REQUEST_S``, or ``LOADING_S`` where a profile is to be loaded.
 
@@ -105,11 +85,11 @@ class Commands:
     def answer(self, question: dict[str, Any], uid: int) -> Answer:
         """Returns the answer to a question of a user from the socket."""
         try:
-            return {"ok": True, **self._apply(question, uid)}
+            return self._apply(question, uid)
         except NeuroTouchError as error:
             return {"ok": False, "error": error.message, "hint": error.hint}
 
-    def _apply(self, question: dict[str, Any], uid: int) -> dict[str, Any]:
+    def _apply(self, question: dict[str, Any], uid: int) -> Answer:
         match question["command"]:
             case "pause" | "resume" | "panic" as command:
                 return self._submit(cast(CommandName, command))
@@ -120,10 +100,11 @@ class Commands:
             case "use":
                 return self._use(question.get("profile"))
             case "status":
-                return {"version": 1, **self._control.status(), **self._describe()}
+                return {"ok": True, "version": 1, **self._control.status(), **self._describe()}
             case "record":
                 self._broadcast.require_place()
                 return {
+                    "ok": True,
                     "source": self._source.name,
                     "simulated": self._source.is_simulated,
                     "text": "Packets follow.",
@@ -134,20 +115,20 @@ class Commands:
                     hint=f"Commands: {', '.join(COMMANDS)}.",
                 )
 
-    def _submit(self, command: CommandName) -> dict[str, Any]:
+    def _submit(self, command: CommandName) -> Done:
         before = self._control.mapping.state
         done = self._control.submit(command).done
         if _is_done(done, _WAIT_S):
             after = done.result()
             said = _ALREADY if after == before else SAID
-            return {"done": True, "text": said[_BEGINS[after]]}
+            return {"ok": True, "done": True, "text": said[_BEGINS[after]]}
         text = (
             f"No data from the source. The pad is released; '{command}' takes effect when "
             "data resumes."
         )
-        return {"done": False, "text": text}
+        return {"ok": True, "done": False, "text": text}
 
-    def _stop(self) -> dict[str, Any]:
+    def _stop(self) -> Done:
         if self._end is None:
             raise DriverError(
                 "The system's service plays, and only an administrator can end it.",
@@ -155,16 +136,16 @@ class Commands:
                 "sudo systemctl stop neurotouch",
             )
         self._end()
-        return {"text": "The driver has ended; the pad is neutral."}
+        return {"ok": True, "text": "The driver has ended; the pad is neutral."}
 
-    def _load(self, question: dict[str, Any], uid: int) -> dict[str, Any]:
+    def _load(self, question: dict[str, Any], uid: int) -> Done:
         if question["command"] == "reload":
             return self._report(self._profiles.reload())
         if self._people is not None:
             self._people.keep(uid, question)
         return self._report(self._profiles.refresh())
 
-    def _use(self, profile: object) -> dict[str, Any]:
+    def _use(self, profile: object) -> Done:
         if not isinstance(profile, str):
             raise DriverError("The profile to use is missing.")
         if self._people is not None and not re.fullmatch(NAME_PATTERN, profile):
@@ -175,14 +156,19 @@ class Commands:
             )
         return self._report(self._profiles.use(profile))
 
-    def _report(self, done: Future[str]) -> dict[str, Any]:
+    def _report(self, done: Future[str]) -> Done:
         if not _is_done(done, LOADING_S):
             raise DriverError(
                 f"The profile is still being loaded after {LOADING_S:g} s.",
                 hint="See later which one is active: neurotouch status",
             )
         name = done.result()
-        return {"done": True, "profile": name, "text": f"Profile '{name}' is now active."}
+        return {
+            "ok": True,
+            "done": True,
+            "profile": name,
+            "text": f"Profile '{name}' is now active.",
+        }
 
 
 def _is_done(done: Future[Any], wait_s: float) -> bool:

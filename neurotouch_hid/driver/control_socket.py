@@ -13,12 +13,13 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
-from neurotouch_hid.client import LIMIT_BYTES, REQUEST_S, Answer, is_served
+from neurotouch_hid.client import LIMIT_BYTES, REQUEST_S, is_served
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.driver.admission import Guests, is_admitted
 from neurotouch_hid.errors import AlreadyRunningError, DriverError
 from neurotouch_hid.ipc import find_peer, listen_at, read_object
 from neurotouch_hid.players import find_socket
+from neurotouch_hid.status import Answer, Refusal
 
 MAX_CLIENTS: Final = 8
 
@@ -27,6 +28,12 @@ _BACKLOG: Final = 1024
 
 _REFUSED_S: Final = 0.2
 """Time for which a refused user is refused again without asking logind, which would be slow."""
+
+_BUSY: Final[Refusal] = {
+    "ok": False,
+    "error": "The driver is busy with other questions.",
+    "busy": True,
+}
 
 Answerer = Callable[[dict[str, Any], int], Answer]
 """Answers a question of a user in the time that ``client`` promises; may be called from several
@@ -114,7 +121,7 @@ class ControlSocket(Closing):
             if not self._admits_quickly(uid):
                 _refuse(client, _fail("This driver belongs to another user."))
             elif not self._begin(client, uid):
-                _refuse(client, _fail("The driver is busy with other questions.", busy=True))
+                _refuse(client, _BUSY)
 
     def _admits_quickly(self, uid: int) -> bool:
         """Returns the same as ``admits``, where a refusal stands for a moment."""
@@ -145,7 +152,7 @@ class ControlSocket(Closing):
                 question = _read_question(client)
                 stream = None
                 if isinstance(question, str):
-                    answer = _fail(question)
+                    answer: Answer = _fail(question)
                 else:
                     answer = self._answer(question, uid)
                     if answer.get("ok"):
@@ -260,8 +267,8 @@ def _refuse(client: socket.socket, reply: Answer) -> None:
         client.send(_encode(reply))
 
 
-def _fail(error: str, **more: bool) -> Answer:
-    return {"ok": False, "error": error, **more}
+def _fail(error: str) -> Refusal:
+    return {"ok": False, "error": error}
 
 
 def _encode(reply: Answer) -> bytes:

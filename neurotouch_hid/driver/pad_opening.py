@@ -17,7 +17,7 @@ from neurotouch_hid.driver.options import DriverOptions
 from neurotouch_hid.driver.settings import DriverSettings
 from neurotouch_hid.errors import DeviceError
 from neurotouch_hid.profile import Profile
-from neurotouch_hid.snapshot import PadFacts
+from neurotouch_hid.status import PadFacts
 
 
 @dataclass(frozen=True, slots=True)

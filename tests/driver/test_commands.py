@@ -17,9 +17,21 @@ from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.profile import UserSettings, load_profile
 from neurotouch_hid.runtime import Pipeline, PipelineControl
 from neurotouch_hid.source import open_source
+from neurotouch_hid.status import Described, check_status
 
 PROFILE, USER = load_profile("default"), UserSettings()
 CHOSEN = Chosen("default", PROFILE, USER)
+DESCRIBED: Described = {
+    "source": "sim:tour",
+    "device": "memory",
+    "keyboard": "none",
+    "desktop": "none",
+    "sound": "none",
+    "settings": "this user's own",
+    "copilot": "none",
+    "mouse": "none",
+    "rumble": {"strong": 0.0, "weak": 0.0},
+}
 
 
 def make_commands(control, profiles, **surroundings):
@@ -29,7 +41,7 @@ def make_commands(control, profiles, **surroundings):
         Broadcast(),
         open_source("sim:tour", speed="max"),
         Surroundings(**surroundings),
-        lambda: {"source": "sim:tour"},
+        lambda: DESCRIBED,
     )
 
 
@@ -136,6 +148,7 @@ def test_what_cannot_be_done_is_said(commands, question, sentence):
 
 def test_status_tells_the_facts_too(commands):
     status = commands.answer({"command": "status"}, os.getuid())
+    assert check_status(status) == status
     assert (status["source"], status["version"], status["profile"]) == ("sim:tour", 1, "default")
     assert status["silent_s"] >= 0.0
 

@@ -29,6 +29,7 @@ from neurotouch_hid.profile import UserSettings, load_profile
 from neurotouch_hid.runtime import Pipeline, PipelineControl
 from neurotouch_hid.source import open_source
 from neurotouch_hid.status import check_status
+from tests.driver.test_commands import DESCRIBED
 from tests.fuzz.json_values import damage, write
 
 LIMIT_S: Final = 15.0
@@ -41,7 +42,6 @@ QUESTIONS: Final[list[dict[str, Any]]] = [
     {"command": "settings", **_SETTINGS},
     {"command": "settings", "folder": "/home/x", "user": None, "profiles": {}},
 ]
-_FACTS: Final = ("source", "device", "keyboard", "desktop", "sound", "settings")
 
 
 def make(rng: random.Random) -> bytes:
@@ -90,8 +90,7 @@ class _Driver:
         around = Surroundings(people=seated if is_service else None, default="default")
         watch = ProfileWatch(Chosen("default", profile, user), control, around, lambda _new: None)
         source = open_source("sim:tour", speed="max")
-        facts = dict.fromkeys(_FACTS, "x")
-        commands = Commands(control, watch, Broadcast(), source, around, lambda: facts)
+        commands = Commands(control, watch, Broadcast(), source, around, lambda: DESCRIBED)
         self.path = find_socket(folder / "run")
         listener = ControlSocket(folder / "run")
         listener.serve(commands.answer)

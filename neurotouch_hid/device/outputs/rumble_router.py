@@ -7,7 +7,7 @@ from typing import Final
 
 from neurotouch_hid.device.outputs.effects import STILL, Rumble
 from neurotouch_hid.device.outputs.rumble import HearRumble
-from neurotouch_hid.snapshot import RumbleState
+from neurotouch_hid.status import RumbleState
 
 _SHOWN_S: Final = 0.6
 """A viewer reads twice a second, and must not miss a short knock."""
