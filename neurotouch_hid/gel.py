@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.driver import DriverOptions
+from neurotouch_hid.driver_state import MarkerWriter, PadState, read_head, read_markers
 from neurotouch_hid.errors import NeuroTouchError, NotRunningError, require_type
 from neurotouch_hid.messages import Axis, Button, Frame, GamepadState
 from neurotouch_hid.players import explain_start
-from neurotouch_hid.snapshot import MarkerWriter, PadState, read_head, read_markers
 from neurotouch_hid.subscriber import Subscriber
 from neurotouch_hid.vocabulary import RUNNING_DRIVER, Speed
 

@@ -219,7 +219,7 @@ LIGHT = {
     "messages",
     "players",
     "printable",
-    "snapshot",
+    "driver_state",
     "status",
     "subscriber",
     "vocabulary",

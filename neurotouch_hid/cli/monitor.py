@@ -33,10 +33,10 @@ def command(plain: bool, as_json: bool, seconds: float | None) -> None:
     import shutil
     import time
 
+    from neurotouch_hid.driver_state import read_head
     from neurotouch_hid.errors import NotRunningError
     from neurotouch_hid.page.text_view import LineWriter, draw_picture
     from neurotouch_hid.players import explain_start
-    from neurotouch_hid.snapshot import read_head
     from neurotouch_hid.subscriber import Subscriber
 
     end = float("inf") if seconds is None else time.monotonic() + seconds

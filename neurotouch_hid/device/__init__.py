@@ -7,8 +7,8 @@ from neurotouch_hid.device.device import Device, check_device, open_device, show
 from neurotouch_hid.device.inputs.copilot import Copilot
 from neurotouch_hid.device.inputs.discovery import find_copilot
 from neurotouch_hid.device.inputs.hotkeys import ChordReader, explain_keyboards, find_keyboards
+from neurotouch_hid.device.inputs.merged_device import MergedDevice
 from neurotouch_hid.device.inputs.nodes import is_input_name
-from neurotouch_hid.device.inputs.shared_device import SharedDevice
 from neurotouch_hid.device.outputs.composite import CompositeDevice
 from neurotouch_hid.device.outputs.memory import MemoryDevice
 from neurotouch_hid.device.outputs.rumble_router import RumbleRouter
@@ -21,8 +21,8 @@ __all__ = [
     "Device",
     "ExtraDevice",
     "MemoryDevice",
+    "MergedDevice",
     "RumbleRouter",
-    "SharedDevice",
     "check_device",
     "explain_keyboards",
     "find_copilot",

@@ -16,13 +16,13 @@ from neurotouch_hid.driver.pad_opening import DriverPad
 from neurotouch_hid.driver.profile_watch import ProfileWatch
 from neurotouch_hid.driver.source_opening import describe_source
 from neurotouch_hid.driver.surroundings import Surroundings
+from neurotouch_hid.driver_state import Facts, SourceFacts
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.monitor import SoundMonitor
 from neurotouch_hid.monitor.encoder import StateEncoder
 from neurotouch_hid.monitor.publisher import Publisher
 from neurotouch_hid.players import find_machine_folder, find_runtime_folder
 from neurotouch_hid.runtime import Pipeline, PipelineControl, Tap
-from neurotouch_hid.snapshot import Facts, SourceFacts
 from neurotouch_hid.source import FactTelling, Source
 from neurotouch_hid.status import Described
 

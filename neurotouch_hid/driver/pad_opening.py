@@ -8,8 +8,8 @@ from neurotouch_hid.device import (
     Copilot,
     Device,
     ExtraDevice,
+    MergedDevice,
     RumbleRouter,
-    SharedDevice,
     open_device,
 )
 from neurotouch_hid.driver.extra_devices import find_extra_devices
@@ -30,7 +30,7 @@ class DriverPad:
         rumble: passes on how games shake it.
     """
 
-    device: SharedDevice
+    device: MergedDevice
     copilot: Copilot | None
     rumble: RumbleRouter
 
@@ -134,7 +134,7 @@ def open_pad(
             closing.callback(helper.close)
         hear = board.hear if can_rumble or shows_rumble else None
         device = make(kind, extra_devices, identity=identity, player=player, hear_rumble=hear)
-        shared = SharedDevice(
+        shared = MergedDevice(
             device,
             helper,
             priority=settings.copilot.priority,

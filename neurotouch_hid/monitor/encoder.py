@@ -6,13 +6,7 @@ from dataclasses import dataclass
 from statistics import median
 from typing import Final
 
-from neurotouch_hid.messages import GamepadState, GestureKind, Step
-from neurotouch_hid.monitor.sentence import describe_step
-from neurotouch_hid.profile import MappingDecision
-from neurotouch_hid.profile.engine import ConditionedGesture
-from neurotouch_hid.profile.schema import resolve_times
-from neurotouch_hid.runtime import PipelineControl
-from neurotouch_hid.snapshot import (
+from neurotouch_hid.driver_state import (
     Facts,
     GestureState,
     Health,
@@ -22,6 +16,12 @@ from neurotouch_hid.snapshot import (
     State,
     pack,
 )
+from neurotouch_hid.messages import GamepadState, GestureKind, Step
+from neurotouch_hid.monitor.sentence import describe_step
+from neurotouch_hid.profile import MappingDecision
+from neurotouch_hid.profile.engine import ConditionedGesture
+from neurotouch_hid.profile.schema import resolve_times
+from neurotouch_hid.runtime import PipelineControl
 from neurotouch_hid.vocabulary import PipelineState
 
 SLOW_S: Final = 0.5
@@ -78,7 +78,7 @@ class StateEncoder:
         )
 
     def encode(self, sample: Sample) -> bytes:
-        """Returns the bytes of a sample, see ``snapshot``."""
+        """Returns the bytes of a sample, see ``driver_state``."""
         now = time.monotonic()
         if self._health is None or now - self._health_s >= SLOW_S:
             self._health, self._health_s = self._measure(sample.step), now

@@ -3,11 +3,11 @@
 from collections.abc import Callable
 
 from neurotouch_hid.closing import Closing
+from neurotouch_hid.driver_state import read_head, read_markers
 from neurotouch_hid.monitor.cue import CueFacts, CueFinder, choose_volume
 from neurotouch_hid.monitor.speaker import Speaker
 from neurotouch_hid.profile.decision_log import MappingDecision
 from neurotouch_hid.profile.schema import Feedback
-from neurotouch_hid.snapshot import read_head, read_markers
 
 
 class StreamSound(Closing):

@@ -8,8 +8,8 @@ import numpy as np
 
 from neurotouch_hid.geometry import LATTICE_MM, PITCH_MM, fit_rig
 from neurotouch_hid.messages import Axis, Button, GamepadState, GestureKind, Step
-from neurotouch_hid.monitor.output import Writable
 from neurotouch_hid.monitor.sentence import describe_gesture, describe_outputs
+from neurotouch_hid.monitor.text_output import Writable
 from neurotouch_hid.printable import make_printable
 from neurotouch_hid.profile import MappingDecision
 

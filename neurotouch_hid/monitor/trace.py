@@ -8,8 +8,8 @@ from typing import Any
 
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.messages import Axis, Button, GamepadState, Step
-from neurotouch_hid.monitor.output import Output
 from neurotouch_hid.monitor.sentence import direction_deg
+from neurotouch_hid.monitor.text_output import TextOutput
 from neurotouch_hid.partial_file import PartialFile
 
 
@@ -44,7 +44,7 @@ class TraceWriter:
                 f"The trace {path} cannot be written: {error.strerror}."
             ) from error
         self._file = io.TextIOWrapper(io.BufferedWriter(self._partial.file), encoding="utf-8")
-        self._out = Output(self._file, f"the trace {path}", announce)
+        self._out = TextOutput(self._file, f"the trace {path}", announce)
 
     def __call__(self, step: Step) -> None:
         """Writes one line of JSON for a step."""

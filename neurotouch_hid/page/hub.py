@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Unpack
 from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 
+from neurotouch_hid.driver_state import read_head
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.files.small_file import find_real_path
 from neurotouch_hid.ipc import HAND, connect_to, read_object
@@ -28,7 +29,6 @@ from neurotouch_hid.page.requests import Requests
 from neurotouch_hid.page.situation import find_situation
 from neurotouch_hid.players import find_runtime_folder, find_user_file
 from neurotouch_hid.profile.reading import find_profile
-from neurotouch_hid.snapshot import read_head
 from neurotouch_hid.subscriber import Subscriber
 
 if TYPE_CHECKING:

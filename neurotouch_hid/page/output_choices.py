@@ -6,7 +6,7 @@ from neurotouch_hid.profile.schema import KEYS, Profile
 from neurotouch_hid.vocabulary import Button
 
 
-class Output(TypedDict):
+class OutputChoice(TypedDict):
     """One output that a movement can have.
 
     Attributes:
@@ -24,7 +24,7 @@ class OutputGroup(TypedDict):
     """Outputs of one device."""
 
     name: str
-    outputs: list[Output]
+    outputs: list[OutputChoice]
 
 
 _NAMES: Final = {
@@ -92,9 +92,9 @@ def _name(button: str) -> str:
     return button.upper() if len(button) == 1 else button
 
 
-def _press(do: str, label: str) -> Output:
+def _press(do: str, label: str) -> OutputChoice:
     return {"do": do, "label": label, "follows": False}
 
 
-def _follow(do: str, label: str) -> Output:
+def _follow(do: str, label: str) -> OutputChoice:
     return {"do": do, "label": label, "follows": True}

@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterator
 from typing import Final
 
+from neurotouch_hid.driver_state import Action, Health, State
 from neurotouch_hid.profile.decision_log import describe_decision
-from neurotouch_hid.snapshot import Action, Health, State
 
 SAY_S: Final = 0.5
 """Shortest time between two sentences about one subject, so that a screen reader can follow."""

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Final
 
 from neurotouch_hid.closing import Closing
+from neurotouch_hid.driver_state import SourceFacts
 from neurotouch_hid.errors import SourceError
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.ipc import HAND, is_own_peer, listen_at
 from neurotouch_hid.messages import EventPacket, Step
-from neurotouch_hid.snapshot import SourceFacts
 from neurotouch_hid.source.simulator.hand_model import GuidedHand, HandCommand, read_hand_command
 from neurotouch_hid.source.simulator.simulator import Simulator
 

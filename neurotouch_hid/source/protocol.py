@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from types import TracebackType
 from typing import Protocol, Self, runtime_checkable
 
+from neurotouch_hid.driver_state import SourceFacts
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EventPacket
-from neurotouch_hid.snapshot import SourceFacts
 
 
 class Source(Protocol):

@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 
 from neurotouch_hid.client import ask
+from neurotouch_hid.driver_state import read_head
 from neurotouch_hid.monitor.cue import CueKind
 from neurotouch_hid.monitor.tone import make_wave
-from neurotouch_hid.snapshot import read_head
 from neurotouch_hid.subscriber import Subscriber
 
 LIMIT_S = 180.0

@@ -29,8 +29,8 @@ from neurotouch_hid.monitor import (
     describe_gesture,
     describe_outputs,
 )
-from neurotouch_hid.monitor.output import Output
 from neurotouch_hid.monitor.terminal import draw_step
+from neurotouch_hid.monitor.text_output import TextOutput
 from neurotouch_hid.profile import MappingDecision
 
 RIG = Rig((173.0, 130.0), 2.5)
@@ -144,7 +144,7 @@ def lose_reader():
 def test_an_output_that_fails_is_told_once_and_dropped(lost, make):
     told = []
     with lost() as stream:  # to close it, and write what is left, fails no more
-        monitor = make(Output(stream, "the output", told.append))
+        monitor = make(TextOutput(stream, "the output", told.append))
         for _ in range(3):
             monitor(PUSH)
             monitor(replace(REST, gesture=replace(REST.gesture, t_us=3_000_000)))

@@ -2,8 +2,8 @@
 
 import json
 
+from neurotouch_hid.driver_state import pack
 from neurotouch_hid.geometry import N_MARKERS
-from neurotouch_hid.snapshot import pack
 from tests.page.waiting import wait_on
 
 HEALTH = {

@@ -7,8 +7,8 @@ import socket
 
 from websockets.sync.client import connect
 
+from neurotouch_hid.driver_state import pack
 from neurotouch_hid.ipc import FEED, listen_at
-from neurotouch_hid.snapshot import pack
 from tests.page.played import REST
 from tests.page.processes import LIMIT_S, View
 

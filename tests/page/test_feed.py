@@ -9,6 +9,7 @@ import time
 import numpy as np
 import pytest
 
+from neurotouch_hid.driver_state import read_head
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.ipc import FEED, connect_to
 from neurotouch_hid.monitor.encoder import StateEncoder
@@ -17,7 +18,6 @@ from neurotouch_hid.page.text_view import LineWriter, draw_picture
 from neurotouch_hid.profile import UserSettings
 from neurotouch_hid.profile.reading.load import parse_profile
 from neurotouch_hid.runtime import Pipeline, PipelineControl
-from neurotouch_hid.snapshot import read_head
 from neurotouch_hid.subscriber import Subscriber
 
 LIMIT_S = 60.0

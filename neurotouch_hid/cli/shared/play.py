@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from neurotouch_hid.cli.ui.output import echo, is_plain
 from neurotouch_hid.monitor import LinesMonitor, PictureMonitor, TraceWriter
-from neurotouch_hid.monitor.output import Output
+from neurotouch_hid.monitor.text_output import TextOutput
 from neurotouch_hid.process.dead_output import silence
 from neurotouch_hid.process.signals import stop_on_signals
 
@@ -47,7 +47,7 @@ def play(
             stack.callback(writer.close)
             taps.append(writer)
         if show != "nothing":
-            out = Output(sys.stdout, "the output", announce)
+            out = TextOutput(sys.stdout, "the output", announce)
             monitor = (
                 PictureMonitor(out, title)
                 if show == "picture"

@@ -9,7 +9,7 @@ from typing import Any
 
 from evdev import AbsInfo, InputDevice, UInput, ecodes
 
-from neurotouch_hid.device import Copilot, ExtraDevice, SharedDevice, find_copilot, open_device
+from neurotouch_hid.device import Copilot, ExtraDevice, MergedDevice, find_copilot, open_device
 from neurotouch_hid.device.inputs.rumble_player import upload_effect
 from neurotouch_hid.device.outputs.gamepad import PHYS
 from neurotouch_hid.device.outputs.mouse import PHYS as MOUSE_PHYS
@@ -121,7 +121,7 @@ def play_along(results: Path) -> dict[str, Any]:
     helper = HelperPad()
     run("udevadm", "settle", "--timeout=60")
     with open_pad("uinput", [], DriverSettings(), copilot="auto").device as pad:
-        assert isinstance(pad, SharedDevice)
+        assert isinstance(pad, MergedDevice)
         device = find_node(PHYS)
         reader, beside = Reader(device), InputDevice(find_copilot(NAME).node)
         seen["claims_rumble"] = ecodes.EV_FF in device.capabilities()
@@ -231,7 +231,7 @@ def yield_to_mouse(results: Path) -> dict[str, Any]:
     buttons, motions = [ecodes.BTN_LEFT], [ecodes.REL_X, ecodes.REL_Y]
     steps: dict[str, int] = {}
     with UInput({ecodes.EV_KEY: buttons, ecodes.EV_REL: motions}, name="Real mouse") as mouse:
-        device = SharedDevice(open_device("uinput", [ExtraDevice.MOUSE]), yield_to_mouse_s=2.0)
+        device = MergedDevice(open_device("uinput", [ExtraDevice.MOUSE]), yield_to_mouse_s=2.0)
         with device:
             device.prepare([ExtraDevice.MOUSE])
             reader = Reader(find_node(MOUSE_PHYS))

@@ -150,7 +150,7 @@ class Health(TypedDict):
 
 
 class State(TypedDict):
-    """The head of a snapshot.
+    """The state without the markers.
 
     Attributes:
         n: counts up.

@@ -18,7 +18,7 @@ YIELD_TO_MOUSE_S = 1.5
 """Time without mouse motion after which the gel moves the pointer again."""
 
 
-class SharedDevice(Closing):
+class MergedDevice(Closing):
     """Writes the merged state of gel and co-pilot to a device; the pointer yields to the mouse.
 
     ``neutral`` releases only the contribution of the gel: the helper may be steering meanwhile.

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from neurotouch_hid.device import ExtraDevice, MemoryDevice, SharedDevice
-from neurotouch_hid.device.inputs import shared_device
+from neurotouch_hid.device import ExtraDevice, MemoryDevice, MergedDevice
+from neurotouch_hid.device.inputs import merged_device
 from neurotouch_hid.device.inputs.contribution import Contribution
 from neurotouch_hid.messages import Axis, Button, GamepadState
 
@@ -14,7 +14,7 @@ PRESS = GamepadState(10_000, frozenset({Button.A}), {Axis.LEFT_X: 0.5}, pointer=
 
 def test_without_a_helper_the_gel_plays_alone():
     memory = MemoryDevice()
-    with SharedDevice(memory, yield_to_mouse_s=0.0) as pad:
+    with MergedDevice(memory, yield_to_mouse_s=0.0) as pad:
         assert pad.name == "memory"
         assert pad.helper_buttons == frozenset()
         pad.prepare([ExtraDevice.KEYBOARD])
@@ -29,7 +29,7 @@ def test_without_a_helper_the_gel_plays_alone():
 
 def test_closing_closes_what_it_is_shown_on():
     memory = MemoryDevice()
-    pad = SharedDevice(memory)
+    pad = MergedDevice(memory)
     pad.write(PRESS)
     pad.close()
     pad.close()
@@ -58,7 +58,7 @@ class Helper:
 )
 def test_a_fault_of_the_gel_releases_the_gel_although_the_helper_holds_something(share):
     memory, helper = MemoryDevice(), Helper()
-    with SharedDevice(memory, helper) as pad:
+    with MergedDevice(memory, helper) as pad:
         pad.write(PRESS)
         helper.hold(share)
         assert memory.states[-1].buttons == {Button.A, *share.buttons}
@@ -71,7 +71,7 @@ def test_a_fault_of_the_gel_releases_the_gel_although_the_helper_holds_something
 
 def test_a_helper_plays_before_the_gel_does():
     memory, helper = MemoryDevice(), Helper()
-    with SharedDevice(memory, helper) as pad:
+    with MergedDevice(memory, helper) as pad:
         helper.hold(Contribution(frozenset({Button.B})))
         assert list(memory.states) == [GamepadState(0, frozenset({Button.B}))]
         assert pad.helper_buttons == {Button.B}
@@ -98,13 +98,13 @@ def watches(monkeypatch):
         made.append(Mice())
         return made[-1]
 
-    monkeypatch.setattr(shared_device, "MouseWatch", make)
+    monkeypatch.setattr(merged_device, "MouseWatch", make)
     return made
 
 
 def test_the_pointer_rests_until_the_mouse_has_been_quiet_for_long_enough(watches):
     memory = MemoryDevice()
-    with SharedDevice(memory, yield_to_mouse_s=1.5) as pad:
+    with MergedDevice(memory, yield_to_mouse_s=1.5) as pad:
         pad.prepare([ExtraDevice.MOUSE])
         pad.prepare([ExtraDevice.MOUSE])
         (mice,) = watches
@@ -122,6 +122,6 @@ def test_the_pointer_rests_until_the_mouse_has_been_quiet_for_long_enough(watche
     ("extra_device", "yield_s"), [(ExtraDevice.KEYBOARD, 1.5), (ExtraDevice.MOUSE, 0.0)]
 )
 def test_no_mouse_is_read_for_nothing(watches, extra_device, yield_s):
-    with SharedDevice(MemoryDevice(), yield_to_mouse_s=yield_s) as pad:
+    with MergedDevice(MemoryDevice(), yield_to_mouse_s=yield_s) as pad:
         pad.prepare([extra_device])
     assert watches == []

@@ -16,7 +16,7 @@ class Writable(Protocol):
         """Hands over what was written."""
 
 
-class Output:
+class TextOutput:
     """A stream whose first failure is told; what comes later is dropped.
 
     Args:
