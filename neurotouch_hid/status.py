@@ -89,7 +89,7 @@ class PipelineStatus(TypedDict):
 
 
 class RumbleState(TypedDict):
-    """How strongly a game shakes the pad, 0 to 1."""
+    """Strength with which a game shakes the pad, 0 to 1."""
 
     strong: float
     weak: float
@@ -179,7 +179,7 @@ class Refusal(TypedDict):
     Attributes:
         ok: False.
         error: the reason, in a sentence.
-        hint: the way out.
+        hint: the fix.
         busy: the driver answers others now; ask again.
     """
 
