@@ -56,7 +56,13 @@ def format_path(keys: Iterable[str | int]) -> str:
 
 
 def suggest(word: str, known: Sequence[str]) -> str:
-    """Returns ``did you mean 'zoom'?``, or nothing if no known word is near.
+    """Returns ``did you mean 'zoom'?``, or nothing if no known word is near."""
+    near = find_near(word, known)
+    return f"did you mean '{near}'?" if near is not None else ""
+
+
+def find_near(word: str, known: Sequence[str]) -> str | None:
+    """Returns the known word that is nearest to a misspelt one.
 
     A word that begins with what was typed goes first: ``on`` is short for ``on_mm``. A word of half
     the length is no slip, unless it is a part: ``bb`` is ``b``, ``jump`` is not ``up``.
@@ -65,7 +71,7 @@ def suggest(word: str, known: Sequence[str]) -> str:
     longer = [each for each in known if each.startswith(f"{word}_")]
     alike = [each for each in known if 2 * len(each) > len(word) or each in word]
     near = longer or get_close_matches(word, alike, n=1)
-    return f"did you mean '{near[0]}'?" if near else ""
+    return near[0] if near else None
 
 
 def format_faults(faults: Iterable[Fault], name: str, text: str) -> str:

@@ -7,13 +7,14 @@ may be named without its list, and what is under its ``when`` and ``do`` without
 
 import re
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Final
 
 from pydantic import BaseModel
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.files.faults import Keys, format_path, suggest
+from neurotouch_hid.files.faults import Keys, find_near, format_path
 from neurotouch_hid.printable import make_printable
 from neurotouch_hid.profile.schema.conditions import CONDITION_KEYS, Condition
 from neurotouch_hid.profile.schema.profile import Binding, Profile
@@ -56,8 +57,11 @@ def find_key_path(document: Any, path: str, model: type[BaseModel] = Profile) ->
     if not _PATH.fullmatch(path):
         raise _refuse(path, "")
     parts = [number or word for number, word in _PART.findall(path)]
-    value = document
-    keys: Keys = ()
+    return _follow(document, (), parts, path, model)
+
+
+def _follow(value: Any, keys: Keys, parts: list[str], path: str, model: type[BaseModel]) -> KeyPath:
+    """Returns the path that some parts mean, from a place on; ``path`` is what the person wrote."""
     for i, part in enumerate(parts):
         hop = _hop(value, part, keys)
         if hop is None:
@@ -156,7 +160,7 @@ def _find_new(
         if find_model(model, inner, {}) is not None:
             return _find_new({}, inner, rest[1:], path, model)
     before = path.removesuffix(".".join(rest))
-    advice = _find_deeper(value, rest, keys, model) or _advise(value, part, keys, model, before)
+    advice = _find_deeper(value, rest, keys, model) or _advise(value, rest, keys, model, before)
     raise _refuse(path, advice)
 
 
@@ -179,12 +183,12 @@ def _find_deeper(value: Any, rest: list[str], keys: Keys, model: type[BaseModel]
     return f"Did you mean {' or '.join(found[:_MOST_PATHS])}?" if found else ""
 
 
-def _advise(value: Any, part: str, keys: Keys, model: type[BaseModel], before: str) -> str:
+def _advise(value: Any, rest: list[str], keys: Keys, model: type[BaseModel], before: str) -> str:
     """Returns a hint with the path that was meant, or with the keys at its place.
 
     Args:
         value: what is at the place.
-        part: the wrong part of the path.
+        rest: the wrong part of the path, and those after it.
         keys: the place.
         model: of the whole file.
         before: the path up to the wrong part, as the person has written it.
@@ -200,8 +204,15 @@ def _advise(value: Any, part: str, keys: Keys, model: type[BaseModel], before: s
     elif isinstance(value, list):
         known = _name_items(value, keys)
     known = list(dict.fromkeys(known))
-    if near := suggest(part, known):
-        return near[:1].upper() + near[1:].replace("'", f"'{make_printable(before)}", 1)
+    part, *after = rest
+    if part in known and after:
+        return f"There is no '{make_printable(after[0])}' in '{make_printable(before + part)}' yet."
+    near = find_near(part, known)
+    if near is not None:
+        meant = before + ".".join([near, *after])
+        with suppress(ProfileError):
+            _follow(value, keys, [near, *after], meant, model)
+            return f"Did you mean '{make_printable(meant)}'?"
     where = f"Known in {format_path(keys)}" if keys else "Known here"
     return f"{where}: {', '.join(known)}." if known else ""
 

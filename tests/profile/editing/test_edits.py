@@ -121,12 +121,24 @@ def test_a_wrong_path_is_refused_with_a_way_out(path):
 
 
 @pytest.mark.parametrize(
-    ("path", "meant"), [("push.gian", "push.gain"), ("push.curve.exp", "push.curve.expo")]
+    ("path", "meant"),
+    [
+        ("push.gian", "push.gain"),
+        ("push.curve.exp", "push.curve.expo"),
+        ("psh.curve.expo", "push.curve.expo"),
+        ("layers.meun.zoom.on_mm", "layers.menu.zoom.on_mm"),
+    ],
 )
 def test_the_whole_path_is_suggested(path, meant):
     with pytest.raises(ProfileError) as caught:
         set_value(TEXT, path, 1)
     assert caught.value.hint == f"Did you mean '{meant}'?"
+
+
+def test_no_path_is_suggested_that_leads_nowhere():
+    with pytest.raises(ProfileError) as caught:
+        set_value(ProfileText("name: mine\n"), "layers.menu.zoom.on_mm", 1)
+    assert caught.value.hint == "There is no 'menu' in 'layers' yet."
 
 
 def test_a_default_comes_back():
