@@ -1,7 +1,9 @@
 """Saving: whole or not at all, with the versions before kept beside."""
 
+import json
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -44,6 +46,9 @@ class Version:
 class Store:
     """A file and its earlier versions in ``.history/NAME/`` beside it.
 
+    ``undone.json`` there says which versions an undo has left, and to which one the last undo went.
+    A version that was left is kept, but no undo brings it back.
+
     Args:
         path: the file; its name without the suffix is NAME. It need not exist.
         stamp: gives the present moment as letters, digits, ``-`` and ``_``.
@@ -55,6 +60,7 @@ class Store:
         self._stamp = stamp
         self._kept = kept
         self._folder = path.parent / ".history" / path.stem
+        self._undone_file = self._folder / "undone.json"
 
     def read(self) -> bytes | None:
         """Returns the content of the file, or None if there is none."""
@@ -86,6 +92,7 @@ class Store:
             if over is not None and keep:
                 self.keep(over)
             write_whole(self.path, content)
+            self._forget_shown()
         except OSError as error:
             raise _fail(self.path, "written; it is as it was", error) from None
 
@@ -141,14 +148,27 @@ class Store:
             ProfileError: there is none, or it cannot be written.
         """
         content, versions = self.read(), self.versions()
-        known = [version.read() for version in versions]
-        place = known.index(content) if content in known else -1
-        if place + 1 >= len(versions):
+        shown, undone = self._read_undone()
+        now = next((v for v in versions if v.number == shown and v.read() == content), None)
+        before = (
+            version
+            for version in versions
+            if (now is None or version.number < now.number)
+            and version.number not in undone
+            and version.read() != content
+        )
+        version = next(before, None)
+        if version is None:
             raise ProfileError(
                 f"There is nothing to undo: '{self.path.stem}' has no version before this one.",
                 hint=f"See what is kept: neurotouch profile history {self.path.stem}",
             )
-        return self._put_back(versions[place + 1], content, is_known=place >= 0)
+        self._put_back(version, content if now is None else None)
+        left = now if now is not None else self.versions()[0]
+        if left.read() == content:
+            undone.add(left.number)
+        self._write_undone(version.number, undone)
+        return version
 
     def restore(self, number: int) -> Version:
         """Takes the file back to a version.
@@ -163,17 +183,39 @@ class Store:
             raise ProfileError(
                 f"'{self.path.stem}' has no version {number}.", hint=f"Versions kept: {numbers}."
             )
-        return self._put_back(version, content, is_known=False)
+        self._put_back(version, content)
+        self._forget_shown()
+        return version
 
-    def _put_back(self, version: Version, content: bytes | None, *, is_known: bool) -> Version:
+    def _put_back(self, version: Version, content: bytes | None) -> None:
+        """Writes a version into the file's place, and keeps a content that is no version yet."""
         back = version.read()
         try:
-            if content is not None and not is_known:
+            if content is not None:
                 self.keep(content)
             write_whole(self.path, back)
         except OSError as error:
             raise _fail(self.path, "written; it is as it was", error) from None
-        return version
+
+    def _read_undone(self) -> tuple[int, set[int]]:
+        """Returns the version to which the last undo went, 0 if unknown, and those it left."""
+        try:
+            read = json.loads(read_bytes(self._undone_file, MAX_SETTINGS_BYTES))
+            return int(read["shown"]), {int(number) for number in read["undone"]}
+        except (OSError, ValueError, TypeError, KeyError, RecursionError):
+            return 0, set()
+
+    def _forget_shown(self) -> None:
+        """Lets the next undo begin at the newest version, because the file has changed since."""
+        shown, undone = self._read_undone()
+        if shown:
+            self._write_undone(0, undone)
+
+    def _write_undone(self, shown: int, undone: Iterable[int]) -> None:
+        kept = {version.number for version in self.versions()}
+        marks = {"shown": shown, "undone": sorted(kept.intersection(undone))}
+        with suppress(OSError):  # the next undo then only goes to the newest version
+            write_whole(self._undone_file, json.dumps(marks).encode())
 
 
 def _fail(path: Path, what: str, error: OSError) -> ProfileError:

@@ -43,6 +43,38 @@ def test_every_version_is_kept_up_to_twenty(tmp_path, stamp):
     assert versions[0].number == 25
 
 
+@pytest.mark.parametrize(
+    ("saved", "undone"),
+    [
+        ("ABA", "BA"),  # as it was once before
+        ("ABAB", "ABA"),
+        ("AB<CB", "CA"),  # what was undone does not come back
+        ("ABC<<D", "A"),
+        ("ABC<B<", ""),
+        ("AB<B", "A"),
+        ("AAB", "A"),
+    ],
+)
+def test_undo_takes_back_the_last_change_and_then_the_one_before(tmp_path, stamp, saved, undone):
+    store = Store(tmp_path / "mine.yaml", stamp)
+    for letter in saved:
+        if letter == "<":
+            store.undo()
+        else:
+            store.save(letter.encode(), over=store.read())
+    assert [store.undo() and store.read() for _ in undone] == [each.encode() for each in undone]
+    with pytest.raises(ProfileError, match="nothing to undo"):
+        store.undo()
+
+
+def test_a_broken_note_of_what_was_undone_is_no_obstacle(tmp_path, stamp):
+    store = make(tmp_path, stamp, 2)
+    store.undo()
+    (tmp_path / ".history" / "mine" / "undone.json").write_text("[" * 9000)
+    store.undo()
+    assert store.read() in (b"0", b"2")
+
+
 def test_undo_goes_back_step_by_step_and_loses_nothing(tmp_path, stamp):
     store = make(tmp_path, stamp, 3)
     assert [store.undo() and store.read() for _ in range(3)] == [b"2", b"1", b"0"]
