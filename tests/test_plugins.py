@@ -1,12 +1,14 @@
 """Methods and sources of other packages: the two examples, and packages that are wrong."""
 
 import json
+import math
 import os
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from neurotouch_hid import Driver, DriverOptions, open_gel
@@ -39,6 +41,12 @@ class FlatContacts(NoReset):
     def reset(self): ...
     def update(self, t_us, *_):
         return replace(no_gesture(t_us), contacts_mm=np.zeros(2))
+
+class Told(NoReset):
+    change = {}
+    def reset(self): ...
+    def update(self, t_us, *_):
+        return replace(no_gesture(t_us), **self.change)
 
 class Unready:
     name, rig, is_live, is_simulated = "unready", None, False, True
@@ -198,6 +206,37 @@ def test_what_is_wrong_in_a_package_is_said_in_one_sentence(installed, points, a
     assert done.returncode == 1
     assert sentence in done.stderr
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"kind": "push"}, "returned the kind 'push'"),
+        ({"t_us": 0}, "returned the time 0"),
+        ({"contacts_mm": [(0.0, 0.0)]}, "contacts of the types list and float64"),
+        ({"contacts_mm": np.zeros((1, 2))}, "contacts of the shapes (1, 2) (mm) and (0, 2) (px)"),
+        ({"contacts_mm": np.full((0, 2), 0)}, "contacts of the types int64 and float64"),
+        ({"intensity_mm": "7 mm"}, "returned '7 mm' as intensity_mm"),
+        ({"intensity_mm": -1.0}, "returned -1.0 as intensity_mm"),
+        ({"intensity_mm": math.nan}, "returned nan as intensity_mm"),
+        ({"confidence": 1.5}, "returned 1.5 as confidence"),
+        ({"scale": None}, "returned None as scale"),
+        ({"translation_mm": None}, "returned None as translation_mm"),
+        ({"translation_mm": (0.0, 0.0, 0.0)}, "as translation_mm"),
+        ({"translation_mm": (0.0, math.nan)}, "as translation_mm"),
+    ],
+)
+def test_a_wrong_value_in_a_gesture_is_named(installed, monkeypatch, change, sentence):
+    folder = installed("wrong", WRONG, {"neurotouch.methods": {"bad": "wrong:Told"}})
+    monkeypatch.syspath_prepend(folder)
+    sys.modules.pop("wrong", None)
+    method = make_method(GestureConfig(method="bad"))
+    sys.modules["wrong"].Told.change = change
+    with pytest.raises(PluginError) as caught:
+        method.update(4_000, 4_000, None, None, None, None)
+    assert caught.value.message.startswith("The method 'bad' returned ")
+    assert sentence in caught.value.message
+    assert "must be" in caught.value.hint
 
 
 FAILING = [

@@ -1,7 +1,9 @@
 """Interface of methods, and ``make_method``, which finds one by its name."""
 
 import math
-from typing import Final, Protocol
+from collections.abc import Iterator
+from numbers import Real
+from typing import Any, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +11,7 @@ from numpy.typing import NDArray
 from neurotouch_hid.errors import PluginError
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.gesture.config import GestureConfig
-from neurotouch_hid.messages import Gesture
+from neurotouch_hid.messages import Gesture, GestureKind
 from neurotouch_hid.plugins import METHODS, Plugin, check_call, find_plugin, list_plugins
 
 BUILT_IN: Final = ("neurotouch", "paper")
@@ -77,6 +79,12 @@ def make_method(config: GestureConfig) -> GestureMethod:
 
 
 _UPDATE: Final = ("t_us", "step_us", "rest_px", "moved_px", "use", "rig")
+_RANGES: Final = (
+    ("intensity_mm", 0.0, math.inf),
+    ("rotation_rad", -math.inf, math.inf),
+    ("scale", 0.0, math.inf),
+    ("confidence", 0.0, 1.0),
+)
 
 
 class _Checked:
@@ -111,20 +119,40 @@ class _Checked:
                 f"The method '{self._name}' returned {type(gesture).__name__}, not a Gesture.",
                 hint="Return neurotouch_hid.messages.Gesture, or no_gesture(t_us).",
             )
-        shape = np.shape(gesture.contacts_mm)
-        if len(shape) != 2 or shape[1] != 2 or np.shape(gesture.contacts_px) != shape:
-            raise PluginError(
-                f"The method '{self._name}' returned contacts of the shapes {shape} (mm) and "
-                f"{np.shape(gesture.contacts_px)} (px).",
-                hint="Both must be (K, 2), for K contacts.",
-            )
-        if not math.isfinite(gesture.intensity_mm):
-            raise PluginError(
-                f"The method '{self._name}' returned an intensity of {gesture.intensity_mm} mm.",
-                hint="It must be a number.",
-            )
+        mistake = next(_find_mistakes(gesture, t_us), None)
+        if mistake is not None:
+            what, must = mistake
+            raise PluginError(f"The method '{self._name}' returned {what}.", hint=f"{must}.")
         return gesture
 
     def reset(self) -> None:
         with self._plugin.running():
             self._method.reset()
+
+
+def _find_mistakes(gesture: Any, t_us: int) -> Iterator[tuple[str, str]]:
+    """Gives what is wrong in a gesture of another package, and how it must be."""
+    if not isinstance(gesture.kind, GestureKind):
+        yield f"the kind {gesture.kind!r}", "It must be a GestureKind, for example GestureKind.PUSH"
+    if gesture.t_us != t_us:
+        yield f"the time {gesture.t_us}", f"It must be the t_us that was given, {t_us} here"
+    points = gesture.contacts_mm, gesture.contacts_px
+    if not all(isinstance(each, np.ndarray) and each.dtype.kind == "f" for each in points):
+        types = " and ".join(str(getattr(each, "dtype", type(each).__name__)) for each in points)
+        yield f"contacts of the types {types}", "Both must be arrays of float64"
+    elif len(shape := points[0].shape) != 2 or shape[1] != 2 or points[1].shape != shape:
+        shapes = f"contacts of the shapes {shape} (mm) and {points[1].shape} (px)"
+        yield shapes, "Both must be (K, 2), for K contacts"
+    elif not all(np.isfinite(each).all() for each in points):
+        yield "a contact that is no number", "Contacts must be finite"
+    for name, least, most in _RANGES:
+        value = getattr(gesture, name)
+        if not _is_finite(value) or not least <= value <= most:
+            yield f"{value!r} as {name}", f"It must be a number from {least:g} to {most:g}"
+    pair = gesture.translation_mm
+    if not isinstance(pair, tuple) or len(pair) != 2 or not all(map(_is_finite, pair)):
+        yield f"{pair!r} as translation_mm", "It must be two numbers, (x, y)"
+
+
+def _is_finite(value: object) -> bool:
+    return isinstance(value, Real) and math.isfinite(value)
