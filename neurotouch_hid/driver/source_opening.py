@@ -36,6 +36,11 @@ def open_driver_source(options: DriverOptions) -> Source:
 
 
 def describe_source(source: Source) -> str:
-    """Returns the name of a source, and why nothing comes from it."""
-    trouble = source.trouble if isinstance(source, Troubled) else ""
-    return f"{source.name}. {trouble}" if trouble else source.name
+    """Returns the name of a source, how often it failed, and why nothing comes from it."""
+    said = source.name
+    if isinstance(source, Troubled):
+        if source.n_restarts:
+            said += f", restarts because its data made no sense: {source.n_restarts}"
+        if source.trouble:
+            said += f". {source.trouble}"
+    return said

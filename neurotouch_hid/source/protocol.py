@@ -78,6 +78,11 @@ class Troubled(Protocol):
         """The reason why no packets come, in a sentence; empty while they come."""
         ...
 
+    @property
+    def n_restarts(self) -> int:
+        """Times it was started again because its data made no sense."""
+        ...
+
 
 @runtime_checkable
 class PolledSource(Source, Protocol):

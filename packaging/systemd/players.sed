@@ -3,8 +3,7 @@ s/^Description=.*/&, player %i/
 s/^\(Runtime\|State\)Directory=.*/&-%i/
 s/^Environment=XDG_CONFIG_HOME=.*/& NEUROTOUCH_PLAYER=%i/
 s/^# Started by the camera's udev rule.*/# Started with the machine once it is enabled; it waits for its camera./
-# Before systemd 253 all players share one right to /dev/uinput, which the first one to be ready gives
-# back. And what one has compiled the next one finds.
+# What one has compiled the next one finds.
 s/^StartLimitIntervalSec=0/&\nAfter=neurotouch.service/
 $a\
 \

@@ -10,7 +10,7 @@ import subprocess
 import time
 
 import pytest
-from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera, Identity
+from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera, Fault, Identity
 
 from tests.cli.test_record import LIMIT_S, wait_for_size
 from tests.emulator.stage import SCENE, finish, plug_in, run, start
@@ -23,9 +23,10 @@ pytestmark = pytest.mark.filterwarnings("ignore:DynamicImporter:ImportWarning") 
 def plug(tmp_path):
     cables = []
 
-    def plug(**identity):
+    def plug(*faults, **identity):
         config = CameraConfig(identity=Identity(**identity), unpaced=True, await_reset=True)
-        cables.append(plug_in(EmulatedCamera(SCENE, config)))
+        faults = [Fault.parse(fault) for fault in faults]
+        cables.append(plug_in(EmulatedCamera(SCENE, config, faults)))
         return cables[-1]
 
     yield plug
@@ -75,6 +76,20 @@ def test_record(plug, monkeypatch, tmp_path):
     assert (said["events"], said["frames"]) == (events, frames)
     assert said["lost_before"] == said["lost_here"] == 0
     assert count(path) == count_with_the_maker(path) == (events, frames)
+
+
+def test_a_recording_of_a_stream_out_of_step_is_not_ok(plug, monkeypatch, tmp_path):
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path))
+    path = tmp_path / "a.aedat4"
+    arguments = ("record", str(path), "--source", "davis:", "--seconds", "4", "--json")
+    process = start(plug("missing+9"), "-m", "neurotouch_hid", *arguments)
+    said, errors = process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 0, errors
+    assert errors.count("the camera is started again") == 1
+    said = json.loads(said)
+    assert said["status"] == "WARNING"
+    assert said["lost_before"] >= 1
+    assert 4.0 <= said["seconds"] < 10.0  # of the true clock
 
 
 def wait_for_count(path, expected):

@@ -2,6 +2,8 @@
 
 import ast
 import json
+import os
+import pty
 import subprocess
 import sys
 from pathlib import Path
@@ -20,13 +22,12 @@ from neurotouch_hid.printable import make_lines_printable, make_printable
 EVIL = "\x1b]0;owned\a\x1b[8m\u202e\x9b2K\x7f\udc80"
 CLI = Path(neurotouch_hid.__file__).with_name("cli")
 RAW = {
-    "ui/output.py": 4,  # the one place
+    "ui/output.py": 5,  # the one place
     "main.py": 4,  # before any command is imported
     "shared/send_without_click.py": 4,  # without click; errors and client made it printable
     "monitor.py": 1,  # these three draw over their own last lines
     "record.py": 3,
     "doctor.py": 2,  # a script, and a word in colour
-    "profile/sharing.py": 1,  # a file, byte by byte
     "schema.py": 1,  # files of the program
     "completion.py": 1,
 }
@@ -63,6 +64,26 @@ def show(function, *arguments, **more) -> str:
 def test_what_steers_a_terminal_is_taken_out(said):
     assert "owned" in said
     assert all(line.isprintable() for line in said.rstrip("\n").split("\n"))
+
+
+def test_a_file_goes_byte_by_byte_into_a_pipe_and_printable_to_a_terminal(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    profile = tmp_path / "neurotouch/profiles/evil.yaml"
+    profile.parent.mkdir(parents=True)
+    text = (
+        "version: 1\nname: evil  # owned \u202e\u2066\u061c\n"
+        "bindings:\n  - {when: pinch, do: {button: a}}\n"
+    )
+    profile.write_text(text)
+    export = [sys.executable, "-m", "neurotouch_hid", "profile", "export", "evil"]
+    assert subprocess.run(export, capture_output=True, check=True).stdout.decode() == text
+    terminal, inside = pty.openpty()
+    subprocess.run(export, stdout=inside, check=True)
+    os.close(inside)
+    shown = os.read(terminal, 4096).decode()
+    os.close(terminal)
+    assert shown.splitlines() == make_lines_printable(text).splitlines()
+    assert "owned ���" in shown
 
 
 @given(st.text())

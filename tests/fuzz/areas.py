@@ -5,6 +5,7 @@ from typing import Final
 from neurotouch_hid.errors import DriverError, ProfileError
 from tests.fuzz import control_socket, page_messages, profiles
 from tests.fuzz.area import Area
+from tests.fuzz.camera_words import CAMERA_WORDS
 from tests.fuzz.recordings import RECORDINGS
 from tests.fuzz.texts import CAMERAS, DRIVERS, IDENTITIES, LABELS, RIGS, SERVICES, USERS
 
@@ -16,7 +17,8 @@ FILES: Final[dict[str, Area]] = {
     "users": USERS,
     "drivers": DRIVERS,
     "services": SERVICES,
-    "cameras": CAMERAS,
+    "camera_settings": CAMERAS,
+    "camera": CAMERA_WORDS,
 }
 """Each case of them is right, or ends in the area's refusal."""
 

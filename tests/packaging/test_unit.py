@@ -1,6 +1,8 @@
 """The service's unit, as systemd reads it."""
 
+import os
 import re
+import shlex
 import shutil
 import subprocess
 from pathlib import Path
@@ -134,13 +136,72 @@ def test_nobody_gets_uinput_by_a_group():
     assert "Group=" not in text
 
 
-def test_a_right_that_is_lent_is_taken_back():
-    for path in DROP_INS:
-        text = path.read_text()
-        for lent in re.findall(r"setfacl -m (u:\w+):rw (\S+)", text):
-            back = f"setfacl -x {' '.join(lent)}"
-            assert f"ExecStartPost=+-{back}" in text, path.name
-            assert f"ExecStopPost=+-{back}" in text, path.name
+LENDING = [path for path in DROP_INS if "setfacl -m" in path.read_text()]
+FAKE_SETFACL = """#!/bin/sh
+case "$1" in -m) touch "$3";; -x) rm "$3";; esac
+"""
+
+
+class Lent:
+    """Runs the commands around the starts of players as systemd does, with files of its own."""
+
+    def __init__(self, drop_in: Path, folder: Path) -> None:
+        (folder / "dev").mkdir()
+        (folder / "run").mkdir()
+        (folder / "setfacl").write_text(FAKE_SETFACL)
+        (folder / "setfacl").chmod(0o755)
+        self.folder = folder
+        (self.node,) = set(
+            re.findall(r"/dev/(u\w+)", "".join(re.findall(".*setfacl.*", drop_in.read_text())))
+        )
+        self.lines = re.findall(r"^Exec(\w+)=\+-?(.*setfacl.*)$", drop_in.read_text(), re.MULTILINE)
+
+    def run(self, phase: str, player: str) -> None:
+        (line,) = (line for name, line in self.lines if name == phase)
+        line = line.replace("%n", f"neurotouch{player}.service")
+        line = line.replace("/run/", f"{self.folder}/run/").replace(
+            "/dev/u", f"{self.folder}/dev/u"
+        )
+        path = f"{self.folder}:{os.environ['PATH']}"
+        done = subprocess.run(
+            shlex.split(line), env={"PATH": path}, capture_output=True, text=True, check=True
+        )
+        assert done.stdout + done.stderr == ""
+
+    @property
+    def may_open(self) -> bool:
+        return (self.folder / "dev" / self.node).exists()
+
+
+@pytest.mark.parametrize("drop_in", LENDING, ids=lambda path: path.name)
+def test_a_right_that_is_lent_is_taken_back(tmp_path, drop_in):
+    lent = Lent(drop_in, tmp_path)
+    lent.run("StartPre", "")
+    assert lent.may_open
+    lent.run("StartPost", "")
+    assert not lent.may_open
+    lent.run("StopPost", "")
+    assert not lent.may_open
+    lent.run("StartPre", "")  # a start that fails
+    lent.run("StopPost", "")
+    assert not lent.may_open
+    assert list((tmp_path / "run").iterdir()) == [tmp_path / f"run/neurotouch-{lent.node}.lock"]
+
+
+@pytest.mark.parametrize("drop_in", LENDING, ids=lambda path: path.name)
+def test_players_that_start_at_once_do_not_take_the_right_from_each_other(tmp_path, drop_in):
+    lent = Lent(drop_in, tmp_path)
+    lent.run("StartPre", "@2")
+    lent.run("StartPre", "@3")
+    lent.run("StartPost", "@2")
+    assert lent.may_open
+    lent.run("StopPost", "@2")
+    assert lent.may_open
+    lent.run("StartPre", "@2")
+    lent.run("StartPost", "@3")
+    assert lent.may_open
+    lent.run("StartPost", "@2")
+    assert not lent.may_open
 
 
 def test_descriptors_are_handed_over_by_the_name_that_is_asked_for():

@@ -131,3 +131,11 @@ def play(open_page, alone):
         return page, driver
 
     return open_one
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory) -> Iterator[View]:
+    """A server that only looks on, with no driver."""
+    running = View(tmp_path_factory.mktemp("server"))
+    yield running
+    running.end()

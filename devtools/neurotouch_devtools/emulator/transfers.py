@@ -1,9 +1,12 @@
 """Endpoint 0x82: bulk transfers with the stream, and their faults."""
 
+import numpy as np
+
 from neurotouch_devtools.emulator.camera import EmulatedCamera
 from neurotouch_devtools.emulator.faults import FaultError, FaultKind, Stage
 
 _END_TRANSFER = frozenset({FaultKind.UNPLUG, FaultKind.TIMEOUT, FaultKind.LOST, FaultKind.PROTOCOL})
+_GARBAGE_SEED = 1
 _ROW_CODE, _CODE_MASK = 0x10, 0xF0
 """Bit in the high byte of a word."""
 
@@ -18,6 +21,7 @@ class DataEndpoint:
     def __init__(self, camera: EmulatedCamera) -> None:
         self._camera = camera
         self._halted = False
+        self._random = np.random.default_rng(_GARBAGE_SEED)
 
     def answer(self, length: int) -> bytes | None:
         """Returns the data of a transfer of ``length`` bytes, or None while there is none.
@@ -44,6 +48,10 @@ class DataEndpoint:
             n_bytes = _cut_after_row(data) if kind is FaultKind.SHORT else (len(data) - 1) | 1
             self._camera.put_back(data[n_bytes:])
             return data[:n_bytes]
+        if kind is FaultKind.MISSING:
+            return data[1:]
+        if kind is FaultKind.GARBAGE:
+            return self._random.bytes(len(data))
         self._camera.disturb(kind)
         return data
 

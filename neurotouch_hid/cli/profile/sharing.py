@@ -9,6 +9,7 @@ from neurotouch_hid.cli.ui.completing import complete_profile
 from neurotouch_hid.cli.ui.outcome import Outcome, confirm, show_faults
 from neurotouch_hid.cli.ui.output import (
     echo,
+    echo_file,
     json_option,
     make_stamp,
     plain_option,
@@ -76,7 +77,7 @@ def export(
         print_json({"status": "OK", "files": written, "content": content, "notes": list(notes)})
         return
     if output is None:
-        click.echo(shared.text, nl=False)
+        echo_file(shared.text)
     for target in files:
         echo(f"OK Saved {target}", err=True)
     for note in notes:

@@ -27,6 +27,14 @@ def echo(text: str, *, err: bool = False, nl: bool = True) -> None:
     click.echo(make_lines_printable(text), err=err, nl=nl)
 
 
+def echo_file(text: str) -> None:
+    """Prints the text of a file: as it is into a file or pipe, on a terminal as ``echo`` does."""
+    if sys.stdout.isatty():
+        echo(text, nl=False)
+    else:
+        click.echo(text, nl=False)
+
+
 def plain_option(command: Command) -> Command:
     """Adds ``--plain``, which gives the command its ``plain`` argument."""
     return click.option(

@@ -38,6 +38,16 @@ class DecoderStats:
     resets: int = 0
     bad_frames: int = 0
 
+    @property
+    def n_impossible(self) -> int:
+        """Words that no camera sends, whatever else was lost."""
+        return self.bad_rows + self.bad_columns + self.unknown
+
+    @property
+    def n_lost(self) -> int:
+        """Signs that events are lost, or have wrong times."""
+        return self.bad_rows + self.bad_columns + self.orphans + self.backward + self.resets
+
 
 class Decoder:
     """Decodes one camera's stream; any cut of the bytes gives the same result.
@@ -72,11 +82,6 @@ class Decoder:
     def now_us(self) -> int:
         """The time of the last word; all later events are not older."""
         return int(self._state["now_us"][0])
-
-    @property
-    def n_resets(self) -> int:
-        """Times the camera's clock started again after the start."""
-        return int(self._counters["resets"][0])
 
     def stats(self) -> DecoderStats:
         """Returns counts of malformed data so far."""

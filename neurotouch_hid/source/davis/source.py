@@ -18,6 +18,7 @@ from neurotouch_hid.source.davis.decoder import Decoder, DecoderStats
 from neurotouch_hid.source.davis.enumeration import CameraAbsentError, CameraInfo
 from neurotouch_hid.source.davis.packet_queue import PacketQueue
 from neurotouch_hid.source.davis.stream import Stream
+from neurotouch_hid.source.davis.stream_check import OutOfStepError
 from neurotouch_hid.source.davis.transport import CameraGoneError, Transport
 from neurotouch_hid.source.davis.usb import Usb, Watch
 from neurotouch_hid.source.idle import IdleMerger
@@ -59,6 +60,7 @@ class DavisStats:
         n_connects: times it was opened.
         n_faults: transfers that failed.
         n_dropped: events that the camera itself dropped.
+        n_restarts: times it was started again because its data made no sense.
         trouble: why it does not stream, or an empty string.
         decoder: counts of malformed data since it was last opened.
     """
@@ -68,6 +70,7 @@ class DavisStats:
     n_connects: int = 0
     n_faults: int = 0
     n_dropped: int = 0
+    n_restarts: int = 0
     trouble: str = ""
     decoder: DecoderStats = field(default_factory=DecoderStats)
 
@@ -126,7 +129,7 @@ class DavisSource(Closing):
         self._trouble = ""
         self._away = False
         self._vanished = False
-        self._n_connects = 0
+        self._n_connects = self._n_restarts = 0
         self._camera = None if wait else self._connect()
         Decoder().decode(_ANY_WORD)  # compiles or loads; a refusal comes before it
         self.name = f"davis:{self._serial}"
@@ -162,6 +165,11 @@ class DavisSource(Closing):
         """The reason why it does not stream, in a sentence; empty while it does."""
         return self._trouble
 
+    @property
+    def n_restarts(self) -> int:
+        """Times it was started again because its data made no sense."""
+        return self._n_restarts
+
     def stats(self) -> DavisStats:
         """Returns counts of what happened so far."""
         stream = self._stream
@@ -171,6 +179,7 @@ class DavisSource(Closing):
             self._n_connects,
             stream.n_faults if stream else 0,
             stream.n_dropped if stream else 0,
+            self._n_restarts,
             self._trouble,
             stream.stats() if stream else DecoderStats(),
         )
@@ -259,5 +268,6 @@ class DavisSource(Closing):
         known, self._trouble = self._trouble, error.message
         was_away, self._away = self._away, isinstance(error, CameraGoneError | CameraAbsentError)
         self._vanished = isinstance(error, CameraGoneError)
+        self._n_restarts += isinstance(error, OutOfStepError)
         if error.message != known and not (was_away and self._away):
             log.warning("%s The gamepad works again as soon as the camera does.", error.message)

@@ -12,6 +12,7 @@ from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.source.davis.camera import Camera
 from neurotouch_hid.source.davis.config import DavisConfig
 from neurotouch_hid.source.davis.decoder import Decoder, DecoderStats
+from neurotouch_hid.source.davis.stream_check import StreamCheck
 from neurotouch_hid.source.davis.transport import CameraGoneError, StreamHaltedError
 from neurotouch_hid.source.partial import SHORTEST_US
 from neurotouch_hid.source.slicer import Slicer
@@ -87,9 +88,10 @@ class Stream:
         layout = camera.layout._replace(mirrored=config.mirrored)
         self._decoder = Decoder(layout, origin_us=self.end_us)
         self._slicer = Slicer(slice_us, self.end_us)
+        self._stream_check = StreamCheck(self.end_us, self._begun_s)
         self._is_idle = False
         self._paced_s = self._retry_s = 0.0
-        self._n_resets = 0
+        self._n_lost = 0
         self._partial_us = -1
         self._faults_s: deque[float] = deque(maxlen=MAX_FAULTS)
         self._stalls_s: deque[float] = deque(maxlen=MAX_STALLS)
@@ -102,7 +104,7 @@ class Stream:
         """Plays until ``closing``.
 
         Raises:
-            CameraError: the camera is gone, or has failed.
+            CameraError: the camera is gone, or has failed, or its stream is out of step.
         """
         asked_s = rest_until_s = self._begun_s
         while not closing.is_set():
@@ -177,7 +179,7 @@ class Stream:
             n = self._chunks.index(b"") if b"" in self._chunks else len(self._chunks)
             if n:
                 self.heard_s = now_s
-                self._decode(b"".join(self._chunks[:n]))
+                self._decode(b"".join(self._chunks[:n]), now_s)
             if n < len(self._chunks):
                 self._decoder.forget()
                 self._gap += 1
@@ -185,14 +187,15 @@ class Stream:
                 self._faults_s.append(now_s)
             del self._chunks[: n + 1]
 
-    def _decode(self, data: bytes) -> None:
+    def _decode(self, data: bytes, now_s: float) -> None:
         events, frames = self._decoder.decode(data)
-        n_resets = self._decoder.n_resets
-        self._gap += n_resets - self._n_resets
-        self._n_resets = n_resets
+        stats, now_us = self._decoder.stats(), self._decoder.now_us
+        self._stream_check.check(len(data) // 2, stats.n_impossible, now_us, now_s)
+        self._gap += stats.n_lost - self._n_lost
+        self._n_lost = stats.n_lost
         for packet in self._slicer.push(events, frames):
             self._deliver(packet)
-        for packet in self._slicer.reach(self._decoder.now_us):
+        for packet in self._slicer.reach(now_us):
             self._deliver(packet)
 
     def _deliver(self, packet: EventPacket) -> None:

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from neurotouch_devtools.emulator import Fault, Identity
 
+from neurotouch_hid.driver.source_opening import describe_source
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 from neurotouch_hid.source.davis import DavisSource
 from tests.source.davis.cable import Cable, Clock, emulate
@@ -183,16 +184,34 @@ def assert_end_is_there(packets, scene):
         assert np.array_equal(found[name][-len(given) :], given[name])
 
 
-def test_the_clock_jumps_over_what_31_bits_hold():
+@pytest.mark.parametrize(
+    ("fault", "reason"),
+    [
+        ("missing+9", "The camera's "),  # which sign comes first depends on the words
+        ("garbage+9", "The camera's clock jumped ahead by "),
+        ("wrap+9", "The camera's clock jumped ahead by 2147 s, so its data is out of step; "),
+    ],
+)
+def test_a_stream_out_of_step_is_noticed_and_started_again(fault, reason, caplog):
     scene = make_scene()
-    packets, stats = play(see(scene, [Fault.parse("wrap+9")]))
-    assert_sound(packets[:1])
-    t = gather(packets)["t"]
-    assert (np.diff(t) >= 0).all()
-    assert t[-1] > 2**31
-    assert len(t) == len(gather(scene))
-    assert len(packets) < 2_000  # no millions of empty slices
-    assert stats.n_connects == 1
+    packets = []
+    with open_cable(Cable(see(scene, [Fault.parse(fault)]), CLOCK.step)) as source:
+        for _ in play_scene(source, packets):
+            if is_over(packets) and source.stats().n_connects > 1:
+                break
+        stats, described = source.stats(), describe_source(source)
+    assert_sound(packets)
+    assert (stats.n_connects, stats.n_restarts, stats.trouble) == (2, 1, "")
+    assert described == "davis:00000001, restarts because its data made no sense: 1"
+    assert sum(packet.gap for packet in packets) >= 1
+    assert_end_is_there(packets, scene)
+    assert packets[-1].t_end_us < 60_000_000  # nobody believed the wrong clock
+    said, plays = (record.getMessage() for record in caplog.records)
+    assert said.startswith(reason)
+    assert said.endswith(
+        "the camera is started again. The gamepad works again as soon as the camera does."
+    )
+    assert plays == "The camera 00000001 plays."
 
 
 def test_what_the_camera_drops_is_a_gap_within_a_second():

@@ -70,6 +70,62 @@ def test_a_push_is_felt_through_the_camera_and_again_after_it_was_pulled_out(pus
     assert player.pad.states[-1].is_neutral
 
 
+class Slipping(Cable):
+    """``slip`` lets one byte of the stream get lost."""
+
+    slips = False
+
+    def slip(self):
+        self.slips = True
+
+    def queue(self, receive):
+        super().queue(lambda data: receive(self.cut(data)))
+
+    def cut(self, data):
+        slips, self.slips = self.slips and bool(data), self.slips and not data
+        return data[1:] if slips else data
+
+
+def test_a_push_is_released_while_the_stream_is_out_of_step_and_felt_again_after_it(push):
+    pipeline = Pipeline.build(load_profile("spacecraft"), GestureConfig())
+    warm_up(Pipeline.build(load_profile("spacecraft"), GestureConfig()))
+    cable, pad, stop, seen = Slipping(emulate(push.packets)), MemoryDevice(), threading.Event(), []
+    began_s, slipped = time.monotonic(), []
+
+    def look(step):
+        seen.append(step)
+        if not slipped and len(seen) > 100 and Player.pushed(seen[-20:]):
+            slipped.append(len(seen))
+            cable.slip()
+
+    with DavisSource(cameras=cable, max_delay_us=60_000_000) as source:
+
+        def turned():
+            """The scene begins again only once the driver has noticed and let go."""
+            if cable.camera is None:
+                cable.plug(emulate(push.packets))
+            elif source.n_restarts and pad.states[-1].is_neutral and cable.n_plugs == 1:
+                cable.unplug()
+            over = cable.n_plugs == 2 and cable.camera is not None and cable.camera.ended
+            if over or time.monotonic() - began_s > PATIENCE_S:
+                stop.set()
+
+        run_pipeline(source, pipeline, pad, [look], stop=stop, on_round=turned)
+        assert source.n_restarts == 1
+    before, after = seen[: slipped[0]], seen[slipped[0] :]
+    assert not before[-1].pad.is_neutral
+    back = next(
+        k
+        for k, step in enumerate(after)
+        if step.packet.t_begin_us > before[-1].packet.t_end_us + 200_000
+    )
+    assert after[back].packet.gap
+    assert after[back].packet.t_end_us - before[-1].packet.t_end_us < 60_000_000
+    assert sum(len(step.packet.events) for step in after[:back]) < 10_000
+    assert [step.gesture.kind for step in after[back:]].count(GestureKind.PUSH) > 50
+    assert pad.states[-1].is_neutral
+
+
 def test_few_frames_come_while_nothing_happens_and_all_of_them_when_it_is_touched(push):
     rest = load_scene("rest", 10_000, 2_500_000).packets
     touched = (shift_packet(packet, 2_500_000) for packet in push.packets)
