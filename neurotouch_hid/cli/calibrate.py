@@ -14,9 +14,9 @@ from neurotouch_hid.cli.ui.options import (
     speed_option,
 )
 from neurotouch_hid.cli.ui.output import json_option, plain_option
-from neurotouch_hid.errors import DriverError, NeuroTouchError
+from neurotouch_hid.errors import DriverError, NeuroTouchError, SourceError
 from neurotouch_hid.profile.schema import MOVEMENTS
-from neurotouch_hid.vocabulary import RUNNING_DRIVER
+from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_kind
 
 if TYPE_CHECKING:
     from neurotouch_hid.cli.ui.keyboard import Keyboard
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 _KEYS = "Enter = next, S = I cannot do this, B = back, R = begin again, Q = stop and save nothing."
 
+_REHEARSE = "To rehearse it: neurotouch demo --mouse, and in another terminal: neurotouch calibrate"
 _KEPT = "What you did is kept. The next 'neurotouch calibrate' continues there."
 
 
@@ -78,11 +79,10 @@ def command(
     'neurotouch demo --mouse', to rehearse it.
     """
     from neurotouch_hid.client import is_driver_running
-    from neurotouch_hid.source.check import check_source
 
     source = source or (RUNNING_DRIVER if is_driver_running() else "davis:")
     if not undo:
-        check_source(source)
+        _check(source)
     from neurotouch_hid.cli.calibrate_result import (
         conclude,
         relieve_weak_sides,
@@ -126,6 +126,19 @@ def command(
             kept.forget()
         if is_saved and not as_json:
             relieve_weak_sides(session, None if yes else keyboard, plain=plain)
+
+
+def _check(source: str) -> None:
+    """Checks the source; without a camera, the hint says how to rehearse."""
+    from neurotouch_hid.source.check import check_source
+
+    try:
+        check_source(source)
+    except SourceError as error:
+        if find_source_kind(source) is SourceKind.RECORDING:
+            raise
+        hint = f"{error.hint}\n{_REHEARSE}" if error.hint else _REHEARSE
+        raise type(error)(error.message, hint=hint) from error
 
 
 @contextmanager

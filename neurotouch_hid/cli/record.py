@@ -89,6 +89,8 @@ def command(
 
     if source is not None:
         check_source(source)
+    else:
+        _require_driver_or_camera()
     from neurotouch_hid.recording import Recorder, RecordingWriter
 
     _require_place(out, source, force=force)
@@ -119,6 +121,16 @@ def command(
                 hint="Is the camera plugged in? Check: neurotouch doctor",
             )
         _tell(opened.name, out, stats, fault, mark, as_json=as_json)
+
+
+def _require_driver_or_camera() -> None:
+    from neurotouch_hid.client import ask
+    from neurotouch_hid.source.check import check_source
+
+    try:
+        ask("status")
+    except NotRunningError:
+        check_source("davis:")
 
 
 def _require_place(out: Path, source: str | None, *, force: bool) -> None:
