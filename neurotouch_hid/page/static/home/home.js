@@ -332,6 +332,7 @@ const calibration = makeCalibration(find, (text) =>
   page.send({ do: "answer", what: "calibrate", text }));
 find("measure").addEventListener("click", () => {
   calibration.begin();
+  find("answers").querySelector("button").focus(); // the button that had the focus is gone
   page.send({ do: "start", what: "calibrate" });
   showStart();
 });
