@@ -67,7 +67,7 @@ def _wait(reached: Reached) -> Reached:
 def _name_all(reached: Iterable[Reached], command: str) -> list[str]:
     """Returns what to write before the answer of each driver, so that nobody mistakes it.
 
-    A single one needs no name, but whoever calls panic must read whom it has reached.
+    A single one needs no name, but a person who calls panic must read whom it has reached.
     """
     rows = [(each.player, each.name) for each in reached]
     players, names = {player for player, _ in rows}, {name for _, name in rows}
