@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 _KEYS = "Enter = next, S = I cannot do this, B = back, R = begin again, Q = stop and save nothing."
 
 _REHEARSE = "To rehearse it: neurotouch demo --mouse, and in another terminal: neurotouch calibrate"
-_KEPT = "What you did is kept. The next 'neurotouch calibrate' continues there."
+_KEPT = "What you did is kept. The next calibration continues there."
 
 
 @click.command(
@@ -256,8 +256,8 @@ def _press(session: "CalibrationSession", key: str, voice: "Voice", *, warned: b
         case "" if session.missing and not warned:
             made = LEAST_PEAKS - session.missing
             voice.say(
-                f"{made} of {LEAST_PEAKS} so far. Make it again; or press Enter once more to leave "
-                "it as it was; or S if you cannot do this."
+                f"{made} of {LEAST_PEAKS} so far. Make it again. To leave it as it was, go to the "
+                "next one once more."
             )
             return True
         case "":

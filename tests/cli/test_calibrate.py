@@ -348,7 +348,7 @@ def test_input_that_ends_in_the_middle_loses_nothing(home):
     done = launch("-m", "neurotouch_hid", "calibrate", "--source", "sim:rest", answers="\n\n")
     assert done.stdout.splitlines()[-2:] == [
         "Nothing was saved.",
-        "What you did is kept. The next 'neurotouch calibrate' continues there.",
+        "What you did is kept. The next calibration continues there.",
     ]
     done = launch("-m", "neurotouch_hid", "calibrate", "--source", "sim:rest", answers="q\n")
     assert "You have done 2 of 10 steps before. It continues." in done.stdout

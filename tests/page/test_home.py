@@ -205,12 +205,17 @@ def test_a_measurement_continues_after_the_driver_has_ended(alone, open_page):
     page.click("#start-mouse")
     wait_for(page, "situation", "The mouse presses a simulated gel.")
     page.click("#measure")
+    page.locator("#measuring #gel").wait_for()  # beside the question
     for step in (1, 2, 3):
         wait_for(page, "request", f"{step} of 10")
-        page.click("[data-answer='']" if step < 3 else "[data-answer='s']")
+        page.click("[data-answer='']")
+    wait_for(page, "answer", "0 of 2 so far.")
+    assert "Enter" not in read(page, "answer")  # the page has a button for it
+    page.click("[data-answer='s']")
     wait_for(page, "request", "4 of 10")
     Driver.call(alone, "stop")
     wait_for(page, "request", "Ended. What you did is kept.")
+    page.locator("#start-gel #gel").wait_for(state="attached")
     page.click("#start-mouse")
     wait_for(page, "measure", "Continue measuring")
     page.click("#measure")
@@ -284,3 +289,22 @@ def test_a_page_that_only_shows_changes_and_starts_nothing(open_page, tmp_path):
         page.close()
     finally:
         view.end()
+
+
+def test_a_lost_connection_ends_the_questions_and_says_what_is_kept(play):
+    """Buttons that reach nobody would lose what a person does next."""
+    page, driver = play("")
+    page.wait_for_selector("#measure:not([disabled])")
+    page.click("#measure")
+    driver.tell(program={"name": "calibrate", "line": "Step 4 of 10. Push to the right."})
+    wait_for(page, "request", "4 of 10: Push to the right.")
+    driver.drop()
+    wait_for(page, "request", "The connection is lost. What you did is kept.")
+    assert not page.locator("#answers").is_visible()
+    wait_for(page, "driver-state", "Waiting for the driver")  # it has connected again
+    values = {"filter": "strong", "timing": "slow", "neutral": "resting", "fatigue": "auto"}
+    values["feedback.sound"] = "speech"
+    unfinished = {"hand": "", "simulated": "3 of 10 steps"}
+    driver.tell(own={"values": values, "unfinished": unfinished})
+    driver.show()
+    wait_for(page, "measure", "Continue measuring")

@@ -39,6 +39,13 @@ export function makeCalibration(find, answer) {
     nameButton();
   }
 
+  function lose() {
+    if (!runs) return;
+    end();
+    find("request").textContent = "The connection is lost. What you did is kept.";
+    find("answer").textContent = "";
+  }
+
   // The connection is new: a calibration that still runs is told right after this.
   function reset() {
     find("measuring").hidden = true;
@@ -103,5 +110,5 @@ export function makeCalibration(find, answer) {
     }
   }
 
-  return { begin, hear, reset, setUnfinished, get runs() { return runs; } };
+  return { begin, hear, lose, reset, setUnfinished, get runs() { return runs; } };
 }

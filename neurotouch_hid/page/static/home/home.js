@@ -86,12 +86,16 @@ const page = openPage(HZ, {
   },
   profiles: showProfiles,
   own(found) {
-    const { fault, values, unfinished } = found;
+    const { fault, values, unfinished = {} } = found;
     kept = unfinished;
     showRange();
     showOwn(values, mayEdit);
     page.notice("own", fault ? `${fault} Below, 'Mend my values' brings back what could be read.` : "");
     find("own-mend").hidden = !(fault && mayEdit);
+  },
+  lost: () => {
+    calibration.lose();
+    showStart();
   },
   saved(sentence, { n }) { if (sentence) say(places.get(n) || "saved", sentence); },
   refused() {
@@ -155,8 +159,16 @@ function showStart() {
   if (newest) begun = false;
   find("by-doing").hidden = !(newest && about && about.edit);
   find("by-doing").disabled = calibration.runs; // both listen to the same movements
+  placeGel();
   find("measure").disabled = !newest || !mayEdit || listener.waits;
   showRange();
+}
+
+// Beside the question that it answers: nobody scrolls between the two.
+function placeGel() {
+  const place = find(calibration.runs ? "measuring" : "start-gel");
+  const box = find("gel-box");
+  if (box.parentElement !== place) place.append(box);
 }
 
 function showRange() {
