@@ -26,6 +26,8 @@ from neurotouch_hid.players import (
 from neurotouch_hid.printable import make_value_printable
 from neurotouch_hid.status import Status, check_status, explain_missing
 
+NOT_RUNNING: Final = "No driver is running."
+
 LIMIT_BYTES: Final = 1024 * 1024
 """The longest question or answer: a person's settings, which are handed over whole."""
 
@@ -256,7 +258,7 @@ def _ask_at(folder: Path, question: bytes, patience_s: float) -> tuple[Reply, so
         ) from None
     except (FileNotFoundError, NotADirectoryError, ConnectionRefusedError):
         # Nobody is there: no socket, or one that its driver has left behind.
-        raise NotRunningError("No driver is running.", hint=explain_start()) from None
+        raise NotRunningError(NOT_RUNNING, hint=explain_start()) from None
     except TimeoutError:
         raise DriverError(
             "The driver does not answer.", hint="Is it still starting? Try again in a moment."

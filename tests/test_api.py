@@ -146,7 +146,7 @@ def test_no_option_of_a_driver_is_without_a_check():
         ("driver:2", SourceError, "'driver:2' is not a source", "Write driver: alone"),
         ("", SourceError, "The source is empty", "Give one of davis:"),
         (Path("no.aedat4"), RecordingError, "There is no file 'no.aedat4'", "Check the name"),
-        ("davis:", SourceError, "No DAVIS camera is plugged in", "choose the source sim:tour"),
+        ("davis:", SourceError, "No DAVIS camera is plugged in", "the source sim:tour"),
     ],
 )
 def test_a_source_that_cannot_be_opened_is_one_sentence(source, error, sentence, hint):

@@ -14,17 +14,24 @@ from neurotouch_hid.cli.ui.options import (
     speed_option,
 )
 from neurotouch_hid.cli.ui.output import json_option, plain_option
-from neurotouch_hid.errors import DriverError, NeuroTouchError
+from neurotouch_hid.errors import DriverError, NeuroTouchError, SourceError
 from neurotouch_hid.profile.schema import MOVEMENTS
-from neurotouch_hid.vocabulary import RUNNING_DRIVER
+from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_kind
 
 if TYPE_CHECKING:
     from neurotouch_hid.cli.ui.keyboard import Keyboard
     from neurotouch_hid.cli.ui.voice import Voice
     from neurotouch_hid.messages import Gesture
-    from neurotouch_hid.profile.calibration import CalibrationSession, Repetition
+    from neurotouch_hid.profile.calibration import (
+        CalibrationSession,
+        Repetition,
+        UnfinishedCalibration,
+    )
 
-_KEYS = "Enter = next, S = I cannot do this, B = back, Q = stop and save nothing."
+_KEYS = "Enter = next, S = I cannot do this, B = back, R = begin again, Q = stop and save nothing."
+
+_REHEARSE = "To rehearse it: neurotouch demo --mouse, and in another terminal: neurotouch calibrate"
+_KEPT = "What you did is kept. The next calibration continues there."
 
 
 @click.command(
@@ -64,24 +71,27 @@ def command(
 ) -> None:
     """Measure how far each movement comfortably goes, how much you tremble, and save it.
 
-    Nothing is timed: each step lasts until you press Enter. Full output will need 0.8 of a
-    comfortable movement. GESTURE: only these. With --json what you are asked goes to the standard
-    error, and nothing is saved without --yes.
+    Nothing is timed: each step lasts until you press Enter. If it ends in the middle, the next call
+    continues there. Full output will need 0.8 of a comfortable movement. GESTURE: only these. With
+    --json what you are asked goes to the standard error, and nothing is saved without --yes.
 
     A running driver is paused meanwhile, and what it sees is measured: also the mouse gel of
     'neurotouch demo --mouse', to rehearse it.
     """
     from neurotouch_hid.client import is_driver_running
-    from neurotouch_hid.source.check import check_source
 
     source = source or (RUNNING_DRIVER if is_driver_running() else "davis:")
     if not undo:
-        check_source(source)
-    from neurotouch_hid.cli.calibrate_result import conclude, undo_calibration
+        _check(source)
+    from neurotouch_hid.cli.calibrate_result import (
+        conclude,
+        relieve_weak_sides,
+        undo_calibration,
+    )
     from neurotouch_hid.cli.ui.keyboard import Keyboard
     from neurotouch_hid.cli.ui.voice import Voice
     from neurotouch_hid.profile import load_user
-    from neurotouch_hid.profile.calibration import CalibrationSession
+    from neurotouch_hid.profile.calibration import CalibrationSession, UnfinishedCalibration
 
     if undo:
         undo_calibration(plain=plain, as_json=as_json)
@@ -96,14 +106,15 @@ def command(
         driver = stack.enter_context(open_silent_driver(source, speed, seed, method))
         if driver.source.is_simulated:
             voice.say("SIMULATED: this measures no hand.")
+        kept = UnfinishedCalibration(session.movements, is_simulated=driver.source.is_simulated)
         stream = (step.gesture for step in driver.steps(seconds=seconds))
-        with _tell_unsaved(voice):
+        with _tell_unsaved(voice, kept, guided=guided):
             if guided:
-                _guide(session, stream, keyboard, voice, seconds)
+                _guide(session, stream, keyboard, voice, kept, seconds)
             else:
                 for gesture in stream:
                     _tell(session, session.take(gesture), voice)
-        conclude(
+        is_saved = conclude(
             session,
             None if as_json else keyboard,
             yes=yes,
@@ -111,15 +122,36 @@ def command(
             as_json=as_json,
             is_simulated=driver.source.is_simulated,
         )
+        if guided and session.step is None:
+            kept.forget()
+        if is_saved and not as_json:
+            relieve_weak_sides(session, None if yes else keyboard, plain=plain)
+
+
+def _check(source: str) -> None:
+    """Checks the source; without a camera, the hint says how to rehearse."""
+    from neurotouch_hid.source.check import check_source
+
+    try:
+        check_source(source)
+    except SourceError as error:
+        if find_source_kind(source) is SourceKind.RECORDING:
+            raise
+        hint = f"{error.hint}\n{_REHEARSE}" if error.hint else _REHEARSE
+        raise type(error)(error.message, hint=hint) from error
 
 
 @contextmanager
-def _tell_unsaved(voice: "Voice") -> Iterator[None]:
+def _tell_unsaved(voice: "Voice", kept: "UnfinishedCalibration", *, guided: bool) -> Iterator[None]:
     """Says that nothing was saved if the person leaves, or the keyboard's input ends."""
     try:
         yield
-    except (click.Abort, KeyboardInterrupt, NeuroTouchError):
+    except (click.Abort, KeyboardInterrupt, NeuroTouchError) as error:
+        if isinstance(error, click.Abort):  # Q
+            kept.forget()
         voice.say("Nothing was saved.")
+        if guided and kept.path.exists():
+            voice.say(_KEPT)
         raise
 
 
@@ -146,6 +178,7 @@ def _guide(
     stream: Iterator["Gesture"],
     keyboard: "Keyboard",
     voice: "Voice",
+    kept: "UnfinishedCalibration",
     seconds: float | None,
 ) -> None:
     """Asks for one movement after the other; what is pressed decides when it goes on.
@@ -155,6 +188,7 @@ def _guide(
         stream: the gestures, which end after the time or with the source.
         keyboard: what the person presses.
         voice: what the person is told by.
+        kept: what was done before, and is done now.
         seconds: the time that was given, if any.
     """
     requests = {
@@ -165,7 +199,10 @@ def _guide(
             for name, movement in MOVEMENTS.items()
         },
     }
-    steps = ["neutral", "hold", *session.movements]
+    steps = session.steps
+    before = kept.read(steps)
+    if before is not None:
+        session.resume(before)
     asked, warned, begin_us, now_us = None, False, None, 0
     for gesture in stream:
         begin_us, now_us = gesture.t_us if begin_us is None else begin_us, gesture.t_us
@@ -173,13 +210,19 @@ def _guide(
             return
         if asked is None:
             voice.say(_KEYS)
+            if before is not None:
+                voice.say(f"You have done {before.at} of {len(steps)} steps before. It continues.")
         if session.step != asked:
             asked, warned = session.step, False
             voice.say(f"Step {steps.index(asked) + 1} of {len(steps)}. {requests[asked]}")
-        _tell(session, session.take(gesture), voice)
+        repetition = session.take(gesture)
+        _tell(session, repetition, voice)
+        counts = repetition is not None and session.accepts(repetition)
         key = keyboard.poll()
         if key is not None:
             warned = _press(session, key.lower(), voice, warned=warned)
+        if key is not None or counts:
+            _keep(session, kept)
     at = f"in step {steps.index(asked) + 1} of {len(steps)}" if asked is not None else "at once"
     if seconds is not None and begin_us is not None and now_us - begin_us > 0.9e6 * seconds:
         voice.say(
@@ -188,10 +231,21 @@ def _guide(
         )
     else:
         voice.say(f"The source has ended {at}.")
+    if kept.path.exists():
+        voice.say(_KEPT)
+
+
+def _keep(session: "CalibrationSession", kept: "UnfinishedCalibration") -> None:
+    """Keeps what was done; where nothing can be written, the calibration goes on without."""
+    with suppress(OSError):
+        if session.progress.at or session.peaks_mm:
+            kept.save(session.progress)
+        else:
+            kept.forget()
 
 
 def _press(session: "CalibrationSession", key: str, voice: "Voice", *, warned: bool) -> bool:
-    """Acts on a line from the keyboard: Enter, S, B or Q.
+    """Acts on a line from the keyboard: Enter, S, B, R or Q.
 
     Returns:
         Whether the person has now been told that this movement was made too seldom.
@@ -202,8 +256,8 @@ def _press(session: "CalibrationSession", key: str, voice: "Voice", *, warned: b
         case "" if session.missing and not warned:
             made = LEAST_PEAKS - session.missing
             voice.say(
-                f"{made} of {LEAST_PEAKS} so far. Make it again; or press Enter once more to leave "
-                "it as it was; or S if you cannot do this."
+                f"{made} of {LEAST_PEAKS} so far. Make it again. To leave it as it was, go to the "
+                "next one once more."
             )
             return True
         case "":
@@ -212,6 +266,8 @@ def _press(session: "CalibrationSession", key: str, voice: "Voice", *, warned: b
             session.skip()
         case "b":
             session.back()
+        case "r":
+            session.restart()
         case "q":
             raise click.Abort
         case _:

@@ -34,8 +34,8 @@ def conclude(
     plain: bool,
     as_json: bool = False,
     is_simulated: bool = False,
-) -> None:
-    """Says the results, saves them, offers help for weak sides.
+) -> bool:
+    """Says the results, and saves them if the person wants to.
 
     Args:
         session: what was measured.
@@ -44,9 +44,12 @@ def conclude(
         plain: one fact a line.
         as_json: print one JSON object; then nothing is asked.
         is_simulated: no hand was measured.
+
+    Returns:
+        True if they were saved.
     """
     from neurotouch_hid.profile import load_user
-    from neurotouch_hid.profile.calibration import find_weak_sides, write_ranges
+    from neurotouch_hid.profile.calibration import write_ranges
     from neurotouch_hid.profile.editing import ProfileText, compare, hand_over_saved, take_user
 
     before, calm, edited = load_user(), session.tremor_filter, take_user(make_calibration_stamp)
@@ -58,7 +61,7 @@ def conclude(
             "No movement was made twice and far enough; nothing was saved.", "WARNING"
         )
         _tell(outcome, session, before, plain=plain, as_json=as_json)
-        return
+        return False
     wanted: FilterName | None = calm if calm != before.filter else None
     tremor_hz: float | None = None
     if asks and keyboard is not None:
@@ -77,7 +80,7 @@ def conclude(
     if not saves:
         outcome = Outcome("Nothing was saved.", file=path, lines=lines if as_json else ())
         _tell(outcome, session, before, plain=plain, as_json=as_json)
-        return
+        return False
     edited.save(text)
     effect = hand_over_saved(edited.name)
     outcome = Outcome(
@@ -90,8 +93,23 @@ def conclude(
         fix=effect.fix,
     )
     _tell(outcome, session, before, plain=plain, as_json=as_json)
-    for side in find_weak_sides(session.ranges) if not as_json else ():
-        _relieve(side, keyboard if asks else None, plain=plain)
+    return True
+
+
+def relieve_weak_sides(
+    session: "CalibrationSession", keyboard: "Keyboard | None", *, plain: bool
+) -> None:
+    """Names the weak sides, and offers help for each if the person can be asked.
+
+    Args:
+        session: what was measured.
+        keyboard: reads the person's answers; None if there is none.
+        plain: one fact a line.
+    """
+    from neurotouch_hid.profile.calibration import find_weak_sides
+
+    for side in find_weak_sides(session.ranges):
+        _relieve(side, keyboard, plain=plain)
 
 
 def undo_calibration(*, plain: bool, as_json: bool) -> None:

@@ -40,7 +40,7 @@ def panic(as_json: bool) -> None:
 @click.command(epilog="\b\nExamples:\n  neurotouch stop")
 @_json
 def stop(as_json: bool) -> None:
-    """End the running driver; everything is released first.
+    """End the running driver; everything is released first. If none runs, nothing is to be done.
 
     The system's service ends with: sudo systemctl stop neurotouch. To release everything and
     continue later, use pause or panic.

@@ -17,7 +17,6 @@ from neurotouch_hid.cli.ui.options import (
 )
 from neurotouch_hid.cli.ui.output import echo, save_json
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
-from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
 if TYPE_CHECKING:
     from neurotouch_hid.evaluation.people.pointing import Pointing
@@ -98,15 +97,17 @@ def command(
     user = load_user()
     name = profile or user.slots[0]
     test = Pointing(dwell=select == "dwell", targets=int(targets))
-    is_simulated = simulated or find_source_kind(source) is SourceKind.SIMULATION
-    if is_simulated:
-        echo(_SIMULATED)
+    is_simulated = simulated
     if simulated:
+        echo(_SIMULATED)
         perform_pointing(test, Mapping(load_profile(name), user), seed)
         for number, trial in enumerate(test.trials, 1):
             echo(_describe(number, test.total, trial))
     else:
         with open_silent_driver(source, speed, seed, method, profile=name) as driver:
+            is_simulated = driver.source.is_simulated
+            if is_simulated:
+                echo(_SIMULATED)
             pads = (step.pad for step in driver.steps())
             _play(test, pads, guided=is_guided(source, speed))
     figures = measure_pointing(test.trials)

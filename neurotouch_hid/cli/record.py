@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import click
 
+from neurotouch_hid import __version__
 from neurotouch_hid.cli.ui.options import Finite
 from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_json, say
 from neurotouch_hid.errors import NeuroTouchError, NotRunningError, RecordingError, SourceError
@@ -21,7 +22,7 @@ from neurotouch_hid.partial_file import is_plain
 from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_kind
 
 if TYPE_CHECKING:
-    from neurotouch_hid.recording import Recorder, RecorderStats
+    from neurotouch_hid.recording import Recorder, RecorderStats, Simulation
     from neurotouch_hid.source import Source
     from neurotouch_hid.vocabulary import Speed
 
@@ -88,6 +89,8 @@ def command(
 
     if source is not None:
         check_source(source)
+    else:
+        _require_driver_or_camera()
     from neurotouch_hid.recording import Recorder, RecordingWriter
 
     _require_place(out, source, force=force)
@@ -97,8 +100,10 @@ def command(
         whole = source is not None and find_source_kind(source) is not SourceKind.SIMULATION
         opened = _open(stack, source, "max" if seconds or whole else "recorded", seed)
         stack.callback(_restore_signals)  # before the source is closed: that may hang
-        recorder = Recorder(RecordingWriter(out, in_place=True))
-        echo(f"Recording {opened.name} to {out}. Ctrl-C ends.", err=True)
+        mark = _mark(opened.source, source, seed)
+        recorder = Recorder(RecordingWriter(out, in_place=True, simulation=mark))
+        simulated = "" if mark is None else "SIMULATED "
+        echo(f"Recording {simulated}{opened.name} to {out}. Ctrl-C ends.", err=True)
         with _Progress(recorder, out, plain=plain or not sys.stderr.isatty()):
             try:
                 with _until_interrupted():
@@ -115,7 +120,17 @@ def command(
                 "Nothing was recorded, so no file was made.",
                 hint="Is the camera plugged in? Check: neurotouch doctor",
             )
-        _tell(opened.name, out, stats, fault, as_json=as_json)
+        _tell(opened.name, out, stats, fault, mark, as_json=as_json)
+
+
+def _require_driver_or_camera() -> None:
+    from neurotouch_hid.client import ask
+    from neurotouch_hid.source.check import check_source
+
+    try:
+        ask("status")
+    except NotRunningError:
+        check_source("davis:")
 
 
 def _require_place(out: Path, source: str | None, *, force: bool) -> None:
@@ -152,6 +167,24 @@ def _open(stack: ExitStack, source: str | None, speed: "Speed", seed: int) -> _O
             return _Opened(f"the running driver's data ({played})", packets)
     packets = open_one(source or "davis:")
     return _Opened(packets.name, packets)
+
+
+def _mark(source: "Source", spec: str | None, seed: int) -> "Simulation | None":
+    """Returns where simulated data come from; None for a sensor's data."""
+    from neurotouch_hid.cli.shared.command_line import make_command_line, strip_folders
+    from neurotouch_hid.recording import Recording, Simulation
+    from neurotouch_hid.source.check import find_path
+    from neurotouch_hid.source.running_driver import RunningDriver
+
+    if not source.is_simulated:
+        return None
+    kind = None if spec is None else find_source_kind(spec)
+    if spec is not None and kind is SourceKind.RECORDING:
+        return Recording(find_path(spec)).simulation
+    known = source.seed if isinstance(source, RunningDriver) else seed
+    program = f"neurotouch-hid {__version__}"
+    name = strip_folders(source.name.removeprefix(RUNNING_DRIVER).strip())
+    return Simulation(program, name, make_command_line(), known)
 
 
 def _record(opened: _Opened, recorder: "Recorder", seconds: float | None) -> None:
@@ -277,13 +310,20 @@ class _Progress:
 
 
 def _tell(
-    source: str, out: Path, stats: "RecorderStats", fault: NeuroTouchError | None, *, as_json: bool
+    source: str,
+    out: Path,
+    stats: "RecorderStats",
+    fault: NeuroTouchError | None,
+    mark: "Simulation | None",
+    *,
+    as_json: bool,
 ) -> None:
     """Reports the recorded data; raises the error that ended it, or puts it into the JSON."""
     lost = stats.lost_before + stats.lost_here
     status = "WARNING" if lost or fault is not None else "OK"
+    simulated = "" if mark is None else "SIMULATED "
     message = (
-        f"{out} has {stats.seconds:.1f} s of {source}: {stats.events:,} events, "
+        f"{out} has {stats.seconds:.1f} s of {simulated}{source}: {stats.events:,} events, "
         f"{stats.frames:,} frames, {stats.size_bytes / 1e6:.1f} MB."
     )
     if stats.lost_before:
@@ -298,6 +338,8 @@ def _tell(
     report: dict[str, Any] = {"status": status, "message": message, "fix": None}
     if fault is not None:
         report |= {"status": "FAILED", "error": fault.message, "fix": fault.hint}
-    print_json({**report, "file": str(out), "source": source, **asdict(stats)})
+    origin = None if mark is None else asdict(mark)
+    about = {"file": str(out), "source": source, "simulation": origin}
+    print_json({**report, **about, **asdict(stats)})
     if fault is not None:
         sys.exit(fault.exit_code)

@@ -117,11 +117,11 @@ def command(
         seed=seed,
         shows_rumble=rumble,
     )
-    check_start(options)
-    from neurotouch_hid.cli.shared.play import announce, play
-    from neurotouch_hid.driver import Driver
-
     try:
+        check_start(options)
+        from neurotouch_hid.cli.shared.play import announce, play
+        from neurotouch_hid.driver import Driver
+
         with Driver(options, announce=announce) as driver:
             play(driver, show=show, trace=trace, seconds=seconds)
     except DeviceError as error:

@@ -46,6 +46,7 @@ def command(out: Path, users: int, minutes: float, seed: int, gel: str, force: b
     One recording for each gel, user and gesture. Ctrl-C stops; the same command continues from
     there. A set that was made with other options is never replaced without --force.
     """
+    from neurotouch_hid.cli.shared.command_line import make_command_line
     from neurotouch_hid.source.simulator.dataset import Progress, write_dataset
     from neurotouch_hid.source.simulator.gel import ELASTICITIES
 
@@ -61,6 +62,7 @@ def command(out: Path, users: int, minutes: float, seed: int, gel: str, force: b
             echo(f"{percent:3d} %  {progress.path.name}  {spent:.0f} s", err=True)
 
     gels = [name for name in ELASTICITIES if gel in (name, "both")]
-    paths = write_dataset(out, users, minutes, seed, tell, gels, replace=force)
+    words = make_command_line()
+    paths = write_dataset(out, users, minutes, seed, tell, gels, replace=force, command=words)
     size_mb = sum(path.stat().st_size for path in paths) / 1e6
-    echo(f"{len(paths)} recordings with labels, {size_mb:.0f} MB, are in {out}.")
+    echo(f"{len(paths)} SIMULATED recordings with labels, {size_mb:.0f} MB, are in {out}.")

@@ -59,7 +59,8 @@ def check_device(kind: str, identity: str | None = None) -> None:
     """Checks whether ``open_device`` can succeed, without creating a pad.
 
     Raises:
-        DeviceError: the identity is invalid, or ``/dev/uinput`` or ``/dev/uhid`` cannot be used.
+        DeviceError: the identity is invalid or has no effect, or ``/dev/uinput`` or ``/dev/uhid``
+            cannot be used.
     """
     match kind:
         case "uinput":
@@ -68,10 +69,12 @@ def check_device(kind: str, identity: str | None = None) -> None:
         case "hid":
             choose_identity(identity, kind)
             os.close(open_uhid())
-        case _:
-            choose_identity(
-                identity, "uinput"
-            )  # a wrong name is an error, even where no pad is created
+        case _ if identity is not None:
+            choose_identity(identity, "uinput")  # a wrong name is told first
+            raise DeviceError(
+                f"The device {kind} has no controller model, so '{identity}' has no effect.",
+                hint="Leave out --identity, or choose --device uinput or hid.",
+            )
 
 
 def open_device(

@@ -199,7 +199,8 @@ class GelView:
     def _open(self, stack: ExitStack) -> tuple[str, Iterable[EventPacket]] | None:
         """Returns the source's name and its packets; None without a source."""
         if self._source is not None:
-            return self._source, stack.enter_context(open_source(self._source, speed="max"))
+            source = stack.enter_context(open_source(self._source, speed="max"))
+            return f"{'SIMULATED ' if source.is_simulated else ''}{self._source}", source
         try:
             answer, line = driver.open_stream("record")
         except NotRunningError:
@@ -210,9 +211,9 @@ class GelView:
             return camera.name, camera
         stack.callback(line.close)
         line.settimeout(2 * LOOK_S)
-        return f"the running driver ({answer.get('source', 'unknown source')})", receive_packets(
-            line
-        )
+        simulated = "SIMULATED " if answer.get("simulated") is True else ""
+        name = f"the running driver ({simulated}{answer.get('source', 'unknown source')})"
+        return name, receive_packets(line)
 
     def _save(self, frame: Frame, gel: _Gel) -> str:
         """Saves the picture, and returns a sentence with its path.

@@ -1,6 +1,6 @@
 """Refuses a driver that cannot run, before the libraries are loaded that it would run on."""
 
-from neurotouch_hid.device import find_copilot
+from neurotouch_hid.device import check_device, find_copilot
 from neurotouch_hid.driver.chosen import load_chosen
 from neurotouch_hid.driver.control_socket import refuse_second
 from neurotouch_hid.driver.options import DriverOptions
@@ -17,12 +17,15 @@ def check_start(options: DriverOptions) -> None:
     Raises:
         AlreadyRunningError: another driver of this player runs.
         ProfileError: the profile or the values cannot be used.
-        DeviceError: the co-pilot's device is not there.
+        DeviceError: the pad cannot be made, its model is unknown, or the co-pilot's device is not
+            there.
     """
     if options.is_listening:
         refuse_second(find_runtime_folder(options.player))
     if options.personal:
         load_chosen(None, options.profile, options.player)
+    if options.needs_device or options.identity:
+        check_device(options.device, options.identity)
     check_copilot(options)
 
 

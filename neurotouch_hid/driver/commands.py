@@ -80,6 +80,7 @@ class Commands:
         self._broadcast = broadcast
         self._source = source
         self._end, self._people = surroundings.end, surroundings.people
+        self._seed = surroundings.seed
         self._describe = describe
 
     def answer(self, question: dict[str, Any], uid: int) -> Answer:
@@ -107,6 +108,7 @@ class Commands:
                     "ok": True,
                     "source": self._source.name,
                     "simulated": self._source.is_simulated,
+                    "seed": self._seed,
                     "text": "Packets follow.",
                 }
             case unknown:

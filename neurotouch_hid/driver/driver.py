@@ -35,7 +35,7 @@ from neurotouch_hid.process.realtime import realtime_priority
 from neurotouch_hid.profile import Profile
 from neurotouch_hid.runtime import LoopStats, Pipeline, Tap, run_pipeline
 from neurotouch_hid.source import Source
-from neurotouch_hid.vocabulary import RUNNING_DRIVER
+from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_kind
 
 
 class Driver(Closing):
@@ -214,7 +214,9 @@ class Driver(Closing):
             user=chosen.user if options.personal else None,
             rig=self.source.rig,
             frame_thread=options.speed == "recorded"
-            and (self.source.is_live or self.source.is_simulated),
+            and (self.source.is_live or self.source.is_simulated)
+            # A recording gives the same steps at any speed, also one of a simulation.
+            and find_source_kind(options.source) is not SourceKind.RECORDING,
         )
         closing.callback(self.pipeline.close)
         if options.is_listening:
@@ -225,7 +227,7 @@ class Driver(Closing):
 
     def _attach(self, chosen: Chosen, socket: ControlSocket | None) -> None:
         """Opens the pad with all who play on it, and everything around the pipeline."""
-        options = self.options
+        options, kind = self.options, find_source_kind(self.options.source)
         surroundings = Surroundings(
             announce=self._announce,
             end=self.stop if self._guests is None else None,
@@ -233,6 +235,7 @@ class Driver(Closing):
             default=options.profile,
             player=options.player,
             settings=load_driver_settings(options.player),
+            seed=options.seed if kind is SourceKind.SIMULATION else None,
         )
         pad = open_driver_pad(
             options,

@@ -19,6 +19,7 @@ class Surroundings:
         default: a service's profile for a person who has chosen none.
         player: the player number; None means the one of the environment.
         settings: hotkeys, applications and co-pilot of this machine.
+        seed: seed of the simulator, if that is the source.
     """
 
     announce: Callable[[str], object] = str  # says nothing
@@ -27,6 +28,7 @@ class Surroundings:
     default: str | None = None
     player: int | None = None
     settings: DriverSettings = field(default_factory=DriverSettings)
+    seed: int | None = None
 
     @property
     def is_service(self) -> bool:

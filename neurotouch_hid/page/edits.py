@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from neurotouch_hid.client import ask, get_text
 from neurotouch_hid.errors import DriverError, NotRunningError, ProfileError
-from neurotouch_hid.page.handed_over import pass_on
+from neurotouch_hid.page.handed_over import describe_effect, pass_on
 from neurotouch_hid.page.profile_view import Place, is_editable, list_places
 from neurotouch_hid.page.reading import read_number
 from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_unused
@@ -166,8 +166,9 @@ class Changes:
         restored = self._take(path)
         effect = hand_over_restored(restored)
         if effect.status != "OK":
-            raise DriverError(f"Back, but not in use. {effect.text}", hint=effect.fix)
-        return f"{restored.name} is as in version {version.number} again. {effect.text}"
+            raise DriverError(f"Back, but not in use. {effect.said}", hint="Press Undo once more.")
+        said = describe_effect(effect)
+        return f"{restored.name} is as in version {version.number} again. {said}"
 
     def _take(self, path: Path) -> EditedFile:
         if not is_editable(path):

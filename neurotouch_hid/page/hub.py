@@ -20,7 +20,8 @@ from neurotouch_hid.page.messages import PageMessage, SituationState
 from neurotouch_hid.page.own_values import (
     OwnValues,
     OwnValuesView,
-    describe_values,
+    describe_own,
+    find_unfinished_files,
     load_usable_user,
 )
 from neurotouch_hid.page.profile_view import ProfileFault, ProfileView, describe_profile
@@ -116,6 +117,7 @@ class Hub:
         self._came = asyncio.Event()  # a browser, which waits for nothing
         self._path = Path()
         self._stamps: tuple[Any, ...] = ()
+        self._own_stamps: tuple[Any, ...] = ()
         self._about: ProfileView | ProfileFault | None = None
         self._own: OwnValuesView = {}
         self._hand: Any = None
@@ -254,6 +256,7 @@ class Hub:
 
     def _look_at_profile(self) -> None:
         """Tells the browsers of the active profile, if it or its file has changed."""
+        self._look_at_own()
         runs = self._newest is not None
         file = "" if self._newest is None else str(read_head(self._newest)["slow"]["file"])
         path = Path(file or _find_favourite())
@@ -268,9 +271,18 @@ class Hub:
                 self._about = describe_profile(path, edit=self._edit)
             except NeuroTouchError as error:
                 self._about = {"fault": error.message}
-        self._own = describe_values()
         for client in self._clients:
-            client.tell(about=self._about, own=self._own, driver=runs)
+            client.tell(about=self._about, driver=runs)
+
+    def _look_at_own(self) -> None:
+        """Tells the browsers of the person's own values, if they have changed."""
+        stamps = tuple(map(_read_stamp, [find_user_file(), *find_unfinished_files()]))
+        if stamps == self._own_stamps:
+            return
+        self._own_stamps = stamps
+        self._own = describe_own()
+        for client in self._clients:
+            client.tell(own=self._own)
 
     async def _hear(self, client: Client, message: str | bytes) -> None:
         """Carries out a browser's request; reports refused ones to the browser."""

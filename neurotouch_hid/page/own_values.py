@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any, Final, TypedDict
 
 from neurotouch_hid.errors import ProfileError
@@ -10,7 +11,11 @@ from neurotouch_hid.files.faults import describe_fault
 from neurotouch_hid.page.handed_over import pass_on
 from neurotouch_hid.players import find_user_file
 from neurotouch_hid.profile import UserSettings, check_user, load_user
-from neurotouch_hid.profile.calibration import undo_ranges
+from neurotouch_hid.profile.calibration import (
+    describe_unfinished,
+    find_unfinished_file,
+    undo_ranges,
+)
 from neurotouch_hid.profile.editing import (
     EditedFile,
     ProfileText,
@@ -27,6 +32,7 @@ from neurotouch_hid.profile.schema import Timing
 NAMES: Final = ("filter", "timing", "neutral", "fatigue", "feedback.sound")
 """What a person may set on the page."""
 
+_HANDS: Final = {"hand": False, "simulated": True}
 _KIND: Final = "values"
 _NOT_READ: Final = "Your own values cannot be read."
 
@@ -37,10 +43,13 @@ class OwnValuesView(TypedDict, total=False):
     Attributes:
         values: those of ``NAMES``, by name; empty where the profile decides.
         fault: why they cannot be read; then there are no values.
+        unfinished: how far a measurement is that has not been finished, of a hand and of a
+            simulated one; empty if there is none.
     """
 
     values: dict[str, str]
     fault: str
+    unfinished: dict[str, str]
 
 
 def load_usable_user() -> UserSettings:
@@ -51,8 +60,19 @@ def load_usable_user() -> UserSettings:
         return UserSettings()
 
 
+def describe_own() -> OwnValuesView:
+    """Returns what the page shows of the person, ready for JSON."""
+    unfinished = {name: describe_unfinished(is_simulated=is_) for name, is_ in _HANDS.items()}
+    return {**describe_values(), "unfinished": unfinished}
+
+
+def find_unfinished_files() -> list[Path]:
+    """Returns the files of unfinished measurements; they need not exist."""
+    return [find_unfinished_file(is_simulated=is_simulated) for is_simulated in _HANDS.values()]
+
+
 def describe_values() -> OwnValuesView:
-    """Returns what the page shows of the person's own values, ready for JSON."""
+    """Returns the person's own values, or why they cannot be read."""
     path = find_values()
     if not path.exists():
         return {"values": _list_values(UserSettings())}

@@ -28,9 +28,7 @@ def take_picture() -> str:
         except TimeoutError:
             frame = None
     if frame is None:
-        raise PageError(
-            "The camera sends no picture.", hint="Find the cause with: neurotouch doctor"
-        )
+        raise PageError("The camera sends no picture.", hint="See below: Check this machine.")
     return _write(frame.pixels)
 
 

@@ -3,6 +3,7 @@
 from neurotouch_hid.recording.labels import check_labelled, labels_path, read_labels, write_labels
 from neurotouch_hid.recording.reader import Batch, Recording
 from neurotouch_hid.recording.recorder import Recorder, RecorderStats
+from neurotouch_hid.recording.simulation import Simulation
 from neurotouch_hid.recording.writer import RecordingWriter
 
 __all__ = [
@@ -11,6 +12,7 @@ __all__ = [
     "RecorderStats",
     "Recording",
     "RecordingWriter",
+    "Simulation",
     "check_labelled",
     "labels_path",
     "read_labels",

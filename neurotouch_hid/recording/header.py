@@ -14,6 +14,7 @@ from xml.etree import ElementTree
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.recording.compression import COMPRESSIONS
 from neurotouch_hid.recording.flatbuffer import FlatTable
+from neurotouch_hid.recording.simulation import Simulation, read_simulation
 
 MAGIC: Final = b"#!AER-DAT4.0\r\n"
 MAX_HEADER_BYTES: Final = 1 << 18
@@ -45,12 +46,14 @@ class Header:
         compression: of every packet, one of ``COMPRESSIONS``.
         table: where the table at the end is; -1 in a file that was never closed.
         streams: by number, in the order of the text.
+        simulation: where simulated data come from; None if they are not marked as simulated.
     """
 
     begin: int
     compression: int
     table: int
     streams: dict[int, Stream]
+    simulation: Simulation | None = None
 
 
 def parse_header(path: Path, content: bytes) -> Header:
@@ -81,8 +84,9 @@ def parse_header(path: Path, content: bytes) -> Header:
             raise ValueError("no such compression")
         first, n = table.vector(_TEXT, 1)
         first += begin
-        streams = _read_streams(content[first : first + n].decode("utf-8"))
-        return Header(end, compression, table.number(_TABLE, "<q", -1), streams)
+        root = _read_text(content[first : first + n].decode("utf-8"))
+        position = table.number(_TABLE, "<q", -1)
+        return Header(end, compression, position, _read_streams(root), read_simulation(root))
     except ValueError as error:
         raise RecordingError(
             f"'{path}' has a damaged header.", hint="Copy it again from its origin."
@@ -101,8 +105,8 @@ def _refuse_format(path: Path, magic: bytes) -> RecordingError:
     return RecordingError(f"'{path}' is not an AEDAT4 recording.", hint="Give a file NAME.aedat4.")
 
 
-def _read_streams(text: str) -> dict[int, Stream]:
-    """Returns what the header's text says of each stream.
+def _read_text(text: str) -> ElementTree.Element:
+    """Returns the root of the header's text.
 
     Raises:
         ValueError: it is no XML that we read.
@@ -110,9 +114,13 @@ def _read_streams(text: str) -> dict[int, Stream]:
     if "<!DOCTYPE" in text:
         raise ValueError("a DTD")
     try:
-        root = ElementTree.fromstring(text)  # noqa: S314 - see above
+        return ElementTree.fromstring(text)  # noqa: S314 - see above
     except ElementTree.ParseError as error:
         raise ValueError(str(error)) from error
+
+
+def _read_streams(root: ElementTree.Element) -> dict[int, Stream]:
+    """Returns what the header's text says of each stream."""
     streams = {}
     for node in root.iterfind("./node[@name='outInfo']/node"):
         size = [_read_attribute(node, f"./node[@name='info']/attr[@key='size{a}']") for a in "XY"]

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
 from neurotouch_hid.recording.header import MAGIC
+from neurotouch_hid.recording.simulation import Simulation, format_simulation
 
 CAMERA_NAME: Final = "DAVIS346"
 EVENTS, FRAMES = 0, 1
@@ -46,9 +47,13 @@ TABLE_POSITION_AT: Final = len(MAGIC) + 40
 """Where in the file the position of the table is; -1 until there is one."""
 
 
-def pack_header() -> bytes:
-    """Returns the beginning of a file whose table is not written yet."""
-    text = _describe_streams().encode()
+def pack_header(simulation: Simulation | None = None) -> bytes:
+    """Returns the beginning of a file whose table is not written yet.
+
+    Args:
+        simulation: where simulated data come from; None for a sensor's data.
+    """
+    text = _describe(simulation).encode()
     padded = text + bytes(4 - len(text) % 4)  # one 0 at least
     fields = (10, 20, 4, 12, 8)  # vtable: its size, the table's, compression, position, text
     size = _HEADER.size - 4 + len(padded)
@@ -109,14 +114,14 @@ def _frame_packet(stream: int, head: bytes, data: bytes) -> bytes:
     return bytes(_PACKET_HEAD.pack(stream, len(packed)) + packed)
 
 
-def _describe_streams() -> str:
+def _describe(simulation: Simulation | None) -> str:
     """Returns the text in the header by which readers know the streams."""
     streams = ((EVENTS, "events", "EVTS"), (FRAMES, "frames", "FRME"))
-    nodes = "".join(_describe_stream(*stream) for stream in streams)
+    nodes = "".join(_describe_stream(*stream, simulation) for stream in streams)
     return f'<dv version="2.0"><node name="outInfo" path="/outInfo/">{nodes}</node></dv>\n'
 
 
-def _describe_stream(number: int, name: str, identifier: str) -> str:
+def _describe_stream(number: int, name: str, identifier: str, simulation: Simulation | None) -> str:
     def say(kind: str, key: str, value: str | int) -> str:
         return f'<attr key="{key}" type="{kind}">{value}</attr>'
 
@@ -132,5 +137,6 @@ def _describe_stream(number: int, name: str, identifier: str) -> str:
         say("int", "sizeY", SENSOR_HEIGHT_PX),
         say("string", "source", CAMERA_NAME),
         "</node>",
+        "" if simulation is None or number != EVENTS else format_simulation(simulation, path),
     )
     return f'<node name="{number}" path="{path}">{"".join(about)}</node>'

@@ -51,6 +51,7 @@ class Recording:
     Attributes:
         path: the file.
         has_frames: there is a stream of frames.
+        simulation: where simulated data come from; None if they are not marked as simulated.
 
     Raises:
         RecordingError: not a readable AEDAT4 file of a DAVIS-346 with events.
@@ -59,7 +60,7 @@ class Recording:
     def __init__(self, path: Path | str) -> None:
         self.path = Path(path)
         with Container(self.path) as file:
-            streams = file.header.streams
+            streams, self.simulation = file.header.streams, file.header.simulation
         self._events = _find(streams, "EVTS")
         self._frames = _find(streams, "FRME")
         self.has_frames = self._frames is not None

@@ -22,6 +22,7 @@ from neurotouch_hid.recording.packing import (
     pack_header,
     pack_table,
 )
+from neurotouch_hid.recording.simulation import Simulation
 
 MIN_FREE_BYTES = 64 << 20
 """Space that a recording leaves free on the disk, for other programs."""
@@ -42,6 +43,7 @@ class RecordingWriter:
     Args:
         path: the future path of the recording; an existing one is replaced.
         in_place: write under the name itself, from the start.
+        simulation: where simulated data come from; None for a sensor's data.
         min_free_bytes: how much of the disk to leave free.
 
     Attributes:
@@ -53,7 +55,12 @@ class RecordingWriter:
     """
 
     def __init__(
-        self, path: Path | str, *, in_place: bool = False, min_free_bytes: int = MIN_FREE_BYTES
+        self,
+        path: Path | str,
+        *,
+        in_place: bool = False,
+        simulation: Simulation | None = None,
+        min_free_bytes: int = MIN_FREE_BYTES,
     ) -> None:
         self.path = Path(path)
         self.size_bytes = 0
@@ -69,7 +76,7 @@ class RecordingWriter:
             raise self._failure(error) from error
         try:
             self._check_space()
-            self._append(pack_header())
+            self._append(pack_header(simulation))
         except OSError as error:
             self.discard()
             raise self._failure(error) from error

@@ -1,15 +1,33 @@
-"""Sources of packets: the camera, recordings and the simulator."""
+"""Sources of packets: the camera, recordings and the simulator.
 
-from neurotouch_hid.source.check import FORMS, check_source
-from neurotouch_hid.source.opening import open_source
-from neurotouch_hid.source.protocol import (
-    ActivityAware,
-    FactTelling,
-    PolledSource,
-    Source,
-    Troubled,
-)
-from neurotouch_hid.source.slicer import Slicer, slice_recording
+A name loads its module when it is first asked for: a source is refused without numpy.
+"""
+
+from typing import TYPE_CHECKING
+
+from neurotouch_hid.lazy import load_lazily
+
+if TYPE_CHECKING:
+    from neurotouch_hid.source.check import FORMS, check_source
+    from neurotouch_hid.source.opening import open_source
+    from neurotouch_hid.source.protocol import (
+        ActivityAware,
+        FactTelling,
+        PolledSource,
+        Source,
+        Troubled,
+    )
+    from neurotouch_hid.source.slicer import Slicer, slice_recording
+else:
+    __getattr__ = load_lazily(
+        __name__,
+        {
+            "check": "FORMS check_source",
+            "opening": "open_source",
+            "protocol": "ActivityAware FactTelling PolledSource Source Troubled",
+            "slicer": "Slicer slice_recording",
+        },
+    )
 
 __all__ = [
     "FORMS",

@@ -6,7 +6,7 @@ from typing import Final
 
 from neurotouch_hid.errors import SourceError
 from neurotouch_hid.plugins import SOURCES, list_plugins
-from neurotouch_hid.source.simulator.scenes import check_scene, scene_names
+from neurotouch_hid.source.davis.enumeration import choose_camera, find_cameras
 from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_kind
 
 FORMS: Final = ("davis:", "davis:SERIAL", "file:NAME.aedat4", "sim:NAME", RUNNING_DRIVER)
@@ -14,18 +14,22 @@ FORMS: Final = ("davis:", "davis:SERIAL", "file:NAME.aedat4", "sim:NAME", RUNNIN
 
 
 def check_source(spec: str) -> None:
-    """Checks a source as far as possible without opening it; a camera may come and go.
+    """Checks a source as far as possible without opening it, and without numpy if it is none.
 
     Args:
         spec: the source as a person writes it.
 
     Raises:
-        SourceError: there is no such source.
+        SourceError: there is no such source, or no such camera is plugged in.
         RecordingError: the file is missing, or is no recording.
     """
     kind, rest = find_source_kind(spec), spec.partition(":")[2]
     if kind is SourceKind.SIMULATION:
+        from neurotouch_hid.source.simulator.scenes import check_scene  # noqa: PLC0415
+
         check_scene(rest)
+    elif kind is SourceKind.CAMERA:
+        choose_camera(find_cameras(), rest)
     elif kind is SourceKind.RECORDING:
         from neurotouch_hid.recording.container import check_recording  # noqa: PLC0415
 
@@ -58,6 +62,8 @@ def find_path(spec: str) -> Path:
 
 def refuse_source(spec: str) -> SourceError:
     """Returns the error for a name that is no source, with the one that was meant."""
+    from neurotouch_hid.source.simulator.scenes import scene_names  # noqa: PLC0415
+
     kind, _, rest = spec.partition(":")
     forms = [*FORMS, *(f"{name}:" for name in list_plugins(SOURCES))]
     scenes = scene_names()

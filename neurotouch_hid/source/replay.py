@@ -25,17 +25,18 @@ class Replay(Closing):
     Attributes:
         name: ``file:`` and the path.
         rig: the rig file's override, or None.
+        is_simulated: the recording is marked so.
 
     Raises:
         RecordingError: the recording or its rig file cannot be used.
     """
 
     is_live = False
-    is_simulated = False
 
     def __init__(self, path: Path | str, *, slice_us: int = 10_000) -> None:
         self.name = f"file:{path}"
         self._recording = Recording(path)
+        self.is_simulated = self._recording.simulation is not None
         beside = rig_path(path)
         known = load_rig_file(beside) if beside.exists() else RigFile()
         self.rig = known.rig

@@ -18,6 +18,7 @@ class RunningDriver(Closing):
         rig: unknown.
         is_live: True.
         is_simulated: whether the driver's own source is.
+        seed: seed of the driver's simulator; None if it has none.
 
     Raises:
         NotRunningError: no driver is running.
@@ -31,6 +32,8 @@ class RunningDriver(Closing):
         answer, self._line = open_stream("record")
         self.name = f"{RUNNING_DRIVER} {answer.get('source', '')}".strip()
         self.is_simulated = answer.get("simulated") is True
+        seed = answer.get("seed")
+        self.seed = seed if isinstance(seed, int) else None
 
     def __iter__(self) -> Iterator[EventPacket]:
         return receive_packets(self._line)

@@ -13,7 +13,7 @@ from neurotouch_hid.profile import load_user
 
 PLAYED = """
 import sys
-from neurotouch_hid.cli.calibrate_result import conclude
+from neurotouch_hid.cli.calibrate_result import conclude, relieve_weak_sides
 from neurotouch_hid.cli.ui.keyboard import Keyboard
 from neurotouch_hid.profile import load_user, rehearse
 from neurotouch_hid.profile.calibration import CalibrationSession
@@ -21,9 +21,9 @@ from neurotouch_hid.profile.calibration import CalibrationSession
 session = CalibrationSession(load_user(), guided=False)
 for gesture in rehearse(sys.argv[1]):
     session.take(gesture)
-conclude(
-    session, Keyboard(), yes="--yes" in sys.argv, plain=True, as_json="--json" in sys.argv
-)
+keyboard, yes, as_json = Keyboard(), "--yes" in sys.argv, "--json" in sys.argv
+if conclude(session, keyboard, yes=yes, plain=True, as_json=as_json) and not as_json:
+    relieve_weak_sides(session, None if yes else keyboard, plain=True)
 """
 WEAK_ZOOM = (
     "rest 1s; pinch 8mm 300ms hold 6s tremor 5hz 1mm; rest 1s; pinch 8mm; rest 1s;"
@@ -228,7 +228,7 @@ def test_one_can_stop_at_any_time(home):
     )
     assert done.returncode == 130
     assert done.stdout.splitlines()[-1] == "Nothing was saved."
-    assert not home.exists()
+    assert list(home.iterdir()) == []
 
 
 @pytest.fixture
@@ -289,3 +289,66 @@ def test_what_is_saved_acts_in_the_running_driver_at_once(home, driver):
     assert "not the active profile" in json.loads(done.stdout)["notes"][0]
     done = launch("-m", "neurotouch_hid", "profile", "use", "mine", "--json")
     assert "'mine' is now active" in json.loads(done.stdout)["notes"][0]
+
+
+def talk(answer, *arguments):
+    """Runs it with a pipe that stays open, as a keyboard does; ``answer`` gets it and each line."""
+    said = []
+    with subprocess.Popen(
+        [sys.executable, "-m", "neurotouch_hid", "calibrate", *arguments],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    ) as process:
+        for line in process.stdout:
+            said.append(line.strip())
+            if (keys := answer(process, line)) is not None:
+                process.stdin.write(f"{keys}\n")
+                process.stdin.flush()
+    return process.returncode, said
+
+
+def test_after_an_end_in_the_middle_it_continues_there(home):
+    """Whoever ended it: here it is killed, as by a power cut."""
+    source = ("push_right", "push_left", "--source", "sim:push-right")
+
+    def first(process, line):
+        if line.startswith(("Step 1", "Step 2")):
+            return ""
+        if "millimetres, good" in line:
+            time.sleep(0.5)
+            process.kill()
+        return None
+
+    code, said = talk(first, *source)
+    assert code == -9, said
+
+    def second(_process, line):
+        return "q" if line.startswith("Step") else None
+
+    code, said = talk(second, *source)
+    assert "You have done 2 of 4 steps before. It continues." in said
+    assert any(line.startswith("Step 3 of 4. Push to the right") for line in said)
+    assert said[-2:] == ["Nothing was saved.", "Stopped."]
+    assert code == 130
+    assert list(home.iterdir()) == []  # Q gives it up
+
+
+def test_one_can_begin_again(home):
+    source = ("push_right", "--source", "sim:push-right")
+    answers = iter(["", "", "r", "q"])
+    code, said = talk(lambda _, line: next(answers) if line.startswith("Step") else None, *source)
+    assert code == 130
+    steps = [line[:6] for line in said if line.startswith("Step")]
+    assert steps == ["Step 1", "Step 2", "Step 3", "Step 1"]
+
+
+def test_input_that_ends_in_the_middle_loses_nothing(home):
+    done = launch("-m", "neurotouch_hid", "calibrate", "--source", "sim:rest", answers="\n\n")
+    assert done.stdout.splitlines()[-2:] == [
+        "Nothing was saved.",
+        "What you did is kept. The next calibration continues there.",
+    ]
+    done = launch("-m", "neurotouch_hid", "calibrate", "--source", "sim:rest", answers="q\n")
+    assert "You have done 2 of 10 steps before. It continues." in done.stdout

@@ -61,6 +61,26 @@ def test_help_imports_nothing_heavy():
     assert done.stdout.splitlines()[-1] == "[]"
 
 
+@pytest.mark.parametrize("command", ["run", "calibrate", "record x.aedat4"])
+@pytest.mark.parametrize("source", ["", "davis:", "davis:1", "file:x.aedat4", "foo:"])
+def test_a_source_that_is_not_there_is_refused_before_anything_heavy_is_imported(
+    command, source, tmp_path, monkeypatch
+):
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path))  # no driver
+    words = [*command.split(), *(["--source", source] if source else [])]
+    code = (
+        "import sys\n"
+        "from neurotouch_hid.cli.main import cli\n"
+        "from neurotouch_hid.errors import NeuroTouchError\n"
+        "try:\n"
+        f"    cli.main({words!r}, standalone_mode=False)\n"
+        "except NeuroTouchError as error:\n"
+        "    print(error.exit_code, [name for name in ('numba', 'evdev') if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.stdout.strip() in ("3 []", "4 []"), done.stderr
+
+
 @pytest.mark.parametrize(
     "command",
     [
@@ -94,6 +114,17 @@ def test_completion_is_a_script_for_the_shell(shell):
         (["run", "--source", "sim:tuor", "--device", "memory"], 3, "sim:tour"),
         (["run", "--source", "file:nothing.aedat4", "--device", "memory"], 4, "nothing.aedat4"),
         (["run", "--source", "sim:tour", "--profile", "spacecrat"], 6, "spacecraft"),
+        (["run"], 3, "Without a camera: neurotouch demo, or the source sim:tour."),
+        (["calibrate"], 3, "To rehearse it: neurotouch demo --mouse"),
+        (["calibrate", "--source", "sim:mouse"], 3, "Start it: neurotouch demo --mouse."),
+        (
+            ["run", "--source", "sim:tour", "--identity", "playstation", "--device", "memory"],
+            *(7, "so 'playstation' has no effect.\nFix: Leave out --identity, or choose --device"),
+        ),
+        (
+            ["run", "--source", "sim:tour", "--identity", "plastation", "--device", "memory"],
+            *(7, "There is no identity called 'plastation'."),
+        ),
         (["evaluate", "nothing.aedat4"], 4, "There is no file 'nothing.aedat4'"),
         (["evaluate", "."], 4, "is a folder.\nFix: Give its recordings: "),
     ],

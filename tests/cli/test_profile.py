@@ -398,6 +398,28 @@ def test_a_new_binding_by_questions(home):
     assert "do: {button: b}" in own(home, "spacecraft")
 
 
+def test_every_question_can_be_taken_back(home):
+    """Back leads to the question before, from the first one to the list of bindings."""
+    when = [6, 10, 6, 2, 6, 2, 1]  # gesture and back; gesture, how and back; both
+    do = [9, 2, 1, 1, 12, 6, "", 9, 10]  # what and back; gesture again; a button and back; a key
+    adjust = [5, 3, 4, ""]
+    output, code = run("profile", "edit", "spacecraft", answers=[*when, *do, *adjust, 9])
+    assert code == 0, output
+    assert "Nothing has changed." in output
+    for question in ("Which gesture?", "How?", "What should it do?", "Which one?", "Key, or"):
+        assert question in output
+    outputs = output.split("Number")
+    asks = [text for text in outputs if "\n  1. " in text and "Done" not in text]
+    assert asks
+    assert all("Back" in text or "Keep it" in text for text in asks), asks
+
+
+def test_a_value_of_a_person_can_be_taken_back(home):
+    output, code = run("profile", "edit", "user", answers=[2, 6, 5, "", 9])
+    assert code == 0, output
+    assert "Nothing has changed" in output
+
+
 def test_when_the_answers_end_the_draft_is_kept(home):
     output, code = run("profile", "edit", "spacecraft", answers=[5, 3, 4, 2.0, 1])
     assert code == 1

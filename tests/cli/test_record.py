@@ -11,6 +11,7 @@ import subprocess
 import sys
 import time
 from contextlib import contextmanager
+from dataclasses import asdict
 
 import pytest
 
@@ -228,7 +229,10 @@ def driving(folder):
     log = folder / "driver.txt"
     with log.open("w") as errors:
         process = subprocess.Popen(
-            [*PROGRAM, "run", "--source", "sim:tour", "--device", "memory", "--show", "nothing"],
+            [
+                *(*PROGRAM, "run", "--source", "sim:tour", "--seed", "5"),
+                *("--device", "memory", "--show", "nothing"),
+            ],
             stderr=errors,
             env=person(folder),
         )
@@ -277,6 +281,7 @@ def test_while_playing_it_records_what_the_driver_sees(tmp_path, driver):
     said = json.loads(done.stdout)
     after = ask(environment)
     assert said["source"] == "the running driver's data (sim:tour)"
+    assert (said["simulation"]["source"], said["simulation"]["seed"]) == ("sim:tour", 5)
     assert 2.0 <= said["seconds"] < 2.0 + LONGEST_US / 1e6  # the last slice is recorded whole
     assert count(tmp_path / "a.aedat4") == (said["events"], said["frames"])
     assert said["frames"] >= 49
@@ -392,3 +397,30 @@ def test_it_ends_with_the_driver(tmp_path):
     assert process.returncode == 0
     assert said.startswith("OK ")
     assert count(path) == count_with_the_maker(path)
+
+
+def test_a_recording_of_the_simulator_says_so(record, tmp_path):
+    path = tmp_path / "folder" / "a.aedat4"
+    path.parent.mkdir()
+    words = (path, "--source", "sim:tour", "--seconds", "0.2", "--seed", "7")
+    done = record(*words, "--json")
+    assert "Recording SIMULATED sim:tour" in done.stderr
+    mark = Recording(path).simulation
+    assert mark is not None
+    assert (mark.source, mark.seed) == ("sim:tour", 7)
+    assert (
+        mark.command == "neurotouch record a.aedat4 --source sim:tour --seconds 0.2 --seed 7 --json"
+    )
+    answer = json.loads(done.stdout)
+    assert answer["simulation"] == asdict(mark)
+    assert "of SIMULATED sim:tour" in answer["message"]
+    again = tmp_path / "b.aedat4"
+    done = record(again, "--source", f"file:{path}")
+    assert Recording(again).simulation == mark
+    assert "SIMULATED" in done.stdout
+
+
+def test_a_recording_of_a_sensor_says_nothing(record, quick, tmp_path):
+    done = record(tmp_path / "a.aedat4", *quick)
+    assert "SIMULATED" not in done.stdout + done.stderr
+    assert Recording(tmp_path / "a.aedat4").simulation is None

@@ -149,10 +149,11 @@ def test_every_player_is_reached_although_the_first_refuses(own, capsys):
     assert said.out == "Player 2, your driver: Stopped.\nPlayer 2, the service: Stopped.\n"
 
 
-def test_the_only_driver_needs_no_name(own, capsys):
+def test_the_only_driver_needs_no_name_but_panic_says_whom_it_has_reached(own, capsys):
     with serve(own, [], STOPPED):
-        assert send_command("panic") == 0
-    assert capsys.readouterr().out == "Stopped.\n"
+        for command, said in (("pause", "Stopped.\n"), ("panic", "Your driver: Stopped.\n")):
+            assert send_command(command) == 0
+            assert capsys.readouterr().out == said
 
 
 def test_without_a_driver_it_says_so_once(own, capsys):

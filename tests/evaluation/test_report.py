@@ -23,7 +23,8 @@ from neurotouch_hid.evaluation.accuracy.label_statistics import LabelStatistics
 from neurotouch_hid.evaluation.accuracy.moments import WorstMoments
 from neurotouch_hid.evaluation.accuracy.report import check_folder, write_report
 from neurotouch_hid.evaluation.accuracy.type_timing import Stopwatch
-from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.messages import EVENT_DTYPE, GestureKind
+from neurotouch_hid.recording import RecordingWriter, Simulation
 from tests.evaluation.timelines import RIG, answer, label, markers
 
 ORIGIN = Origin("neurotouch-hid 1.2.3", "neurotouch evaluate a b", "2026-01-02", 2, 2, (5,))
@@ -139,14 +140,34 @@ def test_page_and_numbers_say_where_they_come_from(folder):
     assert json.loads((folder / "report.json").read_text())["origin"] == {
         **ORIGIN.as_json(),
         "seeds": [5],
+        "simulated_by": [],
     }
 
 
 def test_what_is_simulated_is_known_from_the_set(tmp_path):
     (tmp_path / "dataset.json").write_text('{"a": {"seed": 7}, "b": {"seed": 3}}')
-    paths = [tmp_path / f"{name}.aedat4" for name in ("a", "b", "real")]
+    paths = [record(tmp_path / f"{name}.aedat4") for name in ("a", "b", "real")]
     assert str(trace_origin(paths)) == "SIMULATED in part: 2 of 3 recordings, seed 3, 7."
     assert "none of them marked as simulated" in str(trace_origin(paths[2:]))
+
+
+def record(path, simulation=None):
+    with RecordingWriter(path, simulation=simulation) as writer:
+        writer.write_events(np.zeros(1, EVENT_DTYPE))
+    return path
+
+
+def test_what_is_simulated_is_known_from_each_recording(tmp_path):
+    mark = Simulation("neurotouch-hid 1.2.3", "sim:tour", "neurotouch record a.aedat4", 9)
+    paths = [record(tmp_path / "a.aedat4", mark), record(tmp_path / "real.aedat4")]
+    origin = trace_origin(paths)
+    assert str(origin) == (
+        "SIMULATED in part: 1 of 2 recordings, seed 9, by neurotouch-hid 1.2.3: "
+        "neurotouch record a.aedat4."
+    )
+    assert origin.as_json()["simulated_by"] == ("neurotouch-hid 1.2.3: neurotouch record a.aedat4",)
+    unknown = record(tmp_path / "b.aedat4", Simulation("x 1", "sim:mouse"))
+    assert str(trace_origin([unknown])) == "SIMULATED: 1 recording of the simulator, seed unknown."
 
 
 @pytest.fixture(scope="module")

@@ -72,6 +72,10 @@ class PlayedDriver:
     def tell(self, **message) -> None:
         self._line.send(json.dumps(message))
 
+    def drop(self) -> None:
+        """Closes the connection; the page opens another one by itself."""
+        self._line.close()
+
     def show(self, **changes) -> None:
         """Sends a state: the hand at rest, but for the changes."""
         self._line.send(pack({**REST, **changes}, bytes(5 * N_MARKERS)))

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from neurotouch_hid.errors import PageError, ProfileError
-from neurotouch_hid.page.edits import Changes
+from neurotouch_hid.page.edits import Changes, Wish
 from neurotouch_hid.page.profile_view import MOVEMENTS, describe_profile, is_editable, measure_lag
 from neurotouch_hid.profile import list_profiles, load_profile
 from neurotouch_hid.profile.reading.library import find_shipped_folder, find_user_folder
@@ -167,3 +167,11 @@ def test_a_profile_elsewhere_is_shown_and_never_changed(mine, changes, tmp_path)
 @pytest.mark.parametrize(("name", "ms"), [("none", 0), ("light", 13), ("medium", 40)])
 def test_a_filters_lag_is_what_its_table_says(name, ms):
     assert measure_lag(name) == pytest.approx(ms, abs=1.0)
+
+
+def test_what_does_not_play_yet_is_told_in_the_page_s_words(mine, changes, monkeypatch, tmp_path):
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path / "run"))
+    wish = Wish("pinch", "", "", "button b", "", "")
+    for said in (changes.bind(mine, wish), changes.undo(mine)):
+        assert "To play it: choose mine under Profile, then 'Play with it'." in said
+        assert "neurotouch" not in said

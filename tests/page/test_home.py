@@ -167,6 +167,63 @@ def test_the_range_is_measured_with_the_words_of_the_terminal(view, folder, open
     assert not (folder / "config/neurotouch/user.yaml").exists()
 
 
+def test_a_measurement_continues_after_the_page_s_server_has_ended(driver, folder, open_page):
+    """It is killed in the middle; the next one knows where it was, and so does the driver's end."""
+    first = View(folder, "--edit")
+    page = open_page(first.home)
+    page.wait_for_selector("#by-doing:not([hidden])")
+    page.click("#measure")
+    for step in (1, 2):
+        wait_for(page, "request", f"{step} of 10")
+        page.click("[data-answer='']")
+    wait_for(page, "request", "3 of 10")
+    page.click("[data-answer='s']")
+    wait_for(page, "request", "4 of 10")
+    first.process.kill()
+    first.process.wait()
+    page.goto("about:blank")  # what it says while nobody answers is another test's
+    second = View(folder, "--edit")
+    try:
+        page.goto(second.home)
+        wait_for(page, "range-words", "A measurement is not finished: 3 of 10 steps are done")
+        wait_for(page, "measure", "Continue measuring")
+        wait_for(page, "driver-state", "Running")  # who is gone keeps nothing paused
+        page.click("#measure")
+        wait_for(page, "request", "4 of 10")
+        page.click("[data-answer='r']")
+        wait_for(page, "request", "1 of 10")
+        page.click("[data-answer='q']")
+        wait_for(page, "request", "Ended. Nothing was saved.")
+        wait_for(page, "measure", "Measure my range again")
+    finally:
+        page.goto("about:blank")
+        second.end()
+
+
+def test_a_measurement_continues_after_the_driver_has_ended(alone, open_page):
+    page = open_page(alone.home)
+    page.click("#start-mouse")
+    wait_for(page, "situation", "The mouse presses a simulated gel.")
+    page.click("#measure")
+    page.locator("#measuring #gel").wait_for()  # beside the question
+    for step in (1, 2, 3):
+        wait_for(page, "request", f"{step} of 10")
+        page.click("[data-answer='']")
+    wait_for(page, "answer", "0 of 2 so far.")
+    assert "Enter" not in read(page, "answer")  # the page has a button for it
+    page.click("[data-answer='s']")
+    wait_for(page, "request", "4 of 10")
+    Driver.call(alone, "stop")
+    wait_for(page, "request", "Ended. What you did is kept.")
+    page.locator("#start-gel #gel").wait_for(state="attached")
+    page.click("#start-mouse")
+    wait_for(page, "measure", "Continue measuring")
+    page.click("#measure")
+    wait_for(page, "request", "4 of 10")
+    page.click("[data-answer='q']")
+    wait_for(page, "request", "Ended. Nothing was saved.")
+
+
 def test_the_camera_s_picture_and_the_sheet(view, folder, open_page):
     (folder / "config/neurotouch/profiles/mine.yaml").write_text(PROFILE)
     page = open_page(view.home)
@@ -232,3 +289,22 @@ def test_a_page_that_only_shows_changes_and_starts_nothing(open_page, tmp_path):
         page.close()
     finally:
         view.end()
+
+
+def test_a_lost_connection_ends_the_questions_and_says_what_is_kept(play):
+    """Buttons that reach nobody would lose what a person does next."""
+    page, driver = play("")
+    page.wait_for_selector("#measure:not([disabled])")
+    page.click("#measure")
+    driver.tell(program={"name": "calibrate", "line": "Step 4 of 10. Push to the right."})
+    wait_for(page, "request", "4 of 10: Push to the right.")
+    driver.drop()
+    wait_for(page, "request", "The connection is lost. What you did is kept.")
+    assert not page.locator("#answers").is_visible()
+    wait_for(page, "driver-state", "Waiting for the driver")  # it has connected again
+    values = {"filter": "strong", "timing": "slow", "neutral": "resting", "fatigue": "auto"}
+    values["feedback.sound"] = "speech"
+    unfinished = {"hand": "", "simulated": "3 of 10 steps"}
+    driver.tell(own={"values": values, "unfinished": unfinished})
+    driver.show()
+    wait_for(page, "measure", "Continue measuring")

@@ -285,3 +285,21 @@ def test_a_description_hides_nothing_from_who_reads_it(evil):
 def test_a_description_is_in_any_language(said):
     text = f'{HEAD}description: "{said}"\n{one(PINCH % "on_mm: 5").removeprefix(HEAD)}'
     assert codes(text) == []
+
+
+def test_a_binding_that_acts_first_is_named_in_words_with_the_later_one_s_line() -> None:
+    text = several(PINCH % "press: tap", "when: pinch, do: {button: b}")
+    (fault,) = check_content(text.encode(), "p.yaml").faults
+    assert fault.sentence == (
+        "'pinch -> button b' acts first, each time that you make 'pinch tap -> button a' (line 4)"
+    )
+    assert text.splitlines()[3].lstrip().startswith("- {when: {gesture: pinch, press: tap}")
+
+
+@pytest.mark.parametrize(
+    ("version", "fix"), [(9, "update the program"), (0, "neurotouch profile upgrade FILE")]
+)
+def test_of_another_version_only_that_is_told_with_its_fix(version: int, fix: str) -> None:
+    text = f"version: {version}\nbindings: []\nspeed: 3\n"
+    (fault,) = check_content(text.encode(), "p.yaml").faults
+    assert (fault.code, fault.hint) == ("NT119", fix)

@@ -102,9 +102,12 @@ MISTAKES = [
     ("§hello", ["needs keys with values, not 'hello'"]),
     ("§§version: 1\n", ["the key 'bindings' is missing", "the key 'name' is missing"]),
     (
-        "version: §2\nname: §X!\nbindings: §3\n",
+        "version: §2\nname: X!\nbindings: 3\n",
+        ["version: this program reads version 1 of the format"],
+    ),
+    (
+        "version: 1\nname: §X!\nbindings: §3\n",
         [
-            "version: this program reads version 1 of the format",
             "name: needs 1 to 64 small letters, digits, _ or -",
             "bindings: needs a list, not 3",
         ],

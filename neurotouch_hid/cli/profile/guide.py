@@ -1,5 +1,7 @@
 """The questions and answers of ``neurotouch profile edit``."""
 
+from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -8,6 +10,7 @@ import click
 from neurotouch_hid.cli.profile.drafts import save_draft
 from neurotouch_hid.cli.profile.gel import see_gesture, try_on_gel
 from neurotouch_hid.cli.profile.saving import save_edited
+from neurotouch_hid.cli.profile.values import ask_value
 from neurotouch_hid.cli.ui.outcome import show_faults
 from neurotouch_hid.cli.ui.output import choose, echo, is_plain, say, show_changes
 from neurotouch_hid.errors import ProfileError
@@ -16,6 +19,10 @@ if TYPE_CHECKING:
     from neurotouch_hid.profile import Profile
     from neurotouch_hid.profile.editing import EditedFile, ProfileText
     from neurotouch_hid.profile.schema import Binding
+
+
+class _Back(Exception):  # noqa: N818  it is an answer
+    """The person wants the question before."""
 
 
 class Guide:
@@ -86,17 +93,18 @@ class Guide:
         more = ["Bind a gesture", f"Timing: {self._word(profile.timing)}"]
         more += [f"Tremor filter: {profile.filter or 'the default'}", "Done"]
         at = choose(f"{profile.name}: what do you want to change?", [*choices, *more])
-        if at < n:
-            self._change_binding(name, at, bindings[at])
-        elif at == n:
-            self._bind(name)
-        elif at == n + 1:
-            self._set("timing", ("game", "steady", "slow"))
-        elif at == n + 2:
-            self._set("filter", ("none", "light", "medium", "strong"))
-        else:
-            return False
-        return True
+        try:
+            if at < n:
+                self._change_binding(name, at, bindings[at])
+            elif at == n:
+                self._bind(name)
+            elif at == n + 1:
+                self._set("timing", ("game", "steady", "slow"))
+            elif at == n + 2:
+                self._set("filter", ("none", "light", "medium", "strong"))
+        except _Back:
+            return True
+        return at <= n + 2
 
     @staticmethod
     def _word(timing: object) -> str:
@@ -106,15 +114,9 @@ class Guide:
         from neurotouch_hid.profile.editing import summarize_binding
 
         self._show_response(binding)
-        answer = choose(
+        answer = _pick(
             summarize_binding(binding),
-            [
-                "Let it do something else",
-                "Give it another gesture",
-                "Adjust it",
-                "Remove it",
-                "Back",
-            ],
+            ["Let it do something else", "Give it another gesture", "Adjust it", "Remove it"],
         )
         if answer == 0:
             self._replace(layer, at, "do", self._ask_do())
@@ -133,12 +135,10 @@ class Guide:
             f"{q.key}: {'the default' if q.value is None else format_value(q.value)}"
             for q in questions
         ]
-        number = choose("What do you want to adjust?", [*shown, "Back"])
-        if number < len(questions):
-            question = questions[number]
-            echo(question.description)
-            path = f"{self._path(layer)}[{at}].{question.part}.{question.key}"
-            self._set(path, question.choices, layer, at)
+        question = questions[_pick("What do you want to adjust?", shown)]
+        echo(question.description)
+        path = f"{self._path(layer)}[{at}].{question.part}.{question.key}"
+        self._set(path, question.choices, layer, at)
 
     def _set(
         self, path: str, words: tuple[str, ...], layer: str | None = None, at: int = 0
@@ -146,11 +146,9 @@ class Guide:
         from neurotouch_hid.profile.editing import parse_value, reset_value, set_value
 
         try:
-            if words:
-                number = choose("Which?", [*words, "The default"])
-                value = words[number] if number < len(words) else ""
-            else:
-                value = click.prompt("Value, or nothing for the default", default="")
+            value = ask_value(words)
+            if value is None:
+                raise _Back
             text = (
                 set_value(self._text, path, parse_value(value))
                 if value
@@ -164,7 +162,11 @@ class Guide:
     def _bind(self, layer: str) -> None:
         from neurotouch_hid.profile.editing import bind
 
-        when, do = self._ask_when(), self._ask_do()
+        while True:
+            when = self._ask_when()
+            with suppress(_Back):
+                do = None if when is None else self._ask_do()
+                break
         name = layer if self._find(layer) != ("bindings",) else None
         if when is not None and do is not None:
             self._try(bind(self._text, when, do, name, add=True))
@@ -189,32 +191,31 @@ class Guide:
         gestures = list(GESTURES)
         if self._source is not None:
             gestures.append("Show it on the gel")
-        number = choose("Which gesture?", gestures)
-        gesture = gestures[number]
-        if number == len(GESTURES):
-            shown = see_gesture(self._source or "")
-            if shown is None:
-                return None
-            gesture = shown
-        press = choose("How?", list(PRESSES), default=0)
-        return parse_when(f"{gesture} {list(PRESSES.values())[press]}")
+        while True:
+            number = _pick("Which gesture?", gestures)
+            gesture = gestures[number]
+            if number == len(GESTURES):
+                shown = see_gesture(self._source or "")
+                if shown is None:
+                    return None
+                gesture = shown
+            with suppress(_Back):
+                press = _pick("How?", list(PRESSES), default=0)
+                return parse_when(f"{gesture} {list(PRESSES.values())[press]}")
 
     def _ask_do(self) -> object:
         from neurotouch_hid.profile.editing import OUTPUTS, parse_do
 
         kinds = list(OUTPUTS)
-        kind = kinds[choose("What should it do?", kinds)]
-        words = OUTPUTS[kind]
-        chosen = (
-            words[choose("Which one?", words)]
-            if words
-            else f"key {click.prompt('Key, or several with +, such as ctrl+c')}"
-        )
-        try:
-            return parse_do(chosen)
-        except ProfileError as error:
-            say("FAILED", error.message, error.hint or "", plain=self._plain)
-            return None
+        while True:
+            words = OUTPUTS[kinds[_pick("What should it do?", kinds)]]
+            with suppress(_Back):
+                chosen = words[_pick("Which one?", words)] if words else f"key {_ask_key()}"
+                try:
+                    return parse_do(chosen)
+                except ProfileError as error:
+                    say("FAILED", error.message, error.hint or "", plain=self._plain)
+                    return None
 
     def _try(self, text: "ProfileText", layer: str | None = None, at: int = 0) -> None:
         """Shows what a change does, and keeps it if the person wants it."""
@@ -248,3 +249,28 @@ class Guide:
         for measure, value in sample_response(binding):
             bar = "" if self._plain or is_plain() else " " + "#" * round(40 * value)
             echo(f"at {measure:>8}: {100 * value:3.0f} percent{bar}")
+
+
+def _pick(question: str, choices: Sequence[str], *, default: int | None = None) -> int:
+    """Asks for one of several; the last answer goes back.
+
+    Raises:
+        _Back: the person wants the question before.
+    """
+    number = choose(question, [*choices, "Back"], default=default)
+    if number == len(choices):
+        raise _Back
+    return number
+
+
+def _ask_key() -> str:
+    """Asks for a key.
+
+    Raises:
+        _Back: the person wants the question before.
+    """
+    question = "Key, or several with +, such as ctrl+c; nothing goes back"
+    key: str = click.prompt(question, default="", show_default=False)
+    if not key.strip():
+        raise _Back
+    return key

@@ -1,5 +1,6 @@
 """The questions and answers of ``neurotouch profile edit user``."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import click
@@ -76,11 +77,9 @@ def _ask(edited: "EditedFile", text: "ProfileText", key: str, *, plain: bool) ->
     echo(UserSettings.model_fields.get(key, field).description or "")
     words = list_words(field.annotation)
     try:
-        if words:
-            at = choose("Which?", [*words, "The default"])
-            value = words[at] if at < len(words) else ""
-        else:
-            value = click.prompt("Value, or nothing for the default", default="")
+        value = ask_value(words)
+        if value is None:
+            return text
         if value:
             changed = set_value(text, key, parse_value(value), UserSettings)
         else:
@@ -95,3 +94,17 @@ def _ask(edited: "EditedFile", text: "ProfileText", key: str, *, plain: bool) ->
         return text
     show_changes(compare(text, changed), plain=plain)
     return changed
+
+
+def ask_value(words: Sequence[str]) -> str | None:
+    """Asks for a value; returns it, nothing for the default, or None if the person goes back.
+
+    Args:
+        words: the values there are; empty if any can be typed.
+    """
+    if words:
+        at = choose("Which?", [*words, "The default", "Back"])
+        return [*words, "", None][at]
+    question = "Value, 'default' for the default, or nothing to go back"
+    value = str(click.prompt(question, default="", show_default=False)).strip()
+    return None if not value else "" if value == "default" else value

@@ -7,7 +7,7 @@ import json
 import sys
 from collections.abc import Iterable
 
-from neurotouch_hid.client import Reached, ask_every, wait_until_ended
+from neurotouch_hid.client import NOT_RUNNING, Reached, ask_every, wait_until_ended
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.players import list_players
 
@@ -23,17 +23,35 @@ def send_command(command: str, *, as_json: bool = False) -> int:
     try:
         reached = ask_every(command, list_players())
     except DriverError as error:
-        return _tell_failure("", error, as_json=as_json)
+        return _tell_nobody(command, error, as_json=as_json)
     if command == "stop":
         reached = [_wait(each) for each in reached]
     code = 0
-    for name, each in zip(_name_all(reached), reached, strict=True):
+    for name, each in zip(_name_all(reached, command), reached, strict=True):
         if each.error is not None:
             code = _tell_failure(name, each.error, as_json=as_json)
         else:
-            text = name + each.text
-            print(json.dumps({"status": "OK", "message": text}) if as_json else text)
+            _tell(name + each.text, as_json=as_json)
     return code
+
+
+def _tell(text: str, *, as_json: bool) -> None:
+    print(json.dumps({"status": "OK", "message": text}) if as_json else text)
+
+
+def _tell_nobody(command: str, error: DriverError, *, as_json: bool) -> int:
+    """Prints that no driver was reached, and what that means; returns the exit code.
+
+    To end what does not run is done already. To release what nobody holds is not: a person who
+    needs it must know that nothing was reached.
+    """
+    if error.message == NOT_RUNNING and command == "stop":
+        _tell(f"{NOT_RUNNING} There is nothing to end.", as_json=as_json)
+        return 0
+    if command == "panic":
+        hint = "If a button is still held, another program holds it. See: neurotouch devices"
+        error = type(error)(f"{error.message} Nothing was reached or released.", hint=hint)
+    return _tell_failure("", error, as_json=as_json)
 
 
 def _wait(reached: Reached) -> Reached:
@@ -46,11 +64,14 @@ def _wait(reached: Reached) -> Reached:
     return reached
 
 
-def _name_all(reached: Iterable[Reached]) -> list[str]:
-    """Returns what to write before the answer of each driver, so that nobody mistakes it."""
+def _name_all(reached: Iterable[Reached], command: str) -> list[str]:
+    """Returns what to write before the answer of each driver, so that nobody mistakes it.
+
+    A single one needs no name, but a person who calls panic must read whom it has reached.
+    """
     rows = [(each.player, each.name) for each in reached]
     players, names = {player for player, _ in rows}, {name for _, name in rows}
-    if len(rows) == 1:
+    if len(rows) == 1 and command != "panic":
         return [""]
     if len(players) == 1:
         return [f"{name[0].upper()}{name[1:]}: " for _, name in rows]

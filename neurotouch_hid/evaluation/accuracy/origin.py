@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from neurotouch_hid import __version__
+from neurotouch_hid.recording import Recording, Simulation
 from neurotouch_hid.source.simulator.dataset import read_manifest
 
 
@@ -19,8 +20,9 @@ class Origin:
         command: the command line; empty if a program started the evaluation.
         date: date and time in UTC, ISO 8601.
         recordings: number of recordings.
-        simulated: number of those that the simulator wrote, from ``dataset.json`` beside them.
+        simulated: number of those that are marked as simulated.
         seeds: the seeds of these.
+        simulated_by: programs and commands that simulated them.
     """
 
     program: str
@@ -29,6 +31,7 @@ class Origin:
     recordings: int
     simulated: int
     seeds: tuple[int, ...]
+    simulated_by: tuple[str, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """Returns the same as plain values."""
@@ -38,10 +41,12 @@ class Origin:
         """Returns one sentence about the recordings."""
         if not self.simulated:
             return f"{_count(self.recordings)}, none of them marked as simulated."
-        seeds = ", ".join(map(str, self.seeds))
+        seeds = ", ".join(map(str, self.seeds)) or "unknown"
+        by = f", by {'; '.join(self.simulated_by)}" if self.simulated_by else ""
         if self.simulated == self.recordings:
-            return f"SIMULATED: {_count(self.recordings)} of the simulator, seed {seeds}."
-        return f"SIMULATED in part: {self.simulated} of {_count(self.recordings)}, seed {seeds}."
+            return f"SIMULATED: {_count(self.recordings)} of the simulator, seed {seeds}{by}."
+        share = f"{self.simulated} of {_count(self.recordings)}"
+        return f"SIMULATED in part: {share}, seed {seeds}{by}."
 
 
 def trace_origin(paths: Sequence[Path], command: str = "") -> Origin:
@@ -51,16 +56,31 @@ def trace_origin(paths: Sequence[Path], command: str = "") -> Origin:
         paths: the recordings.
         command: the command line.
     """
-    recipes = [read_manifest(path.parent).get(path.stem) for path in paths]
-    known = [recipe for recipe in recipes if isinstance(recipe, dict)]
+    marks = [mark for path in paths if (mark := _find_mark(path)) is not None]
+    by = {f"{mark.program}: {mark.command}" for mark in marks if mark.command}
     return Origin(
         program=f"neurotouch-hid {__version__}",
         command=command,
         date=datetime.now(UTC).isoformat(timespec="seconds"),
         recordings=len(paths),
-        simulated=len(known),
-        seeds=tuple(sorted({int(recipe.get("seed", 0)) for recipe in known})),
+        simulated=len(marks),
+        seeds=tuple(sorted({mark.seed for mark in marks if mark.seed is not None})),
+        simulated_by=tuple(sorted(by)),
     )
+
+
+def _find_mark(path: Path) -> Simulation | None:
+    """Returns the mark of a simulated recording: in its header, or in ``dataset.json`` beside it.
+
+    Raises:
+        RecordingError: it is no recording.
+    """
+    mark = Recording(path).simulation
+    recipe = read_manifest(path.parent).get(path.stem)
+    if mark is not None or not isinstance(recipe, dict):
+        return mark
+    seed = recipe.get("seed")
+    return Simulation("", path.stem, seed=seed if isinstance(seed, int) else None)
 
 
 def _count(n: int) -> str:

@@ -1,22 +1,51 @@
-"""Measures a hand, without a time limit: noise, tremor, the range of eight movements."""
+"""Measures a hand, without a time limit: noise, tremor, the range of eight movements.
 
-from neurotouch_hid.profile.calibration.repetition import Repetition
-from neurotouch_hid.profile.calibration.result import (
-    LEAST_PEAKS,
-    WeakSide,
-    find_weak_sides,
-    undo_ranges,
-    write_ranges,
-)
-from neurotouch_hid.profile.calibration.session import CalibrationSession
-from neurotouch_hid.profile.calibration.tremor import Tremor
+A name loads its module when it is first asked for: only the session needs numpy.
+"""
+
+from typing import TYPE_CHECKING
+
+from neurotouch_hid.lazy import load_lazily
+
+if TYPE_CHECKING:
+    from neurotouch_hid.profile.calibration.repetition import Repetition
+    from neurotouch_hid.profile.calibration.result import (
+        LEAST_PEAKS,
+        WeakSide,
+        find_weak_sides,
+        undo_ranges,
+        write_ranges,
+    )
+    from neurotouch_hid.profile.calibration.session import CalibrationSession
+    from neurotouch_hid.profile.calibration.tremor import Tremor
+    from neurotouch_hid.profile.calibration.unfinished import (
+        Progress,
+        UnfinishedCalibration,
+        describe_unfinished,
+        find_unfinished_file,
+    )
+else:
+    __getattr__ = load_lazily(
+        __name__,
+        {
+            "repetition": "Repetition",
+            "result": "LEAST_PEAKS WeakSide find_weak_sides undo_ranges write_ranges",
+            "session": "CalibrationSession",
+            "tremor": "Tremor",
+            "unfinished": "Progress UnfinishedCalibration describe_unfinished find_unfinished_file",
+        },
+    )
 
 __all__ = [
     "LEAST_PEAKS",
     "CalibrationSession",
+    "Progress",
     "Repetition",
     "Tremor",
+    "UnfinishedCalibration",
     "WeakSide",
+    "describe_unfinished",
+    "find_unfinished_file",
     "find_weak_sides",
     "undo_ranges",
     "write_ranges",

@@ -15,6 +15,7 @@ from neurotouch_hid.profile.calibration.result import (
     measure_rest,
 )
 from neurotouch_hid.profile.calibration.tremor import Tremor, find_tremor, propose_filter
+from neurotouch_hid.profile.calibration.unfinished import Progress
 from neurotouch_hid.profile.engine.input_conditioner import InputConditioner
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.timing import FilterName
@@ -50,6 +51,10 @@ class CalibrationSession:
         movements: the movements to be measured, in this order.
         guided: ask for them one by one, first for rest and a hold; otherwise take every movement
             for what it is, as from a recording.
+
+    Attributes:
+        movements: the movements to be measured.
+        steps: the names of all steps.
     """
 
     def __init__(
@@ -59,25 +64,53 @@ class CalibrationSession:
             update={"range": Ranges(), "unused": [], "filter": None, "tremor_hz": None}
         )
         self._reader = InputConditioner(plain, "none", _ALL_KINDS, latch=True)
-        self._finder = RepetitionFinder()
         self.movements = movements or tuple(MOVEMENTS)
-        self._steps = (NEUTRAL, HOLD, *self.movements) if guided else (EVERYTHING,)
+        self.steps = (NEUTRAL, HOLD, *self.movements) if guided else (EVERYTHING,)
+        self._step_us = 10_000
+        self._t_us: int | None = None
+        self.restart()
+
+    def restart(self) -> None:
+        """Begins again: what was measured is forgotten."""
         self._at = 0
         self._skipped: set[str] = set()
         self._measured = _Measured()
         self._still_mm: list[float] = []
         self._latest_hold: list[float] = []
-        self._step_us = 10_000
-        self._t_us: int | None = None
+        self._finder = RepetitionFinder()
+
+    @property
+    def progress(self) -> Progress:
+        """The measurements so far."""
+        measured = self._measured
+        return Progress(
+            steps=list(self.steps),
+            at=self._at,
+            skipped=sorted(self._skipped),
+            peaks_mm=self.peaks_mm,
+            resting_mm=list(measured.resting_mm),
+            hold_mm=list(measured.hold_mm),
+            step_us=self._step_us,
+        )
+
+    def resume(self, progress: Progress) -> None:
+        """Goes on with the measurements of the same steps."""
+        self.restart()
+        self._at = progress.at
+        self._skipped = set(progress.skipped)
+        self._measured = _Measured(
+            dict(progress.peaks_mm), list(progress.resting_mm), list(progress.hold_mm)
+        )
+        self._step_us = progress.step_us
 
     @property
     def step(self) -> str | None:
         """``neutral``, ``hold``, a movement, or ``everything``; None at the end."""
-        return self._steps[self._at] if self._at < len(self._steps) else None
+        return self.steps[self._at] if self._at < len(self.steps) else None
 
     def next(self) -> None:
         """Ends this step."""
-        self._at = min(self._at + 1, len(self._steps))
+        self._at = min(self._at + 1, len(self.steps))
         self._finder = RepetitionFinder()
 
     def skip(self) -> None:
@@ -90,7 +123,7 @@ class CalibrationSession:
     def back(self) -> None:
         """Repeats the step before, from its beginning."""
         self._at = max(self._at - 1, 0)
-        step = self._steps[self._at]
+        step = self.steps[self._at]
         self._skipped.discard(step)
         self._measured.peaks_mm.pop(step, None)
         if step == NEUTRAL:

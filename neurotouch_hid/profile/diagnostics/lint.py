@@ -1,11 +1,12 @@
 """Warnings: what loads, but does nothing or is risky."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Final
 
 from neurotouch_hid.files.faults import Fault, Keys, format_path
 from neurotouch_hid.files.yaml_document import Node, find_mark
 from neurotouch_hid.profile.diagnostics.consistency import list_bindings
+from neurotouch_hid.profile.diagnostics.description import describe_binding
 from neurotouch_hid.profile.schema.conditions import Sequence
 from neurotouch_hid.profile.schema.keyboard_keys import is_order_to_kernel
 from neurotouch_hid.profile.schema.layering import merge_bindings
@@ -44,16 +45,17 @@ def find_warnings(profile: Profile, whole: Profile, root: Node) -> list[Fault]:
         whole: with everything it is built on.
         root: the file.
     """
-    layers = whole.all_layers
+    layers, listed = whole.all_layers, list(list_bindings(profile))
     merged = {layer.name: merge_bindings(layer, layers[0]) for layer in layers}
     if profile.bindings is not None:  # they belong to the first layer, whatever its name
         merged[profile.all_layers[0].name] = merged[layers[0].name]
     findings = list(_check_whole(profile, whole))
-    for keys, layer, binding in list_bindings(profile):
+    lines = {id(binding): find_mark(root, keys).line + 1 for keys, _, binding in listed}
+    for keys, layer, binding in listed:
         beside = [other for other in merged[layer.name] if other is not binding]
         for code, place, sentence in (
             *_check_binding(binding),
-            *_check_beside(binding, beside),
+            *_check_beside(binding, beside, lines),
             *_check_twin(binding, layer.bindings, keys),
         ):
             findings.append((code, (*keys, *place), sentence))
@@ -117,29 +119,45 @@ def _check_binding(binding: Binding) -> Iterator[_Remark]:
         yield "NT205", ("when", "hold_ms"), "a hold of more than 5 s tires"
 
 
-def _check_beside(binding: Binding, beside: list[Binding]) -> Iterator[_Remark]:
-    """Gives the remarks about bindings of one gesture that affect each other."""
+def _check_beside(
+    binding: Binding, beside: list[Binding], lines: Mapping[int, int]
+) -> Iterator[_Remark]:
+    """Gives the remarks about bindings of one gesture that affect each other.
+
+    Args:
+        binding: the binding.
+        beside: the others of its layer.
+        lines: the lines of the bindings that are in this file, by ``id``.
+    """
     if binding.is_followed or isinstance(binding.when, Sequence):
         return
     condition = binding.condition
     others = [
-        other.condition
+        other
         for other in beside
         if not isinstance(other.when, Sequence)
         and not other.is_followed
         and condition.has_gesture_of(other.condition)
     ]
-    if condition.press == "tap" and any(other.press == "double" for other in others):
+    if condition.press == "tap" and any(other.condition.press == "double" for other in others):
         waits = ", ".join(f"{times.double_ms} ms ({name})" for name, times in PRESETS.items())
         yield "NT203", ("when", "press"), f"waits for the double tap beside it: {waits}"
-    if condition.press is None and any(
-        other.press is not None and other.level == condition.level for other in others
-    ):
-        yield "NT208", ("when",), "acts also before every tap and hold of the same gesture"
+    later = [
+        f"'{describe_binding(other)}'{_name_line(lines.get(id(other)))}"
+        for other in others
+        if other.condition.press is not None and other.condition.level == condition.level
+    ]
+    if condition.press is None and later:
+        words = f"'{describe_binding(binding)}' acts first, each time that you make"
+        yield "NT208", ("when",), f"{words} {' or '.join(later)}"
     if condition.level == "hard":
-        soft = [other.thresholds_mm[0] for other in others if other.level == "soft"]
+        soft = [other.thresholds_mm[0] for other in others if other.condition.level == "soft"]
         if soft and condition.thresholds_mm[0] - max(soft) < LEVELS_MM:
             yield "NT207", ("when", "level"), "less than 3 mm above the soft level"
+
+
+def _name_line(line: int | None) -> str:
+    return "" if line is None else f" (line {line})"
 
 
 def _check_twin(binding: Binding, bindings: list[Binding], keys: Keys) -> Iterator[_Remark]:

@@ -69,8 +69,8 @@ def locate_faults(error: ValidationError, root: Node, model: type[BaseModel]) ->
     found = (_locate_fault(detail, root, model) for detail in details)
     faults = [fault for fault in found if fault is not None]
     if any(fault.code == _CODES["version"] for fault in faults):
-        # A file of another version may have other keys, so none of ours is missing there.
-        faults = [fault for fault in faults if fault.code != _CODES["missing"]]
+        # A file of another version may have other keys, so ours say nothing about it.
+        faults = [fault for fault in faults if fault.code == _CODES["version"]]
     return faults
 
 

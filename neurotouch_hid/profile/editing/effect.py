@@ -18,13 +18,22 @@ class SavedEffect:
 
     Attributes:
         status: ``WARNING`` if the file has errors or the driver refuses it.
-        text: the same in a sentence.
+        said: the same in a sentence.
         fix: the fix if it has no effect.
+        unused: the profile, if it is to be chosen before it plays.
     """
 
     status: Literal["OK", "WARNING"]
-    text: str
+    said: str
     fix: str = ""
+    unused: str = ""
+
+    @property
+    def text(self) -> str:
+        """The sentence, and the command that lets the profile play."""
+        if not self.unused:
+            return self.said
+        return f"{self.said} To play it: neurotouch profile use {self.unused}"
 
 
 def hand_over_saved(name: str) -> SavedEffect:
@@ -45,7 +54,7 @@ def hand_over_saved(name: str) -> SavedEffect:
     else:
         acts, text = _is_part_of(name, _find_favourite(), set()), done.text
         other = "No driver is running."
-    return SavedEffect("OK", text if acts else f"{other} To play it: neurotouch profile use {name}")
+    return SavedEffect("OK", text) if acts else SavedEffect("OK", other, unused=name)
 
 
 def hand_over_restored(edited: EditedFile) -> SavedEffect:

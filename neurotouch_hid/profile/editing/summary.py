@@ -125,7 +125,8 @@ def _summarize_times(profile: Profile, user: UserSettings | None) -> Iterator[st
 
 def _summarize_layer(layer: Layer, *, alone: bool) -> Iterator[str]:
     if not alone:
-        yield f"layer: {layer.name}, what it does not bind is {layer.below}"
+        others = "as in the first layer" if layer.below == "inherit" else "nothing"
+        yield f"layer: {layer.name}; every other gesture does {others}"
     written = [each.model_dump(mode="json", exclude_unset=True) for each in layer.bindings]
     for name, binding in zip(name_bindings(written), layer.bindings, strict=True):
         yield f"  {name}: {summarize_binding(binding)}"

@@ -51,7 +51,9 @@ SPEED_RANGE_MM_S: Final = (20.0, 150.0)
 def check_version(version: int) -> int:
     """Returns the version, if this program knows it."""
     if version != 1:
-        raise PydanticCustomError("version", "this program reads version 1 of the format")
+        hint = "update the program" if version > 1 else "neurotouch profile upgrade FILE"
+        text = "this program reads version 1 of the format"
+        raise PydanticCustomError("version", text, {"hint": hint})
     return version
 
 

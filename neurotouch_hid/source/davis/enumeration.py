@@ -79,7 +79,7 @@ def choose_camera(cameras: tuple[CameraInfo, ...], serial: str = "") -> CameraIn
         asked = f", so none has the serial number {serial}" if serial else ""
         raise CameraAbsentError(
             f"No DAVIS camera is plugged in{asked}.",
-            hint="Plug it in. To play without a camera, choose the source sim:tour.",
+            hint="Plug it in. Without a camera: neurotouch demo, or the source sim:tour.",
         )
     if not serial:
         return next((info for info in cameras if not info.reason), cameras[0])

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from neurotouch_hid import __version__
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.files.small_file import read_text
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.partial_file import write_whole
-from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
+from neurotouch_hid.recording import RecordingWriter, Simulation, labels_path, write_labels
 from neurotouch_hid.source.simulator.gel import Elasticity
 from neurotouch_hid.source.simulator.script import PRESS_US, Script, Stroke
 from neurotouch_hid.source.simulator.simulated_people import (
@@ -75,6 +76,7 @@ def write_dataset(
     gels: Sequence[Elasticity] = ("half-space",),
     *,
     replace: bool = False,
+    command: str = "",
 ) -> list[Path]:
     """Writes one recording per gel, user and gesture, with labels; finished ones are kept.
 
@@ -89,6 +91,7 @@ def write_dataset(
         progress: called at the start, about once a simulated second, and at the end of each file.
         gels: models of the gel. Every one has people and gestures of its own.
         replace: also overwrite recordings that were made from other recipes.
+        command: the command line, which the recordings name.
 
     Returns:
         The recordings, gels and users one after another.
@@ -112,7 +115,7 @@ def write_dataset(
         if not (is_there and finished.get(recipe.name) == asdict(recipe)):
             if finished.pop(recipe.name, None) is not None:
                 _write_manifest(folder, finished)
-            for share in _record(recipe, path):
+            for share in _record(recipe, path, command):
                 progress(Progress(path, i, len(paths), share))
             finished[recipe.name] = asdict(recipe)
             _write_manifest(folder, finished)
@@ -169,11 +172,15 @@ def draw_script(
     return Script(name, tuple(strokes), duration_us)
 
 
-def _record(recipe: Recipe, path: Path) -> Iterator[float]:
+def _record(recipe: Recipe, path: Path, command: str) -> Iterator[float]:
     """Writes a recording and its labels, yielding the share done about once a simulated second."""
     yield 0.0
     truths = []
-    with simulate_recipe(recipe) as simulator, RecordingWriter(path) as writer:
+    mark = Simulation(f"neurotouch-hid {__version__}", recipe.name, command, recipe.seed)
+    with (
+        simulate_recipe(recipe) as simulator,
+        RecordingWriter(path, simulation=mark) as writer,
+    ):
         for packet in simulator:
             writer.write(packet)
             truths += [simulator.truth(frame.t_us) for frame in packet.frames]

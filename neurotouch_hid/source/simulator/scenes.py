@@ -48,6 +48,11 @@ def check_scene(name: str) -> None:
         return
     close = difflib.get_close_matches(name.lower(), _SCENES, 1)
     hint = f"Did you mean sim:{close[0]}?" if close else f"Scenes: {', '.join(_SCENES)}."
+    if name == "mouse":  # as status calls it
+        raise SourceError(
+            "The mouse gel is a driver of its own, not a scene.",
+            hint="Start it: neurotouch demo --mouse. What it sees is the source driver:.",
+        )
     if not name:
         raise SourceError("'sim:' needs the name of a scene, for example sim:tour.", hint=hint)
     raise SourceError(f"There is no simulated scene called '{name}'.", hint=hint)

@@ -93,7 +93,7 @@ def build_confusion(report: Mapping[str, Any]) -> str:
         [label, *(_number(cell, "") for cell in cells)]
         for label, cells in zip(labels, report["confusion"]["balanced"], strict=True)
     ]
-    return build_table("Row: labelled, column: recognised", ["", *labels], rows)
+    return build_table("Row: labelled, column: recognised", ["labelled", *labels], rows)
 
 
 def build_reliability(report: Mapping[str, Any]) -> str:
@@ -131,7 +131,7 @@ def build_table(caption: str, head: Iterable[str], rows: Iterable[list[str]]) ->
         for row in rows
     )  # fmt: skip
     return (
-        f'<div class="wide" role="region" aria-label="{escape(caption)}" tabindex="0"><table>'
+        f'<div class="wide" role="group" aria-label="{escape(caption)}" tabindex="0"><table>'
         f"<caption>{escape(caption)}</caption>\n<thead><tr>{heads}</tr></thead>\n"
         f"<tbody>{body}</tbody></table></div>\n"
     )

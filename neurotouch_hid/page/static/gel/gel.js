@@ -14,7 +14,7 @@ const page = openPage(30, {
   hello: (_, { edit }) => { find("cure").disabled = !edit; },
   saved: (sentence) => { find("cured").textContent = sentence; },
   driver(runs) {
-    page.notice("driver", runs ? "" : "To press a gel: neurotouch demo --mouse");
+    page.notice("driver", runs ? "" : "To press a gel: on the page Start, 'Try it without a camera'.");
   },
 });
 
@@ -68,7 +68,7 @@ function show(state) {
     ? `mouse to pad ${slow.hand_ms[0].toFixed(0)} ms, 95 % within ${slow.hand_ms[1].toFixed(0)} ms`
     : "");
   page.notice("driver", !slow.source || slow.source === MOUSE ? ""
-    : `The driver uses ${slow.source}. To press a gel: neurotouch demo --mouse`);
+    : `The driver uses ${slow.source}. To press a gel, end it on the page Start, then 'Try it without a camera'.`);
 }
 
 requestAnimationFrame(draw);

@@ -6,11 +6,14 @@ const STEP = /^Step (\d+) of (\d+)\. (.*)$/;
 const CHOICE = /^ {2}(\d+)\. (.*)$/;
 const ASKS = /^Number, 1 to \d+:$/;
 const KEYS = /^Enter = next/;
+const KEPT = /^What you did is kept/;
 
 export function makeCalibration(find, answer) {
   let choices = [];
   let question = "";
   let runs = false;
+  let kept = false;
+  let unfinished = ""; // how far a measurement is that was not finished
 
   for (const button of find("answers").querySelectorAll("button")) {
     button.addEventListener("click", () => answer(button.dataset.answer));
@@ -18,7 +21,7 @@ export function makeCalibration(find, answer) {
 
   function begin() {
     choices = [];
-    runs = true;
+    [runs, kept] = [true, false];
     find("measuring").hidden = false;
     find("request").textContent = "One moment …";
     find("answer").textContent = "";
@@ -26,6 +29,38 @@ export function makeCalibration(find, answer) {
     showChoices(false);
     find("answers").hidden = false;
     find("measure").hidden = true;
+  }
+
+  // Whatever ended it, the next one continues where this one was.
+  function end() {
+    runs = false;
+    find("answers").hidden = find("choices").hidden = true;
+    find("measure").hidden = false;
+    nameButton();
+  }
+
+  function lose() {
+    if (!runs) return;
+    end();
+    find("request").textContent = "The connection is lost. What you did is kept.";
+    find("answer").textContent = "";
+  }
+
+  // The connection is new: a calibration that still runs is told right after this.
+  function reset() {
+    find("measuring").hidden = true;
+    end();
+  }
+
+  function nameButton() {
+    const again = find("measured").childElementCount ? "Measure my range again" : "Measure my range";
+    find("measure").textContent = unfinished ? "Continue measuring" : again;
+  }
+
+  function setUnfinished(words) {
+    if (words === unfinished) return;
+    unfinished = words;
+    nameButton();
   }
 
   function showChoices(asks) {
@@ -48,11 +83,9 @@ export function makeCalibration(find, answer) {
   function hear(news) {
     if (!runs) begin(); // another page started it
     if ("code" in news) {
-      runs = false;
+      end();
       find("request").textContent = news.code === 0 ? "Done." : "Ended. Nothing was saved.";
-      find("answers").hidden = find("choices").hidden = true;
-      find("measure").hidden = false;
-      find("measure").textContent = "Measure my range again";
+      if (kept) find("request").textContent = "Ended. What you did is kept.";
       find("measure").focus();
       return;
     }
@@ -73,8 +106,9 @@ export function makeCalibration(find, answer) {
       question = line;
       find("answer").textContent = line;
       find("measured").append(element("li", { text: line }));
+      kept ||= KEPT.test(line);
     }
   }
 
-  return { begin, hear, get runs() { return runs; } };
+  return { begin, hear, lose, reset, setUnfinished, get runs() { return runs; } };
 }

@@ -33,6 +33,7 @@ const find = (id) => document.getElementById(id);
 let mayEdit = false;
 const places = new Map(); // where the answer to a request is said
 let about = null;
+let kept = {}; // how far an unfinished measurement is, of a hand and of a simulated one
 let newest = null;
 let situation = null;
 let runs = false;
@@ -49,6 +50,7 @@ const page = openPage(HZ, {
     for (const id of EDITS) find(id).disabled = !edit;
     find("far").hidden = !far;
     mayEdit = edit;
+    calibration.reset();
     if (fresh) page.send(PAUSE); // the connection was lost, and the driver has gone on
   },
   state(state) {
@@ -84,10 +86,16 @@ const page = openPage(HZ, {
   },
   profiles: showProfiles,
   own(found) {
-    const { fault, values } = found;
+    const { fault, values, unfinished = {} } = found;
+    kept = unfinished;
+    showRange();
     showOwn(values, mayEdit);
     page.notice("own", fault ? `${fault} Below, 'Mend my values' brings back what could be read.` : "");
     find("own-mend").hidden = !(fault && mayEdit);
+  },
+  lost: () => {
+    calibration.lose();
+    showStart();
   },
   saved(sentence, { n }) { if (sentence) say(places.get(n) || "saved", sentence); },
   refused() {
@@ -151,11 +159,29 @@ function showStart() {
   if (newest) begun = false;
   find("by-doing").hidden = !(newest && about && about.edit);
   find("by-doing").disabled = calibration.runs; // both listen to the same movements
+  placeGel();
   find("measure").disabled = !newest || !mayEdit || listener.waits;
+  showRange();
+}
+
+// Beside the question that it answers: nobody scrolls between the two.
+function placeGel() {
+  const place = find(calibration.runs ? "measuring" : "start-gel");
+  const box = find("gel-box");
+  if (box.parentElement !== place) place.append(box);
+}
+
+function showRange() {
   const known = about && about.ranges ? Object.keys(about.ranges).length : 0;
-  say("range-words", `${known ? `Your own range is known for ${known} of 8 movements. ` : ""}${newest
-    ? "Small movements are enough: the gamepad can learn your range. There is no time limit."
-    : "Start first: then the gamepad can learn your range. There is no time limit."}`);
+  const words = known ? [`Your own range is known for ${known} of 8 movements.`] : [];
+  const unfinished = kept[newest && newest.slow.simulated ? "simulated" : "hand"] || "";
+  calibration.setUnfinished(unfinished);
+  if (unfinished && !calibration.runs) {
+    words.push(`A measurement is not finished: ${unfinished} are done and kept.`);
+  }
+  if (!newest) words.push("Start first: then the gamepad can learn your range.");
+  else if (!words.length) words.push("Small movements are enough: the gamepad can learn your range.");
+  say("range-words", [...words, "There is no time limit."].join(" "));
 }
 
 function say(id, text) {
@@ -318,6 +344,7 @@ const calibration = makeCalibration(find, (text) =>
   page.send({ do: "answer", what: "calibrate", text }));
 find("measure").addEventListener("click", () => {
   calibration.begin();
+  find("answers").querySelector("button").focus(); // the button that had the focus is gone
   page.send({ do: "start", what: "calibrate" });
   showStart();
 });

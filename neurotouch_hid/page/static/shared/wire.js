@@ -64,7 +64,7 @@ export function connect(hz, listeners) {
       } else if (code === 1013) {
         call("lost", "Too many viewers (4). Close one.");
       } else {
-        call("lost", "The connection is lost. Is neurotouch view still running?");
+        call("lost", "The connection is lost. If it stays so, open NeuroTouch again.");
       }
       if (!ended) setTimeout(open, AGAIN_MS);
     };

@@ -48,7 +48,7 @@ const page = openPage(30, {
   driver(runs) {
     if (runs) return;
     newest = null;
-    find("say").textContent = "No driver is running. Start one: neurotouch demo";
+    find("say").textContent = "No driver is running. Start one on the page Start.";
     drawDisc(find("disc"), null);
   },
   saved(sentence, { n }) {
