@@ -7,12 +7,12 @@ import difflib
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from neurotouch_hid.errors import SourceError
 from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.source.simulator.config import SimulatorConfig
 from neurotouch_hid.source.simulator.script import Script, Stroke, sequence
 from neurotouch_hid.source.simulator.strokes import (
     Fingertips,
@@ -23,9 +23,6 @@ from neurotouch_hid.source.simulator.strokes import (
     twist,
     zoom,
 )
-
-if TYPE_CHECKING:
-    from neurotouch_hid.source.simulator.simulator import SimulatorConfig
 
 LEFT, RIGHT, UP, DOWN = math.pi, 0.0, -math.pi / 2, math.pi / 2
 
@@ -63,10 +60,8 @@ def find_scene(name: str) -> Script:
     return replace(_SCENES[name](), name=name)
 
 
-def scene_config(name: str) -> "SimulatorConfig":
+def scene_config(name: str) -> SimulatorConfig:
     """Returns the set-up of a scene: the default one, but ``noise`` has a noisy sensor."""
-    from neurotouch_hid.source.simulator.simulator import SimulatorConfig  # noqa: PLC0415
-
     config = SimulatorConfig()
     if name == "noise":
         sensor = replace(config.sensor, shot_hz=5.0, n_hot=20, contrast_spread=0.05)
