@@ -6,7 +6,7 @@ from typing import Final
 
 from neurotouch_hid.errors import SourceError
 from neurotouch_hid.plugins import SOURCES, list_plugins
-from neurotouch_hid.source.simulator.scenes import check_scene, scene_names
+from neurotouch_hid.source.simulator.scenes import read_simulation, scene_names
 from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_kind
 
 FORMS: Final = ("davis:", "davis:SERIAL", "file:NAME.aedat4", "sim:NAME", RUNNING_DRIVER)
@@ -25,7 +25,7 @@ def check_source(spec: str) -> None:
     """
     kind, rest = find_source_kind(spec), spec.partition(":")[2]
     if kind is SourceKind.SIMULATION:
-        check_scene(rest)
+        read_simulation(rest)
     elif kind is SourceKind.RECORDING:
         from neurotouch_hid.recording.container import check_recording  # noqa: PLC0415
 

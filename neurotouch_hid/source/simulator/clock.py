@@ -30,10 +30,9 @@ class Clock:
         return not any(change.at_us <= t_us < _back(change) for change in self.changes)
 
     def stamp(self, packet: EventPacket) -> EventPacket:
-        """Returns a packet with the camera's stamps."""
+        """Returns a packet with the camera's stamps, without frames begun before a change."""
         shift_us = self._shift(packet.t_begin_us)
-        if not shift_us:
-            return packet
+        since_us = self.find_last_change(packet.t_begin_us)
         events = packet.events.copy()
         events["t"] += shift_us
         frames = tuple(
@@ -43,6 +42,7 @@ class Clock:
                 exposure_end_us=frame.exposure_end_us + shift_us,
             )
             for frame in packet.frames
+            if frame.exposure_begin_us >= since_us
         )
         return replace(
             packet,
@@ -51,6 +51,10 @@ class Clock:
             events=events,
             frames=frames,
         )
+
+    def find_last_change(self, t_us: int) -> int:
+        """Returns when the clock began to run as at this moment."""
+        return max((_back(change) for change in self.changes if _back(change) <= t_us), default=0)
 
     def find_moment(self, stamp_us: int) -> int:
         """Returns the time of the simulation that has this stamp."""

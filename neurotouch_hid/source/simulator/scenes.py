@@ -50,6 +50,22 @@ def check_scene(name: str) -> None:
     raise SourceError(f"There is no simulated scene called '{name}'.", hint=hint)
 
 
+def read_simulation(text: str) -> tuple[str, dict[str, float]]:
+    """Returns scene and nuisances of ``NAME[,NUISANCE[=STRENGTH]]...``.
+
+    Raises:
+        SourceError: there is no such scene or nuisance.
+    """
+    name, *nuisances = text.split(",")
+    check_scene(name)
+    if not nuisances:
+        return name, {}
+    # Few use them; all others start without.
+    from neurotouch_hid.source.simulator.nuisances import read_nuisances  # noqa: PLC0415
+
+    return name, read_nuisances(nuisances)
+
+
 def find_scene(name: str) -> Script:
     """Returns the script called ``name``.
 

@@ -52,6 +52,7 @@ class Simulator(Closing):
         self.name = f"sim:{script.name}"
         self._script, self._slice_us, self._wires = setup.script, slice_us, setup.wires
         config = setup.config
+        self._frame_us = config.sensor.frame_us, config.sensor.exposure_us
         camera = CameraModel(config.camera)
         self._motion = GelMotion(setup.script, camera, config.gel, setup.dots, setup.mount)
         self._view = View(self._motion, setup)
@@ -71,6 +72,22 @@ class Simulator(Closing):
         truth = self._motion.truth(self._clock.find_moment(t_us))
         return truth if not self._clock.changes else replace(truth, t_us=t_us)
 
+    def find_labelled_times(self, packet: EventPacket) -> list[int]:
+        """Returns at which stamps within a packet the gesture is labelled.
+
+        They are the middles of the exposures of a camera that loses no frame.
+        """
+        begin_us = self._clock.find_moment(packet.t_begin_us)
+        end_us = begin_us + packet.t_end_us - packet.t_begin_us
+        since_us = self._clock.find_last_change(begin_us)
+        period_us, exposure_us = self._frame_us
+        exposed = range(begin_us // period_us - 1, end_us // period_us + 1)
+        return [
+            k * period_us + exposure_us // 2 + packet.t_begin_us - begin_us
+            for k in exposed
+            if k * period_us >= since_us and begin_us <= k * period_us + exposure_us < end_us
+        ]
+
     def _run(self) -> Iterator[EventPacket]:
         events, frames = np.empty(0, EVENT_DTYPE), list[Frame]()
         made_us = t_us = n_lost = 0
@@ -87,7 +104,9 @@ class Simulator(Closing):
             n_frames = sum(frame.exposure_end_us < end_us for frame in frames)
             gap, n_lost = self._sensor.n_lost - n_lost, self._sensor.n_lost
             packet = EventPacket(t_us, end_us, events[:cut], tuple(frames[:n_frames]), gap)
-            if self._clock.arrives(t_us):
+            if not self._clock.changes:
+                yield packet
+            elif self._clock.arrives(t_us):
                 yield self._clock.stamp(packet)
             events, frames = events[cut:], frames[n_frames:]
             t_us = end_us

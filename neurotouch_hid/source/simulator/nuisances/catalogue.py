@@ -1,6 +1,7 @@
 """The nuisances of a real room: what each is, its unit, its usual strength, its function."""
 
 import difflib
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
@@ -43,8 +44,9 @@ class Nuisance:
 
     @property
     def what(self) -> str:
-        """One sentence that says what it is."""
-        return (self.apply.__doc__ or "").strip().partition("\n")[0]
+        """One sentence that says what it is; N is its strength."""
+        sentence = (self.apply.__doc__ or "").strip().partition("\n")[0]
+        return re.sub("``[a-z_]+``", "N", sentence)
 
 
 _TABLE: Final = (

@@ -12,28 +12,28 @@ FAINT = 0.2  # brightness of a faint dot
 
 
 def missing(setup: Setup, percent: float) -> Setup:
-    """Leaves out ``percent`` of all dots, here and there."""
+    """Leaves out ``percent`` % of all dots, here and there."""
     brightness = setup.dots.brightness.copy()
     brightness[_choose(setup, "missing", percent)] = 0.0
     return replace(setup, dots=replace(setup.dots, brightness=brightness))
 
 
 def faint(setup: Setup, percent: float) -> Setup:
-    """Makes ``percent`` of all dots a fifth as bright, here and there."""
+    """Makes ``percent`` % of all dots a fifth as bright, here and there."""
     brightness = setup.dots.brightness.copy()
     brightness[_choose(setup, "faint", percent)] *= FAINT
     return replace(setup, dots=replace(setup.dots, brightness=brightness))
 
 
 def painted(setup: Setup, mm: float) -> Setup:
-    """Puts each dot ``mm`` beside its place, in a random direction."""
+    """Puts each dot ``mm`` mm beside its place, in a random direction."""
     way = setup.random("painted").uniform(-math.pi, math.pi, N_MARKERS)
     points = setup.dots.points_mm + mm * np.column_stack([np.cos(way), np.sin(way)])
     return replace(setup, dots=replace(setup.dots, points_mm=points))
 
 
 def irregular(setup: Setup, percent: float) -> Setup:
-    """Makes dots up to ``percent`` larger or smaller, and as much dimmer."""
+    """Makes dots up to ``percent`` % larger or smaller, and as much dimmer."""
     rng = setup.random("irregular")
     spread = 0.01 * percent
     size = setup.dots.size * rng.uniform(1.0 - spread, 1.0 + spread, N_MARKERS)
@@ -55,7 +55,7 @@ def dome(setup: Setup, percent: float) -> Setup:
 
 
 def residue(setup: Setup, percent: float) -> Setup:
-    """Leaves each dot ``percent`` of its largest motion away from where it was, until next time."""
+    """Leaves each dot ``percent`` % of its largest motion away from where it was, until next time."""
     return setup.configured("gel", residue=0.01 * percent)
 
 

@@ -25,7 +25,7 @@ def tips(setup: Setup, mm: float) -> Setup:
 
 
 def gloves(setup: Setup, mm: float) -> Setup:
-    """Makes each fingertip's contact wider by ``mm``, and lets it drift twice as far."""
+    """Makes each fingertip's contact wider by ``mm`` mm, and lets it drift twice as far."""
     return _shape(
         setup,
         lambda finger: replace(
@@ -59,7 +59,7 @@ def slow(setup: Setup, mm_per_s: float) -> Setup:
 
 
 def palm(setup: Setup, mm: float) -> Setup:
-    """Rests a palm on the gel, pressed in by ``mm``, from 1.5 s on; it is not in the labels."""
+    """Rests a palm on the gel, pressed in by ``mm`` mm, from 1.5 s on; it is not in the labels."""
     return replace(setup, script=PalmedScript(setup.written, mm))
 
 

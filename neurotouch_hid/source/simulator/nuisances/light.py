@@ -25,37 +25,37 @@ SHADOW_PX = 60.0  # how far it reaches beyond the fingers
 
 
 def mains(setup: Setup, percent: float) -> Setup:
-    """Lets all light flicker at 100 Hz, ``percent`` from the lowest to the highest."""
+    """Lets all light flicker at 100 Hz, ``percent`` % from the lowest to the highest."""
     return setup.plus(lamps=_flicker(_sine(MAINS_HZ), 0.01 * percent))
 
 
 def mains_leak(setup: Setup, percent: float) -> Setup:
-    """Sends mains light through the gel, from none to ``percent`` of a white dot, at 100 Hz."""
+    """Sends mains light through the gel, from none to ``percent`` % of a white dot, at 100 Hz."""
     return setup.plus(lamps=_leak(_sine(MAINS_HZ), 0.01 * percent))
 
 
 def pwm(setup: Setup, percent: float) -> Setup:
-    """Switches ``percent`` of all light off and on, 200 times a second."""
+    """Switches ``percent`` % of all light off and on, 200 times a second."""
     return setup.plus(lamps=_flicker(_square(200.0), 0.01 * percent))
 
 
 def pwm_fast(setup: Setup, percent: float) -> Setup:
-    """Switches ``percent`` of all light off and on, 900 times a second."""
+    """Switches ``percent`` % of all light off and on, 900 times a second."""
     return setup.plus(lamps=_flicker(_square(900.0), 0.01 * percent))
 
 
 def pwm_leak(setup: Setup, percent: float) -> Setup:
-    """Sends light of an LED lamp through the gel, ``percent`` of a white dot, at 200 Hz."""
+    """Sends light of an LED lamp through the gel, ``percent`` % of a white dot, at 200 Hz."""
     return setup.plus(lamps=_leak(_square(200.0), 0.01 * percent))
 
 
 def lamp(setup: Setup, percent: float) -> Setup:
-    """Switches a lamp on after a third of the play: all light grows by ``percent``."""
+    """Switches a lamp on after a third of the play: all light grows by ``percent`` %."""
     return setup.plus(lamps=_brighten(setup, 0.01 * percent))
 
 
 def lamp_leak(setup: Setup, percent: float) -> Setup:
-    """Switches a lamp on whose light comes through the gel: ``percent`` of a white dot."""
+    """Switches a lamp on whose light comes through the gel: ``percent`` % of a white dot."""
     at_us = LAMP_AT * setup.duration_us
 
     def leak(t_us: Floats) -> tuple[Floats, Floats]:
@@ -65,7 +65,7 @@ def lamp_leak(setup: Setup, percent: float) -> Setup:
 
 
 def sun(setup: Setup, percent: float) -> Setup:
-    """Sends sunlight through the gel, 0 to ``percent`` of a white dot; clouds pass in 3 s."""
+    """Sends sunlight through the gel, 0 to ``percent`` % of a white dot; clouds pass in 3 s."""
     phase = setup.random("sun").uniform(0.0, 2.0 * math.pi)
 
     def leak(t_us: Floats) -> tuple[Floats, Floats]:
@@ -76,7 +76,7 @@ def sun(setup: Setup, percent: float) -> Setup:
 
 
 def shadow(setup: Setup, percent: float) -> Setup:
-    """Lets each hand take ``percent`` of the light below it, from before it touches."""
+    """Lets each hand take ``percent`` % of the light below it, from before it touches."""
     from_rad = setup.random("shadow").uniform(0.25, 0.75) * math.pi  # from the user's side
     strokes = setup.strokes
     y, x = np.mgrid[:SENSOR_HEIGHT_PX, :SENSOR_WIDTH_PX].astype(np.float32)
@@ -100,7 +100,7 @@ def shadow(setup: Setup, percent: float) -> Setup:
 
 
 def uneven(setup: Setup, percent: float) -> Setup:
-    """Makes one side of the gel brighter than the other, by ``percent`` of the mean."""
+    """Makes one side of the gel brighter than the other, by ``percent`` % % of the mean."""
     return setup.configured("light", uneven=0.01 * percent)
 
 

@@ -17,7 +17,7 @@ BASS_HZ = 55.0
 
 
 def bump(setup: Setup, mm: float) -> Setup:
-    """Moves the gel by ``mm`` in 50 ms, in a random direction; it rings and stays there."""
+    """Moves the gel by ``mm`` mm in 50 ms, in a random direction; it rings and stays there."""
     way = setup.random("bump").uniform(-math.pi, math.pi)
     at_us = BUMP_AT * setup.duration_us
 
@@ -34,7 +34,7 @@ def bump(setup: Setup, mm: float) -> Setup:
 
 
 def creep(setup: Setup, mm: float) -> Setup:
-    """Moves the gel evenly, by ``mm`` until the end of the play, and no further."""
+    """Moves the gel evenly, by ``mm`` mm until the end of the play, and no further."""
     way = setup.random("creep").uniform(-math.pi, math.pi)
 
     def pose(t_us: int) -> Pose:
@@ -45,7 +45,7 @@ def creep(setup: Setup, mm: float) -> Setup:
 
 
 def turn(setup: Setup, degrees: float) -> Setup:
-    """Turns the gel evenly, clockwise by ``degrees`` until the end of the play."""
+    """Turns the gel evenly, clockwise by ``degrees``° until the end of the play."""
 
     def pose(t_us: int) -> Pose:
         return 0.0, 0.0, math.radians(degrees) * min(max(t_us / setup.duration_us, 0.0), 1.0)
@@ -54,7 +54,7 @@ def turn(setup: Setup, degrees: float) -> Setup:
 
 
 def fan(setup: Setup, mm: float) -> Setup:
-    """Shakes the gel by ``mm`` to either side at 24 Hz all the time."""
+    """Shakes the gel by ``mm`` mm to either side at 24 Hz all the time."""
     way = setup.random("fan").uniform(-math.pi, math.pi)
 
     def pose(t_us: int) -> Pose:
@@ -65,7 +65,7 @@ def fan(setup: Setup, mm: float) -> Setup:
 
 
 def music(setup: Setup, mm: float) -> Setup:
-    """Shakes the gel by ``mm`` at 55 Hz with each beat, two a second."""
+    """Shakes the gel by ``mm`` mm at 55 Hz with each beat, two a second."""
     way = setup.random("music").uniform(-math.pi, math.pi)
 
     def pose(t_us: int) -> Pose:

@@ -9,7 +9,7 @@ from neurotouch_hid.source.simulator.setup import Setup
 
 
 def lens(setup: Setup, percent: float) -> Setup:
-    """Moves the dots at the rim out by ``percent`` (pincushion), or in if negative (barrel)."""
+    """Moves the dots at the rim out by ``percent`` % (pincushion), or in if negative (barrel)."""
     barrel = setup.config.camera.barrel - 0.01 * percent / GEL_RADIUS_MM**2
     return setup.configured("camera", barrel=barrel)
 

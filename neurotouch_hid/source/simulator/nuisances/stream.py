@@ -46,7 +46,7 @@ def late(setup: Setup, ms: float) -> Setup:
 
 
 def black(setup: Setup, percent: float) -> Setup:
-    """Makes ``percent`` of all frames black, here and there."""
+    """Makes ``percent`` % of all frames black, here and there."""
     rng = setup.random("black")
 
     def wire(piece: Piece) -> Piece:
