@@ -164,12 +164,14 @@ class Recording(TypedDict):
         ok: True.
         source: the source of the driver.
         simulated: no sensor has seen the packets.
+        seed: of the simulation; None if the source has none.
         text: a sentence for the person.
     """
 
     ok: Literal[True]
     source: str
     simulated: bool
+    seed: int | None
     text: str
 
 

@@ -10,11 +10,39 @@ from neurotouch_hid.cli.ui.options import Finite
 from neurotouch_hid.cli.ui.output import echo
 
 
+def _read_nuisances(
+    context: click.Context, _option: click.Parameter, texts: tuple[str, ...]
+) -> dict[str, float]:
+    from neurotouch_hid.source.simulator.nuisances import read_nuisances
+
+    if "list" in texts:
+        _list_nuisances()
+        context.exit()
+    return read_nuisances(texts) if texts else {}
+
+
+def _list_nuisances() -> None:
+    from neurotouch_hid.source.simulator.nuisances import MIXTURES, NUISANCES
+
+    place = ""
+    for nuisance in NUISANCES.values():
+        if nuisance.place != place:
+            place = nuisance.place
+            echo(f"{place}:")
+        strength = f"{nuisance.strength:g} {nuisance.unit}".strip()
+        echo(f"  {nuisance.name:<13}{strength:<16}{nuisance.what}")
+    echo("mixtures:")
+    for name, parts in MIXTURES.items():
+        echo(f"  {name:<13}{' '.join(f'{part}={strength:g}' for part, strength in parts.items())}")
+
+
 @click.command(
     epilog="\b\nExamples:\n"
     "  neurotouch simulate play --users 1 --minutes 1\n"
     "  neurotouch simulate paper-like              the paper's length: 5 users, 25 minutes\n"
-    "  neurotouch simulate hard --gel both --minutes 8"
+    "  neurotouch simulate hard --gel both --minutes 8\n"
+    "  neurotouch simulate room --nuisance mild --nuisance bump=3\n"
+    "  neurotouch simulate --nuisance list         all nuisances, with their usual strength"
 )
 @click.argument("out", type=click.Path(path_type=Path, file_okay=False))
 @click.option("--users", type=click.IntRange(min=1), default=5, show_default=True)
@@ -39,8 +67,25 @@ from neurotouch_hid.cli.ui.output import echo
     show_default=True,
     help="How the gel deforms: by closed forms, by finite elements, or half of the set each.",
 )
+@click.option(
+    "--nuisance",
+    "nuisances",
+    multiple=True,
+    metavar="NAME[=STRENGTH]",
+    is_eager=True,
+    callback=_read_nuisances,
+    help="Something that makes recordings harder; repeatable. 'list' shows all.",
+)
 @click.option("--force", is_flag=True, help="Replace recordings that were made with other options.")
-def command(out: Path, users: int, minutes: float, seed: int, gel: str, force: bool) -> None:
+def command(
+    out: Path,
+    users: int,
+    minutes: float,
+    seed: int,
+    gel: str,
+    nuisances: dict[str, float],
+    force: bool,
+) -> None:
     """Write simulated recordings with labels into the folder OUT.
 
     One recording for each gel, user and gesture. Ctrl-C stops; the same command continues from
@@ -62,7 +107,18 @@ def command(out: Path, users: int, minutes: float, seed: int, gel: str, force: b
             echo(f"{percent:3d} %  {progress.path.name}  {spent:.0f} s", err=True)
 
     gels = [name for name in ELASTICITIES if gel in (name, "both")]
-    words = make_command_line()
-    paths = write_dataset(out, users, minutes, seed, tell, gels, replace=force, command=words)
+    paths = write_dataset(
+        out,
+        users,
+        minutes,
+        seed,
+        tell,
+        gels,
+        nuisances=nuisances,
+        replace=force,
+        command=make_command_line(),
+    )
     size_mb = sum(path.stat().st_size for path in paths) / 1e6
     echo(f"{len(paths)} SIMULATED recordings with labels, {size_mb:.0f} MB, are in {out}.")
+    if nuisances:
+        echo(f"Their nuisances: {', '.join(f'{n}={s:g}' for n, s in nuisances.items())}.")

@@ -25,9 +25,9 @@ def check_source(spec: str) -> None:
     """
     kind, rest = find_source_kind(spec), spec.partition(":")[2]
     if kind is SourceKind.SIMULATION:
-        from neurotouch_hid.source.simulator.scenes import check_scene  # noqa: PLC0415
+        from neurotouch_hid.source.simulator.scenes import read_simulation  # noqa: PLC0415
 
-        check_scene(rest)
+        read_simulation(rest)
     elif kind is SourceKind.CAMERA:
         choose_camera(find_cameras(), rest)
     elif kind is SourceKind.RECORDING:

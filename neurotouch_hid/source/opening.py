@@ -83,9 +83,14 @@ def _open(kind: SourceKind, spec: str, slice_us: int, seed: int, repeats: bool) 
     if kind is SourceKind.OTHER:
         return open_plugin(spec, slice_us, seed)
     from neurotouch_hid.source.simulator import Simulator  # noqa: PLC0415
-    from neurotouch_hid.source.simulator.scenes import find_scene, scene_config  # noqa: PLC0415
+    from neurotouch_hid.source.simulator.scenes import (  # noqa: PLC0415
+        find_scene,
+        read_simulation,
+        scene_config,
+    )
 
-    name = spec.partition(":")[2]
+    name, nuisances = read_simulation(spec.partition(":")[2])
     scene = find_scene(name)
     scene = replace(scene, endless=repeats or scene.endless)
-    return Simulator(scene, scene_config(name), seed=seed, slice_us=slice_us)
+    config = scene_config(name)
+    return Simulator(scene, config, nuisances=nuisances, seed=seed, slice_us=slice_us)

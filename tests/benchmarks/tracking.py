@@ -18,8 +18,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.source.simulator import Finger, Simulator, SimulatorConfig, Stroke
+from neurotouch_hid.source.simulator.config import SensorConfig
 from neurotouch_hid.source.simulator.script import sequence
-from neurotouch_hid.source.simulator.sensor import SensorConfig
 from neurotouch_hid.source.simulator.strokes import Fingertips, pinch, twist, zoom
 from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector
 

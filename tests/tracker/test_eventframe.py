@@ -7,8 +7,8 @@ import pytest
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket
 from neurotouch_hid.source.simulator import Simulator, SimulatorConfig
+from neurotouch_hid.source.simulator.config import SensorConfig
 from neurotouch_hid.source.simulator.script import Finger, Stroke, sequence
-from neurotouch_hid.source.simulator.sensor import SensorConfig
 from neurotouch_hid.tracker import MarkerTracker, RestDetector
 from tests.tracker.test_markers import stroke
 

@@ -8,9 +8,9 @@ import pytest
 from neurotouch_hid.geometry import LATTICE_MM, N_MARKERS, Rig
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, GestureKind, RestField
 from neurotouch_hid.source.simulator import Simulator, SimulatorConfig
+from neurotouch_hid.source.simulator.config import SensorConfig
 from neurotouch_hid.source.simulator.optics import CameraConfig
 from neurotouch_hid.source.simulator.script import Finger, Stroke, sequence
-from neurotouch_hid.source.simulator.sensor import SensorConfig
 from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector, TrackerConfig
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
 

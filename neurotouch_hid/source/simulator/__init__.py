@@ -16,18 +16,20 @@ from neurotouch_hid.source.simulator.strokes import (
 )
 
 if TYPE_CHECKING:
-    from neurotouch_hid.source.simulator.gel import GelConfig
-    from neurotouch_hid.source.simulator.optics import CameraConfig, LightConfig
-    from neurotouch_hid.source.simulator.sensor import SensorConfig
-    from neurotouch_hid.source.simulator.simulator import Simulator, SimulatorConfig
+    from neurotouch_hid.source.simulator.config import (
+        CameraConfig,
+        GelConfig,
+        LightConfig,
+        SensorConfig,
+        SimulatorConfig,
+    )
+    from neurotouch_hid.source.simulator.simulator import Simulator
 else:  # they have compiled loops, which a check of a scene's name does not need
     __getattr__ = load_lazily(
         __name__,
         {
-            "gel": "GelConfig",
-            "optics": "CameraConfig LightConfig",
-            "sensor": "SensorConfig",
-            "simulator": "Simulator SimulatorConfig",
+            "config": "CameraConfig GelConfig LightConfig SensorConfig SimulatorConfig",
+            "simulator": "Simulator",
         },
     )
 

@@ -2,8 +2,9 @@
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -42,12 +43,20 @@ class Recipe:
     gesture: str
     duration_us: int
     gel: Elasticity = "half-space"
+    nuisances: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
         """The recording's name without suffix."""
         name = f"user{self.user + 1}-{self.gesture}"
         return name if self.gel == "half-space" else f"{name}-{self.gel}"
+
+    def describe(self) -> dict[str, Any]:
+        """Returns the parameters for the manifest, where nuisances are named only if there are."""
+        described = asdict(self)
+        if not self.nuisances:
+            del described["nuisances"]
+        return described
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +84,7 @@ def write_dataset(
     progress: Callable[[Progress], None] = lambda _: None,
     gels: Sequence[Elasticity] = ("half-space",),
     *,
+    nuisances: Mapping[str, float] | None = None,
     replace: bool = False,
     command: str = "",
 ) -> list[Path]:
@@ -90,6 +100,7 @@ def write_dataset(
         seed: another seed gives other people and other gestures.
         progress: called at the start, about once a simulated second, and at the end of each file.
         gels: models of the gel. Every one has people and gestures of its own.
+        nuisances: strength of each nuisance in every recording, by its name.
         replace: also overwrite recordings that were made from other recipes.
         command: the command line, which the recordings name.
 
@@ -101,7 +112,7 @@ def write_dataset(
             were made from other recipes.
     """
     folder = Path(out_dir)
-    recipes = plan_dataset(users, minutes, seed, gels)
+    recipes = plan_dataset(users, minutes, seed, gels, nuisances)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -112,24 +123,28 @@ def write_dataset(
         _refuse_others(recipes, paths, finished)
     for i, (recipe, path) in enumerate(zip(recipes, paths, strict=True)):
         is_there = path.exists() and labels_path(path).exists()
-        if not (is_there and finished.get(recipe.name) == asdict(recipe)):
+        if not (is_there and finished.get(recipe.name) == recipe.describe()):
             if finished.pop(recipe.name, None) is not None:
                 _write_manifest(folder, finished)
             for share in _record(recipe, path, command):
                 progress(Progress(path, i, len(paths), share))
-            finished[recipe.name] = asdict(recipe)
+            finished[recipe.name] = recipe.describe()
             _write_manifest(folder, finished)
         progress(Progress(path, i, len(paths), 1.0))
     return paths
 
 
 def plan_dataset(
-    users: int, minutes: float, seed: int, gels: Sequence[Elasticity] = ("half-space",)
+    users: int,
+    minutes: float,
+    seed: int,
+    gels: Sequence[Elasticity] = ("half-space",),
+    nuisances: Mapping[str, float] | None = None,
 ) -> list[Recipe]:
     """Returns the recipes of a set, gels and users one after another."""
     duration_us = round(minutes * 60e6 / (len(gels) * users * len(KINDS)))
     return [
-        Recipe(MODEL, seed, user, kind.label, duration_us, gel)
+        Recipe(MODEL, seed, user, kind.label, duration_us, gel, dict(nuisances or {}))
         for gel in gels
         for user in range(users)
         for kind in KINDS
@@ -144,7 +159,8 @@ def simulate_recipe(recipe: Recipe) -> Simulator:
     config = replace(config, gel=replace(config.gel, elasticity=recipe.gel))
     rng = np.random.default_rng((recipe.seed, recipe.user + apart, kind))
     script = draw_script(recipe.name, kind, recipe.duration_us, person, rng)
-    return Simulator(script, config, seed=int(rng.integers(1 << 31)), slice_us=SLICE_US)
+    own_seed = int(rng.integers(1 << 31))
+    return Simulator(script, config, nuisances=recipe.nuisances, seed=own_seed, slice_us=SLICE_US)
 
 
 def draw_script(
@@ -183,7 +199,7 @@ def _record(recipe: Recipe, path: Path, command: str) -> Iterator[float]:
     ):
         for packet in simulator:
             writer.write(packet)
-            truths += [simulator.truth(frame.t_us) for frame in packet.frames]
+            truths += [simulator.truth(t_us) for t_us in simulator.find_labelled_times(packet)]
             if packet.t_end_us % 1_000_000 == 0:
                 yield min(packet.t_end_us / recipe.duration_us, 0.999)
         write_labels(labels_path(path), truths)
@@ -195,7 +211,7 @@ def _refuse_others(
     for recipe, path in zip(recipes, paths, strict=True):
         made_from = finished.get(recipe.name)
         was_stopped = made_from is None and bool(finished)
-        if path.exists() and made_from != asdict(recipe) and not was_stopped:
+        if path.exists() and made_from != recipe.describe() and not was_stopped:
             seed = made_from.get("seed") if isinstance(made_from, dict) else None
             what = "of unknown origin" if seed is None else f"of another set (seed {seed})"
             raise RecordingError(

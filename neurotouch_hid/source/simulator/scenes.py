@@ -7,12 +7,12 @@ import difflib
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from neurotouch_hid.errors import SourceError
 from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.source.simulator.config import SimulatorConfig
 from neurotouch_hid.source.simulator.script import Script, Stroke, sequence
 from neurotouch_hid.source.simulator.strokes import (
     Fingertips,
@@ -23,9 +23,6 @@ from neurotouch_hid.source.simulator.strokes import (
     twist,
     zoom,
 )
-
-if TYPE_CHECKING:
-    from neurotouch_hid.source.simulator.simulator import SimulatorConfig
 
 LEFT, RIGHT, UP, DOWN = math.pi, 0.0, -math.pi / 2, math.pi / 2
 
@@ -58,6 +55,22 @@ def check_scene(name: str) -> None:
     raise SourceError(f"There is no simulated scene called '{name}'.", hint=hint)
 
 
+def read_simulation(text: str) -> tuple[str, dict[str, float]]:
+    """Returns scene and nuisances of ``NAME[,NUISANCE[=STRENGTH]]...``.
+
+    Raises:
+        SourceError: there is no such scene or nuisance.
+    """
+    name, *nuisances = text.split(",")
+    check_scene(name)
+    if not nuisances:
+        return name, {}
+    # Few use them; all others start without.
+    from neurotouch_hid.source.simulator.nuisances import read_nuisances  # noqa: PLC0415
+
+    return name, read_nuisances(nuisances)
+
+
 def find_scene(name: str) -> Script:
     """Returns the script called ``name``.
 
@@ -68,10 +81,8 @@ def find_scene(name: str) -> Script:
     return replace(_SCENES[name](), name=name)
 
 
-def scene_config(name: str) -> "SimulatorConfig":
+def scene_config(name: str) -> SimulatorConfig:
     """Returns the set-up of a scene: the default one, but ``noise`` has a noisy sensor."""
-    from neurotouch_hid.source.simulator.simulator import SimulatorConfig  # noqa: PLC0415
-
     config = SimulatorConfig()
     if name == "noise":
         sensor = replace(config.sensor, shot_hz=5.0, n_hot=20, contrast_spread=0.05)

@@ -71,6 +71,7 @@ class Finger:
         tremor_mm: amplitude of 8-12 Hz tremor.
         drift_mm: amplitude of slow wandering (0.2-0.7 Hz).
         seed: phases of tremor and drift.
+        labelled: a person would label it; False for a part of the hand that only rests.
     """
 
     contact_mm: tuple[float, float]
@@ -83,6 +84,7 @@ class Finger:
     tremor_mm: float = 0.0
     drift_mm: float = 0.0
     seed: int = 0
+    labelled: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,10 +167,10 @@ def motion_at(stroke: Stroke, finger: Finger, t_us: int) -> tuple[float, float, 
     """Returns a finger's place at ``t_us``: drag x, y in mm, turn in rad, press depth in mm."""
     begin_us = stroke.start_us + PRESS_US + finger.delay_us
     let_go_us = begin_us + stroke.attack_us + stroke.hold_us
-    size = _rise(t_us - begin_us, stroke.attack_us)
-    touch = _rise(t_us - stroke.start_us, PRESS_US)
+    size = rise(t_us - begin_us, stroke.attack_us)
+    touch = rise(t_us - stroke.start_us, PRESS_US)
     if t_us > let_go_us:
-        touch = 1.0 - _rise(t_us - let_go_us, stroke.release_us)
+        touch = 1.0 - rise(t_us - let_go_us, stroke.release_us)
         size = _return(stroke, t_us - let_go_us)
     turn = finger.turn_rad * size
     c, s = math.cos(turn), math.sin(turn)
@@ -182,7 +184,7 @@ def motion_at(stroke: Stroke, finger: Finger, t_us: int) -> tuple[float, float, 
     )
 
 
-def _rise(t_us: float, length_us: float) -> float:
+def rise(t_us: float, length_us: float) -> float:
     """Returns a minimum-jerk rise from 0 to 1: how a hand moves between two places."""
     s = min(max(t_us / length_us, 0.0), 1.0)
     return s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
@@ -190,8 +192,8 @@ def _rise(t_us: float, length_us: float) -> float:
 
 def _return(stroke: Stroke, t_us: float) -> float:
     """Returns the share of the motion that is left ``t_us`` after the finger's release."""
-    slipped = stroke.slip * _rise(t_us, min(SLIP_US, stroke.release_us))
-    swift = (1.0 - stroke.slip - stroke.creep) * _rise(t_us, stroke.release_us)
+    slipped = stroke.slip * rise(t_us, min(SLIP_US, stroke.release_us))
+    swift = (1.0 - stroke.slip - stroke.creep) * rise(t_us, stroke.release_us)
     tail_us = stroke.release_us + 4.0 * stroke.creep_us
     tail = math.exp(-t_us / stroke.creep_us) - math.exp(-tail_us / stroke.creep_us)
     slow = stroke.creep * (1.0 - max(tail, 0.0) / (1.0 - math.exp(-tail_us / stroke.creep_us)))

@@ -1,18 +1,20 @@
 """The sensor's pixels: events and frames of a picture of moving markers."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
+from neurotouch_hid.source.simulator.config import LightConfig, SensorConfig
 from neurotouch_hid.source.simulator.kernels.optics import (
     COUNTS_DTYPE,
     POINT_DTYPE,
+    Lamps,
     Picture,
     draw_markers,
+    shine,
 )
 from neurotouch_hid.source.simulator.kernels.sensor import (
     LEVEL_SCALE,
@@ -21,55 +23,15 @@ from neurotouch_hid.source.simulator.kernels.sensor import (
     Stretch,
     run_sensor,
 )
-from neurotouch_hid.source.simulator.optics import (
-    PROFILE_SCALE,
-    LightConfig,
-    compute_light,
-    marker_profile,
-)
+from neurotouch_hid.source.simulator.optics import compute_light, marker_profile
 
 TICK_US = 500  # the picture is rendered at 2 kHz: a marker at 525 px/s moves 0.26 px
 WINDOW_US = 20_000  # how often leaking pixels are looked for
 MAX_EVENTS = 1 << 19  # room for one call
 LINEAR_DN = 20.0  # below it the photoreceptor's response is linear (v2e's lin-log)
+_ONE = np.ones((2, 1), np.float32)
+USUAL_LIGHT = Lamps(False, np.ones(1), np.zeros(1), _ONE[0], _ONE)
 LEAK_SPREAD = 0.23  # log units; v2e spreads the rate by 0.1 decades
-
-
-@dataclass(frozen=True, slots=True)
-class SensorConfig:
-    """The pixels of one camera; defaults from v2e's model of a DAVIS346 unless said otherwise.
-
-    Attributes:
-        contrast: mean threshold of both polarities, log units.
-        contrast_spread: its standard deviation over pixels.
-        cutoff_hz: bandwidth of the photoreceptor at white, 255 DN; less in the dark.
-        refractory_us: dead time after an event.
-        leak_hz: rate of ON events from the leak.
-        shot_hz: rate of noise events of a dark pixel.
-        n_hot: pixels that fire by themselves.
-        hot_hz: their rate.
-        row_us: period of the row-wise readout; 0 stamps every event exactly.
-        blur_px: standard deviation of the lens's point spread.
-        frame_us: frame period; 40 ms [NT, "System Overview"].
-        exposure_us: exposure of a frame, a multiple of 500 µs.
-        read_noise_dn, gain_spread, offset_spread_dn: of the frame's pixels.
-    """
-
-    contrast: float = 0.2
-    contrast_spread: float = 0.03
-    cutoff_hz: float = 300.0
-    refractory_us: float = 500.0
-    leak_hz: float = 0.1
-    shot_hz: float = 1.0
-    n_hot: int = 0
-    hot_hz: float = 200.0
-    row_us: int = 0
-    blur_px: float = 0.6
-    frame_us: int = 40_000
-    exposure_us: int = 10_000
-    read_noise_dn: float = 1.5
-    gain_spread: float = 0.015
-    offset_spread_dn: float = 1.5
 
 
 class Sensor:
@@ -92,9 +54,9 @@ class Sensor:
         self._start = rng.random(n)
         levels, gains = response_tables(config.cutoff_hz)
         counts = np.zeros(1, COUNTS_DTYPE)
-        profile = marker_profile(config.blur_px)
+        profile, profile_scale = marker_profile(config.blur_px)
         self._chip = Chip(
-            Picture(canvas, np.zeros(n, np.int32), profile, PROFILE_SCALE, counts),
+            Picture(canvas, np.zeros(n, np.int32), profile, profile_scale, counts),
             pixels,
             active=np.zeros(n, np.int32),
             levels=levels,
@@ -112,11 +74,13 @@ class Sensor:
         self._offset = rng.normal(0.0, config.offset_spread_dn, n)
         self._n_exposed = 0
 
-    def settle(self, knot: NDArray[np.float64]) -> None:
-        """Adapts every pixel to the markers of ``knot``, (177, 6) float64."""
+    def settle(self, knot: NDArray[np.float64], lamps: Lamps) -> None:
+        """Adapts every pixel to the markers of ``knot``, (n, 6) float64, in a light."""
         knots = np.stack([knot] * 4)
         chip = self._chip
         draw_markers(knots, 0.0, chip.picture)
+        if lamps.changes:
+            shine(chip.picture, lamps, 0, 0.0)
         places = np.arange(len(chip.levels)) / LEVEL_SCALE
         signal = np.interp(chip.picture.canvas["image"], places, chip.levels)
         chip.pixels["signal"] = signal
@@ -124,20 +88,32 @@ class Sensor:
         chip.pixels["reference"] = signal - self._start * chip.pixels["on"]
 
     @property
+    def picture_dn(self) -> NDArray[np.float32]:
+        """The picture on the sensor now, (260, 346) float32."""
+        image = self._chip.picture.canvas["image"]
+        return np.asarray(image.reshape(SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX), np.float32)
+
+    @property
     def n_lost(self) -> int:
         """Number of events that found no room so far."""
         return int(self._chip.counts["lost"][0])
 
     def run(
-        self, knots: NDArray[np.float64], knot_us: int, begin_us: int, end_us: int
+        self,
+        knots: NDArray[np.float64],
+        knot_us: int,
+        begin_us: int,
+        end_us: int,
+        lamps: Lamps = USUAL_LIGHT,
     ) -> tuple[NDArray[np.void], list[Frame]]:
         """Returns events and frames of a stretch of time within one knot interval.
 
         Args:
-            knots: (4, 177, 6) float64, see ``draw_markers``.
+            knots: (4, n, 6) float64, see ``draw_markers``.
             knot_us: length of the interval; it begins at a multiple of it.
             begin_us: start of the stretch, a multiple of 500 µs.
             end_us: its end, a multiple of 500 µs.
+            lamps: the light of the interval.
 
         Returns:
             (n,) EVENT_DTYPE ascending in time, and the frames whose exposure ended in the stretch.
@@ -162,7 +138,7 @@ class Sensor:
                 moving=moving,
                 exposing=exposing,
             )
-            run_sensor(knots, stretch, self._chip)
+            run_sensor(knots, stretch, lamps, self._chip)
             self._n_exposed += n_ticks * exposing
             if exposing and stop_us - t_us + phase == self._config.exposure_us:
                 frames.append(self._take_frame(stop_us))
@@ -180,6 +156,7 @@ class Sensor:
         )
         # Photon noise grows with the root of the light; 255 DN is about 20,000 electrons.
         sigma = np.sqrt(config.read_noise_dn**2 + mean / 80.0)
+        mean = mean * config.frame_gain
         pixels = mean * self._gain + self._offset + sigma * noise
         shape = (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
         image = np.clip(np.rint(pixels), 0, 255).astype(np.uint8).reshape(shape)

@@ -8,11 +8,14 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.source.simulator.gel import GelConfig
-from neurotouch_hid.source.simulator.optics import CameraConfig, LightConfig
+from neurotouch_hid.source.simulator.config import (
+    CameraConfig,
+    GelConfig,
+    LightConfig,
+    SensorConfig,
+    SimulatorConfig,
+)
 from neurotouch_hid.source.simulator.script import Finger, Stroke
-from neurotouch_hid.source.simulator.sensor import SensorConfig
-from neurotouch_hid.source.simulator.simulator import SimulatorConfig
 from neurotouch_hid.source.simulator.strokes import (
     Fingertips,
     StrokeTiming,

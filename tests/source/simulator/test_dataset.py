@@ -85,7 +85,7 @@ def test_a_set_is_distributed_like_the_papers():
         rng = np.random.default_rng((recipe.seed, recipe.user, kind))
         script = dataset.draw_script(recipe.name, kind, recipe.duration_us, person, rng)
         rig: Rig = config.camera.rig
-        motion = GelMotion(script, CameraModel(config.camera), rig.px_per_mm, config.gel)
+        motion = GelMotion(script, CameraModel(config.camera), config.gel)
         truths = [motion.truth(t) for t in range(5_000, recipe.duration_us, 40_000)]
         labels.update(truth.kind for truth in truths)
         sizes[kind] += [truth.intensity_mm for truth in truths if truth.kind]

@@ -4,17 +4,16 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.source.simulator import Simulator, SimulatorConfig, StrokeTiming, push, sequence
+from neurotouch_hid.source.simulator.config import SensorConfig
 from neurotouch_hid.source.simulator.gel import KNOT_US, GelConfig, GelMotion
 from neurotouch_hid.source.simulator.kernels import optics as kernels
 from neurotouch_hid.source.simulator.optics import (
-    PROFILE_SCALE,
     CameraConfig,
     CameraModel,
     LightConfig,
     compute_light,
     marker_profile,
 )
-from neurotouch_hid.source.simulator.sensor import SensorConfig
 
 eventcv = pytest.importorskip("eventcv")
 
@@ -27,13 +26,13 @@ SCRIPT = sequence(
 def render():
     """The picture every ms, (n, 260, 346) float64 DN."""
     camera = CameraConfig()
-    motion = GelMotion(SCRIPT, CameraModel(camera), camera.rig.px_per_mm, GelConfig())
+    motion = GelMotion(SCRIPT, CameraModel(camera), GelConfig())
     base, light = compute_light(LightConfig(), camera.rig)
     canvas = np.zeros(base.size, kernels.POINT_DTYPE)
     canvas["base"] = canvas["image"] = base.ravel()
     canvas["light"] = light.ravel()
     touched, counts = np.zeros(base.size, np.int32), np.zeros(1, kernels.COUNTS_DTYPE)
-    picture = kernels.Picture(canvas, touched, marker_profile(0.6), PROFILE_SCALE, counts)
+    picture = kernels.Picture(canvas, touched, *marker_profile(0.6), counts)
     pictures = []
     for t in range(BEGIN_US, END_US, 1000):
         index, rest = divmod(t, KNOT_US)

@@ -8,7 +8,6 @@ from neurotouch_hid.messages import EVENT_DTYPE
 from neurotouch_hid.source.simulator.kernels import optics
 from neurotouch_hid.source.simulator.kernels import sensor as kernels
 from neurotouch_hid.source.simulator.optics import (
-    PROFILE_SCALE,
     CameraConfig,
     CameraModel,
     LightConfig,
@@ -40,7 +39,7 @@ def make_chip(canvas, pixels, events, **more):
     """A chip for these arrays; all that matters to no test is empty."""
     counts, nobody = np.zeros(1, optics.COUNTS_DTYPE), np.zeros(len(canvas), np.int32)
     levels, gains = response_tables(300.0)
-    picture = optics.Picture(canvas, nobody.copy(), marker_profile(0.6), PROFILE_SCALE, counts)
+    picture = optics.Picture(canvas, nobody.copy(), *marker_profile(0.6), counts)
     usual = {
         "active": nobody,
         "levels": levels,
@@ -72,11 +71,11 @@ def test_draw_equals_its_twin(seed, u):
     canvas["base"] = canvas["image"] = base.ravel()
     canvas["light"] = light.ravel()
     touched, counts = np.zeros(N_PIXELS, np.int32), np.zeros(1, optics.COUNTS_DTYPE)
-    profile = marker_profile(0.6)
-    picture = optics.Picture(canvas, touched, profile, PROFILE_SCALE, counts)
+    profile, profile_scale = marker_profile(0.6)
+    picture = optics.Picture(canvas, touched, profile, profile_scale, counts)
     for at in (0.0, u):  # the second picture must not show the first
         optics.draw_markers(knots, at, picture)
-    expected = reference.draw(knots, u, profile, PROFILE_SCALE, base, light)
+    expected = reference.draw(knots, u, profile, profile_scale, base, light)
     assert np.allclose(canvas["image"].reshape(260, 346), expected, atol=0.01)
     shown = np.flatnonzero(np.abs(expected - base) > 0.01)
     assert set(shown) <= set(touched[: counts["touched"][0]].tolist())

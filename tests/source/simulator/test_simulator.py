@@ -21,9 +21,9 @@ from neurotouch_hid.source.simulator import (
     twist,
     zoom,
 )
+from neurotouch_hid.source.simulator.config import SensorConfig
 from neurotouch_hid.source.simulator.gel import GelMotion
 from neurotouch_hid.source.simulator.optics import CameraConfig
-from neurotouch_hid.source.simulator.sensor import SensorConfig
 
 SHORT = StrokeTiming(120_000, 100_000, 120_000)
 QUIET = SimulatorConfig(sensor=SensorConfig(shot_hz=0.0, leak_hz=0.0))

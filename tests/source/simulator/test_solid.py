@@ -89,7 +89,7 @@ def test_both_gels_play_the_same_script_alike():
     script = sequence("x", push(0.5, 6.0, (-4.0, 3.0)), rest_us=60_000)
     camera = SimulatorConfig().camera
     truths = [
-        GelMotion(script, CameraModel(camera), 2.5, GelConfig(elasticity=gel)).truth(700_000)
+        GelMotion(script, CameraModel(camera), GelConfig(elasticity=gel)).truth(700_000)
         for gel in ("half-space", "solid")
     ]
     assert [truth.kind for truth in truths] == [GestureKind.PUSH] * 2

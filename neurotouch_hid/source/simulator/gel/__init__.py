@@ -1,11 +1,6 @@
 """The silicone dome: contact patches in, positions of the markers over time out."""
 
-from neurotouch_hid.source.simulator.gel.motion import (
-    ELASTICITIES,
-    KNOT_US,
-    Elasticity,
-    GelConfig,
-    GelMotion,
-)
+from neurotouch_hid.source.simulator.config import ELASTICITIES, Elasticity, GelConfig
+from neurotouch_hid.source.simulator.gel.motion import KNOT_US, GelMotion
 
 __all__ = ["ELASTICITIES", "KNOT_US", "Elasticity", "GelConfig", "GelMotion"]

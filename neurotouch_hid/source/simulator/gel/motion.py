@@ -2,63 +2,26 @@
 
 import math
 from collections import deque
-from dataclasses import dataclass
-from typing import Literal, get_args
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import GEL_RADIUS_MM, LATTICE_MM, N_MARKERS, NEIGHBOURS
+from neurotouch_hid.geometry import GEL_RADIUS_MM, N_MARKERS, NEIGHBOURS
 from neurotouch_hid.messages import GestureKind, Truth
+from neurotouch_hid.source.simulator.config import GelConfig
 from neurotouch_hid.source.simulator.gel import solid
 from neurotouch_hid.source.simulator.kernels import gel as kernels
+from neurotouch_hid.source.simulator.knot import Dots, Knot, Pose
 from neurotouch_hid.source.simulator.optics import CameraModel
 from neurotouch_hid.source.simulator.script import Grasp, Play
 
 KNOT_US = 4_000  # fast enough for the quickest hand: 210 mm/s is 0.84 mm a knot
 LABEL_FLOOR_MM = 0.3  # below it a person labels no gesture
 PROBE_REACH = 0.7  # where in a patch its deformation is probed, share of its radius
+UNDONE_US = 100_000  # how fast a touch undoes what was left of the last one
 N_HISTORY = 1024  # knots kept, about four seconds
-
-Elasticity = Literal["half-space", "solid"]
-ELASTICITIES: tuple[Elasticity, ...] = get_args(Elasticity)
-
-
-@dataclass(frozen=True, slots=True)
-class GelConfig:
-    """Settings of the gel's elasticity.
-
-    Attributes:
-        lag: share of the motion that follows late; silicone loses about a tenth of its work.
-        lag_us: time constant of that share.
-        elasticity: closed forms of a half space (``kernels``) or the solid dome of finite elements
-            (``solid``); they share no code.
-    """
-
-    lag: float = 0.1
-    lag_us: int = 120_000
-    elasticity: Elasticity = "half-space"
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Knot:
-    """The gel at one of the equally spaced moments.
-
-    Attributes:
-        outline: (177, 6) float64, see ``CameraModel.outline``.
-        kind: of the stroke at work, NONE at rest.
-        contacts_px: (k, 2) float64, place of the largest deformation of each finger.
-        seen_mm: (k,) float64, how far that place has moved in the image since rest.
-        moved_mm: (k,) float64, how far the finger's middle has moved; this is the intensity. With
-            the place of the largest deformation, the error of the paper's method would be 2 mm;
-            with the middle it is 1.6 mm, and on real hands 1 mm [NT, "Results"].
-    """
-
-    outline: NDArray[np.float64]
-    kind: GestureKind
-    contacts_px: NDArray[np.float64]
-    seen_mm: NDArray[np.float64]
-    moved_mm: NDArray[np.float64]
 
 
 class GelMotion:
@@ -68,17 +31,23 @@ class GelMotion:
     longer remembered computes the script again from its start.
     """
 
-    def __init__(self, script: Play, camera: CameraModel, px_per_mm: float, gel: GelConfig) -> None:
-        self._script, self._camera, self._gel = script, camera, gel
-        self._px_per_mm = px_per_mm
-        at_rest = camera.outline(np.column_stack([LATTICE_MM, np.zeros(N_MARKERS)]))
-        self._rest = Knot(at_rest, GestureKind.NONE, np.empty((0, 2)), np.empty(0), np.empty(0))
+    def __init__(
+        self,
+        script: Play,
+        camera: CameraModel,
+        gel: GelConfig,
+        dots: Dots | None = None,
+        mount: Sequence[Callable[[int], Pose]] = (),
+    ) -> None:
+        self._script, self._camera, self._gel, self._mount = script, camera, gel, mount
+        self._dots = dots or Dots()
+        self.untouched = self._lie(self._dots.points_mm)
         self._restart()
 
     def knot(self, index: int) -> Knot:
         """Returns the gel at ``index * KNOT_US``; negative indices are at rest."""
         if index < 0:
-            return self._rest
+            return self._place(self.untouched, index * KNOT_US)
         if index < self._next - len(self._history):
             self._restart()
         while index >= self._next:
@@ -114,34 +83,101 @@ class GelMotion:
         self._history: deque[Knot] = deque(maxlen=N_HISTORY)
         self._next = 0
         self._grip: _Grip | None = None
+        self._residue = Residue(self._gel.residue)
+        self._rest = self.untouched
 
     def _compute(self, index: int) -> Knot:
-        found = self._script.find(index * KNOT_US)
+        at_us = index * KNOT_US
+        found = self._script.find(at_us)
         if found is None:
+            if self._grip is not None and self._gel.residue:
+                self._rest = self._lie(self._dots.points_mm + self._residue.lift())
             self._grip = None
-            return self._rest
+            return self._place(self._rest, at_us)
         grasp, t_us = found
         if self._grip is None or self._grip.grasp is not grasp:
-            self._grip = _Grip(grasp, self._camera)
+            self._grip = _Grip(grasp, self._camera, self._dots.points_mm)
         moved = self._grip.move(t_us, self._gel)
-        outline = self._camera.outline(moved[:N_MARKERS])
+        if self._gel.residue:
+            markers = moved[:N_MARKERS, :2]
+            markers += self._residue.add(markers - self._dots.points_mm)
         probes = self._camera.project(moved[N_MARKERS:])
         contacts, seen_px, moved_px = self._grip.summarise(probes)
-        scale = self._px_per_mm
-        return Knot(outline, grasp.kind, contacts, seen_px / scale, moved_px / scale)
+        scale = self._camera.rig.px_per_mm
+        outline = self._draw(moved[:N_MARKERS])
+        knot = Knot(outline, grasp.kind, contacts, seen_px / scale, moved_px / scale)
+        return self._place(knot, at_us)
+
+    def _lie(self, points_mm: NDArray[np.float64]) -> Knot:
+        """Returns the gel with no finger on it and its markers at (177, 2) mm."""
+        outline = self._draw(np.column_stack([points_mm, np.zeros(N_MARKERS)]))
+        return Knot(outline, GestureKind.NONE, np.empty((0, 2)), np.empty(0), np.empty(0))
+
+    def _draw(self, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
+        outline = self._camera.outline(points_mm)
+        outline[:, 2:5] /= self._dots.size[:, None] ** 2
+        outline[:, 5] *= self._dots.brightness
+        return outline
+
+    def _place(self, knot: Knot, t_us: int) -> Knot:
+        """Moves a gel in the picture as its mount has moved."""
+        if not self._mount:
+            return knot
+        poses = [pose(t_us) for pose in self._mount]
+        x, y, turn = (sum(parts) for parts in zip(*poses, strict=True))
+        rig = self._camera.rig
+        cos, sin = math.cos(turn), math.sin(turn)
+        turned = np.array([[cos, sin], [-sin, cos]])
+        centre = np.array(rig.centre_px)
+        shift = centre + rig.to_px(np.array([[x, y]]))[0] - centre
+        outline = knot.outline.copy()
+        outline[:, :2] = (outline[:, :2] - centre) @ turned + shift
+        contacts = (knot.contacts_px - centre) @ turned + shift
+        return replace(knot, outline=outline, contacts_px=contacts)
+
+
+class Residue:
+    """What is left of the markers' motion in a gel that does not come back all the way.
+
+    Each marker keeps a share of its largest motion. The next touch undoes it.
+
+    Args:
+        share: of the largest motion.
+    """
+
+    def __init__(self, share: float) -> None:
+        self._share = share
+        self._kept = np.zeros((N_MARKERS, 2))
+        self._largest = np.zeros((N_MARKERS, 2))
+
+    def add(self, motion: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Returns what comes on top of an elastic motion, (177, 2) mm each, one knot later."""
+        size, before = np.hypot(*motion.T), np.hypot(*self._largest.T)
+        self._largest = np.where((size > before)[:, None], motion, self._largest)
+        self._kept *= 1.0 - KNOT_US / UNDONE_US
+        way_back = 1.0 - size / np.maximum(np.maximum(size, before), 1e-9)
+        more: NDArray[np.float64] = self._share * way_back[:, None] * self._largest
+        return self._kept + more
+
+    def lift(self) -> NDArray[np.float64]:
+        """Returns what stays when the last finger has left, (177, 2) mm."""
+        self._kept = self._kept + self._share * self._largest
+        self._largest = np.zeros((N_MARKERS, 2))
+        return self._kept.copy()
 
 
 class _Grip:
     """The fingers of one grasp on the gel, from the moment they touch."""
 
-    def __init__(self, grasp: Grasp, camera: CameraModel) -> None:
+    def __init__(self, grasp: Grasp, camera: CameraModel, points_mm: NDArray[np.float64]) -> None:
         self.grasp = grasp
         fingers = grasp.fingers
+        self._labelled = np.array([finger.labelled for finger in fingers])
         probes = [_probes(finger.contact_mm, finger.radius_mm) for finger in fingers]
-        self._points = np.concatenate([LATTICE_MM, *probes])
+        self._points = np.concatenate([points_mm, *probes])
         self._centres = np.array([finger.contact_mm for finger in fingers])
         self._radii = np.array([finger.radius_mm for finger in fingers])
-        self._mobility = _mobility(grasp)
+        self._mobility = _mobility(grasp, points_mm)
         self._late = np.column_stack([self._points, np.zeros(len(self._points))])
         self._rest_px = camera.project(self._late[N_MARKERS:])
 
@@ -162,7 +198,7 @@ class _Grip:
     def summarise(
         self, probes_px: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Returns the place of each finger's largest deformation, (k, 2) px.
+        """Returns the place of each labelled finger's largest deformation, (k, 2) px.
 
         Also how far that place and the finger's middle have moved, (k,) each.
         """
@@ -172,16 +208,17 @@ class _Grip:
         weights = (far + 1e-6) ** 8
         weights /= weights.sum(axis=1, keepdims=True)
         contacts = (weights[:, :, None] * probes_px.reshape(*shape, 2)).sum(axis=1)
-        return contacts, (weights * far).sum(axis=1), far[:, 0]
+        chosen = self._labelled
+        return contacts[chosen], (weights * far).sum(axis=1)[chosen], far[chosen, 0]
 
 
-def _mobility(grasp: Grasp) -> NDArray[np.float64]:
+def _mobility(grasp: Grasp, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
     """Returns how freely each marker moves, (177,) float64: 0 under a finger, low at the rim."""
     mobility: NDArray[np.float64] = np.maximum(
-        1.0 - (np.hypot(*LATTICE_MM.T) / GEL_RADIUS_MM) ** 2, 0.0
+        1.0 - (np.hypot(*points_mm.T) / GEL_RADIUS_MM) ** 2, 0.0
     )
     for finger in grasp.fingers:
-        away = np.hypot(*(LATTICE_MM - finger.contact_mm).T)
+        away = np.hypot(*(points_mm - finger.contact_mm).T)
         mobility[away <= finger.radius_mm] = 0.0
     return mobility
 

@@ -13,6 +13,9 @@ Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 Records = NDArray[np.void]
 
+SKIN = 0.2  # of the light that a white marker lets through, the dark gel lets through this share
+BRIGHTEST_DN = 298.0  # the photoreceptor's tables end at 300
+
 POINT_DTYPE = np.dtype(
     [("base", "<f4"), ("light", "<f4"), ("image", "<f4"), ("exposed", "<f4"), ("is_touched", "?")],
     align=True,
@@ -56,7 +59,8 @@ def draw_markers(
 
     Args:
         knots: (4, n, 6) float64, four equally spaced moments: x, y px, the quadratic form (xx, xy,
-            yy) of the marker's outline in 1/px², brightness 0..1.
+            yy) of the marker's outline in 1/px², brightness: 1 is white, more a reflection that is
+            brighter than a marker, less than 0 a shadow that takes this share of the light.
         u: 0..1.
         picture: updated.
     """
@@ -74,7 +78,7 @@ def draw_markers(
     reach2 = last / profile_scale
     for i in range(knots.shape[1]):
         gain = (1.0 - u) * knots[1, i, 5] + u * knots[2, i, 5]
-        if gain <= 0.0:
+        if gain == 0.0:
             continue
         x = w0 * knots[0, i, 0] + w1 * knots[1, i, 0] + w2 * knots[2, i, 0] + w3 * knots[3, i, 0]
         y = w0 * knots[0, i, 1] + w1 * knots[1, i, 1] + w2 * knots[2, i, 1] + w3 * knots[3, i, 1]
@@ -100,9 +104,52 @@ def draw_markers(
                     touched[n] = pixel
                     n += 1
                 cover = gain * (profile[k] + (q - k) * (profile[k + 1] - profile[k]))
+                if gain < 0.0:
+                    point["image"] = point["image"] * max(1.0 + cover, 0.0)
+                    continue
                 white = max(point["light"], point["base"])
-                point["image"] = min(point["image"] + cover * (white - point["base"]), white)
+                point["image"] = min(
+                    point["image"] + cover * (white - point["base"]), white * max(gain, 1.0)
+                )
     counts["touched"] = n
+
+
+class Lamps(NamedTuple):
+    """The light of one knot interval, where it changes.
+
+    Attributes:
+        changes: whether it does; without, the rest is not looked at.
+        gain: (t,) float64, share of the usual light at the end of each tick.
+        leak: (t,) float64, light through the gel at the end of each tick, in white markers.
+        reach: (260 * 346,) float32, share of that light that reaches each pixel.
+        shade: (2, 260 * 346) float32, share of the light that reaches each pixel at both ends.
+    """
+
+    changes: bool
+    gain: Floats
+    leak: Floats
+    reach: Singles
+    shade: Singles
+
+
+@kernel
+def shine(picture: Picture, lamps: Lamps, tick: int, u: float) -> None:
+    """Changes the light on a picture whose markers have just been drawn.
+
+    Args:
+        picture: updated.
+        lamps: the light.
+        tick: index of the tick within the knot interval.
+        u: 0..1, where in the interval the tick ends.
+    """
+    gain, leak = lamps.gain[tick], lamps.leak[tick]
+    for i in range(len(picture.canvas)):
+        point = picture.canvas[i]
+        usual = point["image"] if point["is_touched"] else point["base"]
+        shade = (1.0 - u) * lamps.shade[0, i] + u * lamps.shade[1, i]
+        through = SKIN * point["light"] + (1.0 - SKIN) * (usual - point["base"])
+        lit = usual * gain * shade + leak * lamps.reach[i] * through
+        point["image"] = min(max(lit, 0.0), BRIGHTEST_DN)
 
 
 @kernel
@@ -110,4 +157,12 @@ def expose(picture: Picture) -> None:
     """Adds the picture of one tick to the frame."""
     for slot in range(picture.counts[0]["touched"]):
         point = picture.canvas[picture.touched[slot]]
+        point["exposed"] += point["image"] - point["base"]
+
+
+@kernel
+def expose_all(picture: Picture) -> None:
+    """Adds the picture of one tick to the frame, in light that also changes between the markers."""
+    for i in range(len(picture.canvas)):
+        point = picture.canvas[i]
         point["exposed"] += point["image"] - point["base"]

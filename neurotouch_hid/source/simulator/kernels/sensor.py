@@ -8,7 +8,14 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.messages import SENSOR_WIDTH_PX
 from neurotouch_hid.process.kernel_cache import kernel
-from neurotouch_hid.source.simulator.kernels.optics import Picture, draw_markers, expose
+from neurotouch_hid.source.simulator.kernels.optics import (
+    Lamps,
+    Picture,
+    draw_markers,
+    expose,
+    expose_all,
+    shine,
+)
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -128,6 +135,15 @@ def wake_touched(chip: Chip) -> None:
             active[n] = touched[slot]
             n += 1
     counts["active"] = n
+
+
+@kernel
+def wake_all(chip: Chip) -> None:
+    """Makes every pixel active."""
+    for i in range(len(chip.pixels)):
+        chip.pixels[i]["is_active"] = True
+        chip.active[i] = i
+    chip.counts[0]["active"] = len(chip.pixels)
 
 
 @kernel
@@ -282,28 +298,34 @@ def sort_tick(first: int, t_us: int, tick_us: int, row_us: int, events: Records,
 
 
 @kernel
-def run_sensor(knots: Floats, stretch: Stretch, chip: Chip) -> None:
+def run_sensor(knots: Floats, stretch: Stretch, lamps: Lamps, chip: Chip) -> None:
     """Runs picture and pixels through a stretch of time.
 
     Args:
         knots: (4, n, 6) float64, see ``draw_markers``; the interval is from the second to third.
         stretch: when.
+        lamps: the light of the interval.
         chip: updated; its new events are in order of time.
     """
     tick_us, window_us = stretch.tick_us, stretch.window_us
     for tick in range(stretch.n_ticks):
         begin = stretch.t_us + tick * tick_us
+        place = stretch.first_tick + tick
+        u = (place + 1) / stretch.ticks_per_knot
         first = chip.counts[0]["events"]
         if begin % window_us == 0:
             wake_leaking(float(begin + window_us), chip)
-        if stretch.moving:
+        if stretch.moving or lamps.changes:
             wake_touched(chip)
-            draw_markers(
-                knots, (stretch.first_tick + tick + 1) / stretch.ticks_per_knot, chip.picture
-            )
+            draw_markers(knots, u, chip.picture)
             wake_touched(chip)
+        if lamps.changes:
+            shine(chip.picture, lamps, place, u)
+            wake_all(chip)
         sense(begin, tick_us, window_us, chip)
         add_noise(begin, tick_us, chip)
         sort_tick(first, begin, tick_us, chip.row_us, chip.events, chip.counts[0]["events"])
-        if stretch.exposing:
+        if stretch.exposing and lamps.changes:
+            expose_all(chip.picture)
+        elif stretch.exposing:
             expose(chip.picture)

@@ -1,40 +1,18 @@
 """The light in the picture: uneven, with bright spots beside the gel, and blurred markers."""
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import GEL_RADIUS_MM, MARKER_DIAMETER_MM, NOMINAL_PX_PER_MM, Rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+from neurotouch_hid.source.simulator.config import LightConfig
 
-PROFILE_REACH = 2.6  # markers are drawn out to this multiple of their radius
+PROFILE_REACH = 2.6  # markers are drawn out to this multiple of their radius, or further if blurred
 PROFILE_STEPS = 512
-PROFILE_SCALE = PROFILE_STEPS / PROFILE_REACH**2
-
-
-@dataclass(frozen=True, slots=True)
-class LightConfig:
-    """Settings of the light; levels in DN of an 8-bit frame.
-
-    Attributes:
-        white_dn: a marker at full light.
-        black_dn: the gel's surface.
-        uneven: relative difference of light from one side of the gel to the other.
-        uneven_rad: direction of the brighter side.
-        n_spots: bright spots (reflections, LEDs) outside the gel.
-        spot_dn: their brightness.
-        seed: where the spots are.
-    """
-
-    white_dn: float = 200.0
-    black_dn: float = 14.0
-    uneven: float = 0.3
-    uneven_rad: float = 0.6
-    n_spots: int = 5
-    spot_dn: float = 220.0
-    seed: int = 0
+MARKER_RADIUS_PX = 0.5 * MARKER_DIAMETER_MM * NOMINAL_PX_PER_MM
+PIXEL_BLUR_PX = 12**-0.5  # the pixel's own width blurs as well
 
 
 def compute_light(config: LightConfig, rig: Rig) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -61,21 +39,19 @@ def compute_light(config: LightConfig, rig: Rig) -> tuple[NDArray[np.float64], N
     return np.minimum(base, 255.0), config.white_dn * light
 
 
-def marker_profile(blur_px: float) -> NDArray[np.float32]:
+def marker_profile(blur_px: float) -> tuple[NDArray[np.float32], float]:
     """Returns the brightness of a blurred white disc over its squared relative radius.
 
-    The last entry is 0.
-
     Returns:
-        (PROFILE_STEPS + 1,) float32.
+        (PROFILE_STEPS + 1,) float32, the last is 0; and its entries per unit of squared radius.
     """
-    radius_px = 0.5 * MARKER_DIAMETER_MM * NOMINAL_PX_PER_MM
-    sigma = math.hypot(blur_px, 12**-0.5) / radius_px  # the pixel's own width blurs as well
+    sigma = math.hypot(blur_px, PIXEL_BLUR_PX) / MARKER_RADIUS_PX
+    reach = max(PROFILE_REACH, 0.5 + 2.5 * sigma)
     axis = np.linspace(-1.0, 1.0, 161)
     bell = np.exp(-(axis**2) / (2 * sigma**2))
     columns = bell @ (np.hypot(axis, axis[:, None]) <= 1.0)  # of the disc, each blurred along y
-    radius = PROFILE_REACH * np.sqrt(np.linspace(0.0, 1.0, PROFILE_STEPS + 1))
+    radius = reach * np.sqrt(np.linspace(0.0, 1.0, PROFILE_STEPS + 1))
     across = np.exp(-((axis - radius[:, None]) ** 2) / (2 * sigma**2))
     area = (axis[1] - axis[0]) ** 2
     profile: NDArray[np.float64] = across @ columns * area / (2 * np.pi * sigma**2)
-    return np.asarray(profile - profile[-1], np.float32)
+    return np.asarray(profile - profile[-1], np.float32), PROFILE_STEPS / reach**2

@@ -1,40 +1,26 @@
 """Projects markers to the image: perspective of the dome, lens, rig, brightness."""
 
-from dataclasses import dataclass
+import math
 
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import GEL_RADIUS_MM, MARKER_DIAMETER_MM, NOMINAL_PX_PER_MM, Rig
+from neurotouch_hid.geometry import GEL_RADIUS_MM, MARKER_DIAMETER_MM
+from neurotouch_hid.source.simulator.config import CameraConfig
 
 RING_MM = 31.5  # the housing hides everything further out
-SHIPPED_RIG = Rig((172.5, 129.5), NOMINAL_PX_PER_MM)  # the middle of the sensor
-
-
-@dataclass(frozen=True, slots=True)
-class CameraConfig:
-    """The camera's place and the distortion of its lens.
-
-    Attributes:
-        rig: where the gel is in the image.
-        distance_mm: from the lens to the plane of the rim.
-        height_mm: of the dome over that plane.
-        barrel: radial distortion of the lens in 1/mm² at the gel; nearly undoes the dome's.
-        falloff: how fast a tilted marker loses brightness (power of the cosine).
-    """
-
-    rig: Rig = SHIPPED_RIG
-    distance_mm: float = 90.0
-    height_mm: float = 15.0
-    barrel: float = 9e-5
-    falloff: float = 0.7
 
 
 class CameraModel:
-    """Maps points of the gel to the image."""
+    """Maps points of the gel to the image.
+
+    Attributes:
+        rig: where the gel is in the image.
+    """
 
     def __init__(self, config: CameraConfig) -> None:
         self._config = config
+        self.rig = config.rig
         self._sphere_mm = (GEL_RADIUS_MM**2 + config.height_mm**2) / (2.0 * config.height_mm)
 
     def project(self, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -78,10 +64,18 @@ class CameraModel:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         config = self._config
         r = np.hypot(points_mm[:, 0], points_mm[:, 1])
-        depth = config.distance_mm + self._dome(r) - points_mm[:, 2]
+        height = self._dome(r) - points_mm[:, 2]
+        plan = points_mm[:, :2]
+        if config.tilt_rad:
+            cos, sin = math.cos(config.tilt_rad), math.sin(config.tilt_rad)
+            x = cos * plan[:, 0] + sin * height
+            height = cos * height - sin * plan[:, 0]
+            plan = np.column_stack([x, plan[:, 1]])
+            r = np.hypot(x, plan[:, 1])
+        depth = config.distance_mm + height
         scale = (config.distance_mm + config.height_mm) / depth
         scale *= 1.0 - config.barrel * (r * scale) ** 2
-        return scale, points_mm[:, :2] * scale[:, None]
+        return scale, plan * scale[:, None]
 
     def _dome(self, r: NDArray[np.float64]) -> NDArray[np.float64]:
         sagitta = self._sphere_mm - self._config.height_mm

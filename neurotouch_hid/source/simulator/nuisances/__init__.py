@@ -1,0 +1,11 @@
+"""What makes a recording harder in a real room, each alone or mixed."""
+
+from neurotouch_hid.source.simulator.nuisances.catalogue import (
+    MIXTURES,
+    NUISANCES,
+    Nuisance,
+    disturb,
+    read_nuisances,
+)
+
+__all__ = ["MIXTURES", "NUISANCES", "Nuisance", "disturb", "read_nuisances"]

@@ -1,0 +1,103 @@
+"""What gets lost or late between sensor and computer, and what happens to the clock."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from neurotouch_hid.source.simulator.setup import ClockChange, Piece, Setup
+
+LOSS_PERIOD_US = 500_000  # how often events get lost
+JUMP_AT = 0.4  # share of the play
+HELD_US = 500_000  # how long a hand has been on the gel when the camera starts
+
+
+def frames(setup: Setup, per_s: float) -> Setup:
+    """Lets only so many frames a second arrive; 0 is none."""
+    period_us = setup.config.sensor.frame_us
+    most = 1e6 / period_us
+
+    def wire(piece: Piece) -> Piece:
+        kept = [
+            frame
+            for frame in piece.frames
+            if _is_due(frame.exposure_begin_us // period_us, min(per_s / most, 1.0))
+        ]
+        return replace(piece, frames=tuple(kept))
+
+    return setup.plus(wires=wire)
+
+
+def late(setup: Setup, ms: float) -> Setup:
+    """Stamps each frame so much later than it was exposed."""
+    late_us = round(1000 * ms)
+
+    def wire(piece: Piece) -> Piece:
+        shifted = tuple(
+            replace(
+                frame,
+                exposure_begin_us=frame.exposure_begin_us + late_us,
+                exposure_end_us=frame.exposure_end_us + late_us,
+            )
+            for frame in piece.frames
+        )
+        return replace(piece, frames=shifted)
+
+    return setup.plus(wires=wire)
+
+
+def black(setup: Setup, percent: float) -> Setup:
+    """Makes ``percent`` % of all frames black, here and there."""
+    rng = setup.random("black")
+
+    def wire(piece: Piece) -> Piece:
+        seen = tuple(
+            replace(frame, pixels=np.zeros_like(frame.pixels))
+            if rng.random() < 0.01 * percent
+            else frame
+            for frame in piece.frames
+        )
+        return replace(piece, frames=seen)
+
+    return setup.plus(wires=wire)
+
+
+def lost(setup: Setup, ms: float) -> Setup:
+    """Loses all events for so long, twice a second."""
+    rng = setup.random("lost")
+    begins = np.arange(0, setup.duration_us, LOSS_PERIOD_US)
+    begins += rng.integers(0, LOSS_PERIOD_US // 2, len(begins))
+
+    def wire(piece: Piece) -> Piece:
+        t_us = piece.events["t"] % setup.duration_us
+        since = t_us - begins[np.maximum(np.searchsorted(begins, t_us, "right") - 1, 0)]
+        return replace(piece, events=piece.events[(since < 0) | (since >= 1000 * ms)])
+
+    return setup.plus(wires=wire)
+
+
+def jump(setup: Setup, s: float) -> Setup:
+    """Sets the camera's clock forward by so much, once."""
+    return setup.plus(clock=ClockChange(_round(JUMP_AT * setup.duration_us), 0, round(1e6 * s)))
+
+
+def pause(setup: Setup, s: float) -> Setup:
+    """Lets nothing arrive for so long, once."""
+    return setup.plus(clock=ClockChange(_round(JUMP_AT * setup.duration_us), round(1e6 * s)))
+
+
+def hand_on(setup: Setup, s: float) -> Setup:
+    """Switches the camera on only when the first finger has been on the gel for so long."""
+    first = min((stroke.start_us for stroke in setup.strokes), default=0)
+    off_us = _round(first + 1e6 * s)
+    return setup.plus(clock=ClockChange(0, off_us, -off_us))
+
+
+def _is_due(index: int, share: float) -> bool:
+    """Returns True for this share of all indices, evenly, and for the first."""
+    return (share > 0.0 and int(index * share) != int((index - 1) * share)) or (
+        index == 0 and share > 0.0
+    )
+
+
+def _round(t_us: float) -> int:
+    return round(t_us / 1000) * 1000
