@@ -70,7 +70,7 @@ class Plugin:
             raise PluginError(
                 f"'{self.point.name}' of the package {find_owner(self.point)} cannot be loaded: "
                 f"{type(error).__name__}: {error}.",
-                hint="Update or uninstall that package.",
+                hint="Fix it, update it, or uninstall it.",
             ) from error
         what = f"'{self.point.value}' of the package {find_owner(self.point)}"
         check_call(what, make, *arguments, **options)

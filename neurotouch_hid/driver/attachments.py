@@ -7,11 +7,11 @@ from typing import Final, Self
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.desktop import Follower, open_window
 from neurotouch_hid.device import ChordReader
-from neurotouch_hid.driver.broadcast import Broadcast
 from neurotouch_hid.driver.chosen import Chosen
 from neurotouch_hid.driver.commands import SAID, Commands
 from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.driver.extra_devices import find_extra_devices
+from neurotouch_hid.driver.packet_feed import PacketFeed
 from neurotouch_hid.driver.pad_opening import DriverPad
 from neurotouch_hid.driver.profile_watch import ProfileWatch
 from neurotouch_hid.driver.source_opening import describe_source
@@ -96,9 +96,9 @@ class Attachments(Closing):
         closing.callback(self._profiles.close)
         self.control.on_command(self._hear)
         self._open_hotkeys()
-        broadcast = Broadcast()
-        closing.callback(broadcast.close)
-        self.taps.append(broadcast)
+        packet_feed = PacketFeed()
+        closing.callback(packet_feed.close)
+        self.taps.append(packet_feed)
         if not surroundings.is_service:  # which has no right to anybody's audio
             self._sound = SoundMonitor(self.control, surroundings.announce)
             closing.callback(self._sound.close)
@@ -116,12 +116,12 @@ class Attachments(Closing):
             commands = Commands(
                 self.control,
                 self._profiles,
-                broadcast,
+                packet_feed,
                 self._source,
                 surroundings,
                 self._describe,
             )
-            self._socket.serve(commands.answer, {"record": broadcast.serve})
+            self._socket.serve(commands.answer, {"record": packet_feed.serve})
 
     def _open_hotkeys(self) -> None:
         keys, copilot = self._surroundings.settings.keys_of, self._pad.copilot

@@ -7,7 +7,7 @@ from concurrent.futures import TimeoutError as FutureTimeoutError
 from typing import Any, Final, cast
 
 from neurotouch_hid.client import LOADING_S, REQUEST_S
-from neurotouch_hid.driver.broadcast import Broadcast
+from neurotouch_hid.driver.packet_feed import PacketFeed
 from neurotouch_hid.driver.profile_watch import ProfileWatch
 from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.errors import DriverError, NeuroTouchError
@@ -60,7 +60,7 @@ class Commands:
     Args:
         control: takes the commands for the pipeline.
         profiles: loads its profiles.
-        broadcast: hands out the packets that the pipeline gets.
+        packet_feed: hands out the packets that the pipeline gets.
         source: gives these packets.
         surroundings: the people, files and callbacks around the pipeline.
         describe: describes what surrounds the pipeline; called for each ``status``.
@@ -70,14 +70,14 @@ class Commands:
         self,
         control: PipelineControl,
         profiles: ProfileWatch,
-        broadcast: Broadcast,
+        packet_feed: PacketFeed,
         source: Source,
         surroundings: Surroundings,
         describe: Callable[[], Described],
     ) -> None:
         self._control = control
         self._profiles = profiles
-        self._broadcast = broadcast
+        self._packets = packet_feed
         self._source = source
         self._end, self._people = surroundings.end, surroundings.people
         self._seed = surroundings.seed
@@ -103,7 +103,7 @@ class Commands:
             case "status":
                 return {"ok": True, "version": 1, **self._control.status(), **self._describe()}
             case "record":
-                self._broadcast.require_place()
+                self._packets.require_place()
                 return {
                     "ok": True,
                     "source": self._source.name,

@@ -7,9 +7,9 @@ from threading import Event
 
 import pytest
 
-from neurotouch_hid.driver.broadcast import Broadcast
 from neurotouch_hid.driver.chosen import Chosen
 from neurotouch_hid.driver.commands import Commands
+from neurotouch_hid.driver.packet_feed import PacketFeed
 from neurotouch_hid.driver.profile_watch import ProfileWatch
 from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.errors import NeuroTouchError
@@ -38,7 +38,7 @@ def make_commands(control, profiles, **surroundings):
     return Commands(
         control,
         profiles,
-        Broadcast(),
+        PacketFeed(),
         open_source("sim:tour", speed="max"),
         Surroundings(**surroundings),
         lambda: DESCRIBED,

@@ -15,10 +15,10 @@ from typing import Any, Final
 from zlib import crc32
 
 from neurotouch_hid.client import LIMIT_BYTES
-from neurotouch_hid.driver.broadcast import Broadcast
 from neurotouch_hid.driver.chosen import Chosen
 from neurotouch_hid.driver.commands import Commands
 from neurotouch_hid.driver.control_socket import ControlSocket
+from neurotouch_hid.driver.packet_feed import PacketFeed
 from neurotouch_hid.driver.people import People
 from neurotouch_hid.driver.profile_watch import ProfileWatch
 from neurotouch_hid.driver.surroundings import Surroundings
@@ -90,7 +90,7 @@ class _Driver:
         around = Surroundings(people=seated if is_service else None, default="default")
         watch = ProfileWatch(Chosen("default", profile, user), control, around, lambda _new: None)
         source = open_source("sim:tour", speed="max")
-        commands = Commands(control, watch, Broadcast(), source, around, lambda: DESCRIBED)
+        commands = Commands(control, watch, PacketFeed(), source, around, lambda: DESCRIBED)
         self.path = find_socket(folder / "run")
         listener = ControlSocket(folder / "run")
         listener.serve(commands.answer)

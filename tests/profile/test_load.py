@@ -153,12 +153,15 @@ MISTAKES = [
     ),
     (
         binding(when="{gesture: pinch, on_mm: 3, off_mm: §3}"),
-        ["bindings[0].when.off_mm: off_mm must be below on_mm (3 mm), or the output would flicker"],
+        [
+            "bindings[0].when.off_mm: off_mm (3 mm) must be below on_mm (3 mm), "
+            "or the output would flicker"
+        ],
     ),
     (
         binding(when="{gesture: pinch, off_mm: §2.5}"),
         [
-            "bindings[0].when.off_mm: off_mm must be below on_mm (2.5 mm), "
+            "bindings[0].when.off_mm: off_mm (2.5 mm) must be below on_mm (2.5 mm), "
             "or the output would flicker"
         ],
     ),

@@ -26,6 +26,10 @@ bindings:
     [
         ("pinch 5.7mm 200ms hold 300ms", ["pinch from 7 mm -> button a: peak 5.7 mm < 7 mm"]),
         ("pinch 7.5mm 200ms hold 300ms", []),  # it acts
+        (
+            "pinch 6.98mm 200ms hold 300ms",
+            ["pinch from 7 mm -> button a: peak 6.980 mm < 7 mm"],
+        ),
         ("pinch 3mm 200ms hold 300ms", []),  # not meant for it
         ("zoom 5mm 200ms hold 300ms", []),  # the soft level acts
         ("zoom 2mm 200ms hold 300ms", ["zoom soft -> button x: peak 2.0 mm < 2.5 mm"]),

@@ -64,7 +64,8 @@ class MissedThreshold:
 
     def _tell(self) -> None:
         if not self._acted and self._near * self._on_mm <= self._peak_mm < self._on_mm:
-            why = f"peak {self._peak_mm:.1f} mm < {self._on_mm:g} mm"
+            digits = 1 if round(self._peak_mm, 1) < self._on_mm else 3  # never "7 mm < 7 mm"
+            why = f"peak {self._peak_mm:.{digits}f} mm < {self._on_mm:g} mm"
             self._log.note("missed", self._label, why)
 
     def _begin(self, kind: GestureKind, *, acted: bool) -> None:

@@ -209,11 +209,12 @@ class Condition(Strict):
         if off_mm >= on_mm:
             raise PydanticCustomError(
                 "thresholds",
-                "off_mm must be below on_mm ({on} mm), or the output would flicker",
+                "off_mm ({off} mm) must be below on_mm ({on} mm), or the output would flicker",
                 {
                     "at": ("off_mm",),
                     "on": f"{on_mm:g}",
-                    "hint": f"set off_mm below {on_mm:g} first, or leave it out",
+                    "off": f"{off_mm:g}",
+                    "hint": f"set off_mm below {on_mm:g} first, or remove it",
                 },
             )
         if self.hold_ms is not None and self.press not in ("hold", "long"):

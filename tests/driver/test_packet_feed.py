@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from neurotouch_hid.driver.broadcast import MAX_SUBSCRIBERS, QUEUE_BYTES, Broadcast
+from neurotouch_hid.driver.packet_feed import MAX_SUBSCRIBERS, QUEUE_BYTES, PacketFeed
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.messages import GamepadState, MarkerField, Step, no_gesture
 from neurotouch_hid.recording.wire import receive_packets
@@ -21,25 +21,25 @@ def step_of(packet):
 
 
 @pytest.fixture
-def broadcast():
-    broadcast = Broadcast()
-    yield broadcast
-    broadcast.close()
+def packet_feed():
+    packet_feed = PacketFeed()
+    yield packet_feed
+    packet_feed.close()
 
 
-def listen(broadcast):
+def listen(packet_feed):
     """The far end of a line that is served."""
     here, there = socket.socketpair()
     there.settimeout(LIMIT_S)
 
     def serve():
         with here:
-            broadcast.serve(here)
+            packet_feed.serve(here)
 
-    before = len(broadcast._subscribers)
+    before = len(packet_feed._subscribers)
     thread = threading.Thread(target=serve, daemon=True)
     thread.start()
-    wait_until(lambda: len(broadcast._subscribers) > before)
+    wait_until(lambda: len(packet_feed._subscribers) > before)
     return there, thread
 
 
@@ -50,9 +50,9 @@ def wait_until(happened):
         time.sleep(0.005)
 
 
-def test_subscribers_get_every_packet_and_then_the_end(broadcast):
+def test_subscribers_get_every_packet_and_then_the_end(packet_feed):
     packets = make_packets(2_000)
-    (a, first), (b, second) = listen(broadcast), listen(broadcast)
+    (a, first), (b, second) = listen(packet_feed), listen(packet_feed)
     got = {}
     readers = [
         threading.Thread(target=lambda n=n, line=line: got.update({n: list(receive_packets(line))}))
@@ -61,8 +61,8 @@ def test_subscribers_get_every_packet_and_then_the_end(broadcast):
     for reader in readers:
         reader.start()
     for packet in packets:
-        broadcast(step_of(packet))
-    broadcast.close()
+        packet_feed(step_of(packet))
+    packet_feed.close()
     for thread in (*readers, first, second):
         thread.join(LIMIT_S)
     for received in got.values():
@@ -73,18 +73,18 @@ def test_subscribers_get_every_packet_and_then_the_end(broadcast):
     b.close()
 
 
-def test_a_listener_that_sleeps_loses_the_oldest_and_is_told_how_many(broadcast):
-    line, thread = listen(broadcast)
+def test_a_listener_that_sleeps_loses_the_oldest_and_is_told_how_many(packet_feed):
+    line, thread = listen(packet_feed)
     packets = make_packets(1_000_000)
     assert sum(p.events.nbytes for p in packets) < QUEUE_BYTES  # so it is sent several times
     rounds = 4
     for _ in range(rounds):  # nobody reads: this must not wait
         for packet in packets:
-            broadcast(step_of(packet))
+            packet_feed(step_of(packet))
     received = []
     reader = threading.Thread(target=lambda: received.extend(receive_packets(line)))
     reader.start()
-    broadcast.close()
+    packet_feed.close()
     reader.join(LIMIT_S)
     thread.join(LIMIT_S)
     line.close()
@@ -95,23 +95,23 @@ def test_a_listener_that_sleeps_loses_the_oldest_and_is_told_how_many(broadcast)
     assert received[-1].t_begin_us == packets[-1].t_begin_us  # the newest is never lost
 
 
-def test_a_listener_that_leaves_is_forgotten(broadcast):
-    line, thread = listen(broadcast)
+def test_a_listener_that_leaves_is_forgotten(packet_feed):
+    line, thread = listen(packet_feed)
     line.close()
     packets = make_packets(1_000)
     deadline = time.monotonic() + LIMIT_S
     while thread.is_alive() and time.monotonic() < deadline:
-        broadcast(step_of(packets[0]))
+        packet_feed(step_of(packets[0]))
         time.sleep(0.005)
     assert not thread.is_alive()
-    assert broadcast._subscribers == ()
+    assert packet_feed._subscribers == ()
 
 
-def test_only_so_many_may_listen(broadcast):
-    lines = [listen(broadcast)[0] for _ in range(MAX_SUBSCRIBERS - 1)]
-    broadcast.require_place()
-    lines.append(listen(broadcast)[0])
+def test_only_so_many_may_listen(packet_feed):
+    lines = [listen(packet_feed)[0] for _ in range(MAX_SUBSCRIBERS - 1)]
+    packet_feed.require_place()
+    lines.append(listen(packet_feed)[0])
     with pytest.raises(DriverError, match="record or watch already"):
-        broadcast.require_place()
+        packet_feed.require_place()
     for line in lines:
         line.close()

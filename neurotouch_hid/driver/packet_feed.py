@@ -20,7 +20,7 @@ PATIENCE_S: Final = 10.0
 """A subscriber that takes nothing for this time is dropped."""
 
 
-class Broadcast:
+class PacketFeed:
     """A tap. The pipeline only puts packets into queues; each subscriber has a thread of its own.
 
     A subscriber that is slow loses packets, oldest first; the next one it gets says in its ``gap``
