@@ -16,12 +16,12 @@ READ_EVENTS = 0.5 * np.array([0.0002, 0.0003, 0.0011, 0.0019, 0.0024, 0.0071, 0.
 
 
 def overexposed(setup: Setup, times: float) -> Setup:
-    """Makes frames ``times`` as bright, so that white dots saturate."""
+    """Makes frames ``times`` times as bright, so that white dots saturate."""
     return setup.configured("sensor", frame_gain=times)
 
 
 def underexposed(setup: Setup, times: float) -> Setup:
-    """Makes frames ``times`` as dark."""
+    """Makes frames ``times`` times as dark."""
     return setup.configured("sensor", frame_gain=1.0 / times)
 
 
@@ -51,7 +51,7 @@ def threshold(setup: Setup, log_units: float) -> Setup:
 
 
 def readout(setup: Setup, times: float) -> Setup:
-    """Adds ON events in two sweeps of 9.16 ms around each exposure, ``times`` as many as measured.
+    """Adds ON events in two sweeps of 9.16 ms around each exposure, ``times`` times the measured.
 
     They come row by row, 35.2 µs each, and more where it is bright.
     """

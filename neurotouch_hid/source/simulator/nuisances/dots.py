@@ -55,7 +55,7 @@ def dome(setup: Setup, percent: float) -> Setup:
 
 
 def residue(setup: Setup, percent: float) -> Setup:
-    """Leaves each dot ``percent`` % of its largest motion away from where it was, until the next."""
+    """Leaves each dot off by ``percent`` % of its largest motion, until the next touch."""
     return setup.configured("gel", residue=0.01 * percent)
 
 

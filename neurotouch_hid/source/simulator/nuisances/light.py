@@ -100,12 +100,12 @@ def shadow(setup: Setup, percent: float) -> Setup:
 
 
 def uneven(setup: Setup, percent: float) -> Setup:
-    """Makes one side of the gel brighter than the other, by ``percent`` % % of the mean."""
+    """Makes one side of the gel brighter than the other, by ``percent`` % of the mean."""
     return setup.configured("light", uneven=0.01 * percent)
 
 
 def pale(setup: Setup, times: float) -> Setup:
-    """Leaves a white dot only ``times`` as bright as the gel around it."""
+    """Leaves a white dot only ``times`` times as bright as the gel around it."""
     return setup.configured("light", white_dn=times * setup.config.light.black_dn)
 
 

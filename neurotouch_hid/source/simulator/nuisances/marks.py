@@ -62,7 +62,7 @@ def scratches(setup: Setup, number: float) -> Setup:
 
 
 def edge(setup: Setup, percent: float) -> Setup:
-    """Adds the edge of each fingertip, a ring between the dots, ``percent`` % of a white dot."""
+    """Adds the edge of each fingertip, a soft ring as bright as ``percent`` % of a white dot."""
     rig = setup.config.camera.rig
     strokes = setup.strokes
     most = max((len(stroke.fingers) for stroke in strokes), default=0)
