@@ -1,4 +1,4 @@
-"""What makes a recording harder in a real room, each alone or mixed."""
+"""Nuisances of a real room, each alone or mixed: they make a recording harder."""
 
 from neurotouch_hid.source.simulator.nuisances.catalogue import (
     MIXTURES,

@@ -1,4 +1,4 @@
-"""What the sensor does: exposure, bad pixels, noise, events made by reading frames."""
+"""Nuisances of the sensor: exposure, bad pixels, noise, events made by reading frames."""
 
 from dataclasses import replace
 

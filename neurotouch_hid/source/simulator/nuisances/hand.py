@@ -1,4 +1,4 @@
-"""How hands differ from the usual one: small or gloved fingertips, a palm, taps, slow pushes."""
+"""Hands that differ from the usual one: small or gloved fingertips, a palm, taps, slow pushes."""
 
 import math
 from collections.abc import Callable

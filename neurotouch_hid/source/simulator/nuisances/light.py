@@ -21,6 +21,7 @@ LAMP_AT, LAMP_US = 0.3, 20_000  # when a lamp is switched on, share of the play;
 CLOUD_US = 3_000_000  # from sun to cloud and back
 SHADOW_US = 250_000  # how fast a hand comes
 SHADOW_EDGE_PX = 25.0
+AWAY_PX = 400.0  # from the middle of the picture to a hand that is not there
 SHADOW_PX = 60.0  # how far it reaches beyond the fingers
 
 
@@ -92,7 +93,7 @@ def shadow(setup: Setup, percent: float) -> Setup:
             coming = (t_us - stroke.start_us + SHADOW_US) / SHADOW_US
             leaving = (stroke.end_us + SHADOW_US - t_us) / SHADOW_US
             near = max(near, min(coming, leaving, 1.0))
-        edge = -SHADOW_PX + (1.0 - near) * 240.0  # the hand comes in from outside of the picture
+        edge = -SHADOW_PX + (1.0 - near) * AWAY_PX  # the hand comes in from outside of the picture
         dark = 1.0 / (1.0 + np.exp(np.clip((edge - flat) / SHADOW_EDGE_PX, -30.0, 30.0)))
         return np.asarray(1.0 - 0.01 * percent * dark, np.float32)
 

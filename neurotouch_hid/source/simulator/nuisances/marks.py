@@ -1,4 +1,4 @@
-"""What else is in the picture: reflections, dust, fibres, scratches, the edge of a fingertip.
+"""Other things in the picture: reflections, dust, fibres, scratches, the edge of a fingertip.
 
 Each is drawn as rows like those of markers: place in px, a quadratic form in 1/px², brightness.
 """

@@ -1,4 +1,4 @@
-"""Where the camera is, and what its lens does."""
+"""Place of the camera, and distortion and blur of its lens."""
 
 import math
 from dataclasses import replace
@@ -10,7 +10,9 @@ from neurotouch_hid.source.simulator.setup import Setup
 
 def lens(setup: Setup, percent: float) -> Setup:
     """Moves the dots at the rim out by ``percent`` % (pincushion), or in if negative (barrel)."""
-    barrel = setup.config.camera.barrel - 0.01 * percent / GEL_RADIUS_MM**2
+    camera = setup.config.camera
+    seen2 = (GEL_RADIUS_MM * (camera.distance_mm + camera.height_mm) / camera.distance_mm) ** 2
+    barrel = (1.0 - (1.0 - camera.barrel * seen2) * (1.0 + 0.01 * percent)) / seen2
     return setup.configured("camera", barrel=barrel)
 
 

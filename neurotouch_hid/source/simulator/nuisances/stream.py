@@ -1,4 +1,4 @@
-"""What gets lost or late between sensor and computer, and what happens to the clock."""
+"""Losses and delays between sensor and computer, and changes of the clock."""
 
 from dataclasses import replace
 
@@ -62,7 +62,7 @@ def black(setup: Setup, percent: float) -> Setup:
 
 
 def lost(setup: Setup, ms: float) -> Setup:
-    """Loses all events for so long, twice a second."""
+    """Loses all events for N ms, twice a second."""
     rng = setup.random("lost")
     begins = np.arange(0, setup.duration_us, LOSS_PERIOD_US)
     begins += rng.integers(0, LOSS_PERIOD_US // 2, len(begins))
@@ -81,12 +81,12 @@ def jump(setup: Setup, s: float) -> Setup:
 
 
 def pause(setup: Setup, s: float) -> Setup:
-    """Lets nothing arrive for so long, once."""
+    """Lets nothing arrive for N s, once."""
     return setup.plus(clock=ClockChange(_round(JUMP_AT * setup.duration_us), round(1e6 * s)))
 
 
 def hand_on(setup: Setup, s: float) -> Setup:
-    """Switches the camera on only when the first finger has been on the gel for so long."""
+    """Switches the camera on only N s after the first finger has touched the gel."""
     first = min((stroke.start_us for stroke in setup.strokes), default=0)
     off_us = _round(first + 1e6 * s)
     return setup.plus(clock=ClockChange(0, off_us, -off_us))
