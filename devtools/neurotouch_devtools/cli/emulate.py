@@ -27,7 +27,8 @@ _POLL_S = 0.5
     "--source",
     default="sim:tour",
     show_default=True,
-    help="What the camera sees: sim:NAME or file:NAME.aedat4; again from the start when it ends.",
+    help="What the camera sees: sim:NAME (with nuisances: sim:tour,bump=3,mild) or "
+    "file:NAME.aedat4; again from the start when it ends.",
 )
 @click.option("--serial", default="00000001", show_default=True, help="Eight digits on real ones.")
 @click.option("--usb2", is_flag=True, help="As on a USB 2 port.")

@@ -192,7 +192,9 @@ def _record(recipe: Recipe, path: Path, command: str) -> Iterator[float]:
     """Writes a recording and its labels, yielding the share done about once a simulated second."""
     yield 0.0
     truths = []
-    mark = Simulation(f"neurotouch-hid {__version__}", recipe.name, command, recipe.seed)
+    nuisances = (f"{name}={strength:g}" for name, strength in recipe.nuisances.items())
+    source = ",".join([recipe.name, *nuisances])
+    mark = Simulation(f"neurotouch-hid {__version__}", source, command, recipe.seed)
     with (
         simulate_recipe(recipe) as simulator,
         RecordingWriter(path, simulation=mark) as writer,

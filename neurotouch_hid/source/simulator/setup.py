@@ -1,4 +1,4 @@
-"""Everything that one simulation is made of: who plays, on what, seen how, disturbed by what."""
+"""The set-up of one simulation: script, settings, and the nuisances that act on them."""
 
 import zlib
 from collections.abc import Callable
@@ -39,7 +39,7 @@ Wire = Callable[["Piece"], "Piece"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Piece:
-    """What the sensor sends in a few ms.
+    """Output of the sensor in a few ms.
 
     Attributes:
         begin_us: start of the time.
@@ -117,7 +117,7 @@ class Setup:
 
     @property
     def duration_us(self) -> int:
-        """How long the play is; an endless one counts once."""
+        """Length of the play; an endless one counts once."""
         return max(self.script.duration_us, USUAL_US if self.script.endless else 0)
 
     @property

@@ -1,4 +1,4 @@
-"""What is in front of the sensor between two knots: everything in the picture, and the light."""
+"""The picture in front of the sensor between two knots, and its light."""
 
 from collections import deque
 

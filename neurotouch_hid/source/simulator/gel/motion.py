@@ -137,7 +137,7 @@ class GelMotion:
 
 
 class Residue:
-    """What is left of the markers' motion in a gel that does not come back all the way.
+    """Remainder of the markers' motion in a gel that does not come back all the way.
 
     Each marker keeps a share of its largest motion. The next touch undoes it.
 
