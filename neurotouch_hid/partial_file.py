@@ -3,6 +3,7 @@
 Every file that a person names is written here.
 """
 
+import errno
 import os
 import stat
 from pathlib import Path
@@ -98,6 +99,19 @@ def write_whole(path: Path, content: bytes) -> None:
         os.fsync(folder)
     finally:
         os.close(folder)
+
+
+def try_writing(path: Path) -> None:
+    """Tries before a long work whether a file can be written; leaves everything as it is.
+
+    Raises:
+        OSError: it cannot.
+    """
+    if is_plain(path):
+        PartialFile(path).discard()
+    elif not os.access(path, os.W_OK):  # opening a pipe would wait for its reader
+        path.stat()
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
 
 
 def is_plain(path: Path) -> bool:

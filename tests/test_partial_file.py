@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from neurotouch_hid.cli.ui.output import save_json
-from neurotouch_hid.partial_file import PartialFile, write_whole
+from neurotouch_hid.partial_file import PartialFile, try_writing, write_whole
 
 ROOT = Path(__file__).parents[1]
 WRITES = re.compile(r"\.write_(text|bytes)\(|\.open\([\"'][wxa]|O_CREAT|mkstemp|NamedTemporary")
@@ -53,6 +53,21 @@ def test_a_failure_leaves_the_old_file_and_nothing_beside_it(tmp_path):
         raise ZeroDivisionError
     assert path.read_text() == "old"
     assert [*tmp_path.iterdir()] == [path]
+
+
+def test_whether_a_file_can_be_written_is_tried_and_leaves_everything_as_it_is(tmp_path):
+    path = tmp_path / "old.json"
+    path.write_text("old")
+    os.mkfifo(tmp_path / "pipe")  # nobody reads it: to open it would take for ever
+    for each in (path, tmp_path / "new.json", tmp_path / "pipe", Path("/dev/full")):
+        try_writing(each)
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["old.json", "pipe"]
+    assert path.read_text() == "old"
+    for nowhere in ("gone/x", "old.json/x"):
+        with pytest.raises(OSError, match=r"No such|Not a directory"):
+            try_writing(tmp_path / nowhere)
+    with pytest.raises(FileNotFoundError):
+        try_writing(Path("/proc/x"))
 
 
 def test_a_link_that_waits_beside_it_is_not_followed(tmp_path):

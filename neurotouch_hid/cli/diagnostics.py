@@ -5,6 +5,7 @@ from pathlib import Path
 
 import click
 
+from neurotouch_hid.cli.ui.options import OutFile
 from neurotouch_hid.cli.ui.output import echo, json_option, save_text
 from neurotouch_hid.errors import NeuroTouchError
 
@@ -17,7 +18,7 @@ from neurotouch_hid.errors import NeuroTouchError
 )
 @click.option(
     "--out",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=OutFile(),
     help="Write it to this file instead of printing it.",
 )
 @click.option("--force", is_flag=True, help="Replace the file if it exists.")

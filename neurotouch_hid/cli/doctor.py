@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from neurotouch_hid.cli.ui.options import OutFile
 from neurotouch_hid.cli.ui.output import echo, json_option, paint, plain_option, print_json
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ _COLOURS = {"OK": "green", "WARNING": "yellow", "FAILED": "red", "SKIPPED": "cya
 )
 @click.option(
     "--picture",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=OutFile(),
     help="Where to save the picture of the gel. Default: in your cache folder.",
 )
 @click.option(

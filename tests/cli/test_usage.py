@@ -257,12 +257,38 @@ def test_what_python_calls_a_number_and_people_do_not(answer, line, number):
         "evaluate play.aedat4 --json gone/x",
         "bench --json gone/x",
         "bench pointing --simulated --json gone/x",
+        "diagnostics --out gone/x",
+        "doctor --picture gone/x",
     ],
 )
 def test_folder_that_is_missing_is_told_before_the_work(answer, line):
     sentence, fix = answer(*line.split())
     assert sentence == "There is no folder 'gone' to write 'x' to."
     assert fix == "Make the folder, or choose another."
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "diagnostics --out /proc/x",
+        "doctor --picture /proc/x",
+        "evaluate play.aedat4 --json /proc/x",
+        "evaluate play.aedat4 --report /proc/x",
+    ],
+)
+def test_a_place_where_nothing_can_be_written_is_told_before_the_work(
+    monkeypatch, capsys, tmp_path, line
+):
+    """The work would be seen: the doctor announces itself, and the recording is not there."""
+    monkeypatch.setattr(command_line, "handle_interrupts", lambda: None)
+    monkeypatch.setattr("neurotouch_hid.recording.check_labelled", lambda files: None)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["neurotouch", *line.split()])
+    with pytest.raises(SystemExit) as ended:
+        command_line.main()
+    printed, said = capsys.readouterr()
+    assert (ended.value.code, printed) == (1, "")
+    assert re.match(r"Error: .*/proc/x.*: No such file or directory\.\n", said)
 
 
 @pytest.mark.parametrize(

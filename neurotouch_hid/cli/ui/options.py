@@ -8,6 +8,7 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
+from neurotouch_hid.cli.ui.output import require_writable
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 
 _METHODS = ("neurotouch", "paper")  # gesture.method.BUILT_IN, without loading its kernels
@@ -27,7 +28,7 @@ class Finite(click.FloatRange):
 
 
 class OutFile(click.Path):
-    """A file to be written; its folder must exist before the work begins."""
+    """A file to be written; whether it can be is tried before the work begins."""
 
     def __init__(self) -> None:
         super().__init__(dir_okay=False, path_type=Path)
@@ -40,6 +41,7 @@ class OutFile(click.Path):
                 f"There is no folder '{path.parent}' to write '{path.name}' to.",
                 hint="Make the folder, or choose another.",
             )
+        require_writable(path)
         return path
 
 

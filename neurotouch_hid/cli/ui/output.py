@@ -12,7 +12,7 @@ from typing import Any, TypeVar, cast
 import click
 
 from neurotouch_hid.errors import NeuroTouchError
-from neurotouch_hid.partial_file import write_whole
+from neurotouch_hid.partial_file import try_writing, write_whole
 from neurotouch_hid.printable import is_printable, make_lines_printable, make_printable
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -133,10 +133,26 @@ def save_text(path: Path, text: str) -> None:
     try:
         write_whole(path, text.encode())
     except OSError as error:
-        raise NeuroTouchError(
-            f"'{path}' cannot be written: {error.strerror}.",
-            hint="Choose a folder that exists, with room, that you may write to.",
-        ) from error
+        raise _explain(path, error) from error
+
+
+def require_writable(path: Path) -> None:
+    """Checks before the work that a file can be written.
+
+    Raises:
+        NeuroTouchError: it cannot be written.
+    """
+    try:
+        try_writing(path)
+    except OSError as error:
+        raise _explain(path, error) from error
+
+
+def _explain(path: Path, error: OSError) -> NeuroTouchError:
+    return NeuroTouchError(
+        f"'{path}' cannot be written: {error.strerror}.",
+        hint="Choose a folder that exists, with room, that you may write to.",
+    )
 
 
 def make_stamp() -> str:

@@ -1,6 +1,5 @@
 """Writes the folder of a report: complete or not at all, and never over other files."""
 
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -21,16 +20,13 @@ def check_folder(folder: Path) -> None:
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         is_taken = folder.exists() and not _is_replaceable(folder)
+        TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-").cleanup()
     except OSError as error:
         raise _explain(folder, error) from error
     if is_taken:
         raise NeuroTouchError(
             f"'{folder}' contains files that are not part of a report.",
             hint="Name a new folder; only an empty one or an older report is replaced.",
-        )
-    if not os.access(folder.parent, os.W_OK | os.X_OK):
-        raise NeuroTouchError(
-            f"The report cannot be written: no right to write to {folder.parent}."
         )
 
 
