@@ -3,7 +3,7 @@
 [NT, "Resting Position Detection"].
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,13 +19,14 @@ from neurotouch_hid.messages import (
 from neurotouch_hid.tracker.blobs import BlobConfig, BlobFinder, Blobs
 from neurotouch_hid.tracker.eventframe import EventFrame
 from neurotouch_hid.tracker.kernels import image as kernels
-from neurotouch_hid.tracker.kernels import matching
+from neurotouch_hid.tracker.kernels import matching, rigid
 from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig, find_lattice
 
 _SAME_BEND_PX = 0.1  # two pictures of one undeformed gel differ by less
 _STILL_GATE_PX = 2.0  # a longer motion is not small
 _CLEAR_BEND_PX = 0.2  # an untouched gel is bent less, with any optics
 _SINKING_PX = 0.03  # from frame to frame; more means that a touch is just ending
+_RIG_STILL_MM = 0.15  # a rig that moves more from frame to frame still swings
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,22 +93,36 @@ class _Reference:
     """The gel at rest: marker positions, and white pixels for the Chamfer distance."""
 
     def __init__(self, lattice: Lattice, blobs: Blobs) -> None:
-        self.position_px = lattice.position_px
         self.bend_px = lattice.bend_px
         rig = fit_rig(lattice.position_px)
         self.px_per_mm = rig.px_per_mm
         self.gate_px = 0.35 * PITCH_MM * rig.px_per_mm
-        self._centre_px = rig.centre_px
         reach = np.hypot(*(lattice.position_px - rig.centre_px).T).max()
         self._radius_px = float(reach) + PITCH_MM * rig.px_per_mm
         shape = (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
         self._mask = np.zeros(shape, np.uint8)
         self._distance_px2 = np.empty(shape, np.int32)
         self._white = np.empty(SENSOR_HEIGHT_PX * SENSOR_WIDTH_PX, np.int32)
+        self._match = np.empty(N_MARKERS, np.int32)
+        self.move(lattice.position_px, blobs)
+
+    def move(self, position_px: NDArray[np.float64], blobs: Blobs) -> None:
+        """Takes the same markers at other places, where the blobs of a frame show them."""
+        self.position_px = position_px
+        self._centre_px = position_px.mean(axis=0)
         self._pixels = self._white_pixels(blobs).copy()
         self._mask.flat[self._pixels] = 1
         kernels.distance_map(self._mask, self._distance_px2)
         self._mask.flat[self._pixels] = 0
+
+    def find_moved(self, blobs: Blobs) -> NDArray[np.float64]:
+        """Returns where the markers would be, (177, 2) px, if only the rig had moved."""
+        by_px = rigid.recentre(blobs.centroid_px, self._centre_px, self._radius_px)
+        shifted: NDArray[np.float64] = self.position_px + by_px
+        matching.match_points(shifted, blobs.centroid_px, self.gate_px, self._match)
+        moved = np.empty_like(shifted)
+        rigid.follow_rig(shifted, blobs.centroid_px, self._match, moved)
+        return moved
 
     def _white_pixels(self, blobs: Blobs) -> NDArray[np.int32]:
         """Returns the pixels of the blobs on the gel, (n,) int32, without a lamp beside it."""
@@ -151,6 +166,7 @@ class RestDetector:
         self._reference: _Reference | None = None
         self._event_frame: EventFrame | None = EventFrame(rig)
         self._match = np.empty(N_MARKERS, np.int32)
+        self._moved_px: NDArray[np.float64] | None = None
         self._still_px: NDArray[np.float64] = np.empty((0, 2))
         self._n_still = 0
         self._bend_px = np.inf
@@ -222,14 +238,43 @@ class RestDetector:
             and n_found >= c.min_found
             and (distance := reference.chamfer(blobs)) <= c.max_chamfer_px2
         ):
-            self._n_still = 0
+            self._n_still, self._moved_px = 0, None
             self._count(n_found, "", distance, displacement)
-            found = self._match >= 0
-            measured = position.astype(np.float32)
-            measured[found] = blobs.centroid_px[self._match[found]]
-            return RestField(frame.t_us, measured)
+            return self._measure(frame, blobs, position)
+        if (moved := self._follow_rig(blobs, reference)) is not None:
+            return self._measure(frame, blobs, moved)
         self._count(n_found, "the gel is deformed", distance, displacement)
         return self._settle(frame, blobs, reference)
+
+    def _measure(self, frame: Frame, blobs: Blobs, position_px: NDArray[np.float64]) -> RestField:
+        """Returns the markers where they are seen, and else where they should be."""
+        found = self._match >= 0
+        measured = position_px.astype(np.float32)
+        measured[found] = blobs.centroid_px[self._match[found]]
+        return RestField(frame.t_us, measured)
+
+    def _follow_rig(self, blobs: Blobs, reference: _Reference) -> NDArray[np.float64] | None:
+        """Moves the reference with a rig that stands still elsewhere, and returns its markers.
+
+        What moves rigidly is the rig: a touch leaves the gel at the rim behind.
+        """
+        c, moved, before = self._config, reference.find_moved(blobs), self._moved_px
+        n_found, displacement = matching.measure_largest(
+            moved, blobs.centroid_px, reference.gate_px, c.max_displaced, self._match
+        )
+        if n_found < c.min_found or displacement > c.max_displacement_mm * reference.px_per_mm:
+            self._moved_px = None
+            return None
+        self._moved_px = moved
+        still_px = _RIG_STILL_MM * reference.px_per_mm
+        if before is None or np.abs(moved - before).max() > still_px:
+            return None
+        reference.move(moved, blobs)
+        self._n_still, self._moved_px = 0, None
+        s = self._stats
+        self._stats = replace(s, n_references=s.n_references + 1)
+        self._count(n_found, "", 0.0, displacement)
+        return moved
 
     def _settle(self, frame: Frame, blobs: Blobs, reference: _Reference) -> RestField | None:
         """Takes a new reference if the gel is at rest elsewhere, and returns its markers."""

@@ -252,3 +252,17 @@ def test_the_command_line_offers_every_method():
     option = next(option for option in command.params if option.name == "method")
     assert option.type.get_metavar(option, None) == f"[{'|'.join(list_methods())}]"
     assert option.default == list_methods()[0]
+
+
+def test_small_gestures_count_in_a_rig_that_was_bumped():
+    player = Player()
+    player.rest()
+    for _ in range(120):  # no frame has shown the gel at rest since
+        player.see(np.full(LATTICE_MM.shape, 1.4))
+    place = np.array([[3.0, -2.0]])
+    shown = [
+        player.see(1.4 + field(place, np.array([[size_mm, 0.0]]))).kind
+        for size_mm in np.linspace(0.0, 2.0, 20)
+    ]
+    assert shown[-1] is GestureKind.PUSH
+    assert shown.count(GestureKind.PUSH) >= 10

@@ -139,6 +139,31 @@ def test_a_bumped_camera_gives_a_new_reference_but_a_long_push_does_not():
     assert np.abs(answers[-1].position_px - bumped.to_px(LATTICE_MM)).max() < 0.35
 
 
+@pytest.mark.parametrize(
+    ("by_mm", "turn_rad", "scale"),
+    [((2.0, 0.0), 0.0, 1.0), ((-3.0, 4.2), 0.0, 1.0), ((0.6, 0.0), 0.04, 1.0), ((0, 0), 0, 1.04)],
+)
+def test_what_moves_rigidly_is_the_rig_so_play_goes_on(by_mm, turn_rad, scale):
+    rig = Rig(tuple(RIG.to_px(np.array(by_mm))), RIG.px_per_mm * scale, RIG.rotation_rad + turn_rad)
+    detector = RestDetector()
+    show(detector, picture())
+    for seed in range(3):  # never at rest for longer than two frames
+        show(detector, picture(push(3.0), rig, seed=seed))
+        rest = show(detector, picture(rig=rig, seed=seed), picture(rig=rig, seed=seed + 9))
+        assert rest is not None
+        assert np.abs(rest.position_px - rig.to_px(LATTICE_MM)).max() < 0.35
+    assert detector.stats().n_references == 2
+
+
+def test_a_rig_that_swings_is_not_followed():
+    detector = RestDetector()
+    show(detector, picture())
+    for seed in range(8):
+        swung = replace(RIG, centre_px=(172.0 + (2.0 if seed % 2 else -2.0), 130.0))
+        assert show(detector, picture(rig=swung, seed=seed)) is None
+    assert detector.stats().n_references == 1
+
+
 def test_a_light_that_grows_weaker_is_still_rest():
     detector = RestDetector()
     show(detector, picture())
