@@ -18,14 +18,16 @@ from neurotouch_hid.messages import (
 )
 from neurotouch_hid.tracker.blobs import BlobConfig, BlobFinder, Blobs
 from neurotouch_hid.tracker.eventframe import EventFrame
+from neurotouch_hid.tracker.kernels import correction, matching, rigid
 from neurotouch_hid.tracker.kernels import image as kernels
-from neurotouch_hid.tracker.kernels import matching, rigid
 from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig, find_lattice
 
 _SAME_BEND_PX = 0.1  # two pictures of one undeformed gel differ by less
 _STILL_GATE_PX = 2.0  # a longer motion is not small
 _CLEAR_BEND_PX = 0.2  # an untouched gel is bent less, with any optics
 _SINKING_PX = 0.03  # from frame to frame; more means that a touch is just ending
+_RIG_SHARE = 0.5  # of the limit of rest; markers that are farther off may show a rig that creeps
+_MOST_LEFT = 0.5  # of a rig's motion may be left; the light part of a touch is not that rigid
 _RIG_STILL_MM = 0.15  # a rig that moves more from frame to frame still swings
 
 
@@ -227,54 +229,55 @@ class RestDetector:
 
     def _compare(self, frame: Frame, blobs: Blobs, reference: _Reference) -> RestField | None:
         """Returns all markers if white pixels and markers are at the places of the reference."""
-        c = self._config
-        position = reference.position_px
-        n_found, displacement = matching.measure_largest(
-            position, blobs.centroid_px, reference.gate_px, c.max_displaced, self._match
-        )
+        c, limit_px = self._config, self._config.max_displacement_mm * reference.px_per_mm
+        n_found, displacement = self._measure(blobs, reference, reference.position_px)
+        if displacement > _RIG_SHARE * limit_px and self._follow_rig(blobs, reference, limit_px):
+            n_found, displacement = self._measure(blobs, reference, reference.position_px)
         distance = float("nan")
         if (
-            displacement <= c.max_displacement_mm * reference.px_per_mm
+            displacement <= limit_px
             and n_found >= c.min_found
             and (distance := reference.chamfer(blobs)) <= c.max_chamfer_px2
         ):
-            self._n_still, self._moved_px = 0, None
+            self._n_still = 0
             self._count(n_found, "", distance, displacement)
-            return self._measure(frame, blobs, position)
-        if (moved := self._follow_rig(blobs, reference)) is not None:
-            return self._measure(frame, blobs, moved)
+            found = self._match >= 0
+            measured = reference.position_px.astype(np.float32)
+            measured[found] = blobs.centroid_px[self._match[found]]
+            return RestField(frame.t_us, measured)
         self._count(n_found, "the gel is deformed", distance, displacement)
         return self._settle(frame, blobs, reference)
 
-    def _measure(self, frame: Frame, blobs: Blobs, position_px: NDArray[np.float64]) -> RestField:
-        """Returns the markers where they are seen, and else where they should be."""
-        found = self._match >= 0
-        measured = position_px.astype(np.float32)
-        measured[found] = blobs.centroid_px[self._match[found]]
-        return RestField(frame.t_us, measured)
+    def _measure(
+        self, blobs: Blobs, reference: _Reference, position_px: NDArray[np.float64]
+    ) -> tuple[int, float]:
+        """Returns how many markers are seen near their places, and how far they are off, px."""
+        return matching.measure_largest(
+            position_px,
+            blobs.centroid_px,
+            reference.gate_px,
+            self._config.max_displaced,
+            self._match,
+        )
 
-    def _follow_rig(self, blobs: Blobs, reference: _Reference) -> NDArray[np.float64] | None:
-        """Moves the reference with a rig that stands still elsewhere, and returns its markers.
+    def _follow_rig(self, blobs: Blobs, reference: _Reference, limit_px: float) -> bool:
+        """Moves the reference with a rig that now stands still elsewhere; returns whether it did.
 
         What moves rigidly is the rig: a touch leaves the gel at the rim behind.
         """
-        c, moved, before = self._config, reference.find_moved(blobs), self._moved_px
-        n_found, displacement = matching.measure_largest(
-            moved, blobs.centroid_px, reference.gate_px, c.max_displaced, self._match
-        )
-        if n_found < c.min_found or displacement > c.max_displacement_mm * reference.px_per_mm:
-            self._moved_px = None
-            return None
-        self._moved_px = moved
-        still_px = _RIG_STILL_MM * reference.px_per_mm
-        if before is None or np.abs(moved - before).max() > still_px:
-            return None
+        moved, before = reference.find_moved(blobs), self._moved_px
+        n_found, left_px = self._measure(blobs, reference, moved)
+        rig_px = correction.median_size(moved - reference.position_px)
+        is_rig = n_found >= self._config.min_found and left_px <= min(limit_px, _MOST_LEFT * rig_px)
+        self._moved_px = moved if is_rig else None
+        if not is_rig or before is None:
+            return False
+        if np.abs(moved - before).max() > _RIG_STILL_MM * reference.px_per_mm:
+            return False
         reference.move(moved, blobs)
-        self._n_still, self._moved_px = 0, None
-        s = self._stats
-        self._stats = replace(s, n_references=s.n_references + 1)
-        self._count(n_found, "", 0.0, displacement)
-        return moved
+        self._moved_px = None
+        self._stats = replace(self._stats, n_references=self._stats.n_references + 1)
+        return True
 
     def _settle(self, frame: Frame, blobs: Blobs, reference: _Reference) -> RestField | None:
         """Takes a new reference if the gel is at rest elsewhere, and returns its markers."""

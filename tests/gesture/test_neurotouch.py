@@ -266,3 +266,15 @@ def test_small_gestures_count_in_a_rig_that_was_bumped():
     ]
     assert shown[-1] is GestureKind.PUSH
     assert shown.count(GestureKind.PUSH) >= 10
+
+
+def test_contacts_are_shown_where_the_rig_has_moved_them():
+    player = Player(noise_px=0.1)
+    player.rest()
+    place, bump_mm = np.array([[3.0, -2.0]]), np.array([2.0, 1.0])
+    for size_mm in np.linspace(0.0, 4.0, 40):
+        bump = bump_mm if size_mm > 2.0 else 0.0
+        gesture = player.see(bump + field(place, np.array([[size_mm, 0.0]])))
+    np.testing.assert_allclose(gesture.contacts_mm, place + np.array([4.0, 0.0]), atol=1.0)
+    shown_px = RIG.to_px(gesture.contacts_mm + bump_mm)
+    np.testing.assert_allclose(gesture.contacts_px, shown_px, atol=0.5)

@@ -154,8 +154,9 @@ def locate_shown(
             continue
         x, y, dx, dy = locate(fit.centres[j], fit.radii[j], fit.motions[j], fit.press[j])
         mm[k, 0], mm[k, 1] = x, y
-        px[k, 0] = rig.along * mm[k, 0] - rig.across * mm[k, 1] + rig.x_px
-        px[k, 1] = rig.across * mm[k, 0] + rig.along * mm[k, 1] + rig.y_px
+        x, y = x + fit.offset_x_mm, y + fit.offset_y_mm  # the whole gel, with its rig
+        px[k, 0] = rig.along * x - rig.across * y + rig.x_px
+        px[k, 1] = rig.across * x + rig.along * y + rig.y_px
         total_mm += math.hypot(dx, dy)
         k += 1
     return mm, px, total_mm / count
