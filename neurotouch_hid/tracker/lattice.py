@@ -2,7 +2,6 @@
 
 import cmath
 import math
-from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +15,12 @@ _REACH = int(GEL_RADIUS_MM // PITCH_MM)  # sites are -7..7
 _DISC = np.zeros((2 * _REACH + 1, 2 * _REACH + 1), dtype=np.bool_)
 _DISC[_SITES[:, 1] + _REACH, _SITES[:, 0] + _REACH] = True
 
+_GRID = np.stack(np.meshgrid(*2 * [np.arange(-2 * _REACH, 2 * _REACH + 1)]), axis=-1).reshape(-1, 2)
+_GRID_FAR = np.hypot(*_GRID.T)
+_GATE = 0.42  # of the pitch: a dot farther from its site may belong to the next one
+_CELL_PX, _N_SMOOTH, _N_PEAK = 0.25, 3, 6  # of the vote for the lattice's side
+_LEAST_VOTE = 2.5  # times the mean vote; dots without any lattice reach less
+_PRINT_BEND = 1.1  # the largest of 177 means of nine, in tolerances of single markers
 _AROUND = np.column_stack([np.arange(N_MARKERS), NEIGHBOURS])  # each marker and its neighbours
 
 
@@ -25,16 +30,20 @@ class LatticeConfig:
 
     Attributes:
         min_px_per_mm, max_px_per_mm: range of scales searched; nominal 2.5 [NT, "Results"].
-        min_found: least number of markers that must be seen; the model gives the others.
+        min_found: least number of markers that must be seen; the model gives the others. A gel made
+            by hand lacks some here and there.
+        max_aside_mm: largest distance of the middle of the seen markers from the gel's centre. If
+            markers lack on one side, the picture does not show the whole gel.
         max_bend_px: largest ``Lattice.bend_px`` of an undeformed gel. Measured on simulated gels:
             0.2 for strong optics and a print tolerance of 0.1 mm, 0.7 to 1.4 for one finger that
             pushes by 1 mm.
         max_displaced: largest ``Lattice.n_displaced`` of an undeformed gel.
     """
 
-    min_px_per_mm: float = 1.8
-    max_px_per_mm: float = 3.2
-    min_found: int = 160
+    min_px_per_mm: float = 1.4
+    max_px_per_mm: float = 4.6
+    min_found: int = 120
+    max_aside_mm: float = 2.5
     max_bend_px: float = 0.6
     max_displaced: int = 4
 
@@ -47,8 +56,10 @@ class Lattice:
         position_px: (177, 2) float64 px, columns x, y, in the order of ``geometry.LATTICE_MM``;
             the model gives markers that were not seen.
         blob: (177,) intp, the blob of each marker, -1 for a marker that was not seen.
-        bend_px: the largest mean deviation from the model of a marker and its neighbours, so that
-            the tolerance of single markers averages out.
+        bend_px: the largest mean deviation from the model of a marker and its neighbours, beyond
+            what the tolerance of single markers explains: what bends has neighbours that bend.
+        print_px: the tolerance of single markers, standard deviation on one axis.
+        aside_mm: distance of the middle of the seen markers from the gel's centre.
         n_displaced: number of markers that were not seen at their place, but have a blob near it
             that is no other marker.
     """
@@ -56,6 +67,8 @@ class Lattice:
     position_px: NDArray[np.float64]
     blob: NDArray[np.intp]
     bend_px: float
+    print_px: float
+    aside_mm: float
     n_displaced: int
 
     @property
@@ -71,7 +84,7 @@ def find_lattice(
 
     1. The most frequent vector between neighbours gives scale and rotation. A square lattice allows
        four rotations; the smallest counts.
-    2. The lattice grows from blob to blob.
+    2. The lattice grows from blob to blob, along a smooth map of those that it has.
     3. It is placed on the disc of 177 sites so that most sites are taken.
     4. A smooth model (similarity, perspective, dome and lens to fifth order) decides which blobs
        belong to it.
@@ -99,17 +112,36 @@ def find_lattice(
         if (blob >= 0).sum() < N_MARKERS // 3:
             return None
         model = _fit_model(centroid_px, blob)
-        blob = _assign(model, centroid_px, 0.3 * abs(basis))
+        blob = _assign(model, centroid_px, _GATE * abs(basis))
     found = blob >= 0
     if found.sum() < N_MARKERS // 3:
         return None
     position = model.copy()
     position[found] = centroid_px[blob[found]]
-    off = np.where(_AROUND[:, :, None] >= 0, (position - model)[_AROUND], 0.0)
-    bend = off.sum(axis=1) / (_AROUND >= 0).sum(axis=1, keepdims=True)
+    off = np.where(found[:, None], position - model, 0.0)
+    bend, own = _average(off, found)
+    tolerance = 1.4826 * float(np.median(np.abs(own[found])))
+    bend2 = float((bend**2).sum(axis=1).max()) - (_PRINT_BEND * tolerance) ** 2
     free = np.setdiff1d(np.arange(len(centroid_px)), blob[found])
     displaced = _assign(model[~found], centroid_px[free], abs(basis)) >= 0
-    return Lattice(position, blob, float(np.hypot(*bend.T).max()), int(displaced.sum()))
+    aside_mm = float(np.hypot(*LATTICE_MM[found].mean(axis=0)))
+    bend_px = math.sqrt(max(bend2, 0.0))
+    return Lattice(position, blob, bend_px, tolerance, aside_mm, int(displaced.sum()))
+
+
+def _average(
+    off_px: NDArray[np.float64], found: NDArray[np.bool_]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Returns each marker's deviation averaged with its neighbours', and what that leaves over.
+
+    Args:
+        off_px: (177, 2) float64 px, deviations from the model, 0 for markers that are not seen.
+        found: (177,) bool, markers that are seen.
+    """
+    use = (_AROUND >= 0) & found[_AROUND]
+    total = np.where(use[:, :, None], off_px[_AROUND], 0.0).sum(axis=1)
+    mean = total / np.maximum(use.sum(axis=1, keepdims=True), 4)  # few neighbours prove nothing
+    return mean, off_px - mean
 
 
 def _find_basis(points: NDArray[np.float64], config: LatticeConfig) -> complex | None:
@@ -120,18 +152,22 @@ def _find_basis(points: NDArray[np.float64], config: LatticeConfig) -> complex |
     low, high = config.min_px_per_mm * PITCH_MM, config.max_px_per_mm * PITCH_MM
     near = (length > low) & (length < high)
     length, angle = length[near], np.angle(vectors[near] ** 4) / 4
-    n_lengths, n_angles = 24, 30
+    n_lengths, n_angles = max(round((high - low) / _CELL_PX), 8), 30
     vote, edges, _ = np.histogram2d(
         length, angle, (n_lengths, n_angles), ((low, high), (-math.pi / 4, math.pi / 4))
     )
-    vote += np.roll(vote, 1, axis=1) + np.roll(vote, -1, axis=1)
-    vote[1:-1] += vote[:-2] + vote[2:]
+    # Pairs that belong to no lattice are as frequent in each cell as their lengths allow.
+    vote /= (edges[:-1, None] + edges[1:, None]) / 2.0
+    for _ in range(_N_SMOOTH):
+        vote = (np.roll(vote, 1, axis=1) + 2.0 * vote + np.roll(vote, -1, axis=1)) / 4.0
+        wide = np.pad(vote, ((1, 1), (0, 0)), mode="edge")
+        vote = (wide[:-2] + 2.0 * vote + wide[2:]) / 4.0
     best = vote.max()
-    if best < N_MARKERS:
+    if best < _LEAST_VOTE * vote.mean():
         return None
     # The diagonal of a small lattice can be as frequent as its side, so the shortest wins.
     row = int(np.flatnonzero(vote.max(axis=1) > 0.7 * best)[0])
-    row += int(np.argmax(vote[row : row + 3].max(axis=1)))
+    row += int(np.argmax(vote[row : row + _N_PEAK].max(axis=1)))
     column = int(np.argmax(vote[row]))
     centre_length = (edges[row] + edges[row + 1]) / 2
     centre_angle = (column + 0.5) * math.pi / 2 / n_angles - math.pi / 4
@@ -142,41 +178,58 @@ def _find_basis(points: NDArray[np.float64], config: LatticeConfig) -> complex |
 
 
 def _grow(points: NDArray[np.float64], basis: complex) -> dict[tuple[int, int], int]:
-    """Returns the blob of each lattice site, grown from neighbour to neighbour.
+    """Returns the blob of each lattice site, grown ring by ring from a blob in the middle.
 
-    The basis adapts on the way, because the lattice may be bent.
+    A smooth map of the sites that have their blobs tells where the next ring is, because the
+    lattice may be bent, and single dots may be off their places, or missing.
     """
     z = points @ (1, 1j)
     best: dict[tuple[int, int], int] = {}
     seeds = np.argsort(np.abs(z - np.median(z.real) - 1j * np.median(z.imag)))[:12]
-    steps = ((1, 0), (0, 1), (-1, 0), (0, -1))
     for seed in seeds:
         if int(seed) in best.values():
             continue
-        sites = {(0, 0): int(seed)}
-        taken = {int(seed)}
-        queue = deque([((0, 0), basis)])
-        while queue:
-            (column, row), local = queue.popleft()
-            origin = z[sites[column, row]]
-            for dx, dy in steps:
-                site = (column + dx, row + dy)
-                if site in sites or max(map(abs, site)) > 2 * _REACH:
-                    continue
-                step = local * complex(dx, dy)
-                distance = np.abs(z - (origin + step))
-                j = int(np.argmin(distance))
-                if distance[j] > 0.3 * abs(basis) or j in taken:
-                    continue
-                sites[site] = j
-                taken.add(j)
-                seen = (z[j] - origin) / complex(dx, dy)
-                queue.append((site, 0.7 * local + 0.3 * seen))
+        sites = _grow_from(points, points[seed], basis)
         if len(sites) > len(best):
             best = sites
         if len(best) > N_MARKERS // 2:
             break
     return best
+
+
+def _grow_from(
+    points: NDArray[np.float64], start_px: NDArray[np.float64], basis: complex
+) -> dict[tuple[int, int], int]:
+    """Returns the blob of each lattice site around a blob at ``start_px``."""
+    step = np.array([[basis.real, basis.imag], [-basis.imag, basis.real]])
+    model, n_before = start_px + _GRID @ step, 0
+    blob = np.full(len(_GRID), -1, dtype=np.intp)
+    for reach in range(1, 2 * _REACH + 1):
+        near = np.flatnonzero(reach + 0.5 > _GRID_FAR)
+        for _ in range(2):
+            blob[:] = -1
+            blob[near] = _assign(model[near], points, _GATE * abs(basis))
+            seen = np.flatnonzero(blob >= 0)
+            if len(seen) < 4:
+                break
+            order = 1 if len(seen) < 16 else 2 if len(seen) < 40 else 3
+            model = _extend_map(_GRID, seen, points[blob[seen]], order)
+        if len(seen) == n_before or len(seen) < 4:  # the ring is empty: this is the rim
+            break
+        n_before = len(seen)
+    found = np.flatnonzero(blob >= 0)
+    return {(int(_GRID[k, 0]), int(_GRID[k, 1])): int(blob[k]) for k in found}
+
+
+def _extend_map(
+    sites: NDArray[np.intp], seen: NDArray[np.intp], target: NDArray[np.float64], order: int
+) -> NDArray[np.float64]:
+    """Returns a polynomial map of all sites, (n, 2) px, fitted to those that are seen."""
+    x, y = (sites / _REACH).T
+    design = np.stack([x**a * y**b for a in range(order + 1) for b in range(order + 1 - a)], axis=1)
+    solution = np.linalg.lstsq(design[seen], target, rcond=None)[0]
+    model: NDArray[np.float64] = design @ solution
+    return model
 
 
 def _place(

@@ -1,5 +1,6 @@
 """Tracks all markers: by each event, by their neighbours every 4 ms, and by each frame."""
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -10,12 +11,15 @@ from neurotouch_hid.geometry import N_MARKERS, NEIGHBOURS
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, MarkerField, RestField
 from neurotouch_hid.tracker.blobs import BlobFinder, Blobs
 from neurotouch_hid.tracker.correction import FrameCorrection
-from neurotouch_hid.tracker.kernels import correction, nearest
+from neurotouch_hid.tracker.kernels import correction, nearest, rigid
 from neurotouch_hid.tracker.kernels import filter as kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
 
 _PAST = 64  # checks remembered: at least 128 ms, longer than exposure and delay of a frame
-_MAX_DRIFT_PX = 1.0  # a marker farther off its rest position is being pushed
+_MAX_DRIFT_PX = 1.0  # a marker farther off its rest position is being pushed, or the rig was bumped
+_MAX_OWN_PX = 1.0  # markers whose own errors are larger are others than those before
+_RIG_PX = 0.35  # the rest position follows a rig that has moved farther at once ...
+_RIG_US = 300e3  # ... or, if it has not moved far, with this time constant, because it may swing
 _TOUCH_PX = 0.2  # a marker farther off than the rest of the gel is touched softly
 _DRIFT_US = 20e6  # time constant of the rest position: a rig drifts over minutes ...
 _TOUCH_US = 300e6  # ... but a soft touch may last long
@@ -23,6 +27,7 @@ _LONGEST_US = 200_000  # longest time that one rest position counts for
 _NEVER_US = -(1 << 60)
 _MAX_HOLE_US = 100_000  # after a longer gap, positions do not identify the markers
 _SHOWN_DRIFT_PX = 0.1  # later stages do not see smaller changes of the rest position
+_ALL = np.arange(N_MARKERS, dtype=np.int32)
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,13 +167,16 @@ class MarkerTracker:
     def anchor(self, rest: RestField) -> None:
         """Takes a rest position, which may be late: ``rest.t_us`` is the time that it shows.
 
-        The first one is taken as it is, and so is one that is elsewhere, because the camera was
-        bumped. Otherwise the rest position follows slowly.
+        The first one is taken as it is, and so is one that shows other markers. Otherwise the rest
+        position moves with the rig, and each marker's own place follows slowly.
         """
         measured = rest.position_px.astype(np.float64)
-        tracks, off = self._tracks, rest.position_px - self._tracks.rest_px
+        tracks, elapsed_us = self._tracks, rest.t_us - self._anchor_us
         self._n_anchors += 1
-        if not self._anchored or correction.median_size(off) > _MAX_DRIFT_PX:
+        if self._anchored:
+            self._follow_rig(measured, elapsed_us)
+            off = measured - tracks.rest_px
+        if not self._anchored or correction.median_size(off) > _MAX_OWN_PX:
             tracks.rest_px[:] = measured
             if not self._anchored:
                 t_us = float(rest.t_us if self._end_us is None else self._end_us)
@@ -176,7 +184,7 @@ class MarkerTracker:
                 self._restart(int(t_us))
                 self._anchored = True
         else:
-            self._drift(off, rest.t_us - self._anchor_us)
+            self._drift(off, elapsed_us)
         self._anchor_us = rest.t_us
         self._correction.anchor(rest)
         if not np.abs(self._rest_px - tracks.rest_px).max() < _SHOWN_DRIFT_PX:
@@ -222,6 +230,17 @@ class MarkerTracker:
             int(self._tracks.common["n_repairs"][0]),
             int((~self._tracks.lost).sum()) if self._anchored else 0,
         )
+
+    def _follow_rig(self, measured_px: NDArray[np.float64], elapsed_us: int) -> None:
+        """Moves the rest position with the rig, if the rig has moved."""
+        rest_px = self._tracks.rest_px
+        moved_px = np.empty_like(rest_px)
+        far_px = rigid.follow_rig(rest_px, measured_px, _ALL, moved_px)
+        if far_px > _MAX_DRIFT_PX:
+            rest_px[:] = moved_px
+        elif far_px > _RIG_PX:
+            elapsed = min(max(elapsed_us, 0), _LONGEST_US)
+            rest_px += -math.expm1(-elapsed / _RIG_US) * (moved_px - rest_px)
 
     def _drift(self, off_px: NDArray[np.float64], elapsed_us: int) -> None:
         """Lets the rest position follow, but hardly where a soft touch looked like rest.

@@ -3,7 +3,7 @@
 [NT, "Resting Position Detection"].
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,14 +18,17 @@ from neurotouch_hid.messages import (
 )
 from neurotouch_hid.tracker.blobs import BlobConfig, BlobFinder, Blobs
 from neurotouch_hid.tracker.eventframe import EventFrame
+from neurotouch_hid.tracker.kernels import correction, matching, rigid
 from neurotouch_hid.tracker.kernels import image as kernels
-from neurotouch_hid.tracker.kernels import matching
 from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig, find_lattice
 
 _SAME_BEND_PX = 0.1  # two pictures of one undeformed gel differ by less
 _STILL_GATE_PX = 2.0  # a longer motion is not small
-_CLEAR_BEND_PX = 0.2  # an untouched gel is bent less, with any optics
+_CLEAR_BEND_PX = 0.19  # an untouched gel is bent less, with any optics
 _SINKING_PX = 0.03  # from frame to frame; more means that a touch is just ending
+_RIG_SHARE = 0.5  # of the limit of rest; markers that are farther off may show a rig that creeps
+_MOST_LEFT = 0.5  # of a rig's motion may be left; the light part of a touch is not that rigid
+_RIG_STILL_MM = 0.15  # a rig that moves more from frame to frame still swings
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,22 +46,28 @@ class RestConfig:
         max_displaced: number of markers that may be farther off. Half of the eight markers under a
             fingertip are more; those at its edge move less than the finger. With 5 % of all markers
             instead, F1 is 0.976.
-        min_found: least number of markers that must be seen at their places.
+        min_share: least share of the reference's markers that must be seen at their places.
         settle_frames: a gel that is still for this many frames, 1 s at 25 Hz, becomes the reference
             even if it is bent more than an undeformed gel (odd optics). It becomes the new
             reference if it is elsewhere and bent no more than the old one (its mount was bumped,
             or a hand was on it at the start).
         max_still_px: largest median motion of the markers between two frames of a still gel.
         max_odd_bend_px: largest bend with odd optics, as much as one finger that pushes by 1.5 mm.
+        max_print_px: largest tolerance of single markers of a printed gel, standard deviation. It
+            hides a light touch, so a gel painted by hand is accepted only once it has been still.
+        max_odd_displaced: largest number of displaced markers of a still gel that is not bent, for
+            example with reflections of light on the markers.
     """
 
     max_chamfer_px2: float = 2.5
     max_displacement_mm: float = 0.3
     max_displaced: int = 3
-    min_found: int = 160
+    min_share: float = 0.9
     settle_frames: int = 25
     max_still_px: float = 0.1
     max_odd_bend_px: float = 1.5
+    max_print_px: float = 0.5
+    max_odd_displaced: int = 25
     blobs: BlobConfig = field(default_factory=BlobConfig)
     lattice: LatticeConfig = field(default_factory=LatticeConfig)
 
@@ -92,22 +101,37 @@ class _Reference:
     """The gel at rest: marker positions, and white pixels for the Chamfer distance."""
 
     def __init__(self, lattice: Lattice, blobs: Blobs) -> None:
-        self.position_px = lattice.position_px
         self.bend_px = lattice.bend_px
+        self.n_found = lattice.n_found
         rig = fit_rig(lattice.position_px)
         self.px_per_mm = rig.px_per_mm
         self.gate_px = 0.35 * PITCH_MM * rig.px_per_mm
-        self._centre_px = rig.centre_px
         reach = np.hypot(*(lattice.position_px - rig.centre_px).T).max()
         self._radius_px = float(reach) + PITCH_MM * rig.px_per_mm
         shape = (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
         self._mask = np.zeros(shape, np.uint8)
         self._distance_px2 = np.empty(shape, np.int32)
         self._white = np.empty(SENSOR_HEIGHT_PX * SENSOR_WIDTH_PX, np.int32)
+        self._match = np.empty(N_MARKERS, np.int32)
+        self.move(lattice.position_px, blobs)
+
+    def move(self, position_px: NDArray[np.float64], blobs: Blobs) -> None:
+        """Takes the same markers at other places, where the blobs of a frame show them."""
+        self.position_px = position_px
+        self._centre_px = position_px.mean(axis=0)
         self._pixels = self._white_pixels(blobs).copy()
         self._mask.flat[self._pixels] = 1
         kernels.distance_map(self._mask, self._distance_px2)
         self._mask.flat[self._pixels] = 0
+
+    def find_moved(self, blobs: Blobs) -> NDArray[np.float64]:
+        """Returns where the markers would be, (177, 2) px, if only the rig had moved."""
+        by_px = rigid.recentre(blobs.centroid_px, self._centre_px, self._radius_px)
+        shifted: NDArray[np.float64] = self.position_px + by_px
+        matching.match_points(shifted, blobs.centroid_px, self.gate_px, self._match)
+        moved = np.empty_like(shifted)
+        rigid.follow_rig(shifted, blobs.centroid_px, self._match, moved)
+        return moved
 
     def _white_pixels(self, blobs: Blobs) -> NDArray[np.int32]:
         """Returns the pixels of the blobs on the gel, (n,) int32, without a lamp beside it."""
@@ -151,6 +175,7 @@ class RestDetector:
         self._reference: _Reference | None = None
         self._event_frame: EventFrame | None = EventFrame(rig)
         self._match = np.empty(N_MARKERS, np.int32)
+        self._moved_px: NDArray[np.float64] | None = None
         self._still_px: NDArray[np.float64] = np.empty((0, 2))
         self._n_still = 0
         self._bend_px = np.inf
@@ -211,25 +236,57 @@ class RestDetector:
 
     def _compare(self, frame: Frame, blobs: Blobs, reference: _Reference) -> RestField | None:
         """Returns all markers if white pixels and markers are at the places of the reference."""
-        c = self._config
-        position = reference.position_px
-        n_found, displacement = matching.measure_largest(
-            position, blobs.centroid_px, reference.gate_px, c.max_displaced, self._match
-        )
+        c, limit_px = self._config, self._config.max_displacement_mm * reference.px_per_mm
+        n_found, displacement = self._measure(blobs, reference, reference.position_px)
+        if displacement > _RIG_SHARE * limit_px and self._follow_rig(blobs, reference, limit_px):
+            n_found, displacement = self._measure(blobs, reference, reference.position_px)
         distance = float("nan")
         if (
-            displacement <= c.max_displacement_mm * reference.px_per_mm
-            and n_found >= c.min_found
+            displacement <= limit_px
+            and n_found >= c.min_share * reference.n_found
             and (distance := reference.chamfer(blobs)) <= c.max_chamfer_px2
         ):
             self._n_still = 0
             self._count(n_found, "", distance, displacement)
             found = self._match >= 0
-            measured = position.astype(np.float32)
+            measured = reference.position_px.astype(np.float32)
             measured[found] = blobs.centroid_px[self._match[found]]
             return RestField(frame.t_us, measured)
         self._count(n_found, "the gel is deformed", distance, displacement)
         return self._settle(frame, blobs, reference)
+
+    def _measure(
+        self, blobs: Blobs, reference: _Reference, position_px: NDArray[np.float64]
+    ) -> tuple[int, float]:
+        """Returns how many markers are seen near their places, and how far they are off, px."""
+        n_found, displacement = matching.measure_largest(
+            position_px,
+            blobs.centroid_px,
+            reference.gate_px,
+            self._config.max_displaced,
+            self._match,
+        )
+        return int(n_found), float(displacement)
+
+    def _follow_rig(self, blobs: Blobs, reference: _Reference, limit_px: float) -> bool:
+        """Moves the reference with a rig that now stands still elsewhere; returns whether it did.
+
+        What moves rigidly is the rig: a touch leaves the gel at the rim behind.
+        """
+        moved, before = reference.find_moved(blobs), self._moved_px
+        n_found, left_px = self._measure(blobs, reference, moved)
+        rig_px = correction.median_size(moved - reference.position_px)
+        enough = self._config.min_share * reference.n_found
+        is_rig = n_found >= enough and left_px <= min(limit_px, _MOST_LEFT * rig_px)
+        self._moved_px = moved if is_rig else None
+        if not is_rig or before is None:
+            return False
+        if np.abs(moved - before).max() > _RIG_STILL_MM * reference.px_per_mm:
+            return False
+        reference.move(moved, blobs)
+        self._moved_px = None
+        self._stats = replace(self._stats, n_references=self._stats.n_references + 1)
+        return True
 
     def _settle(self, frame: Frame, blobs: Blobs, reference: _Reference) -> RestField | None:
         """Takes a new reference if the gel is at rest elsewhere, and returns its markers."""
@@ -238,7 +295,7 @@ class RestDetector:
         lattice = find_lattice(blobs.centroid_px, self._config.lattice)
         if (
             lattice is None
-            or self._explain(lattice, lattice.n_found, frame)
+            or self._explain(lattice, lattice.n_found, frame, odd=True)
             or lattice.bend_px > reference.bend_px + _SAME_BEND_PX
         ):
             return None
@@ -251,7 +308,7 @@ class RestDetector:
         self._still_px = now
         same = np.empty(len(before), np.int32)
         n, median = matching.measure_median(before, now, _STILL_GATE_PX, same)
-        if n < c.min_found:
+        if n < max(c.min_share * len(before), c.lattice.min_found):
             self._n_still = 0
             return False
         self._n_still = self._n_still + 1 if median <= c.max_still_px else 0
@@ -269,18 +326,25 @@ class RestDetector:
         self, lattice: Lattice | None, n_found: int, frame: Frame, *, odd: bool = False
     ) -> str:
         """Returns why this is no gel at rest, or an empty string; ``odd`` allows for odd optics."""
-        c = self._config.lattice
-        max_bend_px = self._config.max_odd_bend_px if odd else c.max_bend_px
+        c, most = self._config.lattice, self._config
         if lattice is None:
             return (
                 f"no lattice of {N_MARKERS} markers among {n_found} bright dots; {_describe(frame)}"
             )
-        if lattice.n_found < c.min_found:
+        if lattice.n_found < c.min_found or lattice.aside_mm > c.max_aside_mm:
             return f"found {n_found} of {N_MARKERS} markers; {_describe(frame)}"
-        if lattice.bend_px > max_bend_px or lattice.n_displaced > c.max_displaced:
+        is_flat = lattice.bend_px <= c.max_bend_px
+        max_bend_px = most.max_odd_bend_px if odd else c.max_bend_px
+        max_displaced = most.max_odd_displaced if odd and is_flat else c.max_displaced
+        if lattice.bend_px > max_bend_px or lattice.n_displaced > max_displaced:
             return (
                 f"found {n_found} of {N_MARKERS} markers, off their lattice by "
                 f"{lattice.bend_px:.1f} px; the gel seems to be touched"
+            )
+        if lattice.print_px > most.max_print_px and not odd:
+            return (
+                f"single markers are off their lattice by {lattice.print_px:.1f} px; "
+                "the gel is learnt once it has been still for a second"
             )
         return ""
 

@@ -156,6 +156,24 @@ def test_a_knock_has_no_finger_and_a_light_touch_is_no_knock():
     assert motion.sway_mm < 0.02
 
 
+def test_a_gel_that_stays_elsewhere_sways_no_more():
+    fingers = FingerTracker()
+    fingers.place(REST_PX, RIG)
+    bumped = np.full(LATTICE_MM.shape, 1.4)
+    for _ in range(200):
+        motion = fingers.update(bumped, SEES_ALL, 0.05, forming=True)
+    assert motion.sway_mm < 0.05
+    fingers.place(REST_PX + np.float32(1.4), RIG)  # the rest position follows: nothing moves
+    motion = fingers.update(np.zeros(LATTICE_MM.shape), SEES_ALL, 0.05, forming=True)
+    assert motion.sway_mm < 0.05
+    push = bumped + field(PLACES[:1], np.array([[0.6, 0.0]]))
+    fingers.place(REST_PX, RIG)
+    for _ in range(5):
+        motion = fingers.update(push, SEES_ALL, 0.05, forming=True)
+    assert motion.n_fingers == 1
+    assert motion.sway_mm < 0.1
+
+
 def test_contacts_are_in_gel_and_image_coordinates():
     rig = Rig((170.0, 130.0), 2.4, 0.2)
     fingers = FingerTracker()

@@ -252,3 +252,29 @@ def test_the_command_line_offers_every_method():
     option = next(option for option in command.params if option.name == "method")
     assert option.type.get_metavar(option, None) == f"[{'|'.join(list_methods())}]"
     assert option.default == list_methods()[0]
+
+
+def test_small_gestures_count_in_a_rig_that_was_bumped():
+    player = Player()
+    player.rest()
+    for _ in range(120):  # no frame has shown the gel at rest since
+        player.see(np.full(LATTICE_MM.shape, 1.4))
+    place = np.array([[3.0, -2.0]])
+    shown = [
+        player.see(1.4 + field(place, np.array([[size_mm, 0.0]]))).kind
+        for size_mm in np.linspace(0.0, 2.0, 20)
+    ]
+    assert shown[-1] is GestureKind.PUSH
+    assert shown.count(GestureKind.PUSH) >= 10
+
+
+def test_contacts_are_shown_where_the_rig_has_moved_them():
+    player = Player(noise_px=0.1)
+    player.rest()
+    place, bump_mm = np.array([[3.0, -2.0]]), np.array([2.0, 1.0])
+    for size_mm in np.linspace(0.0, 4.0, 40):
+        bump = bump_mm if size_mm > 2.0 else 0.0
+        gesture = player.see(bump + field(place, np.array([[size_mm, 0.0]])))
+    np.testing.assert_allclose(gesture.contacts_mm, place + np.array([4.0, 0.0]), atol=1.0)
+    shown_px = RIG.to_px(gesture.contacts_mm + bump_mm)
+    np.testing.assert_allclose(gesture.contacts_px, shown_px, atol=0.5)

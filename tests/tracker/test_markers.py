@@ -292,6 +292,28 @@ def test_a_bumped_camera_moves_the_rest_position_at_once():
     np.testing.assert_allclose(field.position_px, REST_PX + 6.0, atol=0.01)
 
 
+@pytest.mark.parametrize("bump_px", [0.0, 5.0])
+def test_the_rest_position_follows_a_rig_that_creeps_or_was_bumped(bump_px):
+    print_px = REST_PX + np.random.default_rng(1).normal(0, 0.3, REST_PX.shape).astype(np.float32)
+    tracker = MarkerTracker()
+    tracker.anchor(RestField(0, print_px))
+    for k in range(1, 75):  # 3 s; 0.5 px/s are 3 mm in 15 s
+        place_px = print_px + np.float32(0.02 * k + (bump_px if k > 30 else 0.0))
+        tracker.anchor(RestField(k * 40_000, place_px))
+        field = tracker.update(packet(k))
+        assert np.abs(field.rest_px - place_px).max() < 0.6
+
+
+def test_a_bump_does_not_forget_the_places_of_single_markers():
+    tracker = MarkerTracker()
+    tracker.anchor(RestField(0, REST_PX))
+    touched = REST_PX + np.float32(4.0)
+    touched[80:92, 0] += 0.6  # a soft touch, just when the rig is found elsewhere
+    tracker.anchor(RestField(40_000, touched))
+    rest_px = tracker.update(packet(0)).rest_px
+    np.testing.assert_allclose(rest_px, REST_PX + 4.0, atol=0.1)
+
+
 def swap(tracker, i, j):
     """Swaps two tracks, as crossing markers would."""
     state = tracker._tracks.state

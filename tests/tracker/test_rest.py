@@ -19,16 +19,17 @@ def push(mm, contact_mm=(3.0, -2.0)):
     return np.stack([mm * rim / (1 + (r / 9.0) ** 2), np.zeros_like(r)], axis=1)
 
 
-def picture(moved_mm=0.0, rig=RIG, level=150.0, spots=8, seed=0):
+def picture(moved_mm=0.0, rig=RIG, level=150.0, spots=8, seed=0, brightness=None):
     """Returns a frame of the gel: dots of 1 mm, uneven light, noise, bright spots outside."""
+    brightness = np.ones(len(LATTICE_MM)) if brightness is None else brightness
     rng = np.random.default_rng(seed)
     y, x = np.mgrid[:260, :346]
     light = level * (1 + 0.3 * (x - 173) / 173)
     image = 0.15 * light
-    for u, v in rig.to_px(LATTICE_MM + moved_mm):
+    for (u, v), white in zip(rig.to_px(LATTICE_MM + moved_mm), brightness, strict=True):
         a, b = slice(max(int(v) - 4, 0), int(v) + 6), slice(max(int(u) - 4, 0), int(u) + 6)
         near = np.hypot(x[a, b] - u, y[a, b] - v)
-        image[a, b] += light[a, b] * np.clip(0.5 * rig.px_per_mm + 0.5 - near, 0, 1)
+        image[a, b] += white * light[a, b] * np.clip(0.5 * rig.px_per_mm + 0.5 - near, 0, 1)
     spot = np.random.default_rng(99)
     for _ in range(spots):
         angle, far = spot.uniform(0, 2 * np.pi), spot.uniform(34, 50) * rig.px_per_mm
@@ -139,6 +140,31 @@ def test_a_bumped_camera_gives_a_new_reference_but_a_long_push_does_not():
     assert np.abs(answers[-1].position_px - bumped.to_px(LATTICE_MM)).max() < 0.35
 
 
+@pytest.mark.parametrize(
+    ("by_mm", "turn_rad", "scale"),
+    [((2.0, 0.0), 0.0, 1.0), ((-3.0, 4.2), 0.0, 1.0), ((0.6, 0.0), 0.04, 1.0), ((0, 0), 0, 1.04)],
+)
+def test_what_moves_rigidly_is_the_rig_so_play_goes_on(by_mm, turn_rad, scale):
+    rig = Rig(tuple(RIG.to_px(np.array(by_mm))), RIG.px_per_mm * scale, RIG.rotation_rad + turn_rad)
+    detector = RestDetector()
+    show(detector, picture())
+    for seed in range(3):  # never at rest for longer than two frames
+        show(detector, picture(push(3.0), rig, seed=seed))
+        rest = show(detector, picture(rig=rig, seed=seed), picture(rig=rig, seed=seed + 9))
+        assert rest is not None
+        assert np.abs(rest.position_px - rig.to_px(LATTICE_MM)).max() < 0.35
+    assert detector.stats().n_references == 2
+
+
+def test_a_rig_that_swings_is_not_followed():
+    detector = RestDetector()
+    show(detector, picture())
+    for seed in range(8):
+        swung = replace(RIG, centre_px=(172.0 + (2.0 if seed % 2 else -2.0), 130.0))
+        assert show(detector, picture(rig=swung, seed=seed)) is None
+    assert detector.stats().n_references == 1
+
+
 def test_a_light_that_grows_weaker_is_still_rest():
     detector = RestDetector()
     show(detector, picture())
@@ -152,6 +178,59 @@ def test_a_known_rig_is_taken():
     rest = show(detector, picture(rig=rig))
     assert rest is not None
     assert np.abs(rest.position_px - rig.to_px(LATTICE_MM)).max() < 0.35
+
+
+def test_a_gel_with_missing_and_faint_dots_is_learnt():
+    rng = np.random.default_rng(3)
+    for light in (0.0, 0.15):
+        brightness = np.ones(len(LATTICE_MM))
+        brightness[rng.permutation(len(LATTICE_MM))[:46]] = light
+        detector = RestDetector()
+        first, later = (show(detector, picture(brightness=brightness, seed=s)) for s in (0, 1))
+        assert first is not None
+        assert later is not None
+        assert np.abs(later.position_px - RIG.to_px(LATTICE_MM)).max() < 0.8
+        assert show(detector, picture(push(0.6), brightness=brightness, seed=2)) is None
+
+
+@pytest.mark.parametrize("off_mm", [0.3, 0.6])
+def test_a_gel_that_is_painted_by_hand_is_learnt_and_a_touch_of_it_is_not(off_mm):
+    way = np.random.default_rng(5).uniform(-np.pi, np.pi, len(LATTICE_MM))
+    painted = off_mm * np.stack([np.cos(way), np.sin(way)], axis=1)
+    detector = RestDetector()
+    assert show(detector, picture(painted + push(1.5))) is None
+    rest = show(detector, *(picture(painted, seed=s) for s in range(1, 35)))  # 1.3 s
+    assert rest is not None
+    assert np.abs(rest.position_px - RIG.to_px(LATTICE_MM + painted)).max() < 0.35
+    assert show(detector, picture(painted + push(0.5), seed=2)) is None
+
+
+@pytest.mark.parametrize("bend", [-0.2, 0.2])
+def test_a_lens_that_bends_by_a_fifth_is_no_hindrance(bend):
+    bent = bend * LATTICE_MM * ((LATTICE_MM**2).sum(axis=1) / 900.0)[:, None]
+    rest = show(RestDetector(), picture(bent))
+    assert rest is not None
+    assert np.abs(rest.position_px - RIG.to_px(LATTICE_MM + bent)).max() < 0.35
+
+
+@pytest.mark.parametrize("px_per_mm", [1.6, 3.6, 4.2])
+def test_the_gel_may_be_small_in_the_picture_or_fill_it(px_per_mm):
+    rig = Rig((172.0, 130.0), px_per_mm, 0.05)
+    rest = show(RestDetector(), picture(rig=rig))
+    assert rest is not None
+    assert np.abs(rest.position_px - rig.to_px(LATTICE_MM)).max() < 0.6
+
+
+@pytest.mark.parametrize("off_px", [130.0, 160.0, 185.0])
+def test_a_gel_half_out_of_the_picture_is_refused_however_still(off_px):
+    rig = replace(RIG, centre_px=(172.0 + off_px, 130.0))
+    assert show(RestDetector(), *(picture(rig=rig, seed=s) for s in range(30))) is None
+
+
+def test_a_hand_that_lies_still_from_the_start_is_refused():
+    detector = RestDetector()
+    assert show(detector, *(picture(push(3.0), seed=s) for s in range(30))) is None
+    assert "touched" in detector.stats().reason
 
 
 def test_odd_optics_are_accepted_once_the_gel_is_still():

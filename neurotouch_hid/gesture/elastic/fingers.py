@@ -145,7 +145,10 @@ FINGERS: Final = np.dtype(
         ("n_searches", "i8"),
         ("n_asked", "i8"),
         ("noise_mm", "f8"),
-        ("sway_mm", "f8"),
+        ("common_x_mm", "f8"),
+        ("common_y_mm", "f8"),
+        ("standing_x_mm", "f8"),
+        ("standing_y_mm", "f8"),
         ("moved", "f8", (N_MARKERS, 2)),
         ("weight", "f8", N_MARKERS),
         ("since", "f8", (MOST, 3)),
@@ -161,7 +164,8 @@ FINGERS: Final = np.dtype(
   from nothing.
 - ``n_searches``, ``n_asked``: how often they were searched for, and how often all sites were asked.
 - ``noise_mm``: error of a marker on one axis.
-- ``sway_mm``: how far the whole gel had moved at the last search.
+- ``common_x_mm``, ``common_y_mm``: how far the whole gel had moved at the last search.
+- ``standing_x_mm``, ``standing_y_mm``: the recent mean place of the whole gel.
 - ``moved``: displacement of each marker, mm.
 - ``weight``: trust in each marker, 0..1.
 - ``since``: motions of the fingers since they landed, as ``motions`` in ``FIT``.
@@ -183,7 +187,7 @@ class FingerMotion(NamedTuple):
         n_fingers: the number of fingers that take part. If it is 0, only ``sway_mm`` has a
             meaning; all else is 0, and ``scale`` is 1.
         largest_mm: the largest motion of a finger.
-        sway_mm: how far the whole gel moved.
+        sway_mm: how far the whole gel is from its recent mean.
         error_mm: rms of the displacement that the fingers do not explain, one axis.
         x_mm: translation of the fingers' mean position along x.
         y_mm: the same along y.
@@ -239,13 +243,16 @@ class FingerTracker:
         self.gel["sites"] = sites[np.argsort(is_between, kind="stable")]
         self.gel["n_coarse"] = np.count_nonzero(~is_between)
         self._built: Floats = np.full(LATTICE_MM.shape, np.inf)
+        self._rest_px: NDArray[np.float32] | None = None
         self.reset()
 
     def reset(self) -> None:
-        """Forgets all fingers."""
+        """Forgets all fingers, but not where the whole gel is."""
+        standing = self.state["standing_x_mm"].copy(), self.state["standing_y_mm"].copy()
         self.fits["count"] = 0
         self.fits["trust"] = 0.0
         self.state[0] = 0
+        self.state["standing_x_mm"], self.state["standing_y_mm"] = standing
         self.state["unsearched_us"] = CHECK_US
 
     def measure_noise(self) -> float:
@@ -265,6 +272,11 @@ class FingerTracker:
             rig.px_per_mm * math.cos(rig.rotation_rad),
             rig.px_per_mm * math.sin(rig.rotation_rad),
         )
+        if self._rest_px is not None:  # where the whole gel is counts from the new rest position
+            x_mm, y_mm = rig.vector_to_mm(np.nanmedian(rest_px - self._rest_px, axis=0))
+            self.state["standing_x_mm"] -= x_mm
+            self.state["standing_y_mm"] -= y_mm
+        self._rest_px = rest_px
         points_mm = rig.to_mm(rest_px)
         gel["points"] = points_mm.T
         gel["window"] = [rim_window(float(r2)) for r2 in (points_mm**2).sum(axis=1)]

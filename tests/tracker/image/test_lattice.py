@@ -73,10 +73,14 @@ def test_a_known_rig_needs_no_search():
 def test_random_points_are_no_gel(n):
     points = np.random.default_rng(n).uniform((0, 0), (346, 260), (n, 2))
     lattice = find_lattice(points, CONFIG)
-    assert lattice is None or lattice.n_found < CONFIG.min_found
+    assert lattice is None or _is_refused(lattice)
 
 
 def test_half_a_gel_is_no_gel():
     truth = look(Rig((30.0, 130.0), 2.5))
     lattice = find_lattice(truth[truth[:, 0] > 0], CONFIG)
-    assert lattice is None or lattice.n_found < CONFIG.min_found
+    assert lattice is None or _is_refused(lattice)
+
+
+def _is_refused(lattice):
+    return lattice.n_found < CONFIG.min_found or lattice.aside_mm > CONFIG.max_aside_mm

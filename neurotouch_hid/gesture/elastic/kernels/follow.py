@@ -35,6 +35,10 @@ CHECK_US = 10_000
 """Interval between two checks of the number of fingers, whatever the length of the slices: fingers
 come and go no faster, and each check costs as much as several slices without one."""
 
+STANDING_US = 400_000
+"""Time constant of the mean place of the whole gel: a rig that was bumped stays where it is, and
+only what moves about that mean is sway."""
+
 STEPS_NONE, STEPS_ON, STEPS_LESS, STEPS_MORE = np.arange(4)
 """Numbers of Gauss-Newton steps: for a finger that was just added, whose motion is unknown; for
 followed fingers; for one finger fewer; for one more. They are numpy's integers, for which numba
@@ -99,7 +103,14 @@ def follow(
     fit = fits[NOW]
     n = fit.count
     motion.n_fingers, motion.largest_mm, motion.scale = n, 0.0, 1.0
-    motion.sway_mm, motion.error_mm = fingers.sway_mm, 0.0
+    x, y = fingers.common_x_mm, fingers.common_y_mm
+    if n > 0:
+        x, y = fit.offset_x_mm, fit.offset_y_mm
+    x, y = x - fingers.standing_x_mm, y - fingers.standing_y_mm
+    share = -math.expm1(-step_us / STANDING_US)
+    fingers.standing_x_mm += share * x
+    fingers.standing_y_mm += share * y
+    motion.sway_mm, motion.error_mm = math.hypot(x, y), 0.0
     motion.x_mm = motion.y_mm = motion.rotation_rad = 0.0
     motion.parts_mm[:] = 0.0
     if n == 0:
@@ -108,7 +119,6 @@ def follow(
     subtract_landing(fit.motions[:n], step_us, fit.landed[:n], fit.landed_us[:n], fingers.since[:n])
     n, centres, radii, motions, since = _leave_out_still(fit, fingers, rules)
     motion.n_fingers, motion.largest_mm = n, fit.largest_mm
-    motion.sway_mm = math.hypot(fit.offset_x_mm, fit.offset_y_mm)
     motion.error_mm = math.sqrt(0.5 * fit.cost / use.sum())
     x, y, rotation, scale = measure_motion(centres, radii, motions, motion.parts_mm)
     motion.x_mm, motion.y_mm, motion.rotation_rad, motion.scale = x, y, rotation, scale
@@ -144,8 +154,9 @@ def locate_shown(
             continue
         x, y, dx, dy = locate(fit.centres[j], fit.radii[j], fit.motions[j], fit.press[j])
         mm[k, 0], mm[k, 1] = x, y
-        px[k, 0] = rig.along * mm[k, 0] - rig.across * mm[k, 1] + rig.x_px
-        px[k, 1] = rig.across * mm[k, 0] + rig.along * mm[k, 1] + rig.y_px
+        x, y = x + fit.offset_x_mm, y + fit.offset_y_mm  # the whole gel, with its rig
+        px[k, 0] = rig.along * x - rig.across * y + rig.x_px
+        px[k, 1] = rig.across * x + rig.along * y + rig.y_px
         total_mm += math.hypot(dx, dy)
         k += 1
     return mm, px, total_mm / count
@@ -302,7 +313,8 @@ def _search(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> bool:
     fit.count = 0
     moved = fingers.moved
     x, y = find_common(moved, fingers.weight)
-    fingers.sway_mm = measure_sway(moved, fingers.weight, x, y)
+    part = measure_sway(moved, fingers.weight, x, y) / max(math.hypot(x, y), 1e-9)
+    fingers.common_x_mm, fingers.common_y_mm = part * x, part * y
     for i in range(len(moved)):
         fit.residual[i, 0], fit.residual[i, 1] = moved[i, 0] - x, moved[i, 1] - y
     least = rules.noise_gain * fingers.noise_mm**2
