@@ -22,8 +22,8 @@ Control = tuple[int, int]
 """A key or an axis of the pad: its type and its code."""
 STICK: Control = (3, 0)
 """What the push to the right moves with the default profile: the left stick, ABS_X."""
-BUMPER: Control = (1, 0x137)
-"""What it presses with racing: the right bumper, BTN_TR."""
+GEAR: Control = (1, 0x131)
+"""What it presses with racing, to shift up: button B, BTN_EAST."""
 D_PAD: Control = (3, 0x10)
 """What it presses besides with platformer: ABS_HAT0X."""
 

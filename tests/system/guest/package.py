@@ -10,8 +10,8 @@ from typing import Any
 from tests.system.guest.camera import PACE
 from tests.system.guest.desk import Desk
 from tests.system.guest.observation import (
-    BUMPER,
     D_PAD,
+    GEAR,
     PLAYER,
     SERVICE,
     describe_node,
@@ -122,7 +122,7 @@ def upgrade(desk: Desk) -> dict[str, Any]:
     run("systemctl", "restart", SERVICE)
     desk.camera.plug(pace=PACE / 2)
     reader = desk.read_pad()
-    wait_for(lambda: BUMPER in reader.pressed())
+    wait_for(lambda: GEAR in reader.pressed())
     before = desk.identity()
     done = subprocess.Popen(
         ["apt-get", "install", "--yes", "--reinstall", str(desk.package)],
@@ -140,7 +140,7 @@ def upgrade(desk: Desk) -> dict[str, Any]:
     saw |= {"left_pressed": [list(control) for control in reader.pressed() if control[0] == 1]}
     desk.camera.plug()
     reader = desk.read_pad()
-    wait_for(lambda: BUMPER in reader.pressed())
+    wait_for(lambda: GEAR in reader.pressed())
     saw["kept"] = {"values": _VALUES.read_text(), "profile": gears.exists()}
     saw["used"] = run_as(PLAYER, "neurotouch", "profile", "use", "platformer")
     wait_for(lambda: D_PAD in reader.pressed())

@@ -6,8 +6,8 @@ from typing import Any
 
 from tests.system.guest.desk import Desk
 from tests.system.guest.observation import (
-    BUMPER,
     D_PAD,
+    GEAR,
     PLAYER,
     SERVICE,
     STICK,
@@ -28,7 +28,7 @@ def share(desk: Desk) -> dict[str, Any]:
     """The player saves a choice, a visitor too; then the seat goes back and forth."""
     reader = desk.play_until_pushed()
     saw: dict[str, Any] = {"player": _use(PLAYER, "racing")}
-    wait_for(lambda: BUMPER in reader.pressed())
+    wait_for(lambda: GEAR in reader.pressed())
     node = desk.identity()
     _log_in(OTHER)
     wait_for(lambda: _find_session(OTHER))
@@ -36,7 +36,7 @@ def share(desk: Desk) -> dict[str, Any]:
     wait_for(lambda: _is_active(PLAYER))
     saw["refused"] = _use(OTHER, "platformer")
     wait_for(reader.is_neutral)
-    wait_for(lambda: BUMPER in reader.pressed())
+    wait_for(lambda: GEAR in reader.pressed())
     saw["not_theirs"] = D_PAD not in reader.pressed()
 
     # What was saved meanwhile is handed over by the program of the visitor's session.
@@ -46,7 +46,7 @@ def share(desk: Desk) -> dict[str, Any]:
     saw["status"] = run_as(OTHER, "neurotouch", "status")["out"]
 
     run("loginctl", "activate", _find_session(PLAYER))
-    wait_for(lambda: BUMPER in reader.pressed())
+    wait_for(lambda: GEAR in reader.pressed())
     wait_for(lambda: D_PAD not in reader.pressed())
     saw["same"] = node == desk.identity() and reader.ended is None
 
