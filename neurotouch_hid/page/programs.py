@@ -29,6 +29,7 @@ MOST_LINES: Final = 400
 """Limit for a program's output; a calibration needs a tenth of it."""
 
 _PATIENCE_S: Final = 5.0
+_LOOK_S: Final = 0.05
 
 
 class Programs:
@@ -67,7 +68,7 @@ class Programs:
             command = make_own_command(*(arguments or COMMANDS[name]))
         else:
             raise PageError("There is no such program.")
-        if any(other in self._running for other in (DRIVERS if name in DRIVERS else (name,))):
+        if not await self._has_ended(DRIVERS if name in DRIVERS else (name,)):
             raise PageError("It runs already.")
         try:
             process = await asyncio.create_subprocess_exec(
@@ -83,6 +84,18 @@ class Programs:
         reader = asyncio.create_task(self._read(name, process))
         self._readers.add(reader)
         reader.add_done_callback(self._readers.discard)
+
+    async def _has_ended(self, names: tuple[str, ...]) -> bool:
+        """Returns True if none of these programs runs; one that is ending gets time to end.
+
+        A driver answers nobody any more before its process is over.
+        """
+        deadline = asyncio.get_running_loop().time() + _PATIENCE_S
+        while any(name in self._running for name in names):
+            if asyncio.get_running_loop().time() > deadline:
+                return False
+            await asyncio.sleep(_LOOK_S)
+        return True
 
     def answer(self, name: str, text: str) -> None:
         """Sends a line to a program, as if a person had typed it.
