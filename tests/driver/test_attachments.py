@@ -81,5 +81,8 @@ def test_a_service_plays_no_sound_and_reads_no_keyboard(make, socket, tmp_path):
 def test_status_says_why_nothing_comes_from_the_source(make, socket):
     with make(socket) as made:
         assert ask_status()["source"] == "sim:rest"
-        made._source.trouble = "No camera of this serial number was found."
-        assert ask_status()["source"] == "sim:rest. No camera of this serial number was found."
+        made._source.trouble, made._source.n_restarts = "No camera of this number was found.", 0
+        assert ask_status()["source"] == "sim:rest. No camera of this number was found."
+        made._source.trouble, made._source.n_restarts = "", 2
+        said = "sim:rest, restarts because its data made no sense: 2"
+        assert ask_status()["source"] == said
