@@ -1,6 +1,5 @@
 """Two people at one machine: each one's settings apply while that person sits there."""
 
-import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -76,8 +75,7 @@ def _log_in(user: str) -> None:
 def _forget(user: str) -> None:
     run("systemctl", "stop", "getty@tty2.service")
     run("loginctl", "terminate-user", user)
-    wait_for(lambda: subprocess.run(["pgrep", "-u", user], check=False).returncode)
-    run("userdel", "--remove", user)
+    wait_for(lambda: run("userdel", "--remove", user)["code"] == 0)  # once nothing of theirs runs
 
 
 def _find_session(user: str) -> str:
