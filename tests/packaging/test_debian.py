@@ -58,6 +58,17 @@ def test_scripts_leave_alone_a_system_that_is_not_running(name):
     assert after
 
 
+@pytest.mark.parametrize("name", ["postinst", "postrm"])
+def test_scripts_ask_nothing_of_udev_where_it_does_not_run(name):
+    """In a container there is systemd, but no udev: its refusal would end apt's work."""
+    text = (DEBIAN / f"neurotouch-hid.{name}").read_text()
+    before, _, after = text.partition("if udevadm control --ping 2>/dev/null; then\n")
+    guarded, _, rest = after.partition("fi\n")
+    assert "udevadm" not in before
+    assert "udevadm trigger" in guarded
+    assert "udevadm" not in rest
+
+
 def test_what_is_installed_is_there():
     for line in (DEBIAN / "neurotouch-hid.install").read_text().splitlines():
         assert list(ROOT.glob(line.split()[0])), line
