@@ -6,6 +6,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 SECONDS ?=
 CHAPTERS ?=
+MACHINE ?=
 LOCK := packaging/requirements.lock
 WHEELHOUSE := .cache/wheelhouse
 # The same commit gives the same bytes.
@@ -67,8 +68,8 @@ deb: $(VENV)/.dev $(WHEELHOUSE)/.complete ## build the package for the Debian th
 try-package: $(VENV)/.dev ## install the newest package of dist/ in a copy of this Debian, type everything that is written (needs root)
 	NEUROTOUCH_DEB="$$(ls -t dist/*.deb | head -n 1)" $(BIN)/pytest -n 0 --timeout 1500 tests/packaging/test_installed.py
 
-system-test: $(VENV)/.dev ## the newest package of dist/ in a whole Debian: install, plug, play, purge (needs root; CHAPTERS="install purge" for a part)
-	NEUROTOUCH_SYSTEM_TEST=1 NEUROTOUCH_CHAPTERS="$(CHAPTERS)" $(BIN)/pytest -n 0 --timeout 0 tests/system
+system-test: $(VENV)/.dev ## the newest package of dist/ in a whole Debian: install, plug, play, purge (needs root; CHAPTERS="install purge" for a part, MACHINE=container for the short form)
+	NEUROTOUCH_SYSTEM_TEST=1 NEUROTOUCH_CHAPTERS="$(CHAPTERS)" NEUROTOUCH_MACHINE="$(MACHINE)" $(BIN)/pytest -n 0 --timeout 0 tests/system
 
 lock: $(VENV)/.dev ## write which libraries the package carries, by hash
 	$(BIN)/uv pip compile --no-config --generate-hashes --universal --python-version 3.11 --quiet \

@@ -11,16 +11,33 @@ from typing import Any
 
 import pytest
 
-from tests.system.image import CACHE, ROOT, ROOT_FOLDER, find_missing, make_image
-from tests.system.machine import boot
+from tests.system import container, machine
+from tests.system.image import (
+    CACHE,
+    CONTAINER_PACKAGES,
+    PACKAGES,
+    ROOT,
+    ROOT_FOLDER,
+    find_missing,
+    make_container,
+    make_image,
+)
 
 TIME_LIMIT_S = 7200.0
 """Emulated it needs 20 to 30 minutes of a core; on a busy machine that is far longer."""
+CONTAINER_TIME_LIMIT_S = 900.0
+"""A container needs about two minutes."""
 RESULTS = CACHE / "results"
 """What the last run saw, its journal included; stays for reading."""
 
 # Compiled kernels are kept per processor, and QEMU's is not ours: both are made for a generic one.
 GENERIC = {"NUMBA_CPU_NAME": "generic"}
+
+IN_CONTAINER = os.environ.get("NEUROTOUCH_MACHINE") == "container"
+CHOSEN = os.environ.get("NEUROTOUCH_CHAPTERS", "").split()
+SHOWN_IN_CONTAINER = ("install", "rights", "upgrade", "purge")
+"""The chapters that see something without a camera and a pad, in their order."""
+LACKS = "a container has neither a camera nor /dev/uinput: make system-test without MACHINE"
 
 
 @pytest.fixture(scope="session")
@@ -28,21 +45,26 @@ def results() -> Path:
     """The folder that the guest wrote."""
     if os.environ.get("NEUROTOUCH_SYSTEM_TEST") != "1":
         pytest.skip("boots a whole Debian, which takes long: make system-test")
-    missing = find_missing()
+    missing = find_missing(CONTAINER_PACKAGES if IN_CONTAINER else PACKAGES)
     if missing or os.geteuid() != 0:
         pytest.fail(f"the system test needs root and the packages: {' '.join(missing)}")
     packages = sorted((ROOT / "dist").glob("*.deb"), key=lambda path: path.stat().st_mtime)
     if not packages:
         pytest.fail("there is no package in dist/: make deb")
-    image = make_image()
     shutil.rmtree(RESULTS, ignore_errors=True)
     RESULTS.mkdir()
     package = packages[-1]
     shutil.copy(package, RESULTS)
-    (RESULTS / "chapters").write_text(os.environ.get("NEUROTOUCH_CHAPTERS", ""))
+    if IN_CONTAINER:
+        chapters = [each for each in SHOWN_IN_CONTAINER if not CHOSEN or each in CHOSEN]
+        (RESULTS / "chapters").write_text(" ".join(chapters))
+        container.boot(make_container(), RESULTS, time_limit_s=CONTAINER_TIME_LIMIT_S)
+        return RESULTS
+    image = make_image()
+    (RESULTS / "chapters").write_text(" ".join(CHOSEN))
     prepare_scene(RESULTS)
     compile_service(package, RESULTS / "compiled-service")
-    boot(image, RESULTS, time_limit_s=TIME_LIMIT_S)
+    machine.boot(image, RESULTS, time_limit_s=TIME_LIMIT_S)
     return RESULTS
 
 
@@ -50,11 +72,11 @@ def results() -> Path:
 def guest(results: Path) -> Callable[[str], Any]:
     """Returns what a chapter of the guest's program saw; no answer is a failure."""
 
-    chosen = os.environ.get("NEUROTOUCH_CHAPTERS", "").split()
-
     def saw(chapter: str) -> Any:
-        if chosen and chapter not in chosen:
+        if CHOSEN and chapter not in CHOSEN:
             pytest.skip(f"the chapter {chapter!r} was not chosen")
+        if IN_CONTAINER and chapter not in SHOWN_IN_CONTAINER:
+            pytest.skip(LACKS)
         answer = results / f"{chapter}.json"
         if not answer.exists():
             output = results / "output.txt"
@@ -66,6 +88,13 @@ def guest(results: Path) -> Callable[[str], Any]:
         return said["saw"]
 
     return saw
+
+
+@pytest.fixture(scope="session")
+def at_play() -> None:
+    """Skips in a container, where the service cannot play."""
+    if IN_CONTAINER:
+        pytest.skip(LACKS)
 
 
 def prepare_scene(results: Path) -> None:

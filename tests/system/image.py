@@ -1,4 +1,4 @@
-"""A fresh Debian as a disk image, made once and kept: what a player's machine has.
+"""A fresh Debian, made once and kept: a disk image for QEMU, or a folder for a container.
 
 It is the same release as this machine, for which the package is built, too.
 """
@@ -15,6 +15,8 @@ CACHE = ROOT / ".cache/system" / f"{RELEASE['ID']}-{RELEASE.get('VERSION_ID', 't
 IMAGE = CACHE / "disk.img"
 ROOT_FOLDER = CACHE / "rootfs"
 """The same as a folder."""
+CONTAINER = CACHE / "container"
+"""The same without a kernel, as a container needs none."""
 KERNEL, RAMDISK = CACHE / "vmlinuz", CACHE / "initrd.img"
 
 SIZE = "4G"
@@ -29,24 +31,25 @@ PACKAGES = {
     "qemu-system-x86_64": "qemu-system-x86",
 }
 """The programs needed here, and the Debian packages that hold them."""
+CONTAINER_PACKAGES = {"mmdebstrap": "mmdebstrap", "systemd-nspawn": "systemd-container"}
+"""The same for a container."""
 
 _INSTALLED = (
     "apt",
     "dbus",
-    "initramfs-tools",
     "kmod",
     "libpam-systemd",
-    "linux-image-amd64",
     "login",
     "passwd",
     "python3",
     "systemd-sysv",
     "udev",
 )
+_KERNEL_INSTALLED = ("initramfs-tools", "linux-image-amd64")
 _AT_HAND = ("acl", "libusb-1.0-0", "python3")
 """What our package may pull in: not installed, but in apt's cache, for the guest has no network."""
 
-_HOOKS = {
+_KERNEL_HOOKS = {
     # A ramdisk with three drivers starts in half the time of one with all of them.
     "essential": (
         'mkdir -p "$1/etc/initramfs-tools/conf.d" "$1/usr/share/initramfs-tools/modules.d"',
@@ -54,6 +57,13 @@ _HOOKS = {
         r'printf "virtio_pci\nvirtio_blk\next4\n"'
         ' > "$1/usr/share/initramfs-tools/modules.d/system-test"',
     ),
+    "customize": (
+        r'printf "/dev/vda / ext4 defaults\nresults /mnt/results 9p trans=virtio,msize=262144\n"'
+        ' > "$1/etc/fstab"',
+        f'cp -L "$1/vmlinuz" {KERNEL} && cp -L "$1/initrd.img" {RAMDISK}',
+    ),
+}
+_HOOKS = {
     "customize": (
         f'chroot "$1" useradd --create-home --shell /bin/bash {PLAYER}',
         f'chroot "$1" passwd --delete {PLAYER}',
@@ -63,8 +73,6 @@ _HOOKS = {
         rf'{PLAYER} --noclear %%I linux\n"'
         ' > "$1/etc/systemd/system/getty@tty1.service.d/autologin.conf"',
         'mkdir "$1/mnt/results"',
-        r'printf "/dev/vda / ext4 defaults\nresults /mnt/results 9p trans=virtio,msize=262144\n"'
-        ' > "$1/etc/fstab"',
         r'printf "[Service]\nExecStart=sh /mnt/results/start\nExecStopPost=systemctl poweroff\n'
         r"StandardOutput=file:/mnt/results/output.txt\nStandardError=inherit\n"
         r"[Unit]\nAfter=getty@tty1.service\nRequiresMountsFor=/mnt/results\n"
@@ -74,14 +82,13 @@ _HOOKS = {
         'echo neurotouch-test > "$1/etc/hostname"',
         f'chroot "$1" apt-get clean && chroot "$1" apt-get install -y --download-only '
         f"{' '.join(_AT_HAND)}",
-        f'cp -L "$1/vmlinuz" {KERNEL} && cp -L "$1/initrd.img" {RAMDISK}',
     ),
 }
 
 
-def find_missing() -> list[str]:
+def find_missing(packages: dict[str, str]) -> list[str]:
     """The Debian packages that this machine lacks."""
-    return [name for program, name in PACKAGES.items() if not shutil.which(program)]
+    return [name for program, name in packages.items() if not shutil.which(program)]
 
 
 def make_image() -> Path:
@@ -94,17 +101,46 @@ def make_image() -> Path:
         return IMAGE
     CACHE.mkdir(parents=True, exist_ok=True)
     unfinished = IMAGE.with_suffix(".unfinished")
-    shutil.rmtree(ROOT_FOLDER, ignore_errors=True)
-    hooks = [f"--{when}-hook={line}" for when, lines in _HOOKS.items() for line in lines]
-    keep = ["--skip=cleanup/apt/lists", "--skip=cleanup/apt/cache"]
-    include = f"--include={','.join(_INSTALLED)}"
-    release = RELEASE["VERSION_CODENAME"]
-    _run("mmdebstrap", "--variant=apt", include, *keep, *hooks, release, str(ROOT_FOLDER))
+    _make_folder(ROOT_FOLDER, (*_INSTALLED, *_KERNEL_INSTALLED), _HOOKS, _KERNEL_HOOKS)
     # No journal: the disk is thrown away, and each of dpkg's many flushes would write one.
     format_ = ("mke2fs", "-q", "-t", "ext4", "-O", "^has_journal")
     _run(*format_, "-d", str(ROOT_FOLDER), str(unfinished), SIZE)
     unfinished.rename(IMAGE)
     return IMAGE
+
+
+def make_container() -> Path:
+    """The folder for a container; made at the first call, which takes a minute and needs root.
+
+    Raises:
+        subprocess.CalledProcessError: Debian cannot be had; its output says why.
+    """
+    if not CONTAINER.exists():
+        CACHE.mkdir(parents=True, exist_ok=True)
+        unfinished = CONTAINER.with_suffix(".unfinished")
+        _make_folder(unfinished, _INSTALLED, _HOOKS)
+        unfinished.rename(CONTAINER)
+    return CONTAINER
+
+
+def _make_folder(
+    folder: Path, packages: tuple[str, ...], *hooks: dict[str, tuple[str, ...]]
+) -> None:
+    """Installs Debian into a folder, in place of what is there.
+
+    Args:
+        folder: the root of the new system.
+        packages: what is installed beside the essential packages.
+        hooks: by mmdebstrap's name of the moment, what a shell does then.
+    """
+    shutil.rmtree(folder, ignore_errors=True)
+    lines = [
+        f"--{when}-hook={line}" for each in hooks for when, those in each.items() for line in those
+    ]
+    keep = ["--skip=cleanup/apt/lists", "--skip=cleanup/apt/cache"]
+    include = f"--include={','.join(packages)}"
+    release = RELEASE["VERSION_CODENAME"]
+    _run("mmdebstrap", "--variant=apt", include, *keep, *lines, release, str(folder))
 
 
 def _run(*command: str) -> None:

@@ -14,12 +14,12 @@ class Desk:
     Attributes:
         results: the folder shared with the host.
         package: the .deb.
-        camera: what is plugged and pulled.
+        camera: what is plugged and pulled; None in a container, which has no pad either.
     """
 
     results: Path
     package: Path
-    camera: Camera
+    camera: Camera | None
 
     def read_pad(self) -> Reader:
         """Somebody who reads the pad, as soon as it is there."""

@@ -61,6 +61,8 @@ def set_up(desk: Desk) -> dict[str, Any]:
 
 def install(desk: Desk) -> dict[str, Any]:
     """``apt install`` while the camera is in: no other command, and the pad is there."""
+    if desk.camera is None:
+        return {"apt": _install(desk)}
     Path("/etc/systemd/system.conf.d").mkdir(exist_ok=True)
     Path("/etc/systemd/system.conf.d/test.conf").write_text(
         "[Manager]\nDefaultEnvironment=NUMBA_CPU_NAME=generic\n"
@@ -74,7 +76,7 @@ def install(desk: Desk) -> dict[str, Any]:
     run("chmod", "-R", "a+rwX", str(_CACHE))
     desk.camera.plug()
     wait_for(_find_camera)
-    done = run("apt-get", "install", "--yes", str(desk.package))
+    done = _install(desk)
     begun = time.monotonic()
     pad = wait_for(find_pad)
     waited_s = time.monotonic() - begun
@@ -82,15 +84,26 @@ def install(desk: Desk) -> dict[str, Any]:
     return {"apt": done, "pad": pad, "waited_s": waited_s, "journal": _read_journal()}
 
 
-def look_at_rights(_: Desk) -> dict[str, Any]:
-    """What the running service may do, and what anybody else may."""
+def _install(desk: Desk) -> dict[str, Any]:
+    return run("apt-get", "install", "--yes", str(desk.package))
+
+
+def look_at_rights(desk: Desk) -> dict[str, Any]:
+    """What the service may do, and what anybody else may while it plays."""
+    saw = {
+        "exposure": read_exposure(SERVICE),
+        "failed_units": run("systemctl", "--failed", "--no-legend", "--plain")["out"],
+    }
+    return saw if desk.camera is None else saw | _look_while_it_plays()
+
+
+def _look_while_it_plays() -> dict[str, Any]:
     wait_for(lambda: run_as(PLAYER, "test", "-r", find_pad() or "")["code"] == 0, 30)
     pid, camera = main_pid(), _find_camera() or ""
     status = read_status(pid)
     return {
         "show": show("User", "Type", "NRestarts", "SubState", "StatusText", "OpenFile"),
         "status": {name: status[name] for name in ("Uid", "CapEff", "NoNewPrivs", "Seccomp")},
-        "exposure": read_exposure(SERVICE),
         "uinput": describe_node("/dev/uinput"),
         "camera": {
             **describe_node(camera),
@@ -101,7 +114,6 @@ def look_at_rights(_: Desk) -> dict[str, Any]:
             node: run_as(PLAYER, "python3", "-c", _OPEN, node)["code"] == 0
             for node in ("/dev/uinput", camera)
         },
-        "failed_units": run("systemctl", "--failed", "--no-legend", "--plain")["out"],
         "holds": sorted({_read_link(link) for link in Path(f"/proc/{pid}/fd").iterdir()}),
     }
 
@@ -109,9 +121,7 @@ def look_at_rights(_: Desk) -> dict[str, Any]:
 def upgrade(desk: Desk) -> dict[str, Any]:
     """The same package once more, while it plays: what dpkg does with a newer one.
 
-    The machine has values and a profile for everybody, as an existing installation does. Later the
-    person at it saves a choice of their own. At half the pace: the one processor would be left to
-    dpkg for a quarter of the time only.
+    The machine has values and a profile for everybody, as an existing installation does.
     """
     shipped = _VALUES.read_text()
     _PROFILES.mkdir()
@@ -119,18 +129,37 @@ def upgrade(desk: Desk) -> dict[str, Any]:
     gears = _PROFILES / "gears.yaml"
     gears.write_text(racing.replace("name: racing", "name: gears"))
     _VALUES.write_text("version: 1\nfilter: light\nslots: [gears]\n")
-    run("systemctl", "restart", SERVICE)
-    desk.camera.plug(pace=PACE / 2)
-    reader = desk.read_pad()
-    wait_for(lambda: GEAR in reader.pressed())
-    before = desk.identity()
-    done = subprocess.Popen(
+    saw = {"code": _reinstall(desk).wait(600)} if desk.camera is None else _renew(desk)
+    saw["kept"] = {"values": _VALUES.read_text(), "profile": gears.exists()}
+    if desk.camera is not None:
+        saw |= _choose(desk)
+    gears.unlink()
+    _PROFILES.rmdir()
+    _VALUES.write_text(shipped)
+    if desk.camera is not None:
+        run("systemctl", "restart", SERVICE)
+        desk.play_until_pushed()
+    return saw
+
+
+def _reinstall(desk: Desk) -> subprocess.Popen[bytes]:
+    return subprocess.Popen(
         ["apt-get", "install", "--yes", "--reinstall", str(desk.package)],
         stdin=subprocess.DEVNULL,
         stdout=(desk.results / "upgrade.txt").open("w"),
         stderr=subprocess.STDOUT,
         env={**os.environ, "DEBIAN_FRONTEND": "noninteractive"},
     )
+
+
+def _renew(desk: Desk) -> dict[str, Any]:
+    """While it plays, at half the pace: else dpkg would get a quarter of the one processor."""
+    run("systemctl", "restart", SERVICE)
+    desk.camera.plug(pace=PACE / 2)
+    reader = desk.read_pad()
+    wait_for(lambda: GEAR in reader.pressed())
+    before = desk.identity()
+    done = _reinstall(desk)
     wait_for(lambda: reader.ended, 900)
     gone_s = time.monotonic()
     wait_for(find_pad)
@@ -138,25 +167,25 @@ def upgrade(desk: Desk) -> dict[str, Any]:
     saw = {"code": done.wait(600), "gap_s": back_s - gone_s}
     saw |= {"new_process": before[1] != main_pid()}
     saw |= {"left_pressed": [list(control) for control in reader.pressed() if control[0] == 1]}
+    return saw
+
+
+def _choose(desk: Desk) -> dict[str, Any]:
+    """The person at the machine saves a choice of their own."""
     desk.camera.plug()
     reader = desk.read_pad()
     wait_for(lambda: GEAR in reader.pressed())
-    saw["kept"] = {"values": _VALUES.read_text(), "profile": gears.exists()}
-    saw["used"] = run_as(PLAYER, "neurotouch", "profile", "use", "platformer")
+    saw = {"used": run_as(PLAYER, "neurotouch", "profile", "use", "platformer")}
     wait_for(lambda: D_PAD in reader.pressed())
     saw["own"] = run_as(PLAYER, "cat", f"/home/{PLAYER}/.config/neurotouch/user.yaml")["out"]
     saw["machine_after"] = _VALUES.read_text()
     run_as(PLAYER, "neurotouch", "profile", "undo", "user")
-    gears.unlink()
-    _PROFILES.rmdir()
-    _VALUES.write_text(shipped)
-    run("systemctl", "restart", SERVICE)
-    desk.play_until_pushed()
     return saw
 
 
 def purge(desk: Desk) -> dict[str, Any]:
     """Everything taken out again, with the camera in."""
+    camera = _find_camera() if desk.camera else None
     own = (
         _CACHE,
         Path("/etc/neurotouch"),
@@ -164,11 +193,10 @@ def purge(desk: Desk) -> dict[str, Any]:
         Path("/usr/lib/neurotouch-hid"),
     )
     installed = run("dpkg", "-L", "neurotouch-hid")["out"].splitlines()
-    camera = _find_camera() or ""
     done = run("apt-get", "purge", "--yes", "neurotouch-hid")
     run("udevadm", "settle")
     files = [path for path in installed if Path(path).is_file()]
-    return {
+    saw = {
         "apt": done,
         "files": files,
         "folders": [str(path) for path in own if path.exists()],
@@ -177,11 +205,12 @@ def purge(desk: Desk) -> dict[str, Any]:
         "units": run("systemctl", "list-units", "--all", "--no-legend", "--plain", "neurotouch*")[
             "out"
         ],
-        "uinput": describe_node("/dev/uinput"),
-        "camera": describe_node(camera),
         "anywhere": run("find", *_PLACES, *_LEAVING_OUT)["out"].split(),
-        "still_plugged": bool(_find_camera()),
     }
+    if camera:
+        saw |= {"uinput": describe_node("/dev/uinput"), "camera": describe_node(camera)}
+        saw["still_plugged"] = bool(_find_camera())
+    return saw
 
 
 def _find_camera() -> str | None:
