@@ -83,3 +83,7 @@ GOLDEN = """\
    1.360 s  key space down
    2.080 s  key space up; ignored: pinch tap -> key enter, because lasted 1070 ms > 220 ms
    2.100 s  rest"""
+
+
+def test_twist_cw_is_said_in_two_words_as_everywhere() -> None:
+    assert parse_script("Twist cw 5mm; twist ccw") == parse_script("twist_cw 5mm; twist_ccw")

@@ -146,7 +146,7 @@ def bind(
     edited = take_profile(name, make_stamp)
     condition = parse_when(when)
     text = bind_text(edited.text, condition, parse_do(do), layer, add=add)
-    others = list_company(text, condition, layer)
+    others = list_company(text, condition, layer, added=add)
     note = (
         f"The same gesture also does: {', '.join(others)}. 'unbind' removes what you do not want."
     )

@@ -63,14 +63,23 @@ def list_namesakes(text: ProfileText, path: str, model: type[BaseModel] = Profil
     return [said[at], *same] if same else []
 
 
-def list_company(text: ProfileText, when: Any, layer: str | None = None) -> list[str]:
+def list_company(
+    text: ProfileText, when: Any, layer: str | None = None, *, added: bool = False
+) -> list[str]:
     """Returns a layer's other bindings for the gesture of ``when``, as ``pinch (trigger left)``.
+
+    Args:
+        text: the profile, with the binding.
+        when: its condition.
+        layer: the name of the layer; by default the first one.
+        added: the binding stands beside others of the same condition, which count too.
 
     Raises:
         ProfileError: there is no such layer.
     """
     bindings = text.find(locate_bindings(text.document, layer)) or []
     gesture, meant = _say(when).get("gesture"), _find_meant(bindings, when)
+    meant = meant[-1:] if added else meant
     return [
         said
         for i, said in enumerate(_describe_bindings(bindings))

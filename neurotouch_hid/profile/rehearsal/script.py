@@ -44,6 +44,7 @@ _ANGLES: Final[dict[EightWay, float]] = {
     "up_right": 315.0,
 }
 _KINDS: Final = {kind.label: kind for kind in GestureKind if kind != GestureKind.NONE}
+_TWO_WORDS: Final = re.compile(r"\btwist[ -](c?cw)\b")
 _TOKEN: Final = re.compile(r"([+-]?\d+(?:\.\d+)?)\s*(mm|ms|s|hz|deg)?\b|([a-z_]+)|(\S)")
 _UNITS_US: Final = {"ms": 1e3, "s": 1e6}
 
@@ -119,7 +120,8 @@ class _Parser:
     tokens: list[Token] = field(default_factory=list)
 
     def parse(self) -> ScriptStep:
-        for number, unit, word, other in _TOKEN.findall(self.line.lower()):
+        line = _TWO_WORDS.sub(r"twist_\1", self.line.lower())
+        for number, unit, word, other in _TOKEN.findall(line):
             if other:
                 raise self._refuse(f"'{other}' is not understood")
             self.tokens.append((unit, float(number)) if number else (word, 0.0))

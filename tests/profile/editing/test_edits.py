@@ -200,6 +200,8 @@ def test_a_threshold_that_nobody_said_does_not_hide_a_binding():
     assert changed[0] == {"when": {"gesture": "pinch", "on_mm": 7.0}, "do": {"button": "b"}}
     assert len(changed) == 2
     assert list_company(text, "pinch") == []
+    both = bind(text, "pinch", {"button": "b"}, add=True)
+    assert list_company(both, "pinch", added=True) == ["pinch (button a)"]
     assert [b["when"] for b in load(unbind(text, "pinch"))["bindings"]] == ["push"]
     two = bind(text, parse_when("pinch from 3 mm"), {"button": "x"})
     assert len(load(two)["bindings"]) == 3
