@@ -135,7 +135,7 @@ def play(open_page, alone):
 
 @pytest.fixture(scope="module")
 def server(tmp_path_factory) -> Iterator[View]:
-    """A server that only looks on, with no driver."""
+    """A server of the page that may change nothing; no driver runs."""
     running = View(tmp_path_factory.mktemp("server"))
     yield running
     running.end()

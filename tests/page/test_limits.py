@@ -116,7 +116,7 @@ def test_who_no_longer_answers_is_let_go():
             "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n".encode()
         )
         assert (await reader.readline()).startswith(b"HTTP/1.1 101")
-        said = await asyncio.wait_for(reader.read(), 60)  # pings, and nobody who answers them
+        said = await asyncio.wait_for(reader.read(), 60)  # the server sends pings; nothing answers
         writer.close()
         stop.set()
         await running

@@ -8,20 +8,20 @@ things=$2
 here=$(dirname "$(readlink -f "$0")")
 top=$(mktemp -d)
 mount -t tmpfs -o size=6g tmpfs "$top"
-mkdir "$top/upper" "$top/work" "$top/root"
-mount -t overlay overlay -o "lowerdir=/,upperdir=$top/upper,workdir=$top/work" "$top/root"
-mount -t proc proc "$top/root/proc"
-mount --rbind /dev "$top/root/dev"
-mount -t tmpfs tmpfs "$top/root/run"
-mount -t tmpfs tmpfs "$top/root/tmp"
-cp "$deb" "$top/root/tmp/neurotouch-hid.deb"
-cp "$here/walk.py" "$top/root/tmp/"
-cp -r "$things" "$top/root/tmp/things"
-chmod -R a+rX "$top/root/tmp/walk.py" "$top/root/tmp/things"
+mkdir "$top/upper" "$top/work" "$top/system"
+mount -t overlay overlay -o "lowerdir=/,upperdir=$top/upper,workdir=$top/work" "$top/system"
+mount -t proc proc "$top/system/proc"
+mount --rbind /dev "$top/system/dev"
+mount -t tmpfs tmpfs "$top/system/run"
+mount -t tmpfs tmpfs "$top/system/tmp"
+cp "$deb" "$top/system/tmp/neurotouch-hid.deb"
+cp "$here/walk.py" "$top/system/tmp/"
+cp -r "$things" "$top/system/tmp/things"
+chmod -R a+rX "$top/system/tmp/walk.py" "$top/system/tmp/things"
 # A package of this name, as pip puts it there for everybody, is not ours.
-mkdir -p "$top/root/usr/lib/python3/dist-packages/backports"
-touch "$top/root/usr/lib/python3/dist-packages/backports/__init__.py"
-chroot "$top/root" sh -eu -c '
+mkdir -p "$top/system/usr/lib/python3/dist-packages/backports"
+touch "$top/system/usr/lib/python3/dist-packages/backports/__init__.py"
+chroot "$top/system" sh -eu -c '
     useradd --create-home newcomer
     chmod 1777 /tmp
     # Fixes are typed with sudo; here root types them.
@@ -30,4 +30,4 @@ chroot "$top/root" sh -eu -c '
     chmod 755 /usr/local/bin/sudo
     apt-get install --yes --no-install-recommends /tmp/neurotouch-hid.deb >&2
     rm /tmp/neurotouch-hid.deb'
-exec chroot "$top/root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin /usr/bin/python3 /tmp/walk.py
+exec chroot "$top/system" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin /usr/bin/python3 /tmp/walk.py
