@@ -114,6 +114,7 @@ class Described(PadFacts):
 
     Attributes:
         source: the source, and why nothing comes from it.
+        simulated: no sensor has seen the packets.
         device: the virtual gamepad.
         keyboard: the keyboards that can stop the driver.
         desktop: the window that has chosen the profile.
@@ -122,6 +123,7 @@ class Described(PadFacts):
     """
 
     source: str
+    simulated: bool
     device: str
     keyboard: str
     desktop: str

@@ -15,7 +15,7 @@ _STATES = {
     "paused": "WARNING: paused. To continue: neurotouch resume",
     "panic": "WARNING: stopped by panic. To continue: neurotouch resume",
 }
-_FIRST = {"profile": "profile", "layer": "layer", "source": "source", "device": "pad"}
+_FIRST = {"profile": "profile", "layer": "layer"}
 _FACTS = {
     "gesture": "gesture",
     "settings": "settings",
@@ -60,6 +60,8 @@ def _list_facts(status: "Status") -> list[str]:
         at = time.strftime("%H:%M:%S", time.localtime(error["at"]))
         lines.append(f"error at {at}: {error['error']}")
     lines += _name_facts(status, _FIRST)
+    lines.append(f"source: {'SIMULATED ' if status['simulated'] else ''}{status['source']}")
+    lines.append(f"pad: {status['device']}")
     lines.append(f"gel: {status['gel']}, {status['markers_tracked']} of 177 markers tracked")
     lines += _name_facts(status, _FACTS)
     if status["events_lost"]:

@@ -165,6 +165,7 @@ class Attachments(Closing):
             desktop = self._follower.describe()
         return {
             "source": describe_source(self._source),
+            "simulated": self._source.is_simulated,
             "device": self._pad.device.name,
             "keyboard": keyboard,
             "desktop": desktop,

@@ -206,7 +206,7 @@ def test_status_has_one_fact_on_each_line_and_the_state_first(shared):
     every = driver.do("status", "--verbose").splitlines()
     assert len(every) > len(plain)
     facts = dict(line.split(": ", 1) for line in every)
-    assert facts["source"] == "sim:tour"
+    assert facts["source"] == "SIMULATED sim:tour"
     assert facts["pad"] == "memory"
     assert facts["profile"] == "mine"
     assert facts["layer"] == "base"

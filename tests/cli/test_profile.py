@@ -131,6 +131,29 @@ def test_binding_and_unbinding_in_words(home):
     assert run("profile", "set", "mine", "push.gain")[1] == 2
 
 
+def test_a_warning_that_was_there_before_is_counted_and_not_told_again(home):
+    (home / "profiles").mkdir(parents=True)
+    pinch = "bindings:\n  - {when: {gesture: pinch, on_mm: 3}, do: {button: a}}\n"
+    (home / "profiles/mine.yaml").write_text(f"version: 1\nname: mine\n{pinch}", encoding="utf-8")
+    output, _ = run("profile", "set", "mine", "pinch.off_mm", "2.5")
+    assert "WARNING" in output
+    output, _ = run("profile", "set", "mine", "description", "Mine.")
+    assert "WARNING" not in output
+    assert "1 older warning stays: neurotouch profile check mine" in output
+    output, _ = run("profile", "check", "mine")
+    assert "WARNING" in output
+    output, _ = run("profile", "set", "mine", "description", "Still mine.", "--json")
+    assert [each["severity"] for each in json.loads(output)["faults"]] == ["warning"]
+
+
+def test_a_profile_that_begins_as_the_persons_own_copy_says_so(home):
+    output, _ = run("profile", "new", "mine")
+    assert "It begins as" not in output
+    run("profile", "set", "default", "description", "Mine.")
+    output, _ = run("profile", "new", "other")
+    assert "It begins as your own 'default' is now." in output
+
+
 def test_check_finds_all_and_says_how_bad_it_is(home, tmp_path):
     output, code = run("profile", "check")
     assert code == 0

@@ -298,7 +298,7 @@ def running(monkeypatch):
     words |= {"keyboard": "none", "desktop": "none", "sound": "none", "gel": "found"}
     words |= {"state": "running", "profile": "racing", "layer": "base", "gesture": "none"}
     numbers = dict.fromkeys(("pid", "silent_s", "uptime_s", "slices", "slices_hz"), 0)
-    numbers |= {"markers_tracked": 177, "events_hz": 9, "events_lost": 0, "version": 1}
+    numbers |= {"simulated": True, "markers_tracked": 177, "events_hz": 9, "events_lost": 0, "version": 1}
     times = {"stage_ms": {"tracker": 1.0}}
     times["stage_spread_ms"] = {"tracker": {"p50": 1.0, "p99": 2.0, "p99.9": 3.0}}
     more = {"fatigue": [], "long_holds": {}, "errors": [], "ignored": None}
@@ -311,7 +311,7 @@ def test_status_begins_with_what_concerns_a_person(running):
         "OK: running",
         "profile: racing",
         "layer: base",
-        "source: sim:tour",
+        "source: SIMULATED sim:tour",
         "pad: memory",
     ]
     assert "gel: found, 177 of 177 markers tracked" in lines

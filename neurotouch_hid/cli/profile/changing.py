@@ -31,7 +31,7 @@ def new(name: str, template: str, as_json: bool, plain: bool) -> None:
 
     What needs a movement that you do not use goes to another one, as far as one is free.
     """
-    from neurotouch_hid.profile import load_unused
+    from neurotouch_hid.profile import list_profiles, load_unused
     from neurotouch_hid.profile.editing import hand_over_saved, make_profile, remap_unused
 
     edited = make_profile(name, template, make_stamp)
@@ -40,6 +40,8 @@ def new(name: str, template: str, as_json: bool, plain: bool) -> None:
     checked = edited.save(mine.text)
     effect = hand_over_saved(name)
     path = edited.store.path
+    begun = list_profiles().get(template)
+    of_own = begun is not None and begun.parent == path.parent
     outcome = Outcome(
         f"Saved {path}",
         effect.status,
@@ -49,6 +51,7 @@ def new(name: str, template: str, as_json: bool, plain: bool) -> None:
         checked=checked,
         notes=(
             effect.text,
+            *((f"It begins as your own '{template}' is now.",) if of_own else ()),
             *(f"For you: {what}" for what in mine.moved),
             *(f"For you, without a gesture: {what}" for what in mine.left),
             f"Next: neurotouch profile edit {name}",

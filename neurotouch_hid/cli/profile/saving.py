@@ -1,6 +1,7 @@
 """Ends every change of a profile: checks it, saves it and says what has changed."""
 
 import sys
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from neurotouch_hid.cli.ui.outcome import Outcome
@@ -12,17 +13,23 @@ if TYPE_CHECKING:
     from neurotouch_hid.profile.editing import EditedFile, ProfileText
 
 
-def _find_new_error(edited: "EditedFile", checked: "Checked[Any]") -> "Fault | None":
-    """Returns the first error that the file as it is does not have."""
+def _find_new(edited: "EditedFile", checked: "Checked[Any]") -> "tuple[Fault, ...]":
+    """Returns the faults that the file as it is does not have."""
+    if not checked.faults:
+        return ()
     before = {(each.path, each.sentence) for each in edited.check(edited.text).faults}
-    return next(
-        (
-            each
-            for each in sorted(checked.faults)
-            if each.severity == "error" and (each.path, each.sentence) not in before
-        ),
-        None,
-    )
+    return tuple(each for each in checked.faults if (each.path, each.sentence) not in before)
+
+
+def _count_older(n: int, edited: "EditedFile") -> tuple[str, ...]:
+    from neurotouch_hid.profile import list_profiles
+
+    if n == 0:
+        return ()
+    name, path = edited.name, edited.store.path
+    known = name == "user" or list_profiles().get(name) == path
+    warnings = "1 older warning stays" if n == 1 else f"{n} older warnings stay"
+    return (f"{warnings}: neurotouch profile check {name if known else path}",)
 
 
 def _explain(refused: str, fault: "Fault") -> ProfileError:
@@ -76,7 +83,8 @@ def save_edited(
         checked = edited.check(text)
         if checked.whole is not None:  # right, but it cannot be written
             raise
-        fault = _find_new_error(edited, checked) if refused else None
+        new = _find_new(edited, checked) if refused else ()
+        fault = next((each for each in sorted(new) if each.severity == "error"), None)
         told = ProfileError(f"{error.message}\nNothing was saved.", hint=error.hint)
         if fault is not None:
             told = _explain(refused, fault)
@@ -89,6 +97,10 @@ def save_edited(
     effect = hand_over_saved(edited.name)
     if edited.shipped:
         notes = ("This is your own copy; the shipped profile stays as it is.", *notes)
+    if not as_json:  # what a person has read before is not read out with every change
+        new = _find_new(edited, checked)
+        notes += _count_older(len(checked.faults) - len(new), edited)
+        checked = replace(checked, faults=new)
     saved = Outcome(
         f"Saved {path}",
         effect.status,
