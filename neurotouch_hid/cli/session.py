@@ -66,6 +66,7 @@ def command() -> None:
     players = [find_player()] if PLAYER in os.environ else [int(name) for name in PLAYERS]
     stop = stop_on_signals()
     with _only_one(find_runtime_folder(players[0]) / "session"):
+        announce("The service gets your settings, and its sounds play here. Ctrl-C ends this.")
         serve(players, lambda player: hand_over(player).status == "plays", stop, announce)
 
 

@@ -298,7 +298,8 @@ def running(monkeypatch):
     words |= {"keyboard": "none", "desktop": "none", "sound": "none", "gel": "found"}
     words |= {"state": "running", "profile": "racing", "layer": "base", "gesture": "none"}
     numbers = dict.fromkeys(("pid", "silent_s", "uptime_s", "slices", "slices_hz"), 0)
-    numbers |= {"simulated": True, "markers_tracked": 177, "events_hz": 9, "events_lost": 0, "version": 1}
+    numbers |= {"markers_tracked": 177, "events_hz": 9, "events_lost": 0, "version": 1}
+    numbers |= {"simulated": True}
     times = {"stage_ms": {"tracker": 1.0}}
     times["stage_spread_ms"] = {"tracker": {"p50": 1.0, "p99": 2.0, "p99.9": 3.0}}
     more = {"fatigue": [], "long_holds": {}, "errors": [], "ignored": None}

@@ -214,6 +214,12 @@ def test_every_command_ends_by_itself_or_at_ctrl_c(results):
     assert not bad, "\n\n".join(bad)
 
 
+def test_a_command_without_an_end_says_what_it_does(results):
+    endless = [each for each in results if each["endless"]]
+    bad = [name(each) for each in endless if not each["output"].strip(" ^C\r\n")]
+    assert not bad, "\n\n".join(bad)
+
+
 def test_a_picture_that_is_drawn_over_fits_the_terminal(results):
     """A line that is wider wraps, and the picture scrolls away."""
     painted = [each for each in results if re.search(r"\x1b\[\d+A\r", each["output"])]

@@ -63,8 +63,8 @@ def play(
         announce(f"Warning: the gel was {seen.reason}.")
     speed = ""
     if stats.host_s and driver.options.speed == "max":
-        speed = f", {stats.sensor_s / stats.host_s:.1f} times as fast as recorded"
-    announce(f"Played {stats.sensor_s:.1f} s, {stats.events:,} events{speed}. The pad is neutral.")
+        speed = f", {stats.sensor_s / stats.host_s:.1f} times as fast"
+    announce(f"Played {stats.sensor_s:.1f} s{speed}, {stats.events:,} events. The pad is neutral.")
 
 
 def announce(sentence: str) -> None:

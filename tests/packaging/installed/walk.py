@@ -22,7 +22,7 @@ from fcntl import ioctl
 from pathlib import Path
 
 ROWS, COLUMNS = 24, 80
-LOOK_S = 3.0
+LOOK_S = 1.5
 """For so long a command without an end is looked at, after its first words."""
 SILENT_S = 30.0
 """In which the first words have come."""
@@ -30,7 +30,7 @@ LIMIT_S = 240.0
 """In which all others have ended by themselves."""
 END_S = 20.0
 """In which a command has ended after Ctrl-C."""
-N_AT_ONCE = 3
+N_AT_ONCE = 4
 """Of two processors: much of the time a command waits."""
 
 PERSON = pwd.getpwnam("newcomer")
