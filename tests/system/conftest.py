@@ -52,7 +52,7 @@ def results() -> Path:
     if not packages:
         pytest.fail("there is no package in dist/: make deb")
     shutil.rmtree(RESULTS, ignore_errors=True)
-    RESULTS.mkdir()
+    RESULTS.mkdir(parents=True)
     package = packages[-1]
     shutil.copy(package, RESULTS)
     if IN_CONTAINER:
