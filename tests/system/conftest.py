@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -35,7 +36,7 @@ GENERIC = {"NUMBA_CPU_NAME": "generic"}
 
 IN_CONTAINER = os.environ.get("NEUROTOUCH_MACHINE") == "container"
 CHOSEN = os.environ.get("NEUROTOUCH_CHAPTERS", "").split()
-SHOWN_IN_CONTAINER = ("install", "rights", "upgrade", "purge")
+SHOWN_IN_CONTAINER = ("install", "rights", "upgrade", "versions", "purge")
 """The chapters that see something without a camera and a pad, in their order."""
 LACKS = "a container has neither a camera nor /dev/uinput: make system-test without MACHINE"
 
@@ -55,6 +56,8 @@ def results() -> Path:
     RESULTS.mkdir(parents=True)
     package = packages[-1]
     shutil.copy(package, RESULTS)
+    if not CHOSEN or "versions" in CHOSEN:
+        make_older(package, RESULTS / "older")
     if IN_CONTAINER:
         chapters = [each for each in SHOWN_IN_CONTAINER if not CHOSEN or each in CHOSEN]
         (RESULTS / "chapters").write_text(" ".join(chapters))
@@ -95,6 +98,18 @@ def at_play() -> None:
     """Skips in a container, where the service cannot play."""
     if IN_CONTAINER:
         pytest.skip(LACKS)
+
+
+def make_older(package: Path, folder: Path) -> None:
+    """Makes the same package with an older version."""
+    content = folder / "content"
+    folder.mkdir()
+    subprocess.run(["dpkg-deb", "--raw-extract", str(package), str(content)], check=True)
+    control = content / "DEBIAN/control"
+    text = re.sub(r"(?m)^Version: .*", "Version: 0.0.1", control.read_text())
+    control.write_text(text)
+    subprocess.run(["dpkg-deb", "-Znone", "--build", str(content), str(folder)], check=True)
+    shutil.rmtree(content)
 
 
 def prepare_scene(results: Path) -> None:

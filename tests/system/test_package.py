@@ -91,6 +91,15 @@ def test_an_upgrade_keeps_the_machine_s_values_and_profiles(guest):
     assert seen["kept"]["profile"]
 
 
+@pytest.mark.parametrize("which", ["older", "newer"])
+def test_an_older_version_can_take_its_place_and_back(guest, which):
+    seen = guest("versions")[which]
+    assert seen["apt"]["code"] == 0, seen["apt"]["err"]
+    assert (seen["version"] == "0.0.1") == (which == "older")
+    assert seen["values"] == "version: 1\nfilter: light\n"
+    assert seen["runs"]["code"] == 0, seen["runs"]
+
+
 @pytest.mark.usefixtures("at_play")
 def test_it_is_renewed_while_it_plays(guest):
     seen = guest("upgrade")

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from tests.system.guest import additions, package, people, service
+from tests.system.guest import additions, package, people, service, trouble
 from tests.system.guest.camera import Camera
 from tests.system.guest.desk import Desk
 
@@ -28,12 +28,18 @@ CHAPTERS: dict[str, Callable[[Desk], Any]] = {
     "people": people.share,
     "another": service.start_another,
     "upgrade": package.upgrade,
+    "versions": package.change_versions,
     "stop": service.stop,
     "crash": service.crash,
     "settings": service.read_settings,
     "switched_off": service.switch_off,
     "mute": service.stay_mute,
     "hang": service.hang,
+    "clock": trouble.jump,
+    "full": trouble.fill,
+    "read_only": trouble.protect,
+    "memory": trouble.hog,
+    "frozen": trouble.freeze,
     "second": additions.play_second,
     "examples": additions.add_examples,
     "purge": package.purge,

@@ -142,6 +142,23 @@ def upgrade(desk: Desk) -> dict[str, Any]:
     return saw
 
 
+def change_versions(desk: Desk) -> dict[str, Any]:
+    """An older version in place of this one, then this one again; the machine has values."""
+    shipped = _VALUES.read_text()
+    _VALUES.write_text("version: 1\nfilter: light\n")
+    saw = {}
+    packages = {"older": next(desk.results.glob("older/*.deb")), "newer": desk.package}
+    for name, package in packages.items():
+        done = run("apt-get", "install", "--yes", "--allow-downgrades", str(package))
+        version = run("dpkg-query", "--showformat=${Version}", "--show", "neurotouch-hid")["out"]
+        saw[name] = {"apt": done, "version": version, "values": _VALUES.read_text()}
+        saw[name]["runs"] = run("neurotouch", "profile", "check")
+        if desk.camera is not None:
+            desk.play_until_pushed()
+    _VALUES.write_text(shipped)
+    return saw
+
+
 def _reinstall(desk: Desk) -> subprocess.Popen[bytes]:
     return subprocess.Popen(
         ["apt-get", "install", "--yes", "--reinstall", str(desk.package)],
