@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -93,7 +94,15 @@ def _download_kernel() -> Path:
     return kernel
 
 
-def boot(kernel: Path, program: list[str], results: Path, *, time_limit_s: float) -> str:
+def boot(
+    kernel: Path,
+    program: list[str],
+    results: Path,
+    *,
+    time_limit_s: float,
+    disk: Path | None = None,
+    is_over: Callable[[], bool] = lambda: False,
+) -> str:
     """Boot, run the program as root, power off; return what the console showed.
 
     Args:
@@ -101,6 +110,8 @@ def boot(kernel: Path, program: list[str], results: Path, *, time_limit_s: float
         program: the command. It must first make a file called ``booted`` in ``results``.
         results: a folder that the guest can write; all but this and COMPILED is read-only there.
         time_limit_s: after this time the machine is switched off.
+        disk: the image of a disk that the guest may write.
+        is_over: looked at often; when it says True, the power is cut.
     """
     command = [
         str(_vng()),
@@ -113,19 +124,34 @@ def boot(kernel: Path, program: list[str], results: Path, *, time_limit_s: float
         *("--user", "root"),
         *("--cpus", "1"),
         *("--memory", "2G"),
+        *(() if disk is None else ("--disk", str(disk))),
     ]
     COMPILED.mkdir(parents=True, exist_ok=True)
     booted = results / "booted"
     if os.access("/dev/kvm", os.R_OK | os.W_OK):
         # Where nested virtualisation is broken, QEMU ends at once or hangs.
-        console = _run([*command, "--", *program], booted, KVM_PATIENCE_S, time_limit_s)
+        console = _run([*command, "--", *program], booted, (KVM_PATIENCE_S, time_limit_s), is_over)
         if booted.exists():
             return console
-    return _run([*command, "--disable-kvm", "--", *program], booted, time_limit_s, time_limit_s)
+    limits_s = (time_limit_s, time_limit_s)
+    return _run([*command, "--disable-kvm", "--", *program], booted, limits_s, is_over)
 
 
-def _run(command: list[str], booted: Path, patience_s: float, time_limit_s: float) -> str:
-    """Run the command on a terminal of its own, which vng asks for; return what it printed."""
+def _run(
+    command: list[str],
+    booted: Path,
+    limits_s: tuple[float, float],
+    is_over: Callable[[], bool],
+) -> str:
+    """Run the command on a terminal of its own, which vng asks for; return what it printed.
+
+    Args:
+        command: vng and its arguments.
+        booted: the file that the guest makes.
+        limits_s: until it has made it, and until it has ended.
+        is_over: see ``boot``.
+    """
+    patience_s, time_limit_s = limits_s
     terminal, inside = os.openpty()
     # vng starts helpers by name.
     environment = {**os.environ, "PATH": f"{_vng().parent}:{os.environ['PATH']}:/usr/sbin:/sbin"}
@@ -143,7 +169,9 @@ def _run(command: list[str], booted: Path, patience_s: float, time_limit_s: floa
     printed = bytearray()
     try:
         while time.monotonic() - begun < (time_limit_s if booted.exists() else patience_s):
-            if not select.select([terminal], [], [], 1.0)[0]:
+            if is_over():
+                break
+            if not select.select([terminal], [], [], 0.1)[0]:
                 continue
             try:
                 printed += os.read(terminal, 1 << 16)
