@@ -26,8 +26,7 @@ def test_the_user_at_the_seat_pauses_it_and_others_may_not(guest):
 def test_the_settings_of_the_person_at_the_seat_apply(guest):
     seen = guest("people")
     assert seen["player"]["code"] == 0, seen["player"]["err"]
-    assert seen["refused"]["code"] != 0
-    assert "not you" in seen["refused"]["out"] + seen["refused"]["err"]
+    assert "does not play it: This driver belongs to another user" in seen["refused"]["out"]
     assert seen["not_theirs"]
     assert "visitor" in seen["status"] or "platformer" in seen["status"]
     assert seen["same"]

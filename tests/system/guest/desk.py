@@ -1,10 +1,19 @@
 """What all chapters share: the camera, the package, and where the results go."""
 
+import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
 from tests.system.guest.camera import Camera
-from tests.system.guest.observation import Reader, find_pad, main_pid, wait_for
+from tests.system.guest.observation import (
+    PLAYER,
+    SERVICE,
+    Reader,
+    find_pad,
+    main_pid,
+    run,
+    wait_for,
+)
 
 
 @dataclass(slots=True)
@@ -30,6 +39,12 @@ class Desk:
         reader = self.read_pad()
         wait_for(reader.is_pushed)
         return reader
+
+    def forget_choice(self) -> None:
+        """The player has saved nothing again, so the machine's values apply."""
+        shutil.rmtree(f"/home/{PLAYER}/.config/neurotouch")
+        run("systemctl", "restart", SERVICE)
+        self.play_until_pushed()
 
     def identity(self) -> tuple[str | None, int]:
         """The pad's node and the service's process: neither may change while it plays."""

@@ -196,7 +196,7 @@ def _choose(desk: Desk) -> dict[str, Any]:
     wait_for(lambda: D_PAD in reader.pressed())
     saw["own"] = run_as(PLAYER, "cat", f"/home/{PLAYER}/.config/neurotouch/user.yaml")["out"]
     saw["machine_after"] = _VALUES.read_text()
-    run_as(PLAYER, "neurotouch", "profile", "undo", "user")
+    desk.forget_choice()
     return saw
 
 

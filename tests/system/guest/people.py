@@ -53,6 +53,7 @@ def share(desk: Desk) -> dict[str, Any]:
     run("systemctl", "restart", SERVICE)
     reader = desk.play_until_pushed()
     saw["in_the_end"] = STICK in reader.pressed()
+    desk.forget_choice()
     _forget(OTHER)
     return saw
 
