@@ -35,7 +35,7 @@ def cuts(tmp_path_factory) -> list[tuple[dict, list[str]]]:
     settings = [f"{name}={value}" for name, value in NUMBA.items()]
     for turn in range(N_CUTS + 1):
         found, told = results / f"found{turn}.json", results / f"saved{turn}"
-        enough = chance.randint(20, 60) if turn < N_CUTS else 1
+        enough = chance.randint(4, 12) if turn < N_CUTS else 1
         program = [sys.executable, "-m", "tests.system.guest.saving", str(results), str(turn)]
         console = boot(
             kernel,
@@ -69,7 +69,7 @@ def test_the_last_save_that_was_told_or_the_one_after_it_is_there(cuts, cut):
 @pytest.mark.parametrize("cut", range(N_CUTS))
 def test_every_version_is_whole(cuts, cut):
     found, _ = cuts[cut]
-    assert len(found["versions"]) >= 10
+    assert len(found["versions"]) >= 3
     assert all(text.startswith("# ") and text.endswith("\n") for text in found["versions"])
     assert all("bindings:" in text or "extends:" in text for text in found["versions"])
 
