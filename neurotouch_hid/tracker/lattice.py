@@ -163,7 +163,7 @@ def _find_basis(points: NDArray[np.float64], config: LatticeConfig) -> complex |
         wide = np.pad(vote, ((1, 1), (0, 0)), mode="edge")
         vote = (wide[:-2] + 2.0 * vote + wide[2:]) / 4.0
     best = vote.max()
-    if best < _LEAST_VOTE * vote.mean():
+    if not best > _LEAST_VOTE * vote.mean():  # also if no pair has such a length
         return None
     # The diagonal of a small lattice can be as frequent as its side, so the shortest wins.
     row = int(np.flatnonzero(vote.max(axis=1) > 0.7 * best)[0])
