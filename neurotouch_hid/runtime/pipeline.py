@@ -5,7 +5,14 @@ from typing import Final
 
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
-from neurotouch_hid.messages import EventPacket, GestureKind, RestField, Step
+from neurotouch_hid.messages import (
+    EventPacket,
+    GelProblem,
+    GelState,
+    GestureKind,
+    RestField,
+    Step,
+)
 from neurotouch_hid.profile import Mapping, Profile, UserSettings
 from neurotouch_hid.runtime.stage_timing import StageTimings
 from neurotouch_hid.runtime.worker import FrameExchange, InlineRest, ThreadedRest
@@ -113,7 +120,15 @@ class Pipeline:
             pad = self.mapping.update(gesture)
         if "rezero" in pad.commands:
             self.recognizer.rezero()
-        return Step(packet, self._anchor, markers, gesture, pad)
+        return Step(packet, self._anchor, markers, gesture, pad, self.gel)
+
+    @property
+    def gel(self) -> GelState:
+        """What the frames show of the gel; a hand that may rest on it is no problem."""
+        gel = self.rest.detector.gel
+        if gel.problem is GelProblem.RESTS and self.recognizer.neutral == "resting":
+            return replace(gel, problem=GelProblem.NONE)
+        return gel
 
     @property
     def is_idle(self) -> bool:
@@ -124,7 +139,7 @@ class Pipeline:
     def is_at_rest(self) -> bool:
         """True if it is idle, and the newest frame that was processed showed the gel at rest."""
         seen = self.rest.detector.stats()
-        return self.is_idle and seen.n_rest > 0 and not seen.reason
+        return self.is_idle and seen.n_rest > 0 and not seen.problem
 
     def process_frames(self, step: Step) -> None:
         """Hands over the frames of a finished step, and takes the result of earlier ones.
@@ -154,6 +169,10 @@ class Pipeline:
     def _exchange(self, packet: EventPacket) -> RestField | None:
         with self.timings.rest:
             result = self.rest.exchange(packet)  # newest result or None; never blocks
+        gel = self.rest.detector.gel
+        if gel.was_found and not gel.is_found:
+            self.tracker.forget()
+            return None
         if result is None:
             return None
         if result.rest is not None:
