@@ -63,10 +63,11 @@ class Diagnosis:
 
     Args:
         config: the limits within which the gel is found.
+        near_rad: the turn that is expected, see ``find_lattice``.
     """
 
-    def __init__(self, config: LatticeConfig) -> None:
-        self._config = config
+    def __init__(self, config: LatticeConfig, near_rad: float) -> None:
+        self._config, self._near_rad = config, near_rad
         self._wide = replace(config, min_px_per_mm=_WIDE[0], max_px_per_mm=_WIDE[1])
 
     def explain(
@@ -116,7 +117,7 @@ class Diagnosis:
 
     def _look_again(self, frame: Frame, blobs: Blobs, *, moves: bool | None) -> GelState:
         """Looks for a gel that is too small, too large or not whole."""
-        lattice = find_lattice(blobs.centroid_px, self._wide)
+        lattice = find_lattice(blobs.centroid_px, self._wide, near_rad=self._near_rad)
         if lattice is None:
             return self._explain_scattered(frame, blobs)
         state = _measure(frame, blobs, lattice)

@@ -31,8 +31,8 @@ class EventFrame:
         n_found: markers that the events show so far.
     """
 
-    def __init__(self, rig: Rig | None = None) -> None:
-        self._rig = rig
+    def __init__(self, rig: Rig | None = None, near_rad: float = 0.0) -> None:
+        self._rig, self._near_rad = rig, near_rad
         self._finder = BlobFinder()
         self._net: NDArray[np.float64] = np.zeros((SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX))
         self._next_us: int | None = None
@@ -72,7 +72,7 @@ class EventFrame:
         centroid_px = self._finder.find(pixels).centroid_px
         if len(centroid_px) > _MAX_BLOBS:
             return None
-        return find_lattice(centroid_px, LatticeConfig(), self._rig)
+        return find_lattice(centroid_px, LatticeConfig(), self._rig, near_rad=self._near_rad)
 
 
 def _smooth(picture: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,5 +1,6 @@
 """Watches what the frames show of the gel, and says it only once it is sure."""
 
+import math
 from dataclasses import replace
 from typing import Final
 
@@ -31,21 +32,23 @@ class GelWatch:
 
     Args:
         config: the limits within which the gel is found.
+        near_rad: the turn that is expected, see ``find_lattice``.
 
     Attributes:
         state: what is known of the gel; a new object when something changes.
         flicker_hz: frequency at which the light flickers; None if it is steady.
     """
 
-    def __init__(self, config: LatticeConfig) -> None:
+    def __init__(self, config: LatticeConfig, near_rad: float = 0.0) -> None:
         self.state = GelState()
         self.flicker_hz: float | None = None
-        self._diagnosis = Diagnosis(config)
+        self._diagnosis = Diagnosis(config, near_rad)
         self._motion = Motion()
         self._first_px: NDArray[np.float64] | None = None
         self._place_px: NDArray[np.float64] = np.zeros((N_MARKERS, 2))
         self._n_found = 0
-        self._centre_px, self._radius_px, self._px_per_mm = np.zeros(2), 0.0, 1.0
+        self._centre_px, self._radius_px = np.zeros(2), 0.0
+        self._px_per_mm, self._rotation_deg = 1.0, 0.0
         self._doubt: tuple[bool, GelProblem] | None = None
         self._doubt_us = self._told_us = 0
         self._looked_us: int | None = None
@@ -97,7 +100,7 @@ class GelWatch:
         elif self._moved_mm(position_px, rig.px_per_mm) > _MOVED_MM:
             self._moved_us = frame.t_us
         self._place_px, self._n_found = position_px, n_found
-        self._px_per_mm = rig.px_per_mm
+        self._px_per_mm, self._rotation_deg = rig.px_per_mm, math.degrees(rig.rotation_rad)
         self._centre_px = np.array(rig.centre_px)
         reach = np.hypot(*(position_px - self._centre_px).T).max()
         self._radius_px = float(reach) + PITCH_MM * rig.px_per_mm
@@ -169,6 +172,7 @@ class GelWatch:
             missing=tuple(missing.tolist()),
             missing_px=tuple((round(x, 1), round(y, 1)) for x, y in place_px[missing].tolist()),
             px_per_mm=round(self._px_per_mm, 2),
+            rotation_deg=round(self._rotation_deg, 1),
             bend_px=round(bend_px, 1),
             blur_px=measure_blur(frame.pixels, blobs, self._px_per_mm),
             n_glints=count_glints(frame.pixels, blobs, blob),

@@ -164,6 +164,7 @@ class RestDetector:
         config: RestConfig | None = None,
         rig: Rig | None = None,
         finder: BlobFinder | None = None,
+        near_rad: float = 0.0,
     ) -> None:
         """Starts without a reference.
 
@@ -171,18 +172,19 @@ class RestDetector:
             config: thresholds.
             rig: where the gel is known to be; None searches for it.
             finder: finds the blobs of frames; sharing it within a thread saves work.
+            near_rad: the turn of the lattice that is expected, see ``find_lattice``.
         """
         self._config = config or RestConfig()
-        self._rig = rig
+        self._rig, self._near_rad = rig, near_rad
         self._finder = finder or BlobFinder(self._config.blobs)
         self._reference: _Reference | None = None
-        self._event_frame: EventFrame | None = EventFrame(rig)
+        self._event_frame: EventFrame | None = EventFrame(rig, near_rad)
         self._match = np.empty(N_MARKERS, np.int32)
         self._moved_px: NDArray[np.float64] | None = None
         self._still_px: NDArray[np.float64] = np.empty((0, 2))
         self._n_still = 0
         self._bend_px = np.inf
-        self._watch = GelWatch(self._config.lattice)
+        self._watch = GelWatch(self._config.lattice, near_rad)
         self._stats = RestStats(0, 0, 0, 0, float("nan"), float("nan"), GelProblem.WAITING)
 
     def stats(self) -> RestStats:
@@ -223,7 +225,9 @@ class RestDetector:
 
     def _search(self, frame: Frame, blobs: Blobs) -> RestField | None:
         """Takes the frame as the reference if it shows the undeformed lattice."""
-        lattice = find_lattice(blobs.centroid_px, self._config.lattice, self._rig)
+        lattice = find_lattice(
+            blobs.centroid_px, self._config.lattice, self._rig, near_rad=self._near_rad
+        )
         settled = self._count_still(blobs)
         n_found = len(blobs.centroid_px) if lattice is None else lattice.n_found
         doubt = self._doubt(lattice)
@@ -311,7 +315,7 @@ class RestDetector:
         """Takes a new reference if the gel is at rest elsewhere, and returns its markers."""
         if not self._count_still(blobs):
             return None
-        lattice = find_lattice(blobs.centroid_px, self._config.lattice)
+        lattice = find_lattice(blobs.centroid_px, self._config.lattice, near_rad=self._near_rad)
         if (
             lattice is None
             or self._judge(lattice, odd=True)
@@ -335,6 +339,7 @@ class RestDetector:
 
     def _set_reference(self, lattice: Lattice, frame: Frame, blobs: Blobs) -> None:
         self._reference = _Reference(lattice, blobs)
+        self._near_rad = fit_rig(lattice.position_px).rotation_rad  # a gel that turns goes on so
         self._watch.find(lattice.position_px, lattice.n_found, frame)
         self._n_still = 0
         s = self._stats

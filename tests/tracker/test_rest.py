@@ -227,6 +227,14 @@ def test_a_gel_half_out_of_the_picture_is_refused_however_still(off_px):
     assert show(RestDetector(), *(picture(rig=rig, seed=s) for s in range(30))) is None
 
 
+@pytest.mark.parametrize("turned_deg", [0.0, 44.0, 46.0, 89.0, 91.0, 180.0, -91.0])
+def test_of_four_turns_that_look_the_same_the_expected_one_is_taken(turned_deg):
+    rig = replace(RIG, rotation_rad=np.radians(turned_deg))
+    for expected_deg in (turned_deg - 30.0, turned_deg + 30.0):
+        rest = show(RestDetector(near_rad=np.radians(expected_deg)), picture(rig=rig))
+        assert np.abs(rest.position_px - rig.to_px(LATTICE_MM)).max() < 0.35
+
+
 def test_dots_that_are_too_far_apart_for_any_gel_are_no_fault():
     grid = np.stack(np.meshgrid(np.arange(10.0), np.arange(7.0)), axis=-1).reshape(-1, 2)
     assert find_lattice(20.0 + 33.0 * grid, LatticeConfig()) is None
