@@ -169,6 +169,7 @@ def report_gel(gel: GelState) -> GelFacts:
         "named": name_dots(gel.missing),
         "missing_px": [list(place) for place in gel.missing_px],
         "px_per_mm": gel.px_per_mm,
+        "rotation_deg": gel.rotation_deg,
         "bend_px": gel.bend_px,
         "scatter_px": gel.scatter_px,
         "blur_px": gel.blur_px,

@@ -107,7 +107,8 @@ class GelState:
         missing: markers that are not seen, as places in ``geometry.LATTICE_MM``; empty if the
             places of the markers are unknown.
         missing_px: where they should be in the image, (x, y) px each.
-        px_per_mm: scale of the image; None if it is unknown, as are the next three.
+        px_per_mm: scale of the image; None if it is unknown, as are the next four.
+        rotation_deg: turn of the lattice in the image, clockwise, with ``is_found`` only.
         bend_px: largest deviation of the markers from a smooth lattice.
         scatter_px: how far single markers are off that lattice, standard deviation.
         blur_px: width of the point spread, standard deviation.
@@ -123,6 +124,7 @@ class GelState:
     missing: tuple[int, ...] = ()
     missing_px: tuple[tuple[float, float], ...] = ()
     px_per_mm: float | None = None
+    rotation_deg: float | None = None
     bend_px: float | None = None
     scatter_px: float | None = None
     blur_px: float | None = None

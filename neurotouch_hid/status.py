@@ -54,7 +54,8 @@ class GelFacts(TypedDict):
         missing: dots that are not seen, counted from 0, row by row from the top left.
         named: the same in words.
         missing_px: where they should be in the picture, [x, y] px.
-        px_per_mm: scale of the picture; None if it is unknown, as are the next three.
+        px_per_mm: scale of the picture; None if it is unknown, as are the next four.
+        rotation_deg: turn of the gel in the picture, clockwise.
         bend_px: how far the dots are from a smooth lattice.
         scatter_px: how far single dots are off that lattice.
         blur_px: how blurred each dot is.
@@ -72,6 +73,7 @@ class GelFacts(TypedDict):
     named: str
     missing_px: list[list[float]]
     px_per_mm: float | None
+    rotation_deg: float | None
     bend_px: float | None
     scatter_px: float | None
     blur_px: float | None

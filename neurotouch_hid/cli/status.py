@@ -84,7 +84,7 @@ def _list_facts(status: "Status") -> list[str]:
 def _describe_gel(gel: "GelFacts", n_tracked: int) -> list[str]:
     """Returns what the camera sees of the gel."""
     if not gel["found"]:
-        return ["gel: not in sight, so the pad is neutral"]
+        return ["gel: not found, so the pad is neutral"]
     lines = [f"gel: {gel['text']}, {n_tracked} of 177 markers tracked"]
     if gel["fix"]:
         lines.append(f"Fix: {gel['fix']}")

@@ -8,7 +8,7 @@ from pydantic_core import PydanticCustomError
 
 from neurotouch_hid.players import find_user_file
 from neurotouch_hid.profile.reading import load_settings
-from neurotouch_hid.profile.schema import Strict, check_version, give_unit
+from neurotouch_hid.profile.schema import Strict, check_version, give_unit, make_optional
 from neurotouch_hid.source.davis.config import Biases, DavisConfig
 from neurotouch_hid.source.davis.registers import CoarseFine
 
@@ -76,6 +76,12 @@ class CameraSettings(Strict):
     mirrored: bool = Field(
         default=False, description="The camera sees the gel mirrored. Default: false."
     )
+    rotation_deg: Annotated[float, Field(ge=-360.0, le=360.0)] | None = Field(
+        default=None,
+        description="Turn of the gel in the picture, clockwise: the nearest quarter turn to it is "
+        "taken. 'neurotouch doctor --directions' finds it. Default: the last one.",
+        json_schema_extra=make_optional(),
+    )
     biases: BiasSettings = Field(
         default_factory=BiasSettings, description="For another light. Default: see there."
     )
@@ -104,6 +110,18 @@ def find_camera_file(player: int | None = None) -> Path:
     return find_user_file(player).with_name(FILE)
 
 
+def load_camera_settings(player: int | None = None) -> CameraSettings:
+    """Returns the settings as they are written; the defaults if there is no file.
+
+    Args:
+        player: the player number; None means the one of the environment.
+
+    Raises:
+        ProfileError: the file says something we cannot do; every mistake has line and column.
+    """
+    return load_settings(find_camera_file(player), CameraSettings)
+
+
 def load_camera_config(player: int | None = None) -> DavisConfig:
     """Returns the settings; the defaults if there is no file.
 
@@ -114,4 +132,4 @@ def load_camera_config(player: int | None = None) -> DavisConfig:
         ProfileError: the file says something we cannot do; every mistake has line and column.
         CameraError: a pixel is outside.
     """
-    return load_settings(find_camera_file(player), CameraSettings).config
+    return load_camera_settings(player).config

@@ -65,6 +65,7 @@ class Pipeline:
         *,
         user: UserSettings | None = None,
         rig: Rig | None = None,
+        near_rad: float = 0.0,
         frame_thread: bool = False,
     ) -> "Pipeline":
         """Builds the pipeline as it is shipped.
@@ -74,13 +75,14 @@ class Pipeline:
             gesture: the method that recognises them.
             user: the person's own values with their neutral pose; without, the reference hand.
             rig: known view of the sensor, if there is a rig file.
+            near_rad: without, the turn of the lattice in the image that is expected.
             frame_thread: process frames in a thread beside the pipeline. Otherwise the pipeline
                 does it itself, so that a recording gives the same Steps bit for bit at any speed.
         """
         if user is not None:
             gesture = replace(gesture, neutral=user.neutral)
         finder = BlobFinder()
-        detector = RestDetector(rig=rig, finder=finder)
+        detector = RestDetector(rig=rig, finder=finder, near_rad=near_rad)
         rest: FrameExchange = (
             ThreadedRest(detector, finder) if frame_thread else InlineRest(detector)
         )

@@ -128,7 +128,8 @@ function showStart() {
   if (starting) {
     words = "Starting …";
   } else if (newest && !isGel) {
-    [words, advice] = [`The gel is ${newest.gel.text}.`, newest.gel.fix];
+    // The header has the reason.
+    [words, advice] = [`The gel is ${newest.gel.text.split(":")[0]}.`, newest.gel.fix];
   } else if (isMouse) {
     [words, advice] = ["The mouse presses a simulated gel.", "Drag on the gel below, turn the " +
       "wheel, or use the arrow keys, Q, E, plus and minus."];
