@@ -1,5 +1,6 @@
 """The settings of a person's camera: the file ``camera.yaml`` beside the person's own values."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Final
 
@@ -7,12 +8,14 @@ from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
 from neurotouch_hid.players import find_user_file
+from neurotouch_hid.profile.editing import ProfileText, Store, read_text, set_value
 from neurotouch_hid.profile.reading import load_settings
 from neurotouch_hid.profile.schema import Strict, check_version, give_unit, make_optional
 from neurotouch_hid.source.davis.config import Biases, DavisConfig
 from neurotouch_hid.source.davis.registers import CoarseFine
 
 FILE: Final = "camera.yaml"
+_NEW: Final = "version: 1\n"
 _USUAL: Final = DavisConfig()
 
 
@@ -120,6 +123,25 @@ def load_camera_settings(player: int | None = None) -> CameraSettings:
         ProfileError: the file says something we cannot do; every mistake has line and column.
     """
     return load_settings(find_camera_file(player), CameraSettings)
+
+
+def save_camera_settings(path: Path, changes: Mapping[str, object]) -> None:
+    """Writes some values into a file of these settings; makes it if there is none.
+
+    Args:
+        path: the file.
+        changes: the values, by their keys; comments and all else in the file stay.
+
+    Raises:
+        ProfileError: the file has errors, or it cannot be written.
+    """
+    text, before = ProfileText(_NEW, str(path)), None
+    if path.exists():
+        load_settings(path, CameraSettings)
+        text, before = read_text(path)
+    for key, value in changes.items():
+        text = set_value(text, key, value, CameraSettings)
+    Store(path, lambda: "").save(text.encode(), over=before, keep=False)
 
 
 def load_camera_config(player: int | None = None) -> DavisConfig:
