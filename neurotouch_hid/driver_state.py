@@ -159,7 +159,7 @@ class State(TypedDict):
         state: ``running``, ``paused`` or ``panic``.
         profile: the active profile.
         layer: its active layer.
-        gel: what the camera sees of the gel.
+        gel: the gel as the camera sees it.
         gesture: the gesture.
         pad: the outputs.
         actions: the latest decisions, oldest first.

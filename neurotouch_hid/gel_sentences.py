@@ -25,12 +25,12 @@ _PLACES: Final[Mapping[int, tuple[int, int]]] = {
 
 
 class GelSentence(NamedTuple):
-    """What the camera sees of the gel, and what to do.
+    """A sentence about the gel in the picture, and the fix.
 
     Attributes:
         head: ``found``, ``not found`` or ``lost``.
-        why: what is wrong; empty if nothing is.
-        fix: what to do; empty if nothing is wrong.
+        why: the problem; empty without one.
+        fix: the fix; empty without a problem.
     """
 
     head: str

@@ -97,12 +97,12 @@ class RestField:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GelState:
-    """What the camera sees of the gel; a new object only when something has changed.
+    """The gel as the camera sees it; a new object only when something has changed.
 
     Attributes:
         is_found: the places of the markers at rest are known, so gestures count.
         was_found: they have been known before; without ``is_found`` the gel is lost.
-        problem: what is wrong. A gel that is found may have a problem too.
+        problem: the problem. A gel that is found may have one too.
         n_seen: markers seen at their places; all bright dots, if they form no lattice.
         missing: markers that are not seen, as places in ``geometry.LATTICE_MM``; empty if the
             places of the markers are unknown.

@@ -43,13 +43,13 @@ class ErrorNote(TypedDict):
 
 
 class GelFacts(TypedDict):
-    """What the camera sees of the gel.
+    """Facts about the gel as the camera sees it.
 
     Attributes:
         found: the places of the dots are known, so gestures count.
-        problem: what is wrong, in a word; empty if nothing is.
-        text: ``found``, or what is wrong, in a sentence.
-        fix: what to do; empty if nothing is wrong.
+        problem: the problem in a word; empty without one.
+        text: ``found``, or the problem in a sentence.
+        fix: the fix; empty without a problem.
         seen: dots seen at their places; all bright dots, if they form no lattice.
         missing: dots that are not seen, counted from 0, row by row from the top left.
         named: the same in words.
@@ -91,7 +91,7 @@ class PipelineStatus(TypedDict):
         profile: name of the profile that is active.
         layer: name of its layer that is active.
         markers_tracked: how many of the 177 are measured.
-        gel: what the camera sees of the gel.
+        gel: the gel as the camera sees it.
         gesture: the gesture now, ``none`` at rest.
         ignored: the last gesture that had no effect, and why, in a sentence; None without.
         silent_s: for how long nothing has come from the source; 0 while it comes.

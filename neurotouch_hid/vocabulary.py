@@ -80,7 +80,7 @@ class Axis(StrEnum):
 
 
 class GelProblem(StrEnum):
-    """What is wrong with the gel in the camera's picture; false if nothing is."""
+    """The problems of a gel in the camera's picture; ``NONE`` is false."""
 
     __hash__ = str.__hash__
 

@@ -39,7 +39,7 @@ _SKIP: Final = "S and Enter skips."
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """How the camera sees the gel, as two gestures show it.
+    """The view of the camera on the gel, as two gestures show it.
 
     Attributes:
         is_mirrored: the picture has to be mirrored, or must not be mirrored any more.
@@ -114,7 +114,7 @@ def watch_view(
 
 @dataclass(frozen=True, slots=True)
 class Advice:
-    """What to change in the camera's settings.
+    """The changes of the camera's settings that a view needs.
 
     Attributes:
         path: the file.

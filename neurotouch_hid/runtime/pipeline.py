@@ -126,7 +126,7 @@ class Pipeline:
 
     @property
     def gel(self) -> GelState:
-        """What the frames show of the gel; a hand that may rest on it is no problem."""
+        """The gel as the frames show it; a hand that may rest on it is no problem."""
         gel = self.rest.detector.gel
         if gel.problem is GelProblem.RESTS and self.recognizer.neutral == "resting":
             return replace(gel, problem=GelProblem.NONE)

@@ -193,7 +193,7 @@ class RestDetector:
 
     @property
     def gel(self) -> GelState:
-        """What the frames so far show of the gel."""
+        """The gel as the frames so far show it."""
         return self._watch.state
 
     @property
