@@ -1,12 +1,13 @@
 """Finds out why a frame shows no gel, from the frame itself."""
 
+import math
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import GEL_RADIUS_MM, PITCH_MM, fit_rig
+from neurotouch_hid.geometry import GEL_RADIUS_MM, N_MARKERS, NEIGHBOURS, PITCH_MM, fit_rig
 from neurotouch_hid.messages import (
     SENSOR_HEIGHT_PX,
     SENSOR_WIDTH_PX,
@@ -24,8 +25,8 @@ _DARK, _DIM = 16.0, 50.0  # grey levels that 199 of 200 pixels of a dark picture
 _SATURATED, _BRIGHT_SHARE = 250, 0.1  # share of saturated pixels of a picture that is too bright
 _WIDE: Final = (0.7, 8.5)  # px/mm, searched for a gel that is too small or too large
 _MOST_SCATTER_MM: Final = 0.35  # single markers farther off their places are irregular
-_GLINT, _NEAREST = 1.2, 8  # as much brighter than so many markers around it is a reflection ...
-_USUAL: Final = 70.0  # ... than the percentile of them: some may be faint
+_GLINT: Final = 1.2  # as much brighter than the markers around it is a reflection ...
+_USUAL: Final = 0.9  # ... than the brighter ones of them: some may be faint
 _BENT_PX: Final = 0.8  # a smaller bend is no touch
 _REGULAR: Final = 0.6  # share of dots whose neighbour is as far as everybody's
 _MOTION_GATE_PX, _MOTION_PX, _MOTION_US = 3.0, 0.2, 1_500_000
@@ -226,17 +227,37 @@ def count_glints(pixels: NDArray[np.uint8], blobs: Blobs, blob: NDArray[np.integ
         blobs: the bright dots.
         blob: (177,), the one of each marker; negative without one.
     """
-    dots_px = blobs.centroid_px
-    x, y = np.rint(dots_px).astype(np.intp).T
-    wide = np.pad(pixels, 1)
-    peak = np.max([wide[y + i, x + j] for i in range(3) for j in range(3)], axis=0).astype(float)
-    markers = blob[blob >= 0]
-    if len(markers) <= _NEAREST:
+    seen = np.flatnonzero(blob >= 0)
+    if not len(seen):
         return 0
-    apart = np.hypot(*(dots_px[:, None] - dots_px[markers]).transpose(2, 0, 1))
-    near = np.argpartition(apart, _NEAREST, axis=1)[:, :_NEAREST]
-    usual = np.percentile(peak[markers][near], _USUAL, axis=1)
-    middle_px = dots_px[markers].mean(axis=0)
-    reach_px = np.hypot(*(dots_px[markers] - middle_px).T).max()
-    inside = np.hypot(*(dots_px - middle_px).T) <= reach_px
-    return int((inside & (peak > _GLINT * usual)).sum())
+    dots_px = blobs.centroid_px
+    peak = _find_peaks(pixels, dots_px)
+    marker = np.full(N_MARKERS + 1, np.nan)  # the last one for neighbours that there are none
+    marker[seen] = peak[blob[seen]]
+    around = np.sort(marker[NEIGHBOURS], axis=1)  # NaN last
+    n_around = np.isfinite(around).sum(axis=1)
+    usual = around[np.arange(N_MARKERS), (_USUAL * np.maximum(n_around - 1, 0)).astype(np.intp)]
+    nearest = np.full(len(dots_px), -1)
+    nearest[blob[seen]] = seen
+    free = np.flatnonzero(nearest < 0)
+    apart = np.hypot(*(dots_px[free, None] - dots_px[blob[seen]]).transpose(2, 0, 1))
+    pitch_px = math.sqrt(_measure_area(dots_px[blob[seen]]) / N_MARKERS)
+    beside = apart.min(axis=1) < pitch_px
+    nearest[free[beside]] = seen[apart[beside].argmin(axis=1)]
+    on_gel = nearest >= 0
+    return int((peak[on_gel] > _GLINT * usual[nearest[on_gel]]).sum())
+
+
+def _measure_area(dots_px: NDArray[np.float64]) -> float:
+    """Returns the area of the disc around dots, px²."""
+    return math.pi * float(((dots_px - dots_px.mean(axis=0)) ** 2).sum(axis=1).max())
+
+
+def _find_peaks(pixels: NDArray[np.uint8], dots_px: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Returns the brightest of 3 x 3 pixels around each dot."""
+    x, y = np.rint(dots_px).astype(np.intp).T
+    x, y = np.clip(x, 1, SENSOR_WIDTH_PX - 2), np.clip(y, 1, SENSOR_HEIGHT_PX - 2)
+    step = np.arange(-1, 2)
+    around = pixels[y[:, None, None] + step[:, None], x[:, None, None] + step]
+    peaks: NDArray[np.float64] = around.max(axis=(1, 2)).astype(np.float64)
+    return peaks
