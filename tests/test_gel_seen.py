@@ -173,6 +173,19 @@ def test_the_true_reason_is_said_within_three_seconds_everywhere(name):
     assert not play.pressed_while_lost
 
 
+@pytest.mark.parametrize(
+    ("hz", "fix"), [(100.0, "lamp on the mains"), (120.0, "lamp on the mains"), (240.0, "LED ring")]
+)
+def test_the_light_that_flickers_is_named_and_the_fix_fits_it(hz, fix):
+    play = Play(Condition(GelProblem.FLICKER, ""))
+    play.pipeline.rest.detector.note_flicker(hz)
+    play.run(1.0)
+    gel = play.control.status()["gel"]
+    assert gel["text"] == f"found: the light flickers at {hz:.0f} Hz"
+    assert fix in gel["fix"]
+    assert (gel["found"], gel["flicker_hz"]) == (True, hz)
+
+
 def test_nothing_is_said_of_a_gel_that_is_played_as_usual():
     play = Play(Condition(GelProblem.DARK, "", scene="three-fingers"))
     play.run(5.0)

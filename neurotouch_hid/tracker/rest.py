@@ -196,6 +196,13 @@ class RestDetector:
         """The gel as the frames so far show it."""
         return self._watch.state
 
+    def note_flicker(self, hz: float | None) -> None:
+        """Takes the frequency at which the light flickers, as events show it; None if it does not.
+
+        ``gel`` then names it.
+        """
+        self._watch.flicker_hz = hz
+
     @property
     def is_watching(self) -> bool:
         """True while there is no frame yet and events may show the gel."""
