@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import N_MARKERS, fit_rig
 from neurotouch_hid.messages import MarkerField
-from neurotouch_hid.status import PadFacts, RumbleState
+from neurotouch_hid.status import GelFacts, PadFacts, RumbleState
 from neurotouch_hid.vocabulary import Phase, PipelineState
 
 STEP_MM: Final = 0.01
@@ -159,6 +159,7 @@ class State(TypedDict):
         state: ``running``, ``paused`` or ``panic``.
         profile: the active profile.
         layer: its active layer.
+        gel: the gel as the camera sees it.
         gesture: the gesture.
         pad: the outputs.
         actions: the latest decisions, oldest first.
@@ -171,6 +172,7 @@ class State(TypedDict):
     state: PipelineState
     profile: str
     layer: str
+    gel: GelFacts
     gesture: GestureState
     pad: PadState
     actions: list[Action]

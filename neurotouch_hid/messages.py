@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.vocabulary import Axis, Button, GestureKind
+from neurotouch_hid.vocabulary import Axis, Button, GelProblem, GestureKind
 
 __all__ = [
     "EVENT_DTYPE",
@@ -23,6 +23,8 @@ __all__ = [
     "EventPacket",
     "Frame",
     "GamepadState",
+    "GelProblem",
+    "GelState",
     "Gesture",
     "GestureKind",
     "MarkerField",
@@ -91,6 +93,44 @@ class RestField:
 
     t_us: int
     position_px: NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GelState:
+    """The gel as the camera sees it; a new object only when something has changed.
+
+    Attributes:
+        is_found: the places of the markers at rest are known, so gestures count.
+        was_found: they have been known before; without ``is_found`` the gel is lost.
+        problem: the problem. A gel that is found may have one too.
+        n_seen: markers seen at their places; all bright dots, if they form no lattice.
+        missing: markers that are not seen, as places in ``geometry.LATTICE_MM``; empty if the
+            places of the markers are unknown.
+        missing_px: where they should be in the image, (x, y) px each.
+        px_per_mm: scale of the image; None if it is unknown, as are the next four.
+        rotation_deg: turn of the lattice in the image, clockwise, with ``is_found`` only.
+        bend_px: largest deviation of the markers from a smooth lattice.
+        scatter_px: how far single markers are off that lattice, standard deviation.
+        blur_px: width of the point spread, standard deviation.
+        flicker_hz: frequency at which the light flickers; None if it is steady.
+        n_glints: bright spots among the markers that are none.
+        moved_mm: how far the gel is from where it was found first.
+    """
+
+    is_found: bool = False
+    was_found: bool = False
+    problem: GelProblem = GelProblem.WAITING
+    n_seen: int = 0
+    missing: tuple[int, ...] = ()
+    missing_px: tuple[tuple[float, float], ...] = ()
+    px_per_mm: float | None = None
+    rotation_deg: float | None = None
+    bend_px: float | None = None
+    scatter_px: float | None = None
+    blur_px: float | None = None
+    flicker_hz: float | None = None
+    n_glints: int = 0
+    moved_mm: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -205,7 +245,7 @@ class Step:
     """One step of the pipeline: its packet and the result of each stage.
 
     It contains no host time, so that two runs can be compared bit by bit. ``rest`` is the anchor
-    taken in this step, or None.
+    taken in this step, or None. ``gel`` is what the frames so far show of the gel.
     """
 
     packet: EventPacket
@@ -213,3 +253,4 @@ class Step:
     markers: MarkerField
     gesture: Gesture
     pad: GamepadState
+    gel: GelState

@@ -42,6 +42,46 @@ class ErrorNote(TypedDict):
     error: str
 
 
+class GelFacts(TypedDict):
+    """Facts about the gel as the camera sees it.
+
+    Attributes:
+        found: the places of the dots are known, so gestures count.
+        problem: the problem in a word; empty without one.
+        text: ``found``, or the problem in a sentence.
+        fix: the fix; empty without a problem.
+        seen: dots seen at their places; all bright dots, if they form no lattice.
+        missing: dots that are not seen, counted from 0, row by row from the top left.
+        named: the same in words.
+        missing_px: where they should be in the picture, [x, y] px.
+        px_per_mm: scale of the picture; None if it is unknown, as are the next four.
+        rotation_deg: turn of the gel in the picture, clockwise.
+        bend_px: how far the dots are from a smooth lattice.
+        scatter_px: how far single dots are off that lattice.
+        blur_px: how blurred each dot is.
+        flicker_hz: frequency at which the light flickers; None if it is steady.
+        glints: bright spots among the dots that are none.
+        moved_mm: how far the gel is from where it was found first.
+    """
+
+    found: bool
+    problem: str
+    text: str
+    fix: str
+    seen: int
+    missing: list[int]
+    named: str
+    missing_px: list[list[float]]
+    px_per_mm: float | None
+    rotation_deg: float | None
+    bend_px: float | None
+    scatter_px: float | None
+    blur_px: float | None
+    flicker_hz: float | None
+    glints: int
+    moved_mm: float
+
+
 class PipelineStatus(TypedDict):
     """Status of a running pipeline.
 
@@ -51,7 +91,7 @@ class PipelineStatus(TypedDict):
         profile: name of the profile that is active.
         layer: name of its layer that is active.
         markers_tracked: how many of the 177 are measured.
-        gel: ``found``, or what keeps it from being found.
+        gel: the gel as the camera sees it.
         gesture: the gesture now, ``none`` at rest.
         ignored: the last gesture that had no effect, and why, in a sentence; None without.
         silent_s: for how long nothing has come from the source; 0 while it comes.
@@ -72,7 +112,7 @@ class PipelineStatus(TypedDict):
     profile: str
     layer: str
     markers_tracked: int
-    gel: str
+    gel: GelFacts
     gesture: str
     ignored: str | None
     silent_s: float

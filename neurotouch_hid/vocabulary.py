@@ -79,6 +79,34 @@ class Axis(StrEnum):
     DPAD_Y = "dpad_y"
 
 
+class GelProblem(StrEnum):
+    """The problems of a gel in the camera's picture; ``NONE`` is false."""
+
+    __hash__ = str.__hash__
+
+    NONE = ""
+    WAITING = "waiting"
+    NO_FRAMES = "no_frames"
+    EVENTS_ONLY = "events_only"
+    DARK = "dark"
+    BRIGHT = "bright"
+    NO_DOTS = "no_dots"
+    BLURRED = "blurred"
+    SMALL = "small"
+    LARGE = "large"
+    OUTSIDE = "outside"
+    FAINT = "faint"
+    MISSING = "missing"
+    GLINTS = "glints"
+    IRREGULAR = "irregular"
+    BENT = "bent"
+    TOUCHED = "touched"
+    LEARNING = "learning"
+    MOVED = "moved"
+    RESTS = "rests"
+    FLICKER = "flicker"
+
+
 class SourceKind(StrEnum):
     """Kind of a source, given by the first word of its name."""
 

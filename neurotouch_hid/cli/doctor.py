@@ -14,6 +14,7 @@ from neurotouch_hid.cli.ui.output import echo, json_option, paint, plain_option,
 
 if TYPE_CHECKING:
     from neurotouch_hid.doctor import Finding
+    from neurotouch_hid.doctor.directions import Advice
 
 _COLOURS = {"OK": "green", "WARNING": "yellow", "FAILED": "red", "SKIPPED": "cyan"}
 
@@ -22,12 +23,18 @@ _COLOURS = {"OK": "green", "WARNING": "yellow", "FAILED": "red", "SKIPPED": "cya
     epilog="\b\nExamples:\n"
     "  neurotouch doctor\n"
     "  neurotouch doctor --keys                   also try the keys that stop everything\n"
+    "  neurotouch doctor --directions             also find a mirrored or turned picture\n"
     "  neurotouch doctor --fix-script > fix.sh    read it, then: sh fix.sh\n"
     "  neurotouch doctor --json | jq '.[] | select(.status == \"FAILED\")'\n\n"
     "Exit code 0 if nothing failed, 1 otherwise."
 )
 @click.option(
     "--keys", is_flag=True, help="Try the keys that stop everything, without a time limit."
+)
+@click.option(
+    "--directions",
+    is_flag=True,
+    help="Ask for one push and one twist, and find a mirrored or turned picture.",
 )
 @click.option(
     "--fix-script", is_flag=True, help="Print a shell script with the fixes; run nothing."
@@ -44,6 +51,7 @@ _COLOURS = {"OK": "green", "WARNING": "yellow", "FAILED": "red", "SKIPPED": "cya
 @json_option
 def command(
     keys: bool,
+    directions: bool,
     fix_script: bool,
     picture: Path | None,
     source: str | None,
@@ -71,6 +79,13 @@ def command(
         findings.append(_try_keys())
         if not quiet:
             _show(findings[-1], plain=plain)
+    if directions:
+        finding, advice = _try_directions(source)
+        findings.append(finding)
+        if not quiet:
+            _show(finding, plain=plain)
+            if advice is not None:
+                _offer(advice)
     if as_json:
         print_json([finding.as_json() for finding in findings])
     elif fix_script:
@@ -126,16 +141,54 @@ def _try_keys() -> "Finding":
     return replace(finding, check=name)
 
 
+def _try_directions(source: str | None) -> "tuple[Finding, Advice | None]":
+    from neurotouch_hid.doctor.directions import try_directions
+    from neurotouch_hid.doctor.finding import CheckStatus, Finding, skip
+    from neurotouch_hid.doctor.inventory import find_driver
+    from neurotouch_hid.errors import NeuroTouchError
+
+    name = "directions"
+    if not sys.stdin.isatty():
+        return replace(skip("They can only be tried in a terminal."), check=name), None
+    if source is None and find_driver() is not None:
+        echo("The running driver reacts to your hand too. To stop it: neurotouch pause", err=True)
+    try:
+        finding, advice = try_directions(source, lambda text: echo(text, err=True), _is_skipped)
+    except NeuroTouchError as error:
+        finding, advice = Finding(CheckStatus.FAILED, error.message, error.hint), None
+    return replace(finding, check=name), advice
+
+
+def _offer(advice: "Advice") -> None:
+    """Asks whether to save what the directions have shown, and does so."""
+    from neurotouch_hid.driver.camera_settings import save_camera_settings
+
+    if not advice.changes or not advice.is_own:
+        return
+    if click.confirm(f"Write this into {advice.path} now?", default=False, err=True):
+        save_camera_settings(advice.path, advice.changes)
+        echo("Saved. It applies at the next start of the driver.")
+
+
+def _is_skipped() -> bool:
+    """Returns True once the person has typed S and Enter, or the terminal has gone."""
+    import select
+
+    if not select.select([sys.stdin], [], [], 0.0)[0]:
+        return False
+    line = sys.stdin.readline()
+    return not line or line.strip().lower() == "s"
+
+
 def _wait_or_skip(happened: Callable[[], bool]) -> bool:
     """Waits until the condition is true; returns False if the person types S and Enter first.
 
     Other lines do not count, because Enter is part of a chord.
     """
-    import select
+    import time
 
     while not happened():
-        if select.select([sys.stdin], [], [], 0.1)[0]:
-            line = sys.stdin.readline()
-            if not line or line.strip().lower() == "s":
-                return False
+        if _is_skipped():
+            return False
+        time.sleep(0.1)
     return True

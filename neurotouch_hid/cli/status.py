@@ -8,7 +8,7 @@ import click
 from neurotouch_hid.cli.ui.output import echo, json_option, print_json
 
 if TYPE_CHECKING:
-    from neurotouch_hid.status import Fatigue, Status
+    from neurotouch_hid.status import Fatigue, GelFacts, Status
 
 _STATES = {
     "running": "OK: running",
@@ -59,10 +59,14 @@ def _list_facts(status: "Status") -> list[str]:
     for error in status["errors"]:
         at = time.strftime("%H:%M:%S", time.localtime(error["at"]))
         lines.append(f"error at {at}: {error['error']}")
+    gel = status["gel"]
+    if not gel["found"]:
+        lines.append(f"WARNING: the gel is {gel['text']}")
+        lines += [f"Fix: {gel['fix']}"] if gel["fix"] else []
     lines += _name_facts(status, _FIRST)
     lines.append(f"source: {'SIMULATED ' if status['simulated'] else ''}{status['source']}")
     lines.append(f"pad: {status['device']}")
-    lines.append(f"gel: {status['gel']}, {status['markers_tracked']} of 177 markers tracked")
+    lines += _describe_gel(gel, status["markers_tracked"])
     lines += _name_facts(status, _FACTS)
     if status["events_lost"]:
         lines.append(f"events lost: {status['events_lost']:,}")
@@ -77,6 +81,18 @@ def _list_facts(status: "Status") -> list[str]:
     return lines
 
 
+def _describe_gel(gel: "GelFacts", n_tracked: int) -> list[str]:
+    """Returns what the camera sees of the gel."""
+    if not gel["found"]:
+        return ["gel: not found, so the pad is neutral"]
+    lines = [f"gel: {gel['text']}, {n_tracked} of 177 markers tracked"]
+    if gel["fix"]:
+        lines.append(f"Fix: {gel['fix']}")
+    if gel["missing"]:
+        lines.append(f"dots not seen: {len(gel['missing'])}, {gel['named']}")
+    return lines
+
+
 def _name_facts(status: "Status", labels: dict[str, str]) -> list[str]:
     found = ((label, status.get(key)) for key, label in labels.items())
     return [f"{label}: {value}" for label, value in found if value is not None]
@@ -88,6 +104,7 @@ def _list_times(status: "Status") -> list[str]:
         f"process: {status['pid']}, for {status['uptime_s']:.0f} s",
         f"events: {status['events_hz']:,} per second, {status['events_lost']:,} lost",
         f"slices: {status['slices_hz']:g} per second",
+        _describe_picture(status["gel"]),
     ]
     lines += [f"time in {name}: {ms:.3f} ms a slice" for name, ms in status["stage_ms"].items()]
     lines += [
@@ -96,6 +113,19 @@ def _list_times(status: "Status") -> list[str]:
         for name, spread in status["stage_spread_ms"].items()
     ]
     return lines
+
+
+def _describe_picture(gel: "GelFacts") -> str:
+    figures = {
+        "scale {:.2f} px/mm": gel["px_per_mm"],
+        "dots blurred by {:.1f} px": gel["blur_px"],
+        "pattern bent by {:.1f} px": gel["bend_px"],
+        "flicker {:.0f} Hz": gel["flicker_hz"],
+        "moved by {:.1f} mm": gel["moved_mm"],
+        "reflections {}": gel["glints"],
+    }
+    known = [words.format(value) for words, value in figures.items() if value is not None]
+    return f"picture: {', '.join(known)}"
 
 
 def _describe_fatigue(fading: "Fatigue") -> str:

@@ -56,6 +56,8 @@ LEFT_OUT: Final = (
 
 _PRIVATE_FACTS: Final = ("desktop",)
 """Key of the driver's status that names the active window."""
+_LONG_FACTS: Final = ("missing", "missing_px")
+"""Keys of each dot that is not seen; the report has them in words."""
 
 _PACKAGES: Final = (
     *("backports.zstd", "click", "evdev-binary", "hidapi", "libusb1", "lz4", "numba", "numpy"),
@@ -280,4 +282,6 @@ def _describe_pad(ours: bool, pad: dict[str, Any]) -> dict[str, Any]:
 
 
 def _strip(status: Status) -> dict[str, Any]:
-    return {key: value for key, value in status.items() if key not in _PRIVATE_FACTS}
+    gel = {key: value for key, value in status["gel"].items() if key not in _LONG_FACTS}
+    kept = {key: value for key, value in status.items() if key not in _PRIVATE_FACTS}
+    return kept | {"gel": gel}

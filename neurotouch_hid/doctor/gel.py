@@ -15,8 +15,15 @@ from numpy.typing import NDArray
 from neurotouch_hid import client as driver
 from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
 from neurotouch_hid.errors import NotRunningError
+from neurotouch_hid.gel_sentences import explain_gel, name_dots
 from neurotouch_hid.geometry import N_MARKERS, fit_rig
-from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, EventPacket, Frame
+from neurotouch_hid.messages import (
+    SENSOR_HEIGHT_PX,
+    SENSOR_WIDTH_PX,
+    EventPacket,
+    Frame,
+    GelState,
+)
 from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.recording.wire import receive_packets
 from neurotouch_hid.source import open_source
@@ -70,11 +77,20 @@ class _Seen:
 
 @dataclass(frozen=True, slots=True)
 class _Gel:
-    """Content of the frames: the detector's last result, the first and the last markers at rest."""
+    """Content of the frames: the detector's last result, the first and the last markers at rest.
+
+    Attributes:
+        n_found: markers in the last frame.
+        state: what the frames show of the gel.
+        chamfer_px2: Chamfer distance of the last frame.
+        is_at_rest: the last frame shows the gel at rest.
+        first_px, last_px: (177, 2) px, the markers at rest; None if they never were.
+    """
 
     n_found: int
-    reason: str
+    state: GelState
     chamfer_px2: float
+    is_at_rest: bool
     first_px: NDArray[np.float32] | None
     last_px: NDArray[np.float32] | None
 
@@ -128,25 +144,12 @@ class GelView:
         low, high = (float(np.percentile(frame.pixels, share)) for share in (50.0, 99.5))
         what = f"{gel.n_found} of {N_MARKERS} markers" if gel.n_found else "No gel can be found"
         sentence = f"{what}, contrast {high - low:.0f}; {saved}"
-        if gel.first_px is None and gel.n_found < _LEAST_MARKERS:
-            return fail(
-                sentence,
-                f"{gel.reason[:1].upper()}{gel.reason[1:]}. Is the LED ring on, the lens cap off, "
-                "the gel in the middle, and no hand on it?",
-            )
-        if gel.n_found < _LEAST_MARKERS:
-            return warn(sentence, "Take the hand off the gel, and clean the lens.")
-        if high - low < _LEAST_CONTRAST:
-            return warn(sentence, "The picture is faint: is the LED ring at full brightness?")
-        if gel.last_px is not None:
-            centre = fit_rig(gel.last_px).centre_px
-            off = np.subtract(centre, ((SENSOR_WIDTH_PX - 1) / 2, (SENSOR_HEIGHT_PX - 1) / 2))
-            if np.hypot(*off) > _MOST_OFF_CENTRE_PX:
-                return warn(
-                    f"{sentence} The gel is {off[0]:+.0f} px, {off[1]:+.0f} px off the middle.",
-                    "Turn the camera until the gel is in the middle of the picture.",
-                )
-        return approve(sentence)
+        if gel.state.problem:
+            why = explain_gel(gel.state)
+            judge = warn if gel.state.is_found else fail
+            return judge(f"{sentence} The gel is {why.text}.", why.fix)
+        fault, fix = _find_fault(gel, high - low)
+        return warn(sentence + fault, fix) if fix else approve(sentence)
 
     def check_rest(self) -> Finding:
         """Checks whether the gel is at rest, and stays there."""
@@ -154,16 +157,17 @@ class GelView:
         if gel is None:
             return skip("Needs frames.")
         if gel.first_px is None or gel.last_px is None:
+            why = explain_gel(gel.state)
             return warn(
-                f"The gel was never at rest: {gel.reason}.",
-                "Take the hand off and look again. If your hand has to rest there: "
-                "'neutral: resting' in user.yaml takes the resting hand as neutral.",
+                f"The gel was never at rest. It is {why.text}.",
+                f"{why.fix} If your hand has to rest on the gel: "
+                "neurotouch profile set user neutral resting",
             )
         moved_px = np.hypot(*(gel.last_px - gel.first_px).T)
         drift_mm = float(np.median(moved_px)) / fit_rig(gel.last_px).px_per_mm
         drift = f"drift {drift_mm:.2f} mm in {LOOK_S:.0f} s."
-        if gel.reason:
-            return warn(f"At the end {gel.reason}; {drift}", "Take the hand off the gel.")
+        if not gel.is_at_rest:
+            return warn(f"At the end the gel is touched; {drift}", "Take the hand off the gel.")
         sentence = (
             f"Chamfer distance {gel.chamfer_px2:.2f} px² (at rest up to "
             f"{RestConfig().max_chamfer_px2} px²), {drift}"
@@ -194,7 +198,7 @@ class GelView:
             lattice = find_lattice(dots, LatticeConfig())
             n_found = 0 if lattice is None else lattice.n_found
         first, last = (rests[0], rests[-1]) if rests else (None, None)
-        return _Gel(n_found, stats.reason, stats.chamfer_px2, first, last)
+        return _Gel(n_found, detector.gel, stats.chamfer_px2, not stats.problem, first, last)
 
     def _open(self, stack: ExitStack) -> tuple[str, Iterable[EventPacket]] | None:
         """Returns the source's name and its packets; None without a source."""
@@ -229,8 +233,9 @@ class GelView:
         apart = np.hypot(*(dots[:, None] - markers).transpose(2, 0, 1)) > _SAME_PX
         for dot, lonely in zip(dots, apart.all(axis=1), strict=True):
             _box(picture, dot, _YELLOW if lonely else _GREEN)
-        for marker in markers[apart.all(axis=0)]:
-            _box(picture, marker, _RED)
+        unseen = markers[apart.all(axis=0)] if len(markers) else gel.state.missing_px
+        for marker in unseen:
+            _box(picture, np.array(marker), _RED)
         self._picture.parent.mkdir(parents=True, exist_ok=True)
         done, encoded = cv2.imencode(".png", picture)
         if not done:
@@ -255,6 +260,27 @@ def _collect(source: str, packets: Iterable[EventPacket]) -> _Seen:
             break
     seconds = 0.0 if begin_us is None or end_us is None else (end_us - begin_us) / 1e6
     return _Seen(source, seconds, events, lost, tuple(frames))
+
+
+def _find_fault(gel: _Gel, contrast: float) -> tuple[str, str]:
+    """Returns what is wrong with a gel that is found, and the fix; empty if nothing is."""
+    if gel.n_found < _LEAST_MARKERS:
+        missing = name_dots(gel.state.missing)
+        return (
+            f" Dots not seen: {missing}.",
+            "Clean the gel and the lens, and light all of the gel.",
+        )
+    if contrast < _LEAST_CONTRAST:
+        return "", "The picture is faint: is the LED ring at full brightness?"
+    if gel.last_px is not None:
+        centre = fit_rig(gel.last_px).centre_px
+        off = np.subtract(centre, ((SENSOR_WIDTH_PX - 1) / 2, (SENSOR_HEIGHT_PX - 1) / 2))
+        if np.hypot(*off) > _MOST_OFF_CENTRE_PX:
+            return (
+                f" The gel is {off[0]:+.0f} px, {off[1]:+.0f} px off the middle.",
+                "Turn the camera until the gel is in the middle of the picture.",
+            )
+    return "", ""
 
 
 def _box(picture: NDArray[np.uint8], at_px: NDArray[np.float64], colour: _Colour) -> None:

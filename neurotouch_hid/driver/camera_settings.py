@@ -1,5 +1,6 @@
 """The settings of a person's camera: the file ``camera.yaml`` beside the person's own values."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Final
 
@@ -7,12 +8,14 @@ from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
 from neurotouch_hid.players import find_user_file
+from neurotouch_hid.profile.editing import ProfileText, Store, read_text, set_value
 from neurotouch_hid.profile.reading import load_settings
-from neurotouch_hid.profile.schema import Strict, check_version, give_unit
+from neurotouch_hid.profile.schema import Strict, check_version, give_unit, make_optional
 from neurotouch_hid.source.davis.config import Biases, DavisConfig
 from neurotouch_hid.source.davis.registers import CoarseFine
 
 FILE: Final = "camera.yaml"
+_NEW: Final = "version: 1\n"
 _USUAL: Final = DavisConfig()
 
 
@@ -76,6 +79,12 @@ class CameraSettings(Strict):
     mirrored: bool = Field(
         default=False, description="The camera sees the gel mirrored. Default: false."
     )
+    rotation_deg: Annotated[float, Field(ge=-360.0, le=360.0)] | None = Field(
+        default=None,
+        description="Turn of the gel in the picture, clockwise: the nearest quarter turn to it is "
+        "taken. 'neurotouch doctor --directions' finds it. Default: the last one.",
+        json_schema_extra=make_optional(),
+    )
     biases: BiasSettings = Field(
         default_factory=BiasSettings, description="For another light. Default: see there."
     )
@@ -104,6 +113,37 @@ def find_camera_file(player: int | None = None) -> Path:
     return find_user_file(player).with_name(FILE)
 
 
+def load_camera_settings(player: int | None = None) -> CameraSettings:
+    """Returns the settings as they are written; the defaults if there is no file.
+
+    Args:
+        player: the player number; None means the one of the environment.
+
+    Raises:
+        ProfileError: the file says something we cannot do; every mistake has line and column.
+    """
+    return load_settings(find_camera_file(player), CameraSettings)
+
+
+def save_camera_settings(path: Path, changes: Mapping[str, object]) -> None:
+    """Writes some values into a file of these settings; makes it if there is none.
+
+    Args:
+        path: the file.
+        changes: the values, by their keys; comments and all else in the file stay.
+
+    Raises:
+        ProfileError: the file has errors, or it cannot be written.
+    """
+    text, before = ProfileText(_NEW, str(path)), None
+    if path.exists():
+        load_settings(path, CameraSettings)
+        text, before = read_text(path)
+    for key, value in changes.items():
+        text = set_value(text, key, value, CameraSettings)
+    Store(path, lambda: "").save(text.encode(), over=before, keep=False)
+
+
 def load_camera_config(player: int | None = None) -> DavisConfig:
     """Returns the settings; the defaults if there is no file.
 
@@ -114,4 +154,4 @@ def load_camera_config(player: int | None = None) -> DavisConfig:
         ProfileError: the file says something we cannot do; every mistake has line and column.
         CameraError: a pixel is outside.
     """
-    return load_settings(find_camera_file(player), CameraSettings).config
+    return load_camera_settings(player).config

@@ -15,6 +15,7 @@ from neurotouch_hid.driver.check import check_copilot
 from neurotouch_hid.driver.chosen import Chosen, choose_first
 from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.driver.kernel_loading import load_kernels
+from neurotouch_hid.driver.last_gel import LastGel
 from neurotouch_hid.driver.options import DriverOptions
 from neurotouch_hid.driver.pad_opening import open_bare_pad, open_driver_pad
 from neurotouch_hid.driver.people import People
@@ -208,22 +209,31 @@ class Driver(Closing):
                 check_device(options.device, options.identity)
             check_copilot(options)
             self._load_kernels()
+        last = LastGel(options.player) if self._is_camera() else None
         self.pipeline = Pipeline.build(
             self.profile,
             GestureConfig(method=options.method),
             user=chosen.user if options.personal else None,
             rig=self.source.rig,
+            near_rad=0.0 if last is None else last.rotation_rad,
             frame_thread=options.speed == "recorded"
             and (self.source.is_live or self.source.is_simulated)
             # A recording gives the same steps at any speed, also one of a simulation.
             and find_source_kind(options.source) is not SourceKind.RECORDING,
         )
         closing.callback(self.pipeline.close)
+        if last is not None:
+            closing.callback(lambda: last.remember(self.pipeline.gel))
         if options.is_listening:
             self._attach(chosen, socket)
         else:
             bare = open_bare_pad(options, self.profile, self._make_device)
             self.device = closing.enter_context(bare)
+
+    def _is_camera(self) -> bool:
+        """Returns whether a gel lies before a camera; of a recording, nothing is remembered."""
+        is_recording = find_source_kind(self.options.source) is SourceKind.RECORDING
+        return self.source.is_live and not (self.source.is_simulated or is_recording)
 
     def _attach(self, chosen: Chosen, socket: ControlSocket | None) -> None:
         """Opens the pad with all who play on it, and everything around the pipeline."""

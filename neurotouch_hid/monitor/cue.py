@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from neurotouch_hid.gel_sentences import explain_gel
 from neurotouch_hid.gesture import GestureConfig
-from neurotouch_hid.messages import GestureKind, Step
+from neurotouch_hid.messages import GelProblem, GelState, GestureKind, Step
 from neurotouch_hid.profile.decision_log import MappingDecision
 from neurotouch_hid.profile.schema import Volumes
 
@@ -28,6 +29,7 @@ class CueKind(StrEnum):
     PANIC = "panic"
     PAUSE = "pause"
     LOST = "lost"
+    FOUND = "found"
     RESUME = "resume"
     LAYER = "layer"
     ACCEPT = "accept"
@@ -57,6 +59,8 @@ class CueFacts:
         state: ``running``, ``paused`` or ``panic``.
         profile: the active profile.
         layer: its active layer.
+        gel: whether the gel is found, and its problem.
+        gel_words: the same in words.
         tracked: markers that are measured.
         gesture: the type of the gesture, ``none`` at rest.
         decisions: the latest ones, oldest first.
@@ -65,6 +69,8 @@ class CueFacts:
     state: str
     profile: str
     layer: str
+    gel: tuple[bool, str]
+    gel_words: str
     tracked: int
     gesture: str
     decisions: tuple[MappingDecision, ...]
@@ -72,10 +78,13 @@ class CueFacts:
 
 def take_facts(step: Step | None, mapping: "Mapping") -> CueFacts:
     """Returns the facts of a step that ``mapping`` has carried out; None: before the first."""
+    gel = GelState() if step is None else step.gel
     return CueFacts(
         mapping.state,
         mapping.profile.name,
         mapping.layer,
+        (gel.is_found, gel.problem),
+        explain_gel(gel).text,
         0 if step is None else int(np.count_nonzero(step.markers.valid)),
         GestureKind.NONE.label if step is None else step.gesture.kind.label,
         mapping.decisions(),
@@ -98,6 +107,7 @@ class CueFinder:
         self._last: MappingDecision | None = None
         self._gesture = first.gesture
         self._tracked = first.tracked >= _FOUND
+        self._gel = first.gel
         self._take_new(first.decisions)
 
     def find(self, now: CueFacts) -> list[Cue]:
@@ -105,7 +115,7 @@ class CueFinder:
 
         Only one sound can be played at a time, so the most important comes first.
         """
-        heard: list[Cue | None] = [self._hear_state(now), self._hear_tracker(now)]
+        heard = [self._hear_state(now), self._hear_gel(now), self._hear_tracker(now)]
         acting = self._hear_layer(now), self._hear_decisions(now), self._hear_begin(now)
         if now.state == "running":
             heard += acting
@@ -122,10 +132,21 @@ class CueFinder:
                 return Cue(CueKind.PAUSE, "paused")
         return Cue(CueKind.RESUME, "resumed")
 
+    def _hear_gel(self, now: CueFacts) -> Cue | None:
+        before, self._gel = self._gel, now.gel
+        if self._gel == before:
+            return None
+        if now.gel[1]:
+            return Cue(CueKind.LOST, f"gel {now.gel_words}")
+        if before[0] or before[1] == GelProblem.WAITING:
+            return None  # it is fine from the start, or again
+        return Cue(CueKind.FOUND, "gel found")
+
     def _hear_tracker(self, now: CueFacts) -> Cue | None:
         before = self._tracked
         self._tracked = now.tracked >= (_LOST if before else _FOUND)
-        return Cue(CueKind.LOST, "gel lost") if before and not self._tracked else None
+        gone = before and not self._tracked and now.gel[0]  # else the reason is known, and said
+        return Cue(CueKind.LOST, "gel lost") if gone else None
 
     def _hear_layer(self, now: CueFacts) -> Cue | None:
         before, self._place = self._place, (now.profile, now.layer)
@@ -180,4 +201,6 @@ def choose_volume(kind: CueKind, volumes: Volumes, *, waits: bool) -> int:
             return ACCEPT_VOLUME if waits else 0
         case CueKind.PANIC | CueKind.RESUME:
             return volumes.pause
+        case CueKind.FOUND:
+            return volumes.lost
     return int(getattr(volumes, kind))

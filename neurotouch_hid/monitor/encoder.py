@@ -16,12 +16,14 @@ from neurotouch_hid.driver_state import (
     State,
     pack,
 )
-from neurotouch_hid.messages import GamepadState, GestureKind, Step
+from neurotouch_hid.gel_sentences import report_gel
+from neurotouch_hid.messages import GamepadState, GelState, GestureKind, Step
 from neurotouch_hid.monitor.sentence import describe_step
 from neurotouch_hid.profile import MappingDecision
 from neurotouch_hid.profile.engine import ConditionedGesture
 from neurotouch_hid.profile.schema import resolve_times
 from neurotouch_hid.runtime import PipelineControl
+from neurotouch_hid.status import GelFacts
 from neurotouch_hid.vocabulary import PipelineState
 
 SLOW_S: Final = 0.5
@@ -62,6 +64,7 @@ class StateEncoder:
         self._tell_facts, self._tell_source = tell_facts, tell_source
         self._markers = MarkerWriter()
         self._n = 0
+        self._gel: tuple[GelState, GelFacts] | None = None
         self._health: Health | None = None
         self._health_s = 0.0
 
@@ -90,6 +93,7 @@ class StateEncoder:
             "state": sample.state,
             "profile": sample.profile,
             "layer": sample.layer,
+            "gel": self._report_gel(sample.step.gel),
             "gesture": _describe_gesture(sample),
             "pad": _describe_pad(sample.step.pad),
             "actions": [
@@ -98,6 +102,12 @@ class StateEncoder:
             "slow": self._health,
         }
         return pack(state, self._markers.write(sample.step.markers))
+
+    def _report_gel(self, gel: GelState) -> GelFacts:
+        """Returns the facts about the gel, which change seldom."""
+        if self._gel is None or self._gel[0] is not gel:
+            self._gel = gel, report_gel(gel)
+        return self._gel[1]
 
     def _measure(self, step: Step) -> Health:
         meter, mapping = self._control.meter, self._control.mapping

@@ -51,6 +51,8 @@ def describe_step(step: Step, state: str) -> str:
         step: one step of the pipeline.
         state: of the mapping: running, paused or panic.
     """
+    if not step.gel.is_found:
+        return "No gel is found"
     said = describe_gesture(step.gesture)
     outcome = describe_outputs(step.pad)
     if state != "running":

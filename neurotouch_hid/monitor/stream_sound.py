@@ -37,10 +37,13 @@ class StreamSound(Closing):
         head = read_head(state)
         if head["slow"].get("plays_sound", True):
             return False
+        gel = head["gel"]
         facts = CueFacts(
             head["state"],
             head["profile"],
             head["layer"],
+            (gel["found"], gel["problem"]),
+            gel["text"],
             int(read_markers(state)[1].sum()),
             head["gesture"]["kind"],
             tuple(MappingDecision(*action) for action in head["actions"]),  # type: ignore[arg-type]

@@ -6,8 +6,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from neurotouch_hid.gel_sentences import explain_gel
 from neurotouch_hid.geometry import LATTICE_MM, PITCH_MM, fit_rig
-from neurotouch_hid.messages import Axis, Button, GamepadState, GestureKind, Step
+from neurotouch_hid.messages import Axis, Button, GamepadState, GelProblem, GestureKind, Step
 from neurotouch_hid.monitor.sentence import describe_gesture, describe_outputs
 from neurotouch_hid.monitor.text_output import Writable
 from neurotouch_hid.printable import make_printable
@@ -24,7 +25,7 @@ _HALF = (len(_BUTTONS) + 1) // 2  # two rows, so that 80 columns are enough
 
 
 class LinesMonitor:
-    """A tap that prints a line whenever the gesture or the pressed controls change.
+    """A tap that prints a line whenever the gesture, the pressed controls or the gel change.
 
     Args:
         out: the lines are written there.
@@ -38,6 +39,7 @@ class LinesMonitor:
         self._out = out
         self._decisions = decisions
         self._said = ""
+        self._gel = True, GelProblem.NONE
         self._peak_mm = 0.0
         self._due_us = self._told_us = -(1 << 62)
 
@@ -47,19 +49,30 @@ class LinesMonitor:
             if decision.t_us > self._told_us and decision.is_refusal:
                 self._write(step, str(decision))
         self._told_us = step.gesture.t_us
+        if step.gel.problem is GelProblem.WAITING:
+            return
+        self._write_gel(step)
         self._peak_mm = max(self._peak_mm, step.gesture.intensity_mm)
         if step.gesture.t_us < self._due_us:
             return
         pressed = ", ".join(str(control) for control in sorted(_pressed(step)))
-        said = f"{step.gesture.kind.label} {pressed}"
+        said = f"{step.gesture.kind.label} {pressed} {step.gel.is_found}"
         if said != self._said:
             self._said = said
             self._due_us = step.gesture.t_us + int(LINE_INTERVAL_S * 1e6)
-            gesture = describe_gesture(step.gesture)
+            gesture = describe_gesture(step.gesture) if step.gel.is_found else "no gel"
             if step.gesture.kind is GestureKind.NONE:
                 gesture += f" (peak {self._peak_mm:.1f} mm)" if self._peak_mm else ""
                 self._peak_mm = 0.0
             self._write(step, f"{gesture}; pad {describe_outputs(step.pad) or 'neutral'}")
+
+    def _write_gel(self, step: Step) -> None:
+        gel = step.gel.is_found, step.gel.problem
+        if gel == self._gel:
+            return
+        self._gel = gel
+        sentence = explain_gel(step.gel)
+        self._write(step, f"gel {sentence.text}. {sentence.fix}".rstrip())
 
     def _write(self, step: Step, words: str) -> None:
         self._out.write(f"{step.gesture.t_us / 1e6:8.2f} s  {words}\n")
@@ -122,7 +135,7 @@ def draw_step(step: Step, title: str) -> list[str]:
         f"gesture    {describe_gesture(gesture)}",
         f"intensity  {_bar(gesture.intensity_mm / 18)} {gesture.intensity_mm:5.1f} mm",
         f"markers    {tracked} of {len(LATTICE_MM)} tracked",
-        "",
+        f"gel        {explain_gel(step.gel).text}",
         *(f"{axis:<14} {_axis(axis, pad.axes.get(axis, 0.0))}" for axis in Axis),
         "",
         f"buttons    {_list_buttons(pad, _BUTTONS[:_HALF])}",

@@ -29,6 +29,7 @@ PATTERNS: Final[dict[CueKind, tuple[Note, ...]]] = {
     CueKind.RESUME: ((440.0, 0.12), (659.0, 0.18)),
     CueKind.PANIC: ((494.0, 0.1), (330.0, 0.1), (494.0, 0.1), (330.0, 0.2)),
     CueKind.LOST: ((523.0, 0.1), (392.0, 0.1), (262.0, 0.25)),
+    CueKind.FOUND: ((262.0, 0.1), (392.0, 0.1), (523.0, 0.25)),
 }
 """Number, direction and pitch of the notes differ. All are below 1.2 kHz, because age takes the
 hearing of high notes first. Good news rises, bad news falls."""

@@ -6,6 +6,7 @@ from typing import Final
 
 from neurotouch_hid.driver_state import Action, Health, State
 from neurotouch_hid.profile.decision_log import describe_decision
+from neurotouch_hid.status import GelFacts
 
 SAY_S: Final = 0.5
 """Shortest time between two sentences about one subject, so that a screen reader can follow."""
@@ -28,6 +29,7 @@ class LineWriter:
     def __init__(self) -> None:
         self._shape = self._said = ""
         self._place: tuple[str, ...] = ()
+        self._gel: tuple[bool, str] = True, ""
         self._said_s = self._health_s = float("-inf")
         self._told: tuple[int, str] | None = None
 
@@ -45,6 +47,7 @@ class LineWriter:
             profile, layer, state, source = place
             simulated = "SIMULATED " if slow["simulated"] else ""
             yield f"driver: {state}, profile {profile}, layer {layer}, source {simulated}{source}"
+        yield from self._write_gel(head["gel"])
         yield from self._write_actions(head["actions"])
         shape = re.sub(r"[\d.]+", "", head["say"])
         if shape != self._shape and now_s - self._said_s >= SAY_S:
@@ -54,6 +57,12 @@ class LineWriter:
             self._health_s = now_s
             yield describe_health(slow)
             yield describe_times(slow)
+
+    def _write_gel(self, gel: GelFacts) -> Iterator[str]:
+        found = gel["found"], gel["problem"]
+        if found != self._gel:
+            self._gel = found
+            yield f"gel: {gel['text']}. {gel['fix']}".rstrip()
 
     def _write_actions(self, actions: list[Action]) -> Iterator[str]:
         new = [each for each in actions if self._told is None or each[0] > self._told[0]]
@@ -100,6 +109,7 @@ def draw_picture(head: State) -> list[str]:
         f"{head['state']}",
         "",
         head["say"],
+        f"gel {head['gel']['text']}",
         f"{gesture['movement'].replace('_', ' '):<12} {bar} {gesture['felt_mm']:5.1f} mm",
         "",
     ]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from neurotouch_hid.device import Device
 from neurotouch_hid.errors import GelNotFoundError
+from neurotouch_hid.gel_sentences import explain_gel
 from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.runtime.pipeline import Pipeline
 from neurotouch_hid.runtime.pipeline_control import PipelineControl
@@ -105,9 +106,9 @@ def run_pipeline(
 
 
 def _require_gel(pipeline: Pipeline) -> None:
-    seen = pipeline.rest.detector.stats()
-    if not seen.n_references:
+    gel = pipeline.gel
+    if not gel.was_found:
+        sentence = explain_gel(gel)
         raise GelNotFoundError(
-            f"No gel detected in this source: {seen.reason}.",
-            hint="Is the LED ring on, the lens cap off, and no hand on the gel at the start?",
+            f"No gel was found in this source: {sentence.why}.", hint=sentence.fix or None
         )

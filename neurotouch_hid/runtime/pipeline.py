@@ -5,7 +5,14 @@ from typing import Final
 
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
-from neurotouch_hid.messages import EventPacket, GestureKind, RestField, Step
+from neurotouch_hid.messages import (
+    EventPacket,
+    GelProblem,
+    GelState,
+    GestureKind,
+    RestField,
+    Step,
+)
 from neurotouch_hid.profile import Mapping, Profile, UserSettings
 from neurotouch_hid.runtime.stage_timing import StageTimings
 from neurotouch_hid.runtime.worker import FrameExchange, InlineRest, ThreadedRest
@@ -58,6 +65,7 @@ class Pipeline:
         *,
         user: UserSettings | None = None,
         rig: Rig | None = None,
+        near_rad: float = 0.0,
         frame_thread: bool = False,
     ) -> "Pipeline":
         """Builds the pipeline as it is shipped.
@@ -67,13 +75,14 @@ class Pipeline:
             gesture: the method that recognises them.
             user: the person's own values with their neutral pose; without, the reference hand.
             rig: known view of the sensor, if there is a rig file.
+            near_rad: without, the turn of the lattice in the image that is expected.
             frame_thread: process frames in a thread beside the pipeline. Otherwise the pipeline
                 does it itself, so that a recording gives the same Steps bit for bit at any speed.
         """
         if user is not None:
             gesture = replace(gesture, neutral=user.neutral)
         finder = BlobFinder()
-        detector = RestDetector(rig=rig, finder=finder)
+        detector = RestDetector(rig=rig, finder=finder, near_rad=near_rad)
         rest: FrameExchange = (
             ThreadedRest(detector, finder) if frame_thread else InlineRest(detector)
         )
@@ -113,7 +122,15 @@ class Pipeline:
             pad = self.mapping.update(gesture)
         if "rezero" in pad.commands:
             self.recognizer.rezero()
-        return Step(packet, self._anchor, markers, gesture, pad)
+        return Step(packet, self._anchor, markers, gesture, pad, self.gel)
+
+    @property
+    def gel(self) -> GelState:
+        """The gel as the frames show it; a hand that may rest on it is no problem."""
+        gel = self.rest.detector.gel
+        if gel.problem is GelProblem.RESTS and self.recognizer.neutral == "resting":
+            return replace(gel, problem=GelProblem.NONE)
+        return gel
 
     @property
     def is_idle(self) -> bool:
@@ -124,7 +141,7 @@ class Pipeline:
     def is_at_rest(self) -> bool:
         """True if it is idle, and the newest frame that was processed showed the gel at rest."""
         seen = self.rest.detector.stats()
-        return self.is_idle and seen.n_rest > 0 and not seen.reason
+        return self.is_idle and seen.n_rest > 0 and not seen.problem
 
     def process_frames(self, step: Step) -> None:
         """Hands over the frames of a finished step, and takes the result of earlier ones.
@@ -154,6 +171,10 @@ class Pipeline:
     def _exchange(self, packet: EventPacket) -> RestField | None:
         with self.timings.rest:
             result = self.rest.exchange(packet)  # newest result or None; never blocks
+        gel = self.rest.detector.gel
+        if gel.was_found and not gel.is_found:
+            self.tracker.forget()
+            return None
         if result is None:
             return None
         if result.rest is not None:

@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Final
 
+from neurotouch_hid.gel_sentences import report_gel
 from neurotouch_hid.messages import Button, Step
 from neurotouch_hid.profile import Mapping, Profile, UserSettings
 from neurotouch_hid.runtime.command_queue import Command, CommandName, CommandQueue
@@ -112,7 +113,6 @@ class PipelineControl:
         mapping, step = self._pipeline.mapping, self._step
         counts, rates = self.meter.counts, self.meter.rates
         valid = step.markers.valid if step is not None else ()
-        gel = self._pipeline.rest.detector.stats()
         silent_s = time.monotonic() - self.meter.step_s
         return {
             "pid": os.getpid(),
@@ -120,7 +120,7 @@ class PipelineControl:
             "profile": mapping.profile.name,
             "layer": mapping.layer,
             "markers_tracked": sum(map(bool, valid)),
-            "gel": "found" if gel.n_references else gel.reason or "not seen yet",
+            "gel": report_gel(self._pipeline.gel),
             "gesture": step.gesture.kind.label if step is not None else "none",
             "ignored": self._find_ignored(),
             "silent_s": round(silent_s, 3) if silent_s > STALL_S else 0.0,

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import N_MARKERS, Rig
+from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, EventPacket, RestField
 from neurotouch_hid.tracker.blobs import BlobFinder
 from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig, find_lattice
@@ -26,14 +26,17 @@ class EventFrame:
     A bright marker that moves a little leaves a spot of ON events where it goes and one of OFF
     events where it was. If both spots of nearly all markers are close together, no marker has moved
     far. Its place at rest is then half way between them, to about half a pixel.
+
+    Attributes:
+        n_found: markers that the events show so far.
     """
 
-    def __init__(self, rig: Rig | None = None) -> None:
-        self._rig = rig
+    def __init__(self, rig: Rig | None = None, near_rad: float = 0.0) -> None:
+        self._rig, self._near_rad = rig, near_rad
         self._finder = BlobFinder()
         self._net: NDArray[np.float64] = np.zeros((SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX))
         self._next_us: int | None = None
-        self.reason = "no events yet"
+        self.n_found = 0
 
     def update(self, packet: EventPacket) -> RestField | None:
         """Returns all markers at rest, as soon as events show them; before that None."""
@@ -46,18 +49,13 @@ class EventFrame:
         smooth = _smooth(self._net)
         noise = max(1.48 * float(np.median(np.abs(smooth))), _LEAST_NOISE)
         on, off = (self._find(sign * smooth / noise) for sign in (1.0, -1.0))
-        n_found = min(0 if lattice is None else lattice.n_found for lattice in (on, off))
-        self.reason = (
-            f"there are no frames, and events show {n_found} of {N_MARKERS} markers so far; "
-            "touch the gel once, lightly"
-        )
-        if on is None or off is None or n_found < _MIN_FOUND:
+        self.n_found = min(0 if lattice is None else lattice.n_found for lattice in (on, off))
+        if on is None or off is None or self.n_found < _MIN_FOUND:
             return None
         moved = on.position_px - off.position_px
         apart = np.hypot(*moved.T)
         if np.percentile(apart, 98) > _MAX_APART_PX:
             return None
-        self.reason = "found in events, without frames: positions will drift slowly"
         lead = np.minimum(0.5, _LEAD_PX / np.maximum(apart, 1e-9))
         position = off.position_px + lead[:, None] * moved
         return RestField(packet.t_end_us, position.astype(np.float32))
@@ -74,7 +72,7 @@ class EventFrame:
         centroid_px = self._finder.find(pixels).centroid_px
         if len(centroid_px) > _MAX_BLOBS:
             return None
-        return find_lattice(centroid_px, LatticeConfig(), self._rig)
+        return find_lattice(centroid_px, LatticeConfig(), self._rig, near_rad=self._near_rad)
 
 
 def _smooth(picture: NDArray[np.float64]) -> NDArray[np.float64]:

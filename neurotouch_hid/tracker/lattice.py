@@ -78,12 +78,16 @@ class Lattice:
 
 
 def find_lattice(
-    centroid_px: NDArray[np.float64], config: LatticeConfig, rig: Rig | None = None
+    centroid_px: NDArray[np.float64],
+    config: LatticeConfig,
+    rig: Rig | None = None,
+    *,
+    near_rad: float = 0.0,
 ) -> Lattice | None:
     """Returns the lattice among blobs, or None if nothing looks like one.
 
     1. The most frequent vector between neighbours gives scale and rotation. A square lattice allows
-       four rotations; the smallest counts.
+       four rotations; the nearest to ``near_rad`` counts.
     2. The lattice grows from blob to blob, along a smooth map of those that it has.
     3. It is placed on the disc of 177 sites so that most sites are taken.
     4. A smooth model (similarity, perspective, dome and lens to fifth order) decides which blobs
@@ -93,6 +97,7 @@ def find_lattice(
         centroid_px: (n, 2) float64 px.
         config: the ranges searched.
         rig: where the gel is, if that is known.
+        near_rad: the turn of the lattice that is expected.
     """
     if len(centroid_px) < N_MARKERS // 4:
         return None
@@ -100,6 +105,8 @@ def find_lattice(
         basis = _find_basis(centroid_px, config)
         if basis is None:
             return None
+        quarters = round((near_rad - cmath.phase(basis)) / (math.pi / 2.0))
+        basis *= 1j**quarters
         sites = _grow(centroid_px, basis)
         model = _place(centroid_px, sites)
     else:
@@ -163,7 +170,7 @@ def _find_basis(points: NDArray[np.float64], config: LatticeConfig) -> complex |
         wide = np.pad(vote, ((1, 1), (0, 0)), mode="edge")
         vote = (wide[:-2] + 2.0 * vote + wide[2:]) / 4.0
     best = vote.max()
-    if best < _LEAST_VOTE * vote.mean():
+    if not best > _LEAST_VOTE * vote.mean():  # also if no pair has such a length
         return None
     # The diagonal of a small lattice can be as frequent as its side, so the shortest wins.
     row = int(np.flatnonzero(vote.max(axis=1) > 0.7 * best)[0])

@@ -28,6 +28,8 @@ _NEVER_US = -(1 << 60)
 _MAX_HOLE_US = 100_000  # after a longer gap, positions do not identify the markers
 _SHOWN_DRIFT_PX = 0.1  # later stages do not see smaller changes of the rest position
 _ALL = np.arange(N_MARKERS, dtype=np.int32)
+_NOWHERE_PX = np.full((N_MARKERS, 2), np.nan, np.float32)
+_NOWHERE_PX.setflags(write=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,6 +218,10 @@ class MarkerTracker:
         self._n_events += len(events)
         return MarkerField(packet.t_end_us, self._rest_px, position_px, valid)
 
+    def forget(self) -> None:
+        """Knows no places any more, because the gel is lost, until the next ``anchor``."""
+        self._anchored = False
+
     def correct(self, frame: Frame, blobs: Blobs) -> None:
         """Corrects the tracks by the blobs found in a frame of an earlier slice."""
         if self._anchored:
@@ -260,8 +266,7 @@ class MarkerTracker:
 
     def _unknown(self, t_us: int) -> MarkerField:
         self._end_us = t_us
-        nowhere = np.full((N_MARKERS, 2), np.nan, np.float32)
-        return MarkerField(t_us, self._rest_px, nowhere, np.zeros(N_MARKERS, np.bool_))
+        return MarkerField(t_us, _NOWHERE_PX, _NOWHERE_PX, np.zeros(N_MARKERS, np.bool_))
 
     def _restart(self, t_us: int) -> None:
         """Forgets velocities and the past, because events are missing, but keeps positions."""

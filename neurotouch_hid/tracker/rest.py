@@ -14,10 +14,13 @@ from neurotouch_hid.messages import (
     SENSOR_WIDTH_PX,
     EventPacket,
     Frame,
+    GelProblem,
+    GelState,
     RestField,
 )
 from neurotouch_hid.tracker.blobs import BlobConfig, BlobFinder, Blobs
 from neurotouch_hid.tracker.eventframe import EventFrame
+from neurotouch_hid.tracker.gel_watch import GelWatch
 from neurotouch_hid.tracker.kernels import correction, matching, rigid
 from neurotouch_hid.tracker.kernels import image as kernels
 from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig, find_lattice
@@ -85,7 +88,7 @@ class RestStats:
             alone showed that the gel is not at rest.
         displacement_px: largest distance of a seen marker from its reference, without the
             ``max_displaced`` largest; NaN without a reference.
-        reason: why the last frame is no gel at rest, or an empty string.
+        problem: why the last frame is no gel at rest.
     """
 
     n_frames: int
@@ -94,7 +97,7 @@ class RestStats:
     n_found: int
     chamfer_px2: float
     displacement_px: float
-    reason: str
+    problem: GelProblem
 
 
 class _Reference:
@@ -161,6 +164,7 @@ class RestDetector:
         config: RestConfig | None = None,
         rig: Rig | None = None,
         finder: BlobFinder | None = None,
+        near_rad: float = 0.0,
     ) -> None:
         """Starts without a reference.
 
@@ -168,22 +172,36 @@ class RestDetector:
             config: thresholds.
             rig: where the gel is known to be; None searches for it.
             finder: finds the blobs of frames; sharing it within a thread saves work.
+            near_rad: the turn of the lattice that is expected, see ``find_lattice``.
         """
         self._config = config or RestConfig()
-        self._rig = rig
+        self._rig, self._near_rad = rig, near_rad
         self._finder = finder or BlobFinder(self._config.blobs)
         self._reference: _Reference | None = None
-        self._event_frame: EventFrame | None = EventFrame(rig)
+        self._event_frame: EventFrame | None = EventFrame(rig, near_rad)
         self._match = np.empty(N_MARKERS, np.int32)
         self._moved_px: NDArray[np.float64] | None = None
         self._still_px: NDArray[np.float64] = np.empty((0, 2))
         self._n_still = 0
         self._bend_px = np.inf
-        self._stats = RestStats(0, 0, 0, 0, float("nan"), float("nan"), "no frame yet")
+        self._watch = GelWatch(self._config.lattice, near_rad)
+        self._stats = RestStats(0, 0, 0, 0, float("nan"), float("nan"), GelProblem.WAITING)
 
     def stats(self) -> RestStats:
         """Returns the counts and measurements so far."""
         return self._stats
+
+    @property
+    def gel(self) -> GelState:
+        """The gel as the frames so far show it."""
+        return self._watch.state
+
+    def note_flicker(self, hz: float | None) -> None:
+        """Takes the frequency at which the light flickers, as events show it; None if it does not.
+
+        ``gel`` then names it.
+        """
+        self._watch.flicker_hz = hz
 
     @property
     def is_watching(self) -> bool:
@@ -198,47 +216,54 @@ class RestDetector:
         return self._compare(frame, blobs, self._reference)
 
     def watch(self, packet: EventPacket) -> RestField | None:
-        """Returns all markers, once, if events show the gel before the first frame, else None.
-
-        ``stats().reason`` then warns that frames are missing.
-        """
+        """Returns all markers, once, if events show the gel before the first frame, else None."""
         if self._event_frame is None or not self.is_watching:
             self._event_frame = None
             return None
         rest, nan = self._event_frame.update(packet), float("nan")
         found = rest is not None
-        n_found = N_MARKERS if found else 0
-        self._stats = RestStats(0, 0, int(found), n_found, nan, nan, self._event_frame.reason)
+        n_found = self._event_frame.n_found
+        problem = GelProblem.EVENTS_ONLY if found else GelProblem.NO_FRAMES
+        self._stats = RestStats(0, 0, int(found), n_found, nan, nan, problem)
+        self._watch.wait(packet.t_end_us, n_found, is_found=found)
         if found:
             self._event_frame = None
         return rest
 
     def _search(self, frame: Frame, blobs: Blobs) -> RestField | None:
         """Takes the frame as the reference if it shows the undeformed lattice."""
-        lattice = find_lattice(blobs.centroid_px, self._config.lattice, self._rig)
+        lattice = find_lattice(
+            blobs.centroid_px, self._config.lattice, self._rig, near_rad=self._near_rad
+        )
         settled = self._count_still(blobs)
         n_found = len(blobs.centroid_px) if lattice is None else lattice.n_found
         doubt = self._doubt(lattice)
-        reason = self._explain(lattice, n_found, frame, odd=settled) or doubt
-        if lattice is None or reason:
-            self._count(n_found, reason)
+        problem = self._judge(lattice, odd=settled) or doubt
+        if lattice is None or problem:
+            self._count(n_found, problem)
+            if not self._judge(lattice, odd=True):  # it is found as soon as it is still
+                problem = GelProblem.LEARNING
+            self._watch.search(frame, blobs, lattice, problem)
             return None
-        self._set_reference(lattice, blobs)
-        self._count(n_found, "", 0.0, 0.0)
+        self._set_reference(lattice, frame, blobs)
+        self._count(n_found, GelProblem.NONE, 0.0, 0.0)
+        self._watch.rest(frame, blobs, lattice.blob, lattice.bend_px)
         return RestField(frame.t_us, lattice.position_px.astype(np.float32))
 
-    def _doubt(self, lattice: Lattice | None) -> str:
-        """Returns why a bent lattice may be the end of a touch, or an empty string."""
+    def _doubt(self, lattice: Lattice | None) -> GelProblem:
+        """Returns whether a bent lattice may be the end of a touch."""
         before_px, self._bend_px = self._bend_px, np.inf if lattice is None else lattice.bend_px
         if _CLEAR_BEND_PX < self._bend_px < before_px - _SINKING_PX:
-            return f"the gel is still settling: off its lattice by {self._bend_px:.1f} px"
-        return ""
+            return GelProblem.LEARNING
+        return GelProblem.NONE
 
     def _compare(self, frame: Frame, blobs: Blobs, reference: _Reference) -> RestField | None:
         """Returns all markers if white pixels and markers are at the places of the reference."""
         c, limit_px = self._config, self._config.max_displacement_mm * reference.px_per_mm
         n_found, displacement = self._measure(blobs, reference, reference.position_px)
-        if displacement > _RIG_SHARE * limit_px and self._follow_rig(blobs, reference, limit_px):
+        if displacement > _RIG_SHARE * limit_px and self._follow_rig(
+            frame, blobs, reference, limit_px
+        ):
             n_found, displacement = self._measure(blobs, reference, reference.position_px)
         distance = float("nan")
         if (
@@ -247,12 +272,14 @@ class RestDetector:
             and (distance := reference.chamfer(blobs)) <= c.max_chamfer_px2
         ):
             self._n_still = 0
-            self._count(n_found, "", distance, displacement)
+            self._count(n_found, GelProblem.NONE, distance, displacement)
             found = self._match >= 0
+            self._watch.rest(frame, blobs, self._match, reference.bend_px)
             measured = reference.position_px.astype(np.float32)
             measured[found] = blobs.centroid_px[self._match[found]]
             return RestField(frame.t_us, measured)
-        self._count(n_found, "the gel is deformed", distance, displacement)
+        self._count(n_found, GelProblem.TOUCHED, distance, displacement)
+        self._watch.touch(frame, blobs, n_found, displacement)
         return self._settle(frame, blobs, reference)
 
     def _measure(
@@ -268,7 +295,9 @@ class RestDetector:
         )
         return int(n_found), float(displacement)
 
-    def _follow_rig(self, blobs: Blobs, reference: _Reference, limit_px: float) -> bool:
+    def _follow_rig(
+        self, frame: Frame, blobs: Blobs, reference: _Reference, limit_px: float
+    ) -> bool:
         """Moves the reference with a rig that now stands still elsewhere; returns whether it did.
 
         What moves rigidly is the rig: a touch leaves the gel at the rim behind.
@@ -284,6 +313,7 @@ class RestDetector:
         if np.abs(moved - before).max() > _RIG_STILL_MM * reference.px_per_mm:
             return False
         reference.move(moved, blobs)
+        self._watch.find(moved, reference.n_found, frame)
         self._moved_px = None
         self._stats = replace(self._stats, n_references=self._stats.n_references + 1)
         return True
@@ -292,14 +322,14 @@ class RestDetector:
         """Takes a new reference if the gel is at rest elsewhere, and returns its markers."""
         if not self._count_still(blobs):
             return None
-        lattice = find_lattice(blobs.centroid_px, self._config.lattice)
+        lattice = find_lattice(blobs.centroid_px, self._config.lattice, near_rad=self._near_rad)
         if (
             lattice is None
-            or self._explain(lattice, lattice.n_found, frame, odd=True)
+            or self._judge(lattice, odd=True)
             or lattice.bend_px > reference.bend_px + _SAME_BEND_PX
         ):
             return None
-        self._set_reference(lattice, blobs)
+        self._set_reference(lattice, frame, blobs)
         return RestField(frame.t_us, lattice.position_px.astype(np.float32))
 
     def _count_still(self, blobs: Blobs) -> bool:
@@ -314,64 +344,46 @@ class RestDetector:
         self._n_still = self._n_still + 1 if median <= c.max_still_px else 0
         return self._n_still > 0 and self._n_still % c.settle_frames == 0
 
-    def _set_reference(self, lattice: Lattice, blobs: Blobs) -> None:
+    def _set_reference(self, lattice: Lattice, frame: Frame, blobs: Blobs) -> None:
         self._reference = _Reference(lattice, blobs)
+        self._near_rad = fit_rig(lattice.position_px).rotation_rad  # a gel that turns goes on so
+        self._watch.find(lattice.position_px, lattice.n_found, frame)
         self._n_still = 0
         s = self._stats
         self._stats = RestStats(
-            s.n_frames, s.n_rest, s.n_references + 1, lattice.n_found, 0.0, 0.0, ""
+            s.n_frames, s.n_rest, s.n_references + 1, lattice.n_found, 0.0, 0.0, GelProblem.NONE
         )
 
-    def _explain(
-        self, lattice: Lattice | None, n_found: int, frame: Frame, *, odd: bool = False
-    ) -> str:
-        """Returns why this is no gel at rest, or an empty string; ``odd`` allows for odd optics."""
+    def _judge(self, lattice: Lattice | None, *, odd: bool = False) -> GelProblem:
+        """Returns why this is no gel at rest; ``odd`` allows for odd optics."""
         c, most = self._config.lattice, self._config
         if lattice is None:
-            return (
-                f"no lattice of {N_MARKERS} markers among {n_found} bright dots; {_describe(frame)}"
-            )
+            return GelProblem.NO_DOTS
         if lattice.n_found < c.min_found or lattice.aside_mm > c.max_aside_mm:
-            return f"found {n_found} of {N_MARKERS} markers; {_describe(frame)}"
+            return GelProblem.MISSING
         is_flat = lattice.bend_px <= c.max_bend_px
         max_bend_px = most.max_odd_bend_px if odd else c.max_bend_px
         max_displaced = most.max_odd_displaced if odd and is_flat else c.max_displaced
         if lattice.bend_px > max_bend_px or lattice.n_displaced > max_displaced:
-            return (
-                f"found {n_found} of {N_MARKERS} markers, off their lattice by "
-                f"{lattice.bend_px:.1f} px; the gel seems to be touched"
-            )
+            return GelProblem.TOUCHED
         if lattice.print_px > most.max_print_px and not odd:
-            return (
-                f"single markers are off their lattice by {lattice.print_px:.1f} px; "
-                "the gel is learnt once it has been still for a second"
-            )
-        return ""
+            return GelProblem.LEARNING
+        return GelProblem.NONE
 
     def _count(
         self,
         n_found: int,
-        reason: str,
+        problem: GelProblem,
         chamfer_px2: float = float("nan"),
         displacement_px: float = float("nan"),
     ) -> None:
         s = self._stats
         self._stats = RestStats(
             s.n_frames + 1,
-            s.n_rest + (not reason),
+            s.n_rest + (not problem),
             s.n_references,
             n_found,
             chamfer_px2,
             displacement_px,
-            reason,
+            problem,
         )
-
-
-def _describe(frame: Frame) -> str:
-    """Returns the fault of a frame that shows too few markers."""
-    # Markers cover 1 % of the pixels: half of that is white if half of the gel is well lit.
-    if float(np.percentile(frame.pixels, 99.5)) < 50.0:
-        return "the frame is too dark"
-    if float(np.percentile(frame.pixels, 50.0)) > 200.0:
-        return "the frame is too bright"
-    return "the picture does not show the whole gel untouched"

@@ -31,6 +31,8 @@ from neurotouch_hid.errors import (
     SourceError,
 )
 from neurotouch_hid.files.yaml_document import parse_document
+from neurotouch_hid.gel_sentences import report_gel
+from neurotouch_hid.messages import GelProblem, GelState
 from neurotouch_hid.page.server import open_sockets
 from neurotouch_hid.players import find_runtime_folder
 from neurotouch_hid.profile.editing import find_own_path, locate_bindings
@@ -295,14 +297,21 @@ def test_unknown_code_is_told_the_command_that_lists_them():
 def running(monkeypatch):
     """What a driver says that plays."""
     words = {"source": "sim:tour", "device": "memory", "settings": "this user's own"}
-    words |= {"keyboard": "none", "desktop": "none", "sound": "none", "gel": "found"}
+    words |= {"keyboard": "none", "desktop": "none", "sound": "none"}
     words |= {"state": "running", "profile": "racing", "layer": "base", "gesture": "none"}
     numbers = dict.fromkeys(("pid", "silent_s", "uptime_s", "slices", "slices_hz"), 0)
     numbers |= {"markers_tracked": 177, "events_hz": 9, "events_lost": 0, "version": 1}
     numbers |= {"simulated": True}
     times = {"stage_ms": {"tracker": 1.0}}
     times["stage_spread_ms"] = {"tracker": {"p50": 1.0, "p99": 2.0, "p99.9": 3.0}}
-    more = {"fatigue": [], "long_holds": {}, "errors": [], "ignored": None}
+    found = GelState(is_found=True, was_found=True, problem=GelProblem.NONE, px_per_mm=2.5)
+    more = {
+        "gel": report_gel(found),
+        "fatigue": [],
+        "long_holds": {},
+        "errors": [],
+        "ignored": None,
+    }
     monkeypatch.setattr(client, "ask_status", lambda: {**words, **numbers, **times, **more})
 
 

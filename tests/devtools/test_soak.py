@@ -14,7 +14,7 @@ def test_it_weighs_once_a_minute_of_sensor_time():
     for k in range(0, 150, 10):
         begin_us = 7 + k * 1_000_000
         packet = EventPacket(begin_us, begin_us + 10_000_000, np.empty(0, EVENT_DTYPE))
-        scale(Step(packet, None, None, None, GamepadState(0)))
+        scale(Step(packet, None, None, None, GamepadState(0), None))
     assert scale.rss_mb == [200.0, 201.0]
     assert said == ["1 min: 200.0 MB", "2 min: 201.0 MB"]
 

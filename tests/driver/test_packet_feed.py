@@ -8,7 +8,7 @@ import pytest
 
 from neurotouch_hid.driver.packet_feed import MAX_SUBSCRIBERS, QUEUE_BYTES, PacketFeed
 from neurotouch_hid.errors import DriverError
-from neurotouch_hid.messages import GamepadState, MarkerField, Step, no_gesture
+from neurotouch_hid.messages import GamepadState, GelState, MarkerField, Step, no_gesture
 from neurotouch_hid.recording.wire import receive_packets
 from tests.recording.streams import make_packets
 
@@ -17,7 +17,7 @@ LIMIT_S = 60.0
 
 def step_of(packet):
     empty = MarkerField(0, None, None, None)
-    return Step(packet, None, empty, no_gesture(0), GamepadState(0))
+    return Step(packet, None, empty, no_gesture(0), GamepadState(0), GelState())
 
 
 @pytest.fixture

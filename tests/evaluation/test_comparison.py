@@ -1,5 +1,7 @@
 """Steps against labels: which moments are compared, and the rest detection by frame."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from neurotouch_hid.messages import (
     EventPacket,
     Frame,
     GamepadState,
+    GelState,
     Gesture,
     GestureKind,
     MarkerField,
@@ -35,6 +38,7 @@ def make_step(t_us, kind, *, frame_us=None, rest=False, point=POINT, intensity=2
         MarkerField(t_us, REST_PX, REST_PX, np.ones(177, bool)),
         Gesture(t_us, kind, point, point, 0.0 if none else intensity),
         GamepadState(t_us),
+        GelState(),
     )
 
 
@@ -85,7 +89,7 @@ def test_rest_is_compared_with_the_label_of_its_own_frame():
 
 def test_an_answer_to_another_frame_is_none_to_this_one():
     step = make_step(30_000, GestureKind.NONE, frame_us=21_000)
-    late = Step(step.packet, RestField(1, REST_PX), step.markers, step.gesture, step.pad)
+    late = replace(step, rest=RestField(1, REST_PX))
     comparison = Comparison(LABELS)
     comparison(late)
     assert dict(comparison.tally.rest) == {(True, False): 1}
@@ -96,6 +100,6 @@ def test_before_the_gel_is_found_there_is_no_distance():
     unknown = np.full((177, 2), np.nan, np.float32)
     lost = MarkerField(60_000, unknown, unknown, np.zeros(177, bool))
     comparison = Comparison(LABELS)
-    comparison(Step(step.packet, None, lost, step.gesture, step.pad))
+    comparison(replace(step, markers=lost))
     report = summarise(comparison.tally)
     assert (report["observations"], report["distance_mm"]) == (1, None)

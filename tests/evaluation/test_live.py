@@ -34,12 +34,12 @@ def test_the_probe_counts_from_the_last_event_and_from_the_slices_end():
 
     spent_s = iter([5.0, 6.0])
     probe = Probe(Paced(), lambda: 1_300_000, lambda: next(spent_s))
-    probe(Step(PACKETS[0], None, None, None, GamepadState(0)))  # not warm yet
+    probe(Step(PACKETS[0], None, None, None, GamepadState(0), None))  # not warm yet
     late = replace(PACKETS[1], t_begin_us=2_000_000, t_end_us=2_004_000)
     late.events["t"] += 2_000_000 - SLICE_US
-    probe(Step(late, None, None, None, GamepadState(0)))
+    probe(Step(late, None, None, None, GamepadState(0), None))
     empty = EventPacket(4_000_000, 4_004_000, np.empty(0, EVENT_DTYPE))
-    probe(Step(empty, None, None, None, GamepadState(0)))
+    probe(Step(empty, None, None, None, GamepadState(0), None))
     assert list(probe.due_ns) == [1_000_000, 1_000_000]
     assert list(probe.late_ns) == [300_000, 300_000]
     assert list(probe.waited_ns) == [300_000 + (SLICE_US - 40) * 1_000, 300_000]

@@ -3,7 +3,15 @@
 import numpy as np
 
 from neurotouch_hid.geometry import LATTICE_MM, Rig
-from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Gesture, MarkerField, Step
+from neurotouch_hid.messages import (
+    EVENT_DTYPE,
+    EventPacket,
+    GelProblem,
+    GelState,
+    Gesture,
+    MarkerField,
+    Step,
+)
 from neurotouch_hid.profile import Mapping, Profile
 from neurotouch_hid.profile.reading.load import parse_profile
 
@@ -30,9 +38,12 @@ def parse(text: str) -> Profile:
     return parse_profile(text.encode(), "x.yaml")
 
 
-def turn(mapping: Mapping, gesture: Gesture, n_tracked: int = 177) -> Step:
+FOUND = GelState(is_found=True, was_found=True, problem=GelProblem.NONE)
+
+
+def turn(mapping: Mapping, gesture: Gesture, n_tracked: int = 177, gel: GelState = FOUND) -> Step:
     """What the line says of a gesture while so many markers are measured."""
     valid = np.arange(177) < n_tracked
     markers = MarkerField(gesture.t_us, REST_PX, REST_PX, valid)
     packet = EventPacket(gesture.t_us - 10_000, gesture.t_us, np.zeros(0, EVENT_DTYPE))
-    return Step(packet, None, markers, gesture, mapping.update(gesture))
+    return Step(packet, None, markers, gesture, mapping.update(gesture), gel)

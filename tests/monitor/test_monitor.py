@@ -17,6 +17,8 @@ from neurotouch_hid.messages import (
     Button,
     EventPacket,
     GamepadState,
+    GelProblem,
+    GelState,
     Gesture,
     GestureKind,
     MarkerField,
@@ -33,6 +35,7 @@ from neurotouch_hid.monitor.terminal import draw_step
 from neurotouch_hid.monitor.text_output import TextOutput
 from neurotouch_hid.profile import MappingDecision
 
+FOUND = GelState(is_found=True, was_found=True, problem=GelProblem.NONE)
 RIG = Rig((173.0, 130.0), 2.5)
 REST_PX = RIG.to_px(LATTICE_MM).astype(np.float32)
 
@@ -42,7 +45,7 @@ def step(t_us, kind, intensity_mm=0.0, translation_mm=(0.0, 0.0), contacts_mm=()
     gesture = Gesture(t_us, kind, contacts, RIG.to_px(contacts), intensity_mm, translation_mm)
     field = MarkerField(t_us, REST_PX, REST_PX + np.float32(0.1), np.ones(177, bool))
     packet = EventPacket(t_us - 10_000, t_us, np.zeros(0, EVENT_DTYPE))
-    return Step(packet, None, field, gesture, pad or GamepadState(t_us))
+    return Step(packet, None, field, gesture, pad or GamepadState(t_us), FOUND)
 
 
 PUSH = step(

@@ -3,7 +3,9 @@
 import json
 
 from neurotouch_hid.driver_state import pack
+from neurotouch_hid.gel_sentences import report_gel
 from neurotouch_hid.geometry import N_MARKERS
+from neurotouch_hid.messages import GelProblem, GelState
 from tests.page.waiting import wait_on
 
 HEALTH = {
@@ -21,6 +23,7 @@ HEALTH = {
     "device": "memory",
     "file": "",
 }
+FOUND = GelState(is_found=True, was_found=True, problem=GelProblem.NONE, n_seen=177, px_per_mm=2.5)
 REST = {
     "n": 1,
     "t_us": 0,
@@ -28,6 +31,7 @@ REST = {
     "state": "running",
     "profile": "mine",
     "layer": "base",
+    "gel": report_gel(FOUND),
     "gesture": {
         "kind": "none",
         "mm": 0.0,

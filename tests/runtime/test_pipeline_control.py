@@ -241,13 +241,13 @@ def test_status_tells_counts_times_and_errors(push):
     line = Line(push)
     empty = line.control.status()
     assert (empty["slices"], empty["markers_tracked"], empty["errors"]) == (0, 0, [])
-    assert empty["gel"] != "found"
+    assert not empty["gel"]["found"]
     for n in range(7):
         line.control.note_error(f"error {n}")
     status = line.play().control.status()
     assert status["slices"] == len(push.packets)
     assert status["markers_tracked"] == 177
-    assert (status["layer"], status["gel"]) == ("base", "found")
+    assert (status["layer"], status["gel"]["text"]) == ("base", "found")
     assert [error["error"] for error in status["errors"]] == [f"error {n}" for n in range(2, 7)]
 
 

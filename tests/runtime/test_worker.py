@@ -5,7 +5,7 @@ import time
 
 import numpy as np
 
-from neurotouch_hid.messages import EventPacket, Frame, RestField
+from neurotouch_hid.messages import EventPacket, Frame, GelProblem, RestField
 from neurotouch_hid.runtime.worker import InlineRest, ThreadedRest
 from neurotouch_hid.tracker import BlobFinder, RestDetector
 
@@ -117,6 +117,6 @@ def test_thread_finds_the_gel_in_events_alone(push):
         assert (answer.rest.position_px == expected.rest.position_px).all()
         assert answer.searched is None
         assert not beside.detector.is_watching
-        assert "without frames" in beside.detector.stats().reason
+        assert beside.detector.stats().problem is GelProblem.EVENTS_ONLY
     finally:
         beside.close()

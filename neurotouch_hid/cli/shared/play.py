@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from neurotouch_hid.cli.ui.output import echo, is_plain
+from neurotouch_hid.gel_sentences import explain_gel
+from neurotouch_hid.messages import GelProblem
 from neurotouch_hid.monitor import LinesMonitor, PictureMonitor, TraceWriter
 from neurotouch_hid.monitor.text_output import TextOutput
 from neurotouch_hid.process.dead_output import silence
@@ -56,11 +58,10 @@ def play(
             stack.callback(monitor.close)
             taps.append(monitor)
         stats = driver.run(taps, seconds=seconds, stop=stop)
-    seen = driver.pipeline.rest.detector.stats()
-    if stats.slices and not seen.n_references:
-        announce(f"Warning: no gel was found until the end: {seen.reason}.")
-    elif seen.n_references and not seen.n_frames:
-        announce(f"Warning: the gel was {seen.reason}.")
+    gel = driver.pipeline.gel
+    if stats.slices and (not gel.is_found or gel.problem is GelProblem.EVENTS_ONLY):
+        sentence = explain_gel(gel)
+        announce(f"Warning: at the end the gel is {sentence.text}. {sentence.fix}".rstrip())
     speed = ""
     if stats.host_s and driver.options.speed == "max":
         speed = f", {stats.sensor_s / stats.host_s:.1f} times as fast"

@@ -28,7 +28,7 @@ class Volumes(Strict):
     reject: Percent = _volume("A gesture was not accepted, in percent", 60)
     layer: Percent = _volume("Another layer or profile is active, in percent", 60)
     pause: Percent = _volume("Pause, panic and their end, in percent", 80)
-    lost: Percent = _volume("The gel is out of sight, in percent", 80)
+    lost: Percent = _volume("The gel is out of sight, found again or has a problem, in percent", 80)
 
 
 class Feedback(Strict):

@@ -11,7 +11,6 @@ import { makeOwnValues } from "./own_values.js";
 
 const HZ = 30;
 const PICTURE_MS = 1000;
-const GEL_MARKERS = 40; // fewer are no gel
 const FAULT = /^(Error|Fix|Warning|No real)/;
 const EDITS = ["check", "remote", "undo", "profile-use", "profile-copy", "range-undo", "own-undo"];
 const PAUSE = { do: "pause", for: "movement" }; // which ends with this page
@@ -124,13 +123,13 @@ function showStart() {
   const isMouse = hasGel();
   for (const id of ["gel", "gesture-buttons"]) find(id).hidden = !isMouse;
   const isSimulated = newest && newest.slow.simulated;
-  const isGel = newest && newest.slow.tracked >= GEL_MARKERS;
+  const isGel = newest && newest.gel.found;
   let [words, advice] = ["Looking …", ""];
   if (starting) {
     words = "Starting …";
   } else if (newest && !isGel) {
-    [words, advice] = ["The gel is not found.", "Lift your hand. The dots must be in the picture, " +
-      "bright and sharp: move the light or the gel."];
+    // The header has the reason.
+    [words, advice] = [`The gel is ${newest.gel.text.split(":")[0]}.`, newest.gel.fix];
   } else if (isMouse) {
     [words, advice] = ["The mouse presses a simulated gel.", "Drag on the gel below, turn the " +
       "wheel, or use the arrow keys, Q, E, plus and minus."];

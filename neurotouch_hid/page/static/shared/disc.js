@@ -42,7 +42,22 @@ export function drawDisc(canvas, state, { arrows = true } = {}) {
       context.stroke();
     }
   });
+  drawMissing(context, state.gel.missing);
   for (const [x, y] of state.gesture.contacts) drawContact(context, x, y);
+}
+
+// A cross where the camera sees no dot.
+function drawMissing(context, missing) {
+  context.lineWidth = 0.5;
+  context.strokeStyle = colour("contact");
+  context.beginPath();
+  for (const [x, y] of missing.map((i) => LATTICE[i])) {
+    context.moveTo(x - 1.1, y - 1.1);
+    context.lineTo(x + 1.1, y + 1.1);
+    context.moveTo(x - 1.1, y + 1.1);
+    context.lineTo(x + 1.1, y - 1.1);
+  }
+  context.stroke();
 }
 
 function drawDome(context) {

@@ -44,6 +44,7 @@ export function openPage(hz, handlers, { gap_ms } = {}) {
   let heard = performance.now();
   let profile = null;
   let layer = null;
+  let gel = null; // what is wrong with it, in a word
 
   function notice(about, sentence) {
     notices.set(about, sentence);
@@ -96,6 +97,19 @@ export function openPage(hz, handlers, { gap_ms } = {}) {
     if (news.length) speech.tell(news.join(" "));
   }
 
+  // It is said once: numbers in its sentence may go on changing.
+  function showGel({ found, problem, text, fix }) {
+    const isFine = !problem || problem === "waiting";
+    const words = isFine ? "" : `The gel is ${text}. ${fix}`;
+    if (parts.gel.textContent !== words) parts.gel.textContent = words;
+    parts.gel.hidden = isFine;
+    const news = isFine ? "" : `${found} ${problem}`;
+    if (news === gel) return;
+    if (words) speech.tell(words);
+    else if (gel) speech.tell("The gel is found.");
+    gel = news;
+  }
+
   const own = {
     hello(_, { edit }) {
       mayPause = edit;
@@ -113,12 +127,15 @@ export function openPage(hz, handlers, { gap_ms } = {}) {
       }
       show(driver);
       showWhat(state);
+      showGel(state.gel);
     },
     driver(is) {
       runs = is;
       heard = performance.now();
       if (!runs) {
         driver = "waiting";
+        gel = null;
+        parts.gel.hidden = true;
         show("none");
         showState();
       } else if (shown === "none") {
@@ -166,6 +183,8 @@ function build(header) {
   const live = element("p", { id: "live", class: "unseen", role: "status", "aria-live": "polite" });
   const notice = element("p", { id: "notice", class: "notice" });
   notice.hidden = true;
+  const gel = element("p", { id: "gel-problem", class: "notice" });
+  gel.hidden = true;
   header.replaceChildren(
     element("p", { class: "brand", text: "NeuroTouch" }),
     element("p", { class: "driver" }, button, state, reason),
@@ -177,9 +196,9 @@ function build(header) {
         text: `Key ${PAUSE_KEY.toUpperCase()} pauses and resumes` })),
       element("p", { class: "aside", text: "Important are state, profile, layer, refusals and "
         + "errors. This browser remembers both choices." })),
-    badges, notice, live,
+    badges, gel, notice, live,
   );
-  return { button, word, hint, state, reason, spoken, key, badges, live, notice };
+  return { button, word, hint, state, reason, spoken, key, badges, live, notice, gel };
 }
 
 // The key acts wherever the focus is, except in text fields. It can be switched off (WCAG 2.1.4),

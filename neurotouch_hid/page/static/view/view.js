@@ -49,6 +49,7 @@ const page = openPage(30, {
     if (runs) return;
     newest = null;
     find("say").textContent = "No driver is running. Start one on the page Start.";
+    say("gel-words", "");
     drawDisc(find("disc"), null);
   },
   saved(sentence, { n }) {
@@ -134,7 +135,18 @@ function showTitles(state) {
   say("layer", about && about.layers && about.layers.length > 1 ? `Layer: ${state.layer}` : "");
   const atRest = state.gesture.kind === "none";
   const hand = about && about.resting ? "hand resting" : "no hand";
-  say("rest", slow.tracked < 40 ? "no gel" : atRest ? `neutral, ${hand}` : state.gesture.phase);
+  say("gel-words", describeGel(state.gel));
+  say("rest", !state.gel.found || slow.tracked < 40 ? "no gel" : atRest ? `neutral, ${hand}` : state.gesture.phase);
+}
+
+function describeGel({ found, text, missing, named, px_per_mm }) {
+  const words = [`The gel is ${text}.`];
+  if (missing.length) {
+    const dots = missing.length === 1 ? "1 dot is" : `${missing.length} dots are`;
+    words.push(`${dots} not seen (a cross each): ${named}, counted from the top left.`);
+  }
+  if (found && px_per_mm) words.push(`Scale: ${px_per_mm} px/mm.`);
+  return words.join(" ");
 }
 
 let told = null;

@@ -1,0 +1,263 @@
+"""Finds out why a frame shows no gel, from the frame itself."""
+
+import math
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.geometry import GEL_RADIUS_MM, N_MARKERS, NEIGHBOURS, PITCH_MM, fit_rig
+from neurotouch_hid.messages import (
+    SENSOR_HEIGHT_PX,
+    SENSOR_WIDTH_PX,
+    Frame,
+    GelProblem,
+    GelState,
+)
+from neurotouch_hid.tracker.blobs import Blobs
+from neurotouch_hid.tracker.kernels import matching
+from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig, find_lattice
+from neurotouch_hid.tracker.sharpness import is_blurred, measure_blur
+from neurotouch_hid.tracker.spectrum import find_pattern
+
+_DARK, _DIM = 16.0, 50.0  # grey levels that 199 of 200 pixels of a dark picture do not reach
+_SATURATED, _BRIGHT_SHARE = 250, 0.1  # share of saturated pixels of a picture that is too bright
+_WIDE: Final = (0.7, 8.5)  # px/mm, searched for a gel that is too small or too large
+_MOST_SCATTER_MM: Final = 0.35  # single markers farther off their places are irregular
+_GLINT: Final = 1.2  # as much brighter than the markers around it is a reflection ...
+_USUAL: Final = 0.9  # ... than the brighter ones of them: some may be faint
+_BENT_PX: Final = 0.8  # a smaller bend is no touch
+_REGULAR: Final = 0.6  # share of dots whose neighbour is as far as everybody's
+_MOTION_GATE_PX, _MOTION_PX, _MOTION_US = 3.0, 0.2, 1_500_000
+_EDGE_DOTS: Final = 5  # as many dots along the border: the gel goes on behind it
+
+
+class Motion:
+    """Tells whether some of the dots move, as they do under every hand."""
+
+    def __init__(self) -> None:
+        self._before_px: NDArray[np.float64] = np.empty((0, 2))
+        self._begin_us: int | None = None
+        self._moved_us: int | None = None
+
+    def update(self, centroid_px: NDArray[np.float64], t_us: int) -> bool | None:
+        """Returns whether dots have moved lately; None if that is not known yet."""
+        if self._begin_us is None:
+            self._begin_us = t_us
+        before, now = self._before_px, centroid_px.copy()
+        self._before_px = now
+        match = np.empty(len(before), np.int32)
+        matching.match_points(before, now, _MOTION_GATE_PX, match)
+        seen = match >= 0
+        if seen.sum() > len(before) // 2:
+            moved = np.hypot(*(now[match[seen]] - before[seen]).T)
+            if np.percentile(moved, 95) > _MOTION_PX:
+                self._moved_us = t_us
+        if self._moved_us is not None and t_us - self._moved_us < _MOTION_US:
+            return True
+        return None if t_us - self._begin_us < _MOTION_US else False
+
+
+class Diagnosis:
+    """Explains frames without a gel.
+
+    Args:
+        config: the limits within which the gel is found.
+        near_rad: the turn that is expected, see ``find_lattice``.
+    """
+
+    def __init__(self, config: LatticeConfig, near_rad: float) -> None:
+        self._config, self._near_rad = config, near_rad
+        self._wide = replace(config, min_px_per_mm=_WIDE[0], max_px_per_mm=_WIDE[1])
+
+    def explain(
+        self,
+        frame: Frame,
+        blobs: Blobs,
+        lattice: Lattice | None,
+        problem: GelProblem,
+        *,
+        moves: bool | None,
+    ) -> GelState:
+        """Returns the state of a gel that is not found, with its true problem.
+
+        Args:
+            frame: the frame.
+            blobs: its bright dots.
+            lattice: the lattice among them, if there is one.
+            problem: why that is no gel at rest.
+            moves: some dots have moved lately; None if that is not known yet.
+        """
+        if problem in (GelProblem.TOUCHED, GelProblem.LEARNING) and lattice is not None:
+            return self._explain_bent(frame, blobs, lattice, problem, moves=moves)
+        if light := _judge_light(frame.pixels):
+            return GelState(problem=light, n_seen=len(blobs.centroid_px))
+        return self._look_again(frame, blobs, moves=moves)
+
+    def _explain_bent(
+        self,
+        frame: Frame,
+        blobs: Blobs,
+        lattice: Lattice,
+        problem: GelProblem,
+        *,
+        moves: bool | None,
+    ) -> GelState:
+        """Explains a lattice with enough markers that are not where they should be."""
+        state = _measure(frame, blobs, lattice)
+        if problem is GelProblem.LEARNING or moves is None:
+            return replace(state, problem=GelProblem.LEARNING)
+        if is_blurred(state.blur_px, state.px_per_mm or 1.0):
+            problem = GelProblem.BLURRED
+        elif state.n_glints > self._config.max_displaced and not moves:
+            problem = GelProblem.GLINTS
+        elif not moves:
+            problem = GelProblem.BENT
+        return replace(state, problem=problem)
+
+    def _look_again(self, frame: Frame, blobs: Blobs, *, moves: bool | None) -> GelState:
+        """Looks for a gel that is too small, too large or not whole."""
+        lattice = find_lattice(blobs.centroid_px, self._wide, near_rad=self._near_rad)
+        if lattice is None:
+            return self._explain_scattered(frame, blobs)
+        state = _measure(frame, blobs, lattice)
+        return replace(state, problem=self._judge(state, lattice, blobs, moves=moves))
+
+    def _judge(
+        self, state: GelState, lattice: Lattice, blobs: Blobs, *, moves: bool | None
+    ) -> GelProblem:
+        """Returns the problem of a lattice with too few markers, or in the wrong place."""
+        px_per_mm = state.px_per_mm or 1.0
+        if problem := self._judge_view(px_per_mm, state.blur_px):
+            return problem
+        if _is_outside(state, blobs.centroid_px):
+            return GelProblem.OUTSIDE
+        if moves is not False and lattice.bend_px > _BENT_PX:
+            return GelProblem.TOUCHED if moves else GelProblem.LEARNING
+        if lattice.print_px > _MOST_SCATTER_MM * px_per_mm:
+            return GelProblem.IRREGULAR
+        return GelProblem.GLINTS if state.n_glints > len(state.missing) else GelProblem.MISSING
+
+    def _judge_view(self, px_per_mm: float, blur_px: float | None) -> GelProblem:
+        """Returns what is wrong with the scale or the focus."""
+        if px_per_mm < self._config.min_px_per_mm:
+            return GelProblem.SMALL
+        if px_per_mm > self._config.max_px_per_mm:
+            return GelProblem.LARGE
+        return GelProblem.BLURRED if is_blurred(blur_px, px_per_mm) else GelProblem.NONE
+
+    def _explain_scattered(self, frame: Frame, blobs: Blobs) -> GelState:
+        """Explains bright dots that form no lattice."""
+        state = GelState(problem=GelProblem.NO_DOTS, n_seen=len(blobs.centroid_px))
+        pitch_px = _find_pitch(blobs.centroid_px)
+        if pitch_px is not None and _touches_border(blobs.centroid_px, pitch_px):
+            scale = round(pitch_px / PITCH_MM, 2)
+            problem = self._judge_view(scale, None) or GelProblem.OUTSIDE
+            return replace(state, problem=problem, px_per_mm=scale)
+        pattern = find_pattern(frame.pixels)
+        if pattern is None:
+            is_dim = float(np.percentile(frame.pixels, 99.5)) < _DIM
+            return replace(state, problem=GelProblem.DARK) if is_dim else state
+        px_per_mm, blur_px = (round(pattern.px_per_mm, 2), round(pattern.blur_px, 1))
+        problem = self._judge_view(px_per_mm, blur_px) or GelProblem.FAINT
+        return replace(state, problem=problem, px_per_mm=px_per_mm, blur_px=blur_px)
+
+
+def _find_pitch(dots_px: NDArray[np.float64]) -> float | None:
+    """Returns the distance of regular dots, px; None if they are not regular."""
+    if len(dots_px) < 2 * _EDGE_DOTS:
+        return None
+    apart = np.hypot(*(dots_px[:, None] - dots_px).transpose(2, 0, 1))
+    np.fill_diagonal(apart, np.inf)
+    nearest = apart.min(axis=1)
+    pitch_px = float(np.median(nearest))
+    is_regular = (np.abs(nearest - pitch_px) < 0.15 * pitch_px).mean() > _REGULAR
+    return pitch_px if is_regular else None
+
+
+def _judge_light(pixels: NDArray[np.uint8]) -> GelProblem:
+    if float(np.percentile(pixels, 99.5)) < _DARK:
+        return GelProblem.DARK
+    if float((pixels >= _SATURATED).mean()) > _BRIGHT_SHARE:
+        return GelProblem.BRIGHT
+    return GelProblem.NONE
+
+
+def _measure(frame: Frame, blobs: Blobs, lattice: Lattice) -> GelState:
+    """Returns the figures of a lattice."""
+    px_per_mm = fit_rig(lattice.position_px).px_per_mm
+    missing = np.flatnonzero(lattice.blob < 0)
+    places = lattice.position_px[missing].tolist()
+    return GelState(
+        n_seen=lattice.n_found,
+        missing=tuple(missing.tolist()),
+        missing_px=tuple((round(x, 1), round(y, 1)) for x, y in places),
+        px_per_mm=round(px_per_mm, 2),
+        bend_px=round(lattice.bend_px, 1),
+        scatter_px=round(lattice.print_px, 1),
+        blur_px=measure_blur(frame.pixels, blobs, px_per_mm),
+        n_glints=count_glints(frame.pixels, blobs, lattice.blob),
+    )
+
+
+def _is_outside(state: GelState, dots_px: NDArray[np.float64]) -> bool:
+    """Returns whether a part of the gel is outside of the picture."""
+    places = np.array(state.missing_px).reshape(-1, 2)
+    size = np.array((SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX))
+    beyond = ((places < 0) | (places > size - 1)).any(axis=1)
+    if beyond.sum() > 0.4 * len(places):
+        return True
+    px_per_mm = state.px_per_mm or 1.0
+    is_small = 2.2 * GEL_RADIUS_MM * px_per_mm < SENSOR_HEIGHT_PX
+    return is_small and _touches_border(dots_px, PITCH_MM * px_per_mm)
+
+
+def _touches_border(dots_px: NDArray[np.float64], pitch_px: float) -> bool:
+    size = np.array((SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX))
+    low, high = (dots_px < pitch_px).sum(axis=0), (dots_px > size - 1 - pitch_px).sum(axis=0)
+    return int(max(low.max(), high.max())) >= _EDGE_DOTS
+
+
+def count_glints(pixels: NDArray[np.uint8], blobs: Blobs, blob: NDArray[np.integer]) -> int:
+    """Returns how many bright dots on the gel are brighter than the markers around them.
+
+    Args:
+        pixels: (260, 346) uint8.
+        blobs: the bright dots.
+        blob: (177,), the one of each marker; negative without one.
+    """
+    seen = np.flatnonzero(blob >= 0)
+    if not len(seen):
+        return 0
+    dots_px = blobs.centroid_px
+    peak = _find_peaks(pixels, dots_px)
+    marker = np.full(N_MARKERS + 1, np.nan)  # the last one for neighbours that there are none
+    marker[seen] = peak[blob[seen]]
+    around = np.sort(marker[NEIGHBOURS], axis=1)  # NaN last
+    n_around = np.isfinite(around).sum(axis=1)
+    usual = around[np.arange(N_MARKERS), (_USUAL * np.maximum(n_around - 1, 0)).astype(np.intp)]
+    nearest = np.full(len(dots_px), -1)
+    nearest[blob[seen]] = seen
+    free = np.flatnonzero(nearest < 0)
+    apart = np.hypot(*(dots_px[free, None] - dots_px[blob[seen]]).transpose(2, 0, 1))
+    pitch_px = math.sqrt(_measure_area(dots_px[blob[seen]]) / N_MARKERS)
+    beside = apart.min(axis=1) < pitch_px
+    nearest[free[beside]] = seen[apart[beside].argmin(axis=1)]
+    on_gel = nearest >= 0
+    return int((peak[on_gel] > _GLINT * usual[nearest[on_gel]]).sum())
+
+
+def _measure_area(dots_px: NDArray[np.float64]) -> float:
+    """Returns the area of the disc around dots, px²."""
+    return math.pi * float(((dots_px - dots_px.mean(axis=0)) ** 2).sum(axis=1).max())
+
+
+def _find_peaks(pixels: NDArray[np.uint8], dots_px: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Returns the brightest of 3 x 3 pixels around each dot."""
+    x, y = np.rint(dots_px).astype(np.intp).T
+    x, y = np.clip(x, 1, SENSOR_WIDTH_PX - 2), np.clip(y, 1, SENSOR_HEIGHT_PX - 2)
+    step = np.arange(-1, 2)
+    around = pixels[y[:, None, None] + step[:, None], x[:, None, None] + step]
+    peaks: NDArray[np.float64] = around.max(axis=(1, 2)).astype(np.float64)
+    return peaks
