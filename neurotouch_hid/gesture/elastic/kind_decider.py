@@ -147,7 +147,8 @@ class KindDecider:
             self.is_latched, self._led_us = False, 0
         self._n_fingers = motion.n_fingers
         self._follow(step_us, size_mm)
-        self._weigh(step_us, motion)
+        if self.kind is GestureKind.NONE or self.is_latched or not self.is_falling:
+            self._weigh(step_us, motion)  # what leaves tells no type: the gel swings back
         self.confidence = self._believe(size_mm) * self._prefer(size_mm, noise_mm)
 
     def _find_on(self, noise_mm: float) -> float:
