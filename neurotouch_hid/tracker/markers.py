@@ -272,7 +272,7 @@ class MarkerTracker:
         """Forgets velocities and the past, because events are missing, but keeps positions."""
         tracks = self._tracks
         state = tracks.state
-        for name in ("vx", "vy", "cov_xv", "lead_x", "lead_y"):
+        for name in ("vx", "vy", "cov_xv", "lead_x", "lead_y", "ahead_x", "ahead_y", "excess"):
             state[name] = 0.0
         state["var_x"], state["var_v"], state["t_us"] = 1.0, 100.0, t_us
         track_kernels.aim(float(t_us), tracks, self._tuning)

@@ -21,6 +21,7 @@ from neurotouch_hid.messages import (
 from neurotouch_hid.tracker.blobs import BlobConfig, BlobFinder, Blobs
 from neurotouch_hid.tracker.eventframe import EventFrame
 from neurotouch_hid.tracker.gel_watch import GelWatch
+from neurotouch_hid.tracker.kept_motion import KeptMotion
 from neurotouch_hid.tracker.kernels import correction, matching, rigid
 from neurotouch_hid.tracker.kernels import image as kernels
 from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig, find_lattice
@@ -181,6 +182,7 @@ class RestDetector:
         self._event_frame: EventFrame | None = EventFrame(rig, near_rad)
         self._match = np.empty(N_MARKERS, np.int32)
         self._moved_px: NDArray[np.float64] | None = None
+        self._kept = KeptMotion()
         self._still_px: NDArray[np.float64] = np.empty((0, 2))
         self._n_still = 0
         self._bend_px = np.inf
@@ -266,11 +268,15 @@ class RestDetector:
         ):
             n_found, displacement = self._measure(blobs, reference, reference.position_px)
         distance = float("nan")
-        if (
+        is_rest = (
             displacement <= limit_px
             and n_found >= c.min_share * reference.n_found
             and (distance := reference.chamfer(blobs)) <= c.max_chamfer_px2
-        ):
+        )
+        if is_rest:
+            self._kept.forget()
+        share, off_mm = n_found / reference.n_found, displacement / reference.px_per_mm
+        if is_rest or self._kept.update(blobs.centroid_px, share, off_mm):
             self._n_still = 0
             self._count(n_found, GelProblem.NONE, distance, displacement)
             found = self._match >= 0

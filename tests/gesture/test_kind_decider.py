@@ -78,3 +78,35 @@ def test_the_swing_of_a_released_gel_is_no_gesture(largest_mm, pause_us, begins)
     for size_mm in swing:
         push(decision, size_mm)
     assert (decision.kind is GestureKind.PUSH) == begins
+
+
+def test_a_tap_keeps_its_type_while_the_fingers_leave():
+    def twist(size_mm):
+        parts_mm = np.array([0.0, 0.0, 0.0, 0.0, 8.0, 0.0])
+        motion = FingerMotion(1, size_mm, 0.0, 0.0, 0.0, 0.0, 0.1, 1.0, parts_mm)
+        decision.update(10_000, motion, 0.05)
+        return decision.kind
+
+    decision = KindDecider()
+    for size_mm in (2.0, 5.0, 4.5):
+        push(decision, size_mm)
+    left = [twist(size_mm) for size_mm in (3.0, 1.5, 0.8, 0.5, 0.3)]  # what swings back
+    assert set(left) == {GestureKind.PUSH}
+    assert not decision.is_latched  # the tap was too short
+    assert [twist(size_mm) for size_mm in (1.0, 2.0, 3.0, 3.0)][-1] is GestureKind.TWIST_CW
+
+
+@pytest.mark.parametrize(
+    ("left_mm", "tremble_mm", "kind"),
+    [(0.75, 0.0, GestureKind.NONE), (0.75, 0.15, GestureKind.PUSH), (2.0, 0.0, GestureKind.PUSH)],
+)
+def test_what_the_gel_keeps_of_a_large_gesture_is_none(left_mm, tremble_mm, kind):
+    decision = KindDecider()
+    sizes_mm = [*np.linspace(1.0, 15.0, 15), *np.linspace(15.0, left_mm, 15)]
+    for size_mm in (*sizes_mm, *(left_mm + tremble_mm * np.sin(0.6 * np.arange(30)))):
+        push(decision, size_mm)
+    assert decision.kind is kind
+    if kind is GestureKind.NONE:
+        for size_mm in np.linspace(left_mm, left_mm + 1.0, 8):
+            push(decision, size_mm)
+        assert decision.kind is GestureKind.PUSH  # the next one counts from there

@@ -16,6 +16,7 @@ def nearest(x, y, gate, positions):
 def filter_events(events, state, aim, r_px2, tuning):
     """Matrix Kalman filter; ``state`` rows x, y, vx, vy, a, b, c, t, lead are changed in place.
 
+    Behind these are n_missed, and the sums of how far events are ahead.
     ``aim`` rows: where ON (x, y) and OFF (x, y) events of each marker are expected.
     """
     taken = []
@@ -45,6 +46,9 @@ def filter_events(events, state, aim, r_px2, tuning):
             px + k1 * rx, py + k1 * ry, vx * fade + k2 * rx, vy * fade + k2 * ry,
             a - k1 * a, b - k1 * b, c - k2 * b, t,
         ]  # fmt: skip
+        state[i][11:14] = [
+            total + sign * more for total, more in zip(state[i][11:14], (rx, ry, 1.0), strict=True)
+        ]
     return taken
 
 
@@ -75,25 +79,33 @@ def tear(positions, usable, rest, neighbours, least):
 
 
 def weigh(t, motion, count, rate, noise, neighbours, n_checks, last, tuning):
-    """Rates, noise, variances and leads of all markers; ``motion`` rows vx, vy, since.
+    """Rates, noise, variances, leads and what the velocities' variances grow by, of all markers.
 
-    ``last`` is the moment of the last check.
+    ``motion`` rows vx, vy, since, lead x, y, ahead x, y, excess; ``last`` is the last check.
     """
     dt = (t - last) * SECOND
     share = 1 - math.exp(-dt / tuning.rate_s)
     rate = [(1 - share) * r + share * n / dt for r, n in zip(rate, count, strict=True)]
     quiet = sorted(rate)[len(rate) // 4]
     noise += (quiet - noise) * dt / (0.1 if quiet < noise else min(5.0, dt * (n_checks + 1)))
-    r_px2, lead = [], []
-    for i, (vx, vy, since) in enumerate(motion):
+    r_px2, leads, growth = [], [], []
+    for i, (vx, vy, since, *before, ahead_x, ahead_y, excess) in enumerate(motion):
         around = [rate[i], *(rate[j] for j in neighbours[i] if j >= 0)]
         sigma = math.sqrt(noise / (2 * tuning.rate_s * len(around)))
         moving = max(0.0, statistics.fmean(around) - noise - tuning.n_sigma * sigma)
         r_px2.append(tuning.r_px2 / max(moving / (moving + noise), 0.05))
         fade = 1 - min(max((t - since) * SECOND / tuning.memory_s, 0.0), 1.0)
         speed = math.hypot(fade * vx, fade * vy, 60.0)
-        lead.append([tuning.lead_px * fade * v / speed for v in (vx, vy)])
-    return rate, noise, r_px2, lead
+        lead = [tuning.lead_px * fade * v / speed for v in (vx, vy)]
+        sided = max(count[i] - abs(excess), 0)
+        if sided:
+            seen = [b + a / count[i] for b, a in zip(before, (ahead_x, ahead_y), strict=True)]
+            lead = [(8 * v + sided * s) / (8 + sided) for v, s in zip(lead, seen, strict=True)]
+            shorter = min(1.25 * tuning.lead_px / math.hypot(*lead), 1.0)
+            lead = [shorter * v for v in lead]
+        leads.append(lead)
+        growth.append(dt / 0.005 * (sided / dt / 40 * math.hypot(*lead)) ** 2)
+    return rate, noise, r_px2, leads, growth
 
 
 def expect(positions, rest, neighbours, usable):

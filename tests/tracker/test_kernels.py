@@ -199,21 +199,28 @@ def test_weights_are_those_of_the_plain_twin(seed, n_checks, elapsed_us):
     tracks.state["t_us"] = rng.uniform(-30_000, 2_000, 177)
     tracks.rate_hz[:] = rng.uniform(0, 2000, 177)
     tracks.n_new[:] = rng.integers(0, 20, 177)
+    rows(tracks)[:, 8:10] = rng.uniform(-0.7, 0.7, (177, 2))
+    rows(tracks)[:, 11:13] = tracks.n_new[:, None] * rng.normal(0, 1, (177, 2))
+    tracks.state["excess"] = tracks.n_new - 2 * rng.integers(0, tracks.n_new + 1)
+    variance = tracks.state["var_v"].copy()
     tracks.common["noise_hz"][0] = rng.uniform(0, 2000)
     tracks.common["n_checks"] = n_checks
+    motion = rows(tracks)[:, [2, 3, 7, 8, 9, 11, 12, 13]].tolist()
     twin = reference.weigh(
-        10_000, rows(tracks)[:, [2, 3, 7]].tolist(), tracks.n_new.tolist(), tracks.rate_hz.tolist(),
+        10_000, motion, tracks.n_new.tolist(), tracks.rate_hz.tolist(),
         float(tracks.common["noise_hz"][0]), NEIGHBOURS.tolist(), n_checks, 10_000 - elapsed_us,
         TUNING,
     )  # fmt: skip
     tracks.past_us[(n_checks - 1) % len(tracks.past_us)] = 10_000 - elapsed_us
     kernels.weigh(10_000, tracks, TUNING)
-    rate, noise, r_px2, lead_px = twin
+    rate, noise, r_px2, lead_px, growth = twin
     np.testing.assert_allclose(tracks.rate_hz, rate)
     np.testing.assert_allclose(tracks.common["noise_hz"][0], noise)
     np.testing.assert_allclose(tracks.r_px2, r_px2)
     np.testing.assert_allclose(rows(tracks)[:, 8:10], lead_px)
+    np.testing.assert_allclose(tracks.state["var_v"] - variance, growth, atol=1e-6)
     assert not tracks.n_new.any()
+    assert not rows(tracks)[:, 11:14].any()
 
 
 @pytest.mark.parametrize(("n_events", "n_checks"), [(0, 13), (1, 13), (3, 17), (9, 50)])
@@ -243,6 +250,32 @@ def test_noise_counts_less_than_motion():
     assert tracks.common["noise_hz"][0] == pytest.approx(250.0, rel=0.2)
     assert tracks.r_px2[85] < 4.0 * TUNING.r_px2
     assert tracks.r_px2[20] > 10.0 * TUNING.r_px2
+
+
+def make_sided_events(at_px, way, n, begin_us, *, one_sided=False):
+    """Returns events of a bright marker on its way: ON ahead of it, OFF behind it, one by one."""
+    events = np.zeros(n, EVENT_DTYPE)
+    events["t"] = begin_us + np.arange(n) * 2_000 // n
+    events["p"] = one_sided | (np.arange(n) % 2 == 0)
+    side = np.where(np.arange(n) % 2 == 0, 2.0, -2.0)
+    events["x"], events["y"] = (np.rint(at_px + side[:, None] * way)).T
+    return events
+
+
+@pytest.mark.parametrize(("one_sided", "turns"), [(False, True), (True, False)])
+def test_the_sides_of_the_events_show_that_a_marker_has_turned(one_sided, turns):
+    tracks, marker = make_tracks(np.rint(REST_PX)), 88
+    tracks.state["vx"][marker], tracks.state["lead_x"][marker] = 100.0, 1.0
+    track_kernels.aim(2_000.0, tracks, TUNING)
+    variance = tracks.state["var_v"][marker]
+    back = np.array([-1.0, 0.0])
+    events = make_sided_events(np.rint(REST_PX[marker]), back, 30, 0, one_sided=one_sided)
+    kernels.filter_events(events, 0, 2_000, tracks, TUNING)
+    assert tracks.n_new[marker] == 30
+    filtered = tracks.state["var_v"][marker]
+    kernels.weigh(2_000, tracks, TUNING)
+    assert (tracks.state["lead_x"][marker] < -0.5) == turns
+    assert (tracks.state["var_v"][marker] > filtered + variance) == turns
 
 
 def test_a_predicted_motion_fades():

@@ -131,6 +131,16 @@ def test_a_fast_long_push_is_followed():
     assert (error > 3.0).mean() < 0.01
 
 
+def test_quick_taps_are_followed_out_and_back():
+    # 5 mm out and back in 60 ms: 310 mm/s, and no moment of rest where they turn.
+    taps = [Finger((4.0, 2.0), (-4.7, -1.7)), Finger((-6.0, -3.0), (4.5, -2.2))]
+    packets, truth = play(*(stroke(tap, move_us=30_000, hold_us=0) for tap in taps))
+    fields = follow(packets)
+    error = errors(fields, truth)[10:]
+    assert (error > 4.0).mean() < 2e-4
+    assert all(field.valid.all() for field in fields[10:])
+
+
 def test_a_replay_is_the_same_bit_for_bit(gestures):
     packets, _ = gestures
     for one, other in zip(follow(packets[:60]), follow(packets[:60]), strict=True):

@@ -156,6 +156,29 @@ def test_what_moves_rigidly_is_the_rig_so_play_goes_on(by_mm, turn_rad, scale):
     assert detector.stats().n_references == 2
 
 
+@pytest.mark.parametrize(
+    ("largest_mm", "left_mm", "tremble_mm", "at_rest"),
+    [
+        (15.0, 0.75, 0.0, True),  # the gel keeps a twentieth
+        (15.0, 0.75, 0.3, False),  # a finger is on it
+        (15.0, 1.5, 0.0, False),
+        (0.75, 0.75, 0.0, False),  # a small push that lasts
+    ],
+)
+def test_a_gel_that_keeps_a_part_of_a_large_motion_is_at_rest(
+    largest_mm, left_mm, tremble_mm, at_rest
+):
+    detector = RestDetector()
+    show(detector, picture(), *(picture(push(share * largest_mm)) for share in (0.3, 0.6, 1.0)))
+    sizes_mm = left_mm + tremble_mm * np.array([1, -1, 1, -1, 1, -1, 1, -1])
+    left = [show(detector, picture(push(mm), seed=k)) for k, mm in enumerate(sizes_mm)]
+    assert (left[-1] is not None) == at_rest
+    assert left[2] is None
+    if at_rest:
+        assert np.abs(left[-1].position_px - RIG.to_px(LATTICE_MM + push(left_mm))).max() < 0.5
+    assert show(detector, picture()) is not None
+
+
 def test_a_rig_that_swings_is_not_followed():
     detector = RestDetector()
     show(detector, picture())

@@ -36,6 +36,10 @@ class KindDeciderConfig:
             to creep back.
         creep: the size at which a gesture ends rises from ``least_off_mm`` by this share of the
             gesture's largest size, up to ``off_mm``.
+        kept: a gel keeps up to this share of a gesture's largest size. A gesture that has shrunk
+            to it ends as soon as nothing moves any more, for a finger would tremble.
+        kept_us: how long nothing must move.
+        still_size_mm: smaller changes of the size are no motion.
         on_us: how long the size must be above the limit before a gesture begins.
         off_us: how long the size must be below the limit before a gesture ends.
         memory_us: time constant of the evidence for each kind.
@@ -65,6 +69,9 @@ class KindDeciderConfig:
     off_mm: float = 0.28
     least_off_mm: float = 0.18
     creep: float = 0.04
+    kept: float = 0.075
+    kept_us: int = 150_000
+    still_size_mm: float = 0.06
     on_us: int = 10_000
     off_us: int = 10_000
     memory_us: int = 60_000
@@ -97,6 +104,7 @@ class KindDecider:
         self._is_ending = False
         self._n_fingers = 0
         self._above_us = self._below_us = self._led_us = 0
+        self._stays_mm, self._stays_us = 0.0, 0
 
     @property
     def is_forming(self) -> bool:
@@ -134,7 +142,8 @@ class KindDecider:
             self._size_mm = size_mm
             self.confidence = 1.0 - self._believe(size_mm)
             return
-        if self.kind is not GestureKind.NONE and self._below_us >= config.off_us:
+        is_over = self._below_us >= config.off_us or self._is_kept(step_us, size_mm)
+        if self.kind is not GestureKind.NONE and is_over:
             self._swing_mm = max(self._swing_mm, config.swing * self._most_mm)
             self.reset()
             self._least_mm = size_mm
@@ -147,7 +156,8 @@ class KindDecider:
             self.is_latched, self._led_us = False, 0
         self._n_fingers = motion.n_fingers
         self._follow(step_us, size_mm)
-        self._weigh(step_us, motion)
+        if self.kind is GestureKind.NONE or self.is_latched or not self.is_falling:
+            self._weigh(step_us, motion)  # what leaves tells no type: the gel swings back
         self.confidence = self._believe(size_mm) * self._prefer(size_mm, noise_mm)
 
     def _find_on(self, noise_mm: float) -> float:
@@ -162,6 +172,15 @@ class KindDecider:
         if self._sway_mm < config.still_mm or size_mm >= config.latch_mm:
             return False
         return error_mm > max(config.messy_noise * noise_mm, config.messy_share * size_mm)
+
+    def _is_kept(self, step_us: int, size_mm: float) -> bool:
+        """Returns True if the size is what the gel keeps of a large gesture."""
+        config = self._config
+        if abs(size_mm - self._stays_mm) > config.still_size_mm:
+            self._stays_mm, self._stays_us = size_mm, 0
+        else:
+            self._stays_us += step_us
+        return self._stays_us >= config.kept_us and size_mm < config.kept * self._most_mm
 
     def _believe(self, size_mm: float) -> float:
         """Returns the probability that people see a gesture of this size."""

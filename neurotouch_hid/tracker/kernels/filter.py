@@ -16,6 +16,10 @@ MIN_TRUST = 0.05  # a marker that seems to be at rest still follows its events, 
 NOISE_FALL_S = 0.1
 NOISE_RISE_S = 5.0  # slow, so that only a long motion of the whole gel is taken for noise
 SLOW_PX_S = 60.0  # the direction of a slower marker, and the sides of its events, are uncertain
+SIDED = 8.0  # events of both polarities that tell the direction as surely as the velocity does
+MOST_LEAD = 1.25  # of ``lead_px``: how long the lead may be that events themselves show
+EVENTS_PER_PX = 40.0  # of a marker of usual contrast
+HASTE_S = 0.005  # a quick hand changes its speed by as much as the speed itself in this time
 FEW = 6  # events of a marker; a motion by a whole pixel makes more
 STILL_US = 8_000  # longest time between two checks
 
@@ -74,6 +78,8 @@ def filter_events(
             s.vx, s.vy = s.vx * keep + k2 * dx, s.vy * keep + k2 * dy
             s.var_x, s.cov_xv, s.var_v = a - k1 * a, b - k1 * b, c - k2 * b
             s.t_us = e.t
+            s.ahead_x, s.ahead_y = s.ahead_x + sign * dx, s.ahead_y + sign * dy
+            s.excess += sign
             n_new[i] += 1
     return int(stop)
 
@@ -108,7 +114,6 @@ def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     share = -math.expm1(-dt / tuning.rate_s)
     for i in range(n):
         rate[i] += share * (n_new[i] / dt - rate[i])
-        n_new[i] = 0
     quiet = select(rate, n // 4)  # a quarter of the gel is usually at rest
     noise = tracks.common[0].noise_hz
     rise_s = min(NOISE_RISE_S, dt * (tracks.common[0].n_checks + 1))  # fast at first
@@ -126,12 +131,22 @@ def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
         motion = total / used - noise - spread_hz / math.sqrt(used)
         trust = motion / (motion + noise) if motion > 0.0 else 0.0
         tracks.r_px2[i] = tuning.r_px2 / max(trust, MIN_TRUST)
-    _lead(t_us, tracks, tuning)
+    _lead(t_us, dt, tracks, tuning)
+    n_new[:] = 0
 
 
 @kernel(error_model="numpy")
-def _lead(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
-    """Updates the lead: a bright marker brightens pixels ahead of it and darkens those behind."""
+def _lead(t_us: int, dt: float, tracks: Tracks, tuning: Tuning) -> None:
+    """Updates the lead: a bright marker brightens pixels ahead of it and darkens those behind.
+
+    After a sudden turn the velocity still points the old way. Then ON events seem to be far behind
+    and OFF events far ahead, their errors cancel, and the track would stay where it is. So the
+    events tell the direction as well: from the middle of the OFF to the middle of the ON events.
+    Light that flickers makes events of one polarity at a time, which tell nothing.
+
+    A marker whose events lie on two sides moves, the faster the more there are, and a hand changes
+    the speed of a fast marker by more.
+    """
     state = tracks.state
     n = len(state)
     v, per_speed = np.empty((2, n)), np.empty(n)
@@ -142,7 +157,19 @@ def _lead(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
         square = v[0, i] * v[0, i] + v[1, i] * v[1, i] + SLOW_PX_S * SLOW_PX_S
         per_speed[i] = tuning.lead_px / math.sqrt(square)
     for i in range(n):
-        state[i].lead_x, state[i].lead_y = v[0, i] * per_speed[i], v[1, i] * per_speed[i]
+        s, count = state[i], tracks.n_new[i]
+        x, y = v[0, i] * per_speed[i], v[1, i] * per_speed[i]
+        sided = count - abs(s.excess)
+        if sided > 0.0:
+            share = sided / (sided + SIDED)
+            x += share * (s.lead_x + s.ahead_x / count - x)
+            y += share * (s.lead_y + s.ahead_y / count - y)
+            longer = math.sqrt(x * x + y * y) / (MOST_LEAD * tuning.lead_px)
+            x, y = x / max(longer, 1.0), y / max(longer, 1.0)
+            speed = sided / (dt * EVENTS_PER_PX)
+            s.var_v += dt / HASTE_S * speed * speed * (x * x + y * y)
+        s.lead_x, s.lead_y = x, y
+        s.ahead_x = s.ahead_y = s.excess = 0.0
 
 
 @kernel

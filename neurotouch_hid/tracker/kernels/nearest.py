@@ -21,7 +21,7 @@ ORIGIN = np.uint64(BORDER * COLUMNS + BORDER)  # the tile of pixel (0, 0)
 SPAN = 4  # tiles that twice the reach may touch, along each axis
 CAPACITY = 16  # markers within reach of a tile, for markers 3 px apart
 FIRST = 2  # markers compared without a test; one event in twenty has more of them near
-REACH_PX = 4.5  # the largest gate, 3.5 px, plus the longest lead of events, 1 px
+REACH_PX = 4.75  # the largest gate, 3.5 px, plus the longest lead of events, 1.25 px
 
 PLACE: Final = np.dtype([("top", "i8"), ("left", "i8"), ("n_rows", "i8"), ("n_columns", "i8")])
 """The tiles in which a marker is listed: the first row and column, and how many there are."""

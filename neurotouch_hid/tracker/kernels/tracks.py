@@ -23,7 +23,10 @@ MARKER: Final = np.dtype(
         ("lead_x", "f8"),
         ("lead_y", "f8"),
         ("n_missed", "i8"),
-        ("padding", "f8", 5),
+        ("ahead_x", "f8"),
+        ("ahead_y", "f8"),
+        ("excess", "f8"),
+        ("padding", "f8", 2),
     ]
 )
 """The filter's state of one marker, in two cache lines.
@@ -35,6 +38,9 @@ MARKER: Final = np.dtype(
 - ``lead_x``, ``lead_y``: a moving marker makes ON events this far ahead of its centre, px, and OFF
   events this far behind it.
 - ``n_missed``: sharp frames in a row that did not show it.
+- ``ahead_x``, ``ahead_y``: over the events since the last check, the sum of how far ON events were
+  ahead of where they were expected, and OFF events behind, px.
+- ``excess``: how many more of these events were ON than OFF.
 """
 
 COMMON: Final = np.dtype(
