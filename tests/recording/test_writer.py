@@ -103,6 +103,18 @@ def test_a_disk_without_room_for_a_header_makes_no_file(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("content", [b"precious", None])
+def test_in_place_a_link_that_waits_under_the_name_is_not_followed(tmp_path, content):
+    victim, path = tmp_path / "victim", tmp_path / "a.aedat4"
+    if content is not None:
+        victim.write_bytes(content)
+    path.symlink_to(victim)
+    with pytest.raises(RecordingError, match=r"a\.aedat4' is a link"):
+        RecordingWriter(path, in_place=True)
+    assert path.is_symlink()
+    assert (victim.read_bytes() if victim.exists() else None) == content
+
+
 @pytest.mark.parametrize("n_packets", range(1, 8))
 def test_the_table_leads_to_every_packet(tmp_path, n_packets):
     """The table's rows are aligned for every number of packets: the maker's reader uses it."""
