@@ -45,14 +45,14 @@ class Logind:
 
     def sd_get_seats(self, reference) -> int:
         if self._seats is None:
-            return -2
+            return -1  # EPERM
         reference._obj.contents = ctypes.c_void_p.from_buffer(self.array)
         return len(self._seats)
 
     def sd_seat_get_active(self, seat: bytes, session: None, uid) -> int:
         user = self._seats[seat]
         if user is None:
-            return -61
+            return -1
         uid._obj.value = user
         return 0
 

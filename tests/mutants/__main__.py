@@ -90,11 +90,10 @@ def _try_module(path: str, mutants: list[Mutant], results: _Results) -> list[Mut
     tries = try_mutants(open_ones, MODULES[path])
     tests = next(tries)
     survivors = []
-    for mutant in open_ones:
-        tried_s = time.monotonic()
-        record = next(tries)
-        seconds = round(time.monotonic() - tried_s, 1)
-        results.add(mutant, source, {**record, "seconds": seconds})
+    tried_s = time.monotonic()
+    for mutant, record in zip(open_ones, tries, strict=True):
+        before_s, tried_s = tried_s, time.monotonic()
+        results.add(mutant, source, {**record, "seconds": round(tried_s - before_s, 1)})
         if not record["by"]:
             survivors.append(mutant)
     print(
