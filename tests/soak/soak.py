@@ -75,32 +75,46 @@ class Result:
         return float(np.polyfit(hours, kept, 1)[0])
 
 
-class _Twin:
+class Twin:
     """A tap that plays the same packets through a pipeline that nobody disturbs, and compares.
 
     Markers and gestures are equal bit by bit at every moment, as people and viewers change nothing
     of them; so is the pad in the undisturbed stretches. Faults of the data reach both. That they
     leave nothing behind shows in the order of the gestures and presses of each stretch, which is
-    the one of the first stretch ever.
+    the one of a new pipeline.
+
+    Args:
+        tour: the packets of a stretch.
+        rest: packets without a gesture that come before.
+        is_undisturbed: returns whether the Step belongs to a stretch.
+
+    Attributes:
+        n_equal: stretches with all actions in their order.
+        faults: what differs.
     """
 
-    def __init__(self, tour: Sequence[EventPacket], rest: Iterable[EventPacket]) -> None:
-        self._pipeline = _build()
-        self._expected = _list_actions(map(_build().advance, (*rest, *tour)))
+    def __init__(
+        self,
+        tour: Sequence[EventPacket],
+        rest: Iterable[EventPacket],
+        is_undisturbed: Callable[[], bool],
+    ) -> None:
+        self._pipeline = build_pipeline()
+        self._expected = _list_actions(map(build_pipeline().advance, (*rest, *tour)))
         self._stretch: list[Step] = []
-        self.source: SoakSource | None = None
+        self._is_undisturbed = is_undisturbed
         self.n_equal = 0
         self.faults: list[str] = []
 
     def __call__(self, step: Step) -> None:
         """Compares a Step."""
         twin = self._pipeline.advance(step.packet)
-        where = None if self.source is None else self.source.stretch_us
-        if where is None and self._stretch:
-            self._end_stretch()
-        if where is not None:
+        is_undisturbed = self._is_undisturbed()
+        if is_undisturbed:
             self._stretch.append(step)
-        if _get_values(step) != _get_values(twin) or (where is not None and step.pad != twin.pad):
+        elif self._stretch:
+            self._end_stretch()
+        if _get_values(step) != _get_values(twin) or (is_undisturbed and step.pad != twin.pad):
             self.faults.append(f"the Step at {step.packet.t_end_us} us differs from the twin's")
 
     def _end_stretch(self) -> None:
@@ -112,7 +126,8 @@ class _Twin:
         self._stretch = []
 
 
-def _build() -> Pipeline:
+def build_pipeline() -> Pipeline:
+    """Returns a pipeline as the driver has one."""
     return Pipeline.build(load_profile(PLAYED), GestureConfig())
 
 
@@ -163,9 +178,9 @@ def run_soak(
     begin_s = time.monotonic()
     tour = load_tour(length_us)
     source = SoakSource(hours, seed, tour, weigh)
-    twin = _Twin(tour, source.rest)
-    twin.source = source
+    twin = Twin(tour, source.rest, lambda: source.is_undisturbed)
     with (
+        suppress(KeyboardInterrupt),
         source,
         # It is busy for an hour: it must neither slow the machine down nor be ended for it.
         patch("neurotouch_hid.driver.driver.realtime_priority", freeze_gc),
@@ -173,8 +188,7 @@ def run_soak(
             replace(REFERENCE, profile=PLAYED, listens=True), make_source=lambda: source
         ) as driver,
     ):
-        with suppress(KeyboardInterrupt):
-            driver.run([twin])
+        driver.run([twin])
     result.hours = source.hours
     result.host_s = time.monotonic() - begin_s
     result.done, result.n_equal = source.done, twin.n_equal

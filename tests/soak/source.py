@@ -57,7 +57,8 @@ class SoakSource(Closing):
         at_end: is called at the end of each cycle.
 
     Attributes:
-        stretch_us: the begin of the stretch that is played now; None between them.
+        is_undisturbed: whether a stretch that nobody disturbs is played.
+        rest: packets without a gesture.
         n_cycles: cycles that have ended.
         done: how often each disturbance has happened.
         failed: what people could not do.
@@ -83,7 +84,7 @@ class SoakSource(Closing):
         self._now_us = 0
         self._gap = 0
         self._people: subprocess.Popen[str] | None = None
-        self.stretch_us: int | None = None
+        self.is_undisturbed = False
         self.n_cycles = 0
         self.done: Counter[str] = Counter()
         self.failed: list[str] = []
@@ -98,9 +99,9 @@ class SoakSource(Closing):
             yield from self._disturb(self._chance)
             yield from self._plug(away_us=1_000_000, away_s=0.0)
             yield from self._pause(SETTLE_US)
-            self.stretch_us = self._now_us
+            self.is_undisturbed = True
             yield from map(self._at_now, self._tour)
-            self.stretch_us = None
+            self.is_undisturbed = False
             yield from self._pause(max(0, until_us - self._now_us), is_idle=True)
             self.n_cycles += 1
             self._at_end()
