@@ -76,6 +76,7 @@ class _Trial:
     def __init__(self, mutants: list[Mutant], answers: IO[str]) -> None:
         self._mutants, self._answers = mutants, answers
         self._has_failed = False
+        self._neighbours: dict[pytest.Item, pytest.Item | None] = {}
         self._wall_s: dict[pytest.Item, float] = {}
         self._kills: Counter[pytest.Item] = Counter()
 
@@ -85,6 +86,7 @@ class _Trial:
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
         """Runs the tests without a change, then the quick ones with each mutant."""
+        self._neighbours = _find_neighbours(session.items)
         quick, left_out = self._choose(session.items)
         self._answer({"tests": len(quick), "left_out": left_out})
         for mutant in self._mutants:
@@ -120,7 +122,8 @@ class _Trial:
 
     def _fails(self, item: pytest.Item) -> bool:
         self._has_failed = False
-        runtestprotocol(item, log=True, nextitem=None)
+        item.session._setupstate.teardown_exact(item)  # of a test in another file
+        runtestprotocol(item, log=True, nextitem=self._neighbours[item])
         return self._has_failed
 
     def _find_killer(self, mutant: Mutant, items: list[pytest.Item]) -> str:
@@ -182,6 +185,16 @@ class _Trial:
                 return _Outcome(None, word)
             if not text:
                 raise SystemExit(f"A mutant could not be tried: {word or 'its process died'}")
+
+
+def _find_neighbours(items: list[pytest.Item]) -> dict[pytest.Item, pytest.Item | None]:
+    """Returns a test with the same fixtures for each, so that pytest keeps them: they take long."""
+    found = {}
+    for n, item in enumerate(items):
+        others = [*items[:n], *items[n + 1 :]]
+        beside = (other for other in others if other.parent is item.parent)
+        found[item] = next(beside, others[0] if others else None)
+    return found
 
 
 def _make_unchanged(mutants: list[Mutant]) -> Mutant:
