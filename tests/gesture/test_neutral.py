@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.geometry import LATTICE_MM
-from neurotouch_hid.gesture.neutral import Neutral
+from neurotouch_hid.gesture.neutral import LIFT_US, SMOOTH_US, STILL_MM_S, Neutral
 from neurotouch_hid.messages import GestureKind
 from tests.gesture.elastic import field
 from tests.gesture.test_neurotouch import Player
@@ -250,6 +250,43 @@ def test_a_hand_rests_after_a_second_and_counts_as_lifted_at_once():
     see(neutral, 0.5)
     assert neutral.pose_px is not None
     assert see(neutral, 0.0, step_us=1) is None
+
+
+def test_a_hand_that_is_lifted_loses_its_pose_after_its_time():
+    neutral = Neutral(is_resting=True)
+    rest_a_hand(neutral)
+    for _ in range(LIFT_US // STEP_US - 1):
+        see(neutral, 0.0)
+    assert neutral.pose_px is not None
+    see(neutral, 0.0)
+    assert neutral.pose_px is None
+
+
+def test_a_hand_that_moves_rests_a_second_after_its_last_motion():
+    neutral, once, twice, still = Neutral(is_resting=True), 0.0, 0.0, 0
+    see(neutral, 0.0)
+    for k in range(300):
+        mm = 3.0 if k < 10 else 0.5
+        see(neutral, mm)
+        share = 1.0 - np.exp(-STEP_US / SMOOTH_US)  # what it does, for one marker
+        once += share * (mm - once)
+        speed_mm_s = (once - twice) / (1e-6 * SMOOTH_US)
+        twice += share * (once - twice)
+        still = still + 1 if abs(speed_mm_s) <= STILL_MM_S else 0
+        assert (neutral.pose_px is not None) is (still >= 100), k
+        if still >= 100:
+            break
+    assert 100 < k < 299
+
+
+def test_the_pose_does_not_follow_a_hand_that_moves():
+    neutral = Neutral(is_resting=True)
+    rest_a_hand(neutral)
+    before_px = neutral.pose_px.copy()
+    for _ in range(20):
+        see(neutral, 8.0)
+    neutral.follow(np.full((50, 2), 9.0), STEP_US)
+    np.testing.assert_array_equal(neutral.pose_px, before_px)
 
 
 @pytest.mark.parametrize(("n_touched", "is_lifted"), [(0, True), (1, True), (2, False)])
