@@ -13,7 +13,7 @@ WHEELHOUSE := .cache/wheelhouse
 EPOCH := $(shell git log -1 --format=%ct 2>/dev/null || echo 315532800)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint kernel docs pictures fuzz mutants room bench dist deb lock try-package system-test clean
+.PHONY: help demo test lint kernel docs pictures fuzz mutants soak room bench dist deb lock try-package system-test clean
 
 help: ## list the tasks
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -48,8 +48,12 @@ pictures: $(VENV)/.dev ## make the pictures of the documents (needs Chromium)
 fuzz: $(VENV)/.dev ## feed damaged files to the program for MINUTES=30 (AREAS="recordings rigs", SEED=1)
 	@$(BIN)/python -m tests.fuzz $(AREAS) --minutes $(or $(MINUTES),30) $(if $(SEED),--seed $(SEED))
 
-mutants: $(VENV)/.dev ## change the safety-critical modules at COUNT=300 places: a test must fail (SEED=1, MODULES=paths)
-	@nice $(BIN)/python -m tests.mutants $(MODULES) --count $(or $(COUNT),300) $(if $(SEED),--seed $(SEED))
+mutants: $(VENV)/.dev ## change the safety-critical modules at COUNT=300 places: a test must fail (SEED=1, MODULES=paths, RESULTS=file to go on)
+	@nice $(BIN)/python -m tests.mutants $(MODULES) --count $(or $(COUNT),300) $(if $(SEED),--seed $(SEED)) \
+		$(if $(RESULTS),--results $(RESULTS))
+
+soak: $(VENV)/.dev ## let a driver play for HOURS=24 of sensor time among faults, plugs, viewers and panics (SEED=1)
+	@nice $(BIN)/python -m tests.soak --hours $(or $(HOURS),24) $(if $(SEED),--seed $(SEED))
 
 room: $(VENV)/.dev ## measure recognition under each nuisance of a real room (ONLY="bump* mains", COUNT=5, SEEDS="1 2", JSON=1)
 	@nice $(BIN)/python -m tests.room $(ONLY) $(if $(COUNT),--count $(COUNT)) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(JSON),--json)

@@ -3,6 +3,7 @@
 import os
 import socket
 import stat
+import struct
 from types import SimpleNamespace
 
 import pytest
@@ -76,3 +77,29 @@ def test_numbers_too_large_for_arithmetic_become_floats():
     assert [ipc.read_object(text) for text in ("[1]", "7", "{", "[" * 100_000, b"\xff")] == [
         None
     ] * 5
+
+
+def test_the_peer_is_the_user_and_neither_process_nor_group():
+    peer = SimpleNamespace(getsockopt=lambda *_: struct.pack("3i", 7, 1001, 2002))
+    assert ipc.find_peer(peer) == 1001
+
+
+TCP = """\
+  sl  local_address rem_address   st tx_queue rx_queue tr tm->when retrnsmt   uid  timeout inode
+   0: 0100007F:1F90 0100007F:C350 06 00000000:00000000 03:00000D9F 00000000     0        0 0 3
+   1: 0100007F:1F90 00000000:0000 0A 00000000:00000000 00:00000000 00000000     3        0 9 1
+   2: 0100007F:C350 0100007F:1F90 01 00000000:00000000 00:00000000 00000000  1001        0 8 1
+   3: 0100007F:1F90 0100007F:C350 01 00000000:00000000 00:00000000 00000000  1002        0 7 1
+"""
+"""As the kernel writes it: an old connection, a listener, and both ends of a new connection."""
+
+
+def test_the_user_of_an_end_of_a_connection_is_in_the_kernels_list(tmp_path, monkeypatch):
+    monkeypatch.setattr(ipc, "_TCP", tmp_path / "tcp")
+    page, browser = ("127.0.0.1", 8080), ("127.0.0.1", 50000)
+    assert ipc.find_tcp_user(browser, page) is None  # no such file
+    (tmp_path / "tcp").write_text(TCP)
+    assert ipc.find_tcp_user(browser, page) == 1001
+    assert ipc.find_tcp_user(page, browser) == 1002
+    assert ipc.find_tcp_user(page, page) is None
+    assert ipc.find_tcp_user(("::1", 8080, 0, 0), ("::1", 50000, 0, 0)) is None

@@ -79,6 +79,38 @@ def test_a_link_that_waits_beside_it_is_not_followed(tmp_path):
     assert path.read_text() == "new"
 
 
+def test_a_link_that_is_put_there_in_the_last_moment_is_not_followed(tmp_path, monkeypatch):
+    victim, path = tmp_path / "victim", tmp_path / "numbers.json"
+    victim.write_text("precious")
+
+    def put_a_link(part, missing_ok):
+        assert missing_ok
+        part.symlink_to(victim)
+
+    monkeypatch.setattr(Path, "unlink", put_a_link)
+    with pytest.raises(FileExistsError):
+        write_whole(path, b"new")
+    assert victim.read_text() == "precious"
+
+
+def test_what_somebody_has_removed_is_not_missed(tmp_path):
+    partial = PartialFile(tmp_path / "numbers.json")
+    for part in tmp_path.iterdir():
+        part.unlink()
+    partial.discard()
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_a_written_file_leaves_no_descriptor_and_has_the_usual_mode(tmp_path):
+    before, mask = len([*Path("/proc/self/fd").iterdir()]), os.umask(0o022)
+    try:
+        write_whole(tmp_path / "numbers.json", b"new")
+    finally:
+        os.umask(mask)
+    assert len([*Path("/proc/self/fd").iterdir()]) == before
+    assert stat.S_IMODE((tmp_path / "numbers.json").stat().st_mode) == 0o644
+
+
 def test_a_link_stays_a_link(tmp_path):
     (tmp_path / "folder").mkdir()
     target, path = tmp_path / "folder/real", tmp_path / "numbers.json"

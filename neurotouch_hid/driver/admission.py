@@ -29,7 +29,7 @@ def find_seated_users() -> tuple[int, ...]:
     udev lets the same users read the pad, and open the camera with a program of their own.
     """
     try:
-        library = ctypes.CDLL(_LIBRARY, use_errno=True)
+        library = ctypes.CDLL(_LIBRARY)
     except OSError:
         return ()
     users = []

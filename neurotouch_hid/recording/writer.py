@@ -1,11 +1,12 @@
 """Writes events and frames to one AEDAT4 file that is readable at every moment."""
 
+import errno
 import os
 import shutil
 from array import array
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import IO, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,7 +72,7 @@ class RecordingWriter:
         self._closed = False
         try:
             self._partial = None if in_place else PartialFile(self.path)
-            self._file = self._partial.file if self._partial else self.path.open("wb", buffering=0)
+            self._file = self._partial.file if self._partial else _open_in_place(self.path)
         except OSError as error:
             raise self._failure(error) from error
         try:
@@ -143,6 +144,11 @@ class RecordingWriter:
             )
 
     def _failure(self, error: OSError) -> RecordingError:
+        if error.errno == errno.ELOOP:
+            return RecordingError(
+                f"'{self.path}' is a link, and a recording is not written through a link.",
+                hint="Give the name of the file itself.",
+            )
         return RecordingError(
             f"'{self.path}' cannot be written: {error.strerror}.",
             hint="Choose a folder that exists, with room, that you may write to.",
@@ -201,3 +207,12 @@ class RecordingWriter:
             self.close()
         else:
             self.discard()
+
+
+def _open_in_place(path: Path) -> IO[bytes]:
+    """Opens a file to be written under its own name.
+
+    Another user who may write to the folder could have put a link there, to a file of this person.
+    """
+    flags = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW | os.O_CLOEXEC
+    return os.fdopen(os.open(path, flags, 0o666), "wb", buffering=0)

@@ -5,11 +5,12 @@ import errno
 import os
 import stat
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from evdev import ecodes
 
-from neurotouch_hid.device.outputs import keyboard, mouse
+from neurotouch_hid.device.outputs import keyboard, mouse, uinput
 from neurotouch_hid.device.outputs.identity import load_identities
 from neurotouch_hid.device.outputs.spec import DeviceSpec
 from neurotouch_hid.device.outputs.uinput import RULE, UinputNode, open_uinput
@@ -120,6 +121,32 @@ def test_steps_come_first_then_releases_backwards_then_presses(kernel):
     assert seen.take() == rel + released + event(1, 0x112, 1) + SYN
     node.write_report(report(mouse.SPEC, BTN_MIDDLE=1), ((1, 5),))
     assert seen.take() == event(2, 1, 5) + SYN
+
+
+def test_a_report_has_its_time(kernel):
+    pad, seen = make(kernel, PAD)
+    pad.write_report(report(PAD, BTN_SOUTH=1), stamp_ns=8_000_000_000_999)
+    seen.take()
+    assert seen.stamps == [(8_000, 0)] * 2
+    pad.write_report(report(PAD), stamp_ns=8_000_999_999_999)
+    seen.take()
+    assert seen.stamps == [(8_000, 999_999)] * 2
+
+
+def test_the_number_of_a_call_has_its_size():
+    assert uinput._write_request(4, 28) == ABS_SETUP
+    assert uinput._write_request(3, 92) == SETUP
+    assert uinput._write_request(108, 8) == PHYS
+
+
+def test_the_rumble_ends_before_the_node_is_gone(kernel, monkeypatch):
+    server = Mock()
+    monkeypatch.setattr(uinput, "RumbleServer", server)
+    spec = load_identities()["xbox360"].make_spec(rumbles=True)
+    node = UinputNode(kernel.open(), spec, ioctl=kernel.ioctl, hear=print)
+    server.return_value.close.side_effect = lambda: kernel.nodes[-1].calls.append("rumble ends")
+    node.close()
+    assert kernel.nodes[-1].calls[-2:] == ["rumble ends", (DESTROY, 0)]
 
 
 def test_closing_removes_the_node(kernel):

@@ -36,23 +36,23 @@ def test_the_owner_root_and_the_guests_are_admitted_and_nobody_else(monkeypatch)
 
 
 class Logind:
-    """libsystemd with these seats; a seat that nobody uses has no user."""
+    """libsystemd with these seats, or none that answers; an unused seat has no user."""
 
-    def __init__(self, seats: dict[bytes, int | None]) -> None:
+    def __init__(self, seats: dict[bytes, int | None] | None) -> None:
         self._seats = seats
-        self.names = [ctypes.create_string_buffer(name) for name in seats]
-        self.array = (ctypes.c_void_p * (len(seats) + 1))(*map(ctypes.addressof, self.names))
+        self.names = [ctypes.create_string_buffer(name) for name in seats or ()]
+        self.array = (ctypes.c_void_p * (len(self.names) + 1))(*map(ctypes.addressof, self.names))
 
     def sd_get_seats(self, reference) -> int:
-        if not self._seats:
-            return -2
+        if self._seats is None:
+            return -1  # EPERM
         reference._obj.contents = ctypes.c_void_p.from_buffer(self.array)
         return len(self._seats)
 
     def sd_seat_get_active(self, seat: bytes, session: None, uid) -> int:
         user = self._seats[seat]
         if user is None:
-            return -61
+            return -1
         uid._obj.value = user
         return 0
 
@@ -75,19 +75,20 @@ class Memory:
         ({b"seat1": 1002, b"seat0": 0, b"seat2": None}, (0, 1002)),
         ({b"seat0": 1000}, (1000,)),
         ({}, ()),
+        (None, ()),
     ],
 )
 def test_every_seat_is_asked_and_its_memory_given_back(monkeypatch, seats, users):
     logind, memory = Logind(seats), Memory()
     libc = type("LibC", (), {"free": memory})
-    monkeypatch.setattr(ctypes, "CDLL", lambda name, **_: libc if name is None else logind)
+    monkeypatch.setattr(ctypes, "CDLL", lambda name: libc if name is None else logind)
     assert find_seated_users() == users
     lent = [*map(ctypes.addressof, logind.names), ctypes.addressof(logind.array)]
-    assert memory.freed == (lent if seats else [])
+    assert memory.freed == ([] if seats is None else lent)
 
 
 def test_without_logind_nobody_sits_here(monkeypatch):
-    def load(name, **_options):
+    def load(name):
         raise OSError(name)
 
     monkeypatch.setattr(ctypes, "CDLL", load)

@@ -13,6 +13,7 @@ from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given
@@ -365,6 +366,39 @@ def test_a_crowd_of_strangers_is_refused_without_asking_who_sits_there_each_time
                 assert crowd.communicate(timeout=LIMIT_S)[0] == "300\n"
         pauses_s = [later - one for one, later in pairwise(looked)]
         assert all(pause_s >= 0.2 for pause_s in pauses_s)
+
+
+def test_a_stream_follows_the_answer_unless_it_is_a_refusal(folder, patient):
+    with ControlSocket(folder) as made:
+        made.serve(
+            lambda question, _uid: {"ok": "please" in question, "error": "Ask nicely."},
+            {"record": lambda client: client.sendall(b"packets")},
+        )
+        with pytest.raises(DriverError, match="nicely"):
+            driver.open_stream("record")
+        assert exchange(find_socket(folder), b'{"command": "record"}\n')["ok"] is False
+        with socket.socket(socket.AF_UNIX) as line:
+            line.settimeout(LIMIT_S)
+            line.connect(str(find_socket(folder)))
+            line.sendall(b'{"command": "record", "please": 1}\n')
+            with line.makefile("rb") as said:
+                assert json.loads(said.readline())["ok"] is True
+                assert said.read() == b"packets"
+
+
+def test_a_second_driver_is_refused_before_it_has_loaded_anything(served, folder):
+    with pytest.raises(AlreadyRunningError, match=rf"PID {os.getpid()}"):
+        control.refuse_second(folder)
+
+
+def test_the_only_driver_is_not_refused(folder):
+    control.refuse_second(folder)
+
+
+def test_right_after_the_start_of_the_machine_nobody_counts_as_refused(folder, monkeypatch):
+    with ControlSocket(folder) as made:
+        monkeypatch.setattr(control, "time", SimpleNamespace(monotonic=lambda: 0.5))
+        assert made._admits_quickly(os.geteuid())
 
 
 def test_guests_cannot_reach_the_lock(folder):

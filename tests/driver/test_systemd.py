@@ -2,11 +2,10 @@
 
 import os
 import socket
-import subprocess
-import sys
 
 import pytest
 
+from neurotouch_hid.driver import systemd as systemd_module
 from neurotouch_hid.driver.systemd import ServiceManager
 
 
@@ -34,7 +33,7 @@ def test_systemd_hears_when_it_is_ready_what_it_does_and_that_it_ends(systemd):
 
 def test_an_address_in_the_abstract_namespace():
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as line:
-        line.bind(f"\0neurotouch-test-{os.getpid()}")
+        line.bind(f"\0neurotouch@test-{os.getpid()}")  # the second @ is a part of the name
         line.settimeout(5)
         address = line.getsockname().decode().replace("\0", "@", 1)
         ServiceManager({"NOTIFY_SOCKET": address}).report_ready()
@@ -57,13 +56,15 @@ def test_the_watchdog_is_fed_four_times_in_its_limit_however_often_the_loop_turn
 def test_the_watchdog_is_fed_as_soon_as_a_quarter_of_its_limit_has_passed(systemd):
     now_s = [100.0]
     manager = ServiceManager(
-        environment(systemd, WATCHDOG_USEC="2000000"), clock_s=lambda: now_s[0]
+        environment(systemd, WATCHDOG_USEC=f"{4 * 10**12}"), clock_s=lambda: now_s[0]
     )
-    for now_s[0] in (100.0, 100.4999, 100.5):
+    for now_s[0] in (100.0, 1_000_099.5):
         manager.report_alive()
-    manager.report_stopping()
+    manager.report_status("not yet")
+    now_s[0] = 1_000_100.0
+    manager.report_alive()
     heard = [systemd.recv(1000) for _ in range(3)]
-    assert heard == [b"WATCHDOG=1"] * 2 + [b"STOPPING=1"]
+    assert heard == [b"WATCHDOG=1", b"STATUS=not yet", b"WATCHDOG=1"]
 
 
 def test_a_systemd_that_does_not_read_or_is_not_there_holds_nothing_up(systemd, tmp_path):
@@ -99,21 +100,33 @@ def test_no_child_inherits_what_systemd_said(systemd):
     assert told == {"HOME": "/"}
 
 
-def test_handed_over_descriptors_are_given_out_once_each_by_name(tmp_path):
-    """In a process of its own, for the numbers 3 to 5 are taken here."""
-    program = (
-        "import os\n"
-        "from neurotouch_hid.driver.systemd import ServiceManager\n"
-        f"for name in 'abc': os.open(r'{tmp_path}/' + name, os.O_RDWR | os.O_CREAT)\n"
-        "os.environ |= dict(LISTEN_PID=str(os.getpid()), LISTEN_FDS='3',\n"
-        "                   LISTEN_FDNAMES='uinput:other:uinput')\n"
-        "for fd in (3, 4, 5): os.set_inheritable(fd, True)\n"
-        "s = ServiceManager()\n"
-        "names = ('uinput', 'uinput', 'uinput', 'other')\n"
-        "print([s.take_descriptor(name) for name in names])\n"
-        "print([os.get_inheritable(fd) for fd in (3, 4, 5)])\n"
-    )
-    said = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
-    )
-    assert said.stdout.splitlines() == ["[3, 5, None, 4]", "[False, False, False]"]
+@pytest.fixture
+def handed_over(tmp_path, monkeypatch):
+    """What systemd sets for three descriptors; 3 to 5, which it uses, are taken here."""
+    assert systemd_module._FIRST_DESCRIPTOR == 3
+    monkeypatch.setattr(systemd_module, "_FIRST_DESCRIPTOR", 203)
+    for number in (203, 204, 205, 206):
+        with (tmp_path / str(number)).open("w") as file:
+            os.dup2(file.fileno(), number)
+    yield {"LISTEN_PID": str(os.getpid()), "LISTEN_FDS": "3", "LISTEN_FDNAMES": "uinput:x:uinput"}
+    for number in (203, 204, 205, 206):
+        os.close(number)
+
+
+def test_handed_over_descriptors_are_given_out_once_each_by_name(handed_over):
+    manager = ServiceManager(handed_over)
+    names = ("uinput", "uinput", "uinput", "x")
+    assert [manager.take_descriptor(name) for name in names] == [203, 205, None, 204]
+    inherited = [os.get_inheritable(number) for number in (203, 204, 205, 206)]
+    assert inherited == [False, False, False, True]
+
+
+def test_descriptors_for_another_process_are_not_ours(handed_over):
+    manager = ServiceManager(handed_over | {"LISTEN_PID": "1"})
+    assert manager.take_descriptor("uinput") is None
+    assert os.get_inheritable(203)
+
+
+def test_descriptors_without_their_names_are_an_error(handed_over):
+    with pytest.raises(ValueError, match="zip"):
+        ServiceManager(handed_over | {"LISTEN_FDNAMES": "uinput"})

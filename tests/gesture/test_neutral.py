@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.geometry import LATTICE_MM
-from neurotouch_hid.gesture.neutral import Neutral
+from neurotouch_hid.gesture.neutral import LIFT_US, SMOOTH_US, STILL_MM_S, Neutral
 from neurotouch_hid.messages import GestureKind
 from tests.gesture.elastic import field
 from tests.gesture.test_neurotouch import Player
@@ -213,3 +213,96 @@ def test_gestures_beside_a_resting_trembling_hand_also_after_a_new_anchor(kind, 
         assert set(play(1.0, 30)[5:]) == {kind}
         assert set(play(0.0, 30)[5:]) == {GestureKind.NONE}
         player.rest_px = player.rest_px.copy()  # seen as untouched: a resting hand's pose stays
+
+
+PX_PER_MM = 10.0
+STEP_US = 10_000
+
+
+def see(neutral, mm, step_us=STEP_US, n_touched=50, n=50):
+    """What is left of markers that have moved so far to the right, in mm; None while it waits."""
+    moved_px = np.zeros((n, 2))
+    moved_px[:n_touched, 0] = mm * PX_PER_MM
+    left_px = neutral.subtract(moved_px, np.ones(n, bool), PX_PER_MM, step_us)
+    return None if left_px is None else left_px[0, 0] / PX_PER_MM
+
+
+def rest_a_hand(neutral):
+    """Lays a hand on the gel, and holds it until it counts as resting."""
+    while neutral.pose_px is None:
+        see(neutral, 0.5)
+
+
+def test_a_pose_is_the_mean_of_its_time_to_the_last_microsecond():
+    neutral = Neutral(is_resting=False)
+    neutral.capture()
+    assert see(neutral, 1.0, step_us=299_999) is None
+    assert see(neutral, 2.0) == pytest.approx(0.5)
+    assert see(neutral, 2.0) == pytest.approx(0.5)
+
+
+def test_a_hand_rests_after_a_second_and_counts_as_lifted_at_once():
+    neutral = Neutral(is_resting=True)
+    see(neutral, 0.0)
+    for _ in range(99):
+        see(neutral, 0.5)
+    assert neutral.pose_px is None
+    see(neutral, 0.5)
+    assert neutral.pose_px is not None
+    assert see(neutral, 0.0, step_us=1) is None
+
+
+def test_a_hand_that_is_lifted_loses_its_pose_after_its_time():
+    neutral = Neutral(is_resting=True)
+    rest_a_hand(neutral)
+    for _ in range(LIFT_US // STEP_US - 1):
+        see(neutral, 0.0)
+    assert neutral.pose_px is not None
+    see(neutral, 0.0)
+    assert neutral.pose_px is None
+
+
+def test_a_hand_that_moves_rests_a_second_after_its_last_motion():
+    neutral, once, twice, still = Neutral(is_resting=True), 0.0, 0.0, 0
+    see(neutral, 0.0)
+    for k in range(300):
+        mm = 3.0 if k < 10 else 0.5
+        see(neutral, mm)
+        share = 1.0 - np.exp(-STEP_US / SMOOTH_US)  # what it does, for one marker
+        once += share * (mm - once)
+        speed_mm_s = (once - twice) / (1e-6 * SMOOTH_US)
+        twice += share * (once - twice)
+        still = still + 1 if abs(speed_mm_s) <= STILL_MM_S else 0
+        assert (neutral.pose_px is not None) is (still >= 100), k
+        if still >= 100:
+            break
+    assert 100 < k < 299
+
+
+def test_the_pose_does_not_follow_a_hand_that_moves():
+    neutral = Neutral(is_resting=True)
+    rest_a_hand(neutral)
+    before_px = neutral.pose_px.copy()
+    for _ in range(20):
+        see(neutral, 8.0)
+    neutral.follow(np.full((50, 2), 9.0), STEP_US)
+    np.testing.assert_array_equal(neutral.pose_px, before_px)
+
+
+@pytest.mark.parametrize(("n_touched", "is_lifted"), [(0, True), (1, True), (2, False)])
+def test_a_gel_of_which_few_markers_move_is_untouched(n_touched, is_lifted):
+    neutral = Neutral(is_resting=True)
+    rest_a_hand(neutral)
+    assert (see(neutral, 0.5, n_touched=n_touched) is None) is is_lifted
+
+
+def test_a_point_of_the_gel_moves_with_its_four_nearest_markers():
+    neutral = Neutral(is_resting=True)
+    rest_px = np.array([[x, y] for x in (10.0, 20.0, 60.0) for y in (10.0, 20.0, 60.0)])
+    neutral.pose_px = np.where(rest_px < 30.0, (4.0, -2.0), 100.0)
+    points_px = np.array([[14.0, 16.0], [16.0, 12.0]])
+    moved_px = neutral.displace(points_px, rest_px)
+    near = (rest_px < 30.0).all(axis=1)
+    np.testing.assert_allclose(moved_px, points_px + neutral.pose_px[near].mean(axis=0))
+    np.testing.assert_allclose(moved_px, [[18.0, 14.0], [20.0, 10.0]])
+    assert neutral.displace(points_px[:0], rest_px).shape == (0, 2)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from neurotouch_hid.messages import Axis, Button, GamepadState, Gesture, GestureKind
 from neurotouch_hid.profile import Mapping, Profile, UserSettings, list_profiles, load_profile
+from neurotouch_hid.profile.mapping import SILENCE_US
 from tests.profile import stage
 
 SLICE_US = 10_000
@@ -264,6 +265,30 @@ def test_a_push_without_a_way_moves_nothing() -> None:
             .update(lost)
             .is_neutral
         )
+
+
+def test_two_steps_at_one_time_release_nothing() -> None:
+    mapping = Mapping(
+        make_profile("when: push, do: {stick: left, range_mm: [1, 9], deadzone: 0}"), stage.RAW
+    )
+    for t_us in (0, SLICE_US, SLICE_US):
+        pad = mapping.update(replace(push(9, 0), t_us=t_us))
+        assert describe(pad) == "left_x=+1.00"
+
+
+def test_after_a_silence_a_gesture_is_read_as_if_it_had_just_begun() -> None:
+    profile = make_profile("when: push, do: {stick: left, range_mm: [1, 9], deadzone: 0}")
+    mapping, new = Mapping(profile), Mapping(profile)
+    for k in range(20):
+        mapping.update(replace(push(0.5 * k, 90), t_us=k * SLICE_US))
+    late = replace(push(5, 0), t_us=30 * SLICE_US + SILENCE_US)
+    for each in (mapping, new):
+        each.update(late)
+    one, other = (
+        replace(each.reading, speed_mm_s=0.0, top_speed_mm_s=0.0) for each in (mapping, new)
+    )
+    assert one == other
+    assert one.t_us == late.t_us
 
 
 def test_the_pad_speaks_the_records_words() -> None:

@@ -1,7 +1,9 @@
 """A recording is readable at every moment, whatever ends it."""
 
+import os
 import resource
 import shutil
+import stat
 from contextlib import contextmanager
 from types import SimpleNamespace
 
@@ -11,7 +13,7 @@ import pytest
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.messages import EVENT_DTYPE, Frame
 from neurotouch_hid.recording import Recording, RecordingWriter
-from tests.recording.streams import make_events, make_packets
+from tests.recording.streams import ORIGIN_US, make_events, make_packets
 from tests.vendor import dv
 
 
@@ -103,6 +105,63 @@ def test_a_disk_without_room_for_a_header_makes_no_file(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_after_a_full_disk_it_goes_on_where_the_last_packet_ends(tmp_path):
+    path = tmp_path / "a.aedat4"
+    with RecordingWriter(path, in_place=True) as writer:
+        writer.write_events(make_events(1_000, 10_000))
+        with (
+            largest_file(writer.size_bytes + 5_000),
+            pytest.raises(RecordingError, match="cannot be written: File too large"),
+        ):
+            writer.write_events(make_events(20_000, 10_000, 1, ORIGIN_US + 10_000))
+        writer.write_events(make_events(300, 10_000, 2, ORIGIN_US + 20_000))
+    assert count(path) == count_with_the_maker(path) == (1_300, 0)
+
+
+def test_a_second_close_does_nothing_and_nothing_is_removed_after_the_first(tmp_path):
+    for in_place in (True, False):
+        path = tmp_path / f"{in_place}.aedat4"
+        writer = RecordingWriter(path, in_place=in_place)
+        writer.write_events(at(1))
+        writer.close()
+        before = path.read_bytes()
+        writer.close()
+        writer.discard()
+        assert path.read_bytes() == before
+
+
+def test_an_interruption_leaves_no_file_that_has_not_its_name_yet(tmp_path):
+    def write():
+        with RecordingWriter(tmp_path / "a.aedat4") as writer:
+            writer.write_events(at(1))
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        write()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_in_place_it_has_the_mode_of_other_files(tmp_path):
+    mask = os.umask(0o022)
+    try:
+        RecordingWriter(tmp_path / "a.aedat4", in_place=True).close()
+    finally:
+        os.umask(mask)
+    assert stat.S_IMODE((tmp_path / "a.aedat4").stat().st_mode) == 0o644
+
+
+@pytest.mark.parametrize("content", [b"precious", None])
+def test_in_place_a_link_that_waits_under_the_name_is_not_followed(tmp_path, content):
+    victim, path = tmp_path / "victim", tmp_path / "a.aedat4"
+    if content is not None:
+        victim.write_bytes(content)
+    path.symlink_to(victim)
+    with pytest.raises(RecordingError, match=r"a\.aedat4' is a link"):
+        RecordingWriter(path, in_place=True)
+    assert path.is_symlink()
+    assert (victim.read_bytes() if victim.exists() else None) == content
+
+
 @pytest.mark.parametrize("n_packets", range(1, 8))
 def test_the_table_leads_to_every_packet(tmp_path, n_packets):
     """The table's rows are aligned for every number of packets: the maker's reader uses it."""
@@ -135,6 +194,8 @@ def test_what_is_not_older_is_in_order(tmp_path):
         for wrong in (at(4), at(6, 5), at(-1)):
             with pytest.raises(RecordingError, match="events must be written in order of time"):
                 writer.write_events(wrong)
+        with pytest.raises(RecordingError, match="frames must be written in order of time"):
+            writer.write_frame(picture(-1))
         for begin_us in (0, 7, 7):
             writer.write_frame(picture(begin_us))
         with pytest.raises(RecordingError, match="frames must be written in order of time"):

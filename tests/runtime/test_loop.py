@@ -2,7 +2,10 @@
 
 import threading
 import time
+from collections import deque
 from dataclasses import replace
+from types import SimpleNamespace
+from unittest.mock import Mock
 
 import pytest
 
@@ -163,15 +166,62 @@ def test_a_step_is_late_as_soon_as_its_time_is_over(clock):
     assert "stall guard" not in [thread.name for thread in threading.enumerate()]
 
 
-def test_a_guard_that_is_fed_keeps_quiet(clock):
-    device = MemoryDevice()
-    n_states = len(device.states)
-    with StallGuard(device, 0.001) as guard:
-        for _ in range(20):
-            guard.feed()
-            time.sleep(0.002)  # the guard looks meanwhile; by its clock no time passes
-        assert not guard.take_silence()
-    assert len(device.states) == n_states
+class Done:
+    """The guard's event, in whose ``wait`` the clock moves on; steps are finished meanwhile.
+
+    ``fed_s`` are the times of these steps after the guard's start.
+    """
+
+    def __init__(self, clock, fed_s, n_waits):
+        self.clock, self.fed_s, self.n_waits = clock, deque(fed_s), n_waits
+        self.waits_s = []
+        self.guard = None
+
+    def wait(self, wait_s):
+        if len(self.waits_s) == self.n_waits:
+            return True
+        self.waits_s.append(wait_s)
+        end_s = self.clock.now_s + wait_s
+        while self.fed_s and 1000.0 + self.fed_s[0] <= end_s:
+            self.clock.now_s = 1000.0 + self.fed_s.popleft()
+            self.guard.feed()
+        self.clock.now_s = end_s
+        return False
+
+
+@pytest.fixture
+def watch(clock, monkeypatch):
+    """Lets a guard of 1/8 s watch; returns how long it waited, and the states of a held button."""
+
+    def work(fed_s, n_waits):
+        device, done = MemoryDevice(), Done(clock, fed_s, n_waits)
+        device.write(GamepadState(0, frozenset({Button.A})))
+        inline = SimpleNamespace(Event=lambda: done, Thread=Mock())  # its thread is this one
+        monkeypatch.setattr("neurotouch_hid.runtime.stall_guard.threading", inline)
+        done.guard = StallGuard(device, 0.125)
+        done.guard._watch()
+        return done.waits_s, [*device.states]
+
+    return work
+
+
+def test_a_guard_that_is_fed_releases_nothing_and_waits_for_what_is_left(watch):
+    waits_s, states = watch([0.0625, 0.15625, 0.25], 3)
+    assert waits_s == [0.125, 0.0625, 0.09375]
+    assert len(states) == 1
+    assert not states[-1].is_neutral
+
+
+def test_a_guard_that_is_not_fed_releases_at_once_and_looks_again(watch):
+    waits_s, states = watch([0.0625], 4)
+    assert waits_s == [0.125, 0.0625, 0.125, 0.125]
+    assert [state.is_neutral for state in states] == [False, True]
+
+
+def test_a_guard_keeps_no_process_from_ending():
+    with StallGuard(MemoryDevice(), 60.0):
+        (thread,) = [each for each in threading.enumerate() if each.name == "stall guard"]
+        assert thread.daemon
 
 
 def test_source_without_a_gel_is_an_error_that_says_why(push, line):

@@ -28,6 +28,10 @@ POLL_S: Final = 0.05
 """A loop over ``poll`` never waits longer."""
 RETRY_S: Final = 0.5
 """How often an unplugged camera is looked for if no event reports it."""
+LONGEST_PAUSE_S: Final = 30.0
+"""Between two starts of a camera that fails again and again; the pause doubles up to here."""
+WELL_US: Final = 10_000_000
+"""A camera that has played this long is no longer one that fails again and again."""
 
 _ANY_WORD: Final = b"\x01\x00"
 
@@ -130,6 +134,9 @@ class DavisSource(Closing):
         self._away = False
         self._vanished = False
         self._n_connects = self._n_restarts = 0
+        self._n_failures = 0  # in a row, each less than WELL_US after the start
+        self._begun_us = 0
+        self._info: CameraInfo | None = None
         self._camera = None if wait else self._connect()
         Decoder().decode(_ANY_WORD)  # compiles or loads; a refusal comes before it
         self.name = f"davis:{self._serial}"
@@ -203,13 +210,31 @@ class DavisSource(Closing):
                         self._play(self._camera or self._connect())
                     except CameraError as error:
                         self._note(error)
-                        watch.wait(RETRY_S)
+                        self._pause(watch)
         finally:
             self._queue.end()
 
+    def _pause(self, watch: Watch) -> None:
+        """Waits for the next attempt: longer after each failure, unless the camera is replugged."""
+        pause_s = min(RETRY_S * 2 ** max(0, self._n_failures - 1), LONGEST_PAUSE_S)
+        for _ in range(round(pause_s / RETRY_S)):
+            watch.wait(RETRY_S)
+            if self._closing.is_set():
+                return
+            if self._n_failures and self._look() != self._info:
+                self._n_failures = 0
+                return
+
+    def _look(self) -> CameraInfo | None:
+        """Returns the camera that would be opened now, or None."""
+        try:
+            return self._choose()
+        except CameraError:
+            return None
+
     def _connect(self) -> Camera:
         """Returns the camera, ready to start."""
-        info = self._choose()
+        self._info = info = self._choose()
         camera = Camera(info, self._cameras.open(info), self._sleep_s)
         try:
             camera.check()
@@ -245,12 +270,16 @@ class DavisSource(Closing):
                 lambda: self._merger.is_calm and not self._wants_frames,
                 self._stream,
             )
-            if self._trouble:
+            if self._trouble and self._n_failures < 2:
                 log.warning("The camera %s plays.", self._serial)
             self._trouble, self._away = "", False
             self._vanished = False
             self._n_connects += 1
+            self._begun_us = self._stream.end_us
             self._stream.run(self._closing)
+        except CameraError:
+            self._n_failures += 1
+            raise
         finally:
             camera.stop()
             camera.transport.close()
@@ -262,12 +291,30 @@ class DavisSource(Closing):
             return
         for whole in self._merger.take(packet):
             self._queue.put(whole)
+        if self._n_failures and packet.t_end_us - self._begun_us >= WELL_US:
+            if self._n_failures > 1:
+                log.warning("The camera %s plays.", self._serial)
+            self._n_failures = 0
 
     def _note(self, error: CameraError) -> None:
-        """Logs why the camera does not stream: each reason once, and its absence only once."""
+        """Logs why the camera does not stream: each reason once, and its absence only once.
+
+        Of a camera that fails again and again, only the second failure is logged.
+        """
         known, self._trouble = self._trouble, error.message
         was_away, self._away = self._away, isinstance(error, CameraGoneError | CameraAbsentError)
         self._vanished = isinstance(error, CameraGoneError)
         self._n_restarts += isinstance(error, OutOfStepError)
-        if error.message != known and not (was_away and self._away):
+        if self._away:
+            self._n_failures = 0
+        if error.message == known or (was_away and self._away) or self._n_failures > 2:
+            return
+        if self._n_failures == 2:
+            log.warning(
+                "%s It fails again and again, so it is started again less and less often, "
+                "at least every %.0f s.",
+                error.message,
+                LONGEST_PAUSE_S,
+            )
+        else:
             log.warning("%s The gamepad works again as soon as the camera does.", error.message)

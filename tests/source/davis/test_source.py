@@ -20,6 +20,7 @@ from neurotouch_hid.runtime import Pipeline, run_pipeline
 from neurotouch_hid.source import PolledSource
 from neurotouch_hid.source.davis import Biases, DavisConfig, DavisSource, Roi
 from neurotouch_hid.source.davis.registers import CoarseFine
+from neurotouch_hid.source.davis.source import RETRY_S
 from neurotouch_hid.source.davis.stream import AWAKE_US, IDLE_FRAME_S, MAX_FAULTS
 from neurotouch_hid.source.davis.transport import StreamHaltedError
 from neurotouch_hid.source.davis.usb import PatientWatch, Usb
@@ -448,6 +449,67 @@ def test_while_it_is_away_the_loop_turns_and_can_be_ended(caplog):
         "The camera 00001055 plays.",
     ]
     assert {record.levelno for record in caplog.records} == {logging.WARNING}
+
+
+class BrokenCamera(ScriptedCamera):
+    """Fails ``n_failures`` times, each time at its start.
+
+    ``waits`` counts the waits before each start. In the wait ``replug_at`` it is replugged, which
+    mends it.
+    """
+
+    def __init__(self, n_failures, replug_at=0):
+        super().__init__()
+        self.n_failures, self.replug_at = n_failures, replug_at
+        self.waits = [0]
+
+    def queue(self, receive):
+        super().queue(receive)
+        self.waits.append(0)
+        if self.n_failures:
+            self.n_failures -= 1
+            self.script.append(CameraError("The camera's data makes no sense."))
+        else:
+            self.script.append(make_events(0, 500))
+
+    def wait(self, timeout_s):
+        assert timeout_s == RETRY_S
+        self.waits[-1] += 1
+        if sum(self.waits) == self.replug_at:
+            self.infos[0] = replace(INFO, address=INFO.address + 1)
+            self.n_failures = 0
+
+
+FAILS = "The camera's data makes no sense. "
+FAILS_FIRST = f"{FAILS}The gamepad works again as soon as the camera does."
+FAILS_AGAIN = (
+    f"{FAILS}It fails again and again, so it is started again less and less often, "
+    "at least every 30 s."
+)
+PLAYS = "The camera 00001055 plays."
+
+
+def test_a_camera_that_stays_broken_is_started_less_and_less_often(caplog, monkeypatch):
+    monkeypatch.setattr("neurotouch_hid.source.davis.source.WELL_US", 200_000)
+    camera = BrokenCamera(n_failures=9)
+    with open_camera(camera) as source:
+        take(source, 1)
+        pauses_s = [n * RETRY_S for n in camera.waits[1:10]]
+        assert pauses_s == [0.5, 1, 2, 4, 8, 16, 30, 30, 30]
+        wait_for(lambda: len(caplog.messages) == 4)  # after it has played for a while
+        assert caplog.messages == [FAILS_FIRST, PLAYS, FAILS_AGAIN, PLAYS]
+        camera.script.append(CameraError("The camera's data makes no sense."))
+        wait_for(lambda: source.stats().n_connects == 11)
+        assert camera.waits[10] == 1  # this failure is the first one again
+        assert caplog.messages[4:] == [FAILS_FIRST, PLAYS]
+
+
+def test_a_broken_camera_that_is_replugged_is_started_at_once(caplog):
+    camera = BrokenCamera(n_failures=20, replug_at=1 + 2 + 4 + 3)
+    with open_camera(camera) as source:
+        take(source, 1)
+    assert camera.waits[1:5] == [1, 2, 4, 3]
+    assert caplog.messages == [FAILS_FIRST, PLAYS, FAILS_AGAIN, PLAYS]
 
 
 def wait_for(condition, patience_s=60.0):
