@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 from neurotouch_hid.doctor import CheckStatus, Finding
 from neurotouch_hid.doctor.bug_report import format_report, gather, list_rules, make_cleaner
 from neurotouch_hid.doctor.inventory import Pad
+from neurotouch_hid.gel_sentences import report_gel
+from neurotouch_hid.messages import GelProblem, GelState
 
 SECRETS = ("anna", "/home/anna", "Anna Example", "annas-laptop", "00000216")
 
@@ -74,6 +76,7 @@ def test_names_that_a_person_has_given_are_not_in_the_report(monkeypatch, tmp_pa
         "errors": [{"at": 1.0, "error": f"Profile 'anna-after-stroke': {told}"}],
         "keyboard": "Anna's Keys can stop the driver",
         "copilot": "Anna's DualSense plays along",
+        "gel": report_gel(GelState(problem=GelProblem.MISSING, missing=(3, 40), missing_px=())),
     }
     monkeypatch.setattr("neurotouch_hid.doctor.bug_report.find_driver", lambda: status)
     monkeypatch.setattr(
@@ -98,6 +101,8 @@ def test_names_that_a_person_has_given_are_not_in_the_report(monkeypatch, tmp_pa
         assert private not in text, private
     driver = report["driver"]
     assert driver["source"] == "file:RECORDING 1"
+    assert driver["gel"]["named"] == "row 1: 4; row 5: 3"
+    assert "missing" not in driver["gel"]
     assert driver["profile"] == "PROFILE 1"
     assert report["doctor"][0]["sentence"] == "'PROFILE 2' does not exist; 'racing' does."
     assert report["doctor"][1]["sentence"] == "/x/user.yaml:2:5: error[NT112]"

@@ -27,6 +27,7 @@ DESCRIBED: Described = {
     "keyboard": "none",
     "desktop": "none",
     "sound": "none",
+    "simulated": True,
     "settings": "this user's own",
     "copilot": "none",
     "mouse": "none",
