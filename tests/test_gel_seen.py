@@ -110,6 +110,9 @@ CONDITIONS = {
     "bump": Condition(
         GelProblem.MOVED, "it has moved by ", {"bump": 2.0}, begin_s=BUMP_S, is_found=True
     ),
+    "turns": Condition(
+        GelProblem.MOVED, "it has moved by ", {"turn": 10.0}, "twist-cw", is_found=True
+    ),
     "goes-dark": Condition(GelProblem.DARK, "lost: the picture is", begin_s=0.6, change=darken),
     "slides-out": Condition(GelProblem.OUTSIDE, "lost: a part", begin_s=0.6, change=slide),
 }  # fmt: skip
@@ -167,6 +170,7 @@ def test_the_true_reason_is_said_within_three_seconds_everywhere(name):
     assert status["found"] == condition.is_found
     assert condition.words in status["text"]
     assert status["fix"]
+    assert (status["moved_mm"] >= 0.5) == (condition.problem is GelProblem.MOVED)
     assert play.head["gel"] == status  # which the page shows
     assert f"gel {status['text']}. {status['fix']}" in play.lines.getvalue()
     assert (CueKind.LOST, f"gel {status['text']}") in play.cues

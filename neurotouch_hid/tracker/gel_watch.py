@@ -53,6 +53,7 @@ class GelWatch:
         self._doubt_us = self._told_us = 0
         self._looked_us: int | None = None
         self._moved_us: int | None = None
+        self._moved_mm = 0.0
         self._touch_us: int | None = None
         self._light_us = self._last_us = 0
         self._light_px = 0.0
@@ -97,7 +98,9 @@ class GelWatch:
         rig = fit_rig(position_px)
         if self._first_px is None:
             self._first_px = position_px
-        elif self._moved_mm(position_px, rig.px_per_mm) > _MOVED_MM:
+        moved_px = float(np.median(np.hypot(*(position_px - self._first_px).T)))
+        self._moved_mm = round(moved_px / rig.px_per_mm, 1)
+        if self._moved_mm > _MOVED_MM:
             self._moved_us = frame.t_us
         self._place_px, self._n_found = position_px, n_found
         self._px_per_mm, self._rotation_deg = rig.px_per_mm, math.degrees(rig.rotation_rad)
@@ -176,7 +179,6 @@ class GelWatch:
             bend_px=round(bend_px, 1),
             blur_px=measure_blur(frame.pixels, blobs, self._px_per_mm),
             n_glints=count_glints(frame.pixels, blobs, blob),
-            moved_mm=round(self._moved_mm(place_px, self._px_per_mm), 1),
         )
 
     def _find_flaw(self, t_us: int) -> GelProblem:
@@ -191,11 +193,6 @@ class GelWatch:
             return GelProblem.MOVED
         return GelProblem.NONE
 
-    def _moved_mm(self, position_px: NDArray[np.float64], px_per_mm: float) -> float:
-        if self._first_px is None:
-            return 0.0
-        return float(np.median(np.hypot(*(position_px - self._first_px).T))) / px_per_mm
-
     def _is_due(self, t_us: int, problem: GelProblem) -> bool:
         """Returns whether it is time for another look at the whole frame."""
         fits = bool(problem) == bool(self._seen.problem)
@@ -207,7 +204,7 @@ class GelWatch:
 
     def _consider(self, seen: GelState, t_us: int) -> None:
         """Takes what is seen as the state, once it has lasted; good news at once."""
-        seen = replace(seen, flicker_hz=self.flicker_hz)
+        seen = replace(seen, flicker_hz=self.flicker_hz, moved_mm=self._moved_mm)
         now = self.state
         if seen == now:
             self._doubt = None
