@@ -22,7 +22,7 @@ class KeptMotion:
         self._n_frozen = 0
 
     def forget(self) -> None:
-        """Starts anew: the gel is at rest as it was."""
+        """Starts again: the gel is at rest as it was."""
         self._was_large, self._n_frozen = False, 0
 
     def update(self, now_px: NDArray[np.float64], found: float, most_mm: float) -> bool:
