@@ -156,6 +156,7 @@ class OwnValues:
         if "fault" not in describe_values() or not path.exists():
             raise ProfileError("Your own values can be read: nothing needs to be mended.")
         store = Store(path, self.stamp, kept=10)
+        store.keep_replaced()
         for version in store.versions():
             if check_user(version.path.read_bytes(), path.name).whole is not None:
                 store.restore(version.number)

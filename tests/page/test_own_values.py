@@ -107,8 +107,8 @@ def test_times_of_one_s_own_are_named_and_stay(file, own):
 
 def test_a_broken_file_is_told_in_words_and_has_a_way_out(file, own):
     own.set("filter", "light")
-    good = file.read_text()
     own.set("filter", "strong")
+    good = file.read_text()
     file.write_text(BROKEN)
     fault = describe_values()["fault"]
     assert fault.startswith("Your own values cannot be read. Line 2, 'filtr': ")

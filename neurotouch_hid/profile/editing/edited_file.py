@@ -86,9 +86,8 @@ class EditedFile:
         """
         checked = self.check(text)
         checked.require()
-        if self.content is None and self.text.text:
-            self.store.keep(self.text.encode())
-        self.store.save(text.encode(), over=self.content, keep=keep)
+        begun = self.text.encode() or None
+        self.store.save(text.encode(), over=self.content, keep=keep, begun=begun)
         return checked
 
     def undo_kind(self, kind: str, take_back: TakeBack) -> ProfileText | None:

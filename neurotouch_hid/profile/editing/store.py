@@ -1,10 +1,13 @@
 """Saving: whole or not at all, with the versions before kept beside."""
 
+import fcntl
 import json
+import os
 import re
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 from typing import Final
 
@@ -47,7 +50,9 @@ class Store:
     """A file and its earlier versions in ``.history/NAME/`` beside it.
 
     ``undone.json`` there says which versions an undo has left, and to which one the last undo went.
-    A version that was left is kept, but no undo brings it back.
+    A version that was left is kept, but no undo brings it back. ``last_saved`` is what was written
+    here last: where the file differs from it, another program has changed the file, and what it
+    replaced becomes a version too. ``lock`` lets one process at a time change all of these.
 
     Args:
         path: the file; its name without the suffix is NAME. It need not exist.
@@ -61,6 +66,7 @@ class Store:
         self._kept = kept
         self._folder = path.parent / ".history" / path.stem
         self._undone_file = self._folder / "undone.json"
+        self._saved_file = self._folder / "last_saved"
 
     def read(self) -> bytes | None:
         """Returns the content of the file, or None if there is none."""
@@ -71,41 +77,30 @@ class Store:
         except OSError as error:
             raise _fail(self.path, "read", error) from None
 
-    def save(self, content: bytes, *, over: bytes | None, keep: bool = True) -> None:
+    def save(
+        self, content: bytes, *, over: bytes | None, keep: bool = True, begun: bytes | None = None
+    ) -> None:
         """Puts the content in the file's place and keeps what stood there.
 
         Args:
             content: the new content.
             over: what the edit began with; None if there was no file.
             keep: whether what stood there becomes a version.
+            begun: without a file, a content that becomes a version in its place.
 
         Raises:
-            ProfileError: another program has changed the file, or it cannot be written; then
-                it is as it was.
+            ProfileError: another program changes or has changed the file, or it cannot be written;
+                then it is as it was.
         """
-        if self.read() != over:
-            raise ProfileError(
-                f"'{self.path}' was changed by another program meanwhile.", hint="Do it once more."
-            )
-        try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            if over is not None and keep:
-                self.keep(over)
-            write_whole(self.path, content)
+        with self._lock("written"):
+            if self.read() != over:
+                raise self._refuse()
+            self._keep_saved(over)
+            replaced = begun if over is None else over if keep else None
+            if replaced is not None:
+                self._keep(replaced, self._stamp())
+            self._write(content)
             self._forget_shown()
-        except OSError as error:
-            raise _fail(self.path, "written; it is as it was", error) from None
-
-    def keep(self, content: bytes) -> None:
-        """Keeps a content as the newest version, without touching the file."""
-        versions = self.versions()
-        if versions and versions[0].read() == content:
-            return
-        number = versions[0].number + 1 if versions else 1
-        self._folder.mkdir(parents=True, exist_ok=True)
-        write_whole(self._folder / f"{number:06d}-{self._stamp()}.yaml", content)
-        for version in versions[self._kept - 1 :]:
-            version.path.unlink(missing_ok=True)
 
     def versions(self) -> list[Version]:
         """Returns the versions before, newest first."""
@@ -118,7 +113,7 @@ class Store:
 
     def changes(self, kind: str) -> Iterator[tuple[bytes, bytes]]:
         """Gives the content before and after each change whose stamp ends so, newest first."""
-        after = self.read() or b""
+        after = self._read_saved() or self.read() or b""
         for version in self.versions():
             before = version.read()
             if version.stamp.endswith(kind):
@@ -131,13 +126,22 @@ class Store:
         Raises:
             ProfileError: it cannot be deleted; then it is as it was.
         """
-        content = self.read()
-        try:
+        with self._lock("deleted"):
+            content = self.read()
+            self._keep_saved(content)
             if content is not None:
-                self.keep(content)
+                self._keep(content, self._stamp())
             self.path.unlink(missing_ok=True)
-        except OSError as error:
-            raise _fail(self.path, "deleted; it is as it was", error) from None
+            self._saved_file.unlink(missing_ok=True)
+
+    def keep_replaced(self) -> None:
+        """Keeps what was saved here last, if another program has put something in its place.
+
+        Raises:
+            ProfileError: it cannot be kept.
+        """
+        with self._lock("kept"):
+            self._keep_saved(self.read())
 
     def undo(self) -> Version:
         """Takes the file back to the version before; again, to the one before that.
@@ -147,7 +151,13 @@ class Store:
         Raises:
             ProfileError: there is none, or it cannot be written.
         """
-        content, versions = self.read(), self.versions()
+        with self._lock("written"):
+            return self._undo()
+
+    def _undo(self) -> Version:
+        content = self.read()
+        self._keep_saved(content)
+        versions = self.versions()
         shown, undone = self._read_undone()
         now = next((v for v in versions if v.number == shown and v.read() == content), None)
         before = (
@@ -163,7 +173,7 @@ class Store:
                 f"There is nothing to undo: '{self.path.stem}' has no version before this one.",
                 hint=f"See what is kept: neurotouch profile history {self.path.stem}",
             )
-        self._put_back(version, content if now is None else None)
+        self._put_back(version, content, keep=now is None)
         left = now if now is not None else self.versions()[0]
         if left.read() == content:
             undone.add(left.number)
@@ -176,26 +186,86 @@ class Store:
         Raises:
             ProfileError: there is none of this number, or it cannot be written.
         """
-        content, versions = self.read(), self.versions()
-        version = next((version for version in versions if version.number == number), None)
-        if version is None:
-            numbers = ", ".join(str(version.number) for version in versions) or "none"
-            raise ProfileError(
-                f"'{self.path.stem}' has no version {number}.", hint=f"Versions kept: {numbers}."
-            )
-        self._put_back(version, content)
-        self._forget_shown()
-        return version
+        with self._lock("written"):
+            content, versions = self.read(), self.versions()
+            version = next((version for version in versions if version.number == number), None)
+            if version is None:
+                numbers = ", ".join(str(version.number) for version in versions) or "none"
+                raise ProfileError(
+                    f"'{self.path.stem}' has no version {number}.",
+                    hint=f"Versions kept: {numbers}.",
+                )
+            self._put_back(version, content, keep=True)
+            self._forget_shown()
+            return version
 
-    def _put_back(self, version: Version, content: bytes | None) -> None:
+    @contextmanager
+    def _lock(self, what: str) -> Iterator[None]:
+        """Lets no other process change the file or its versions in between.
+
+        Raises:
+            ProfileError: another process does just now, or the file cannot be changed.
+        """
+        flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
+        try:
+            self._folder.mkdir(parents=True, exist_ok=True)
+            descriptor = os.open(self._folder / "lock", flags, 0o600)
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                yield
+            finally:
+                os.close(descriptor)
+        except BlockingIOError:
+            raise self._refuse() from None
+        except OSError as error:
+            raise _fail(self.path, f"{what}; it is as it was", error) from None
+
+    def _refuse(self) -> ProfileError:
+        return ProfileError(
+            f"'{make_printable(str(self.path))}' was changed by another program meanwhile.",
+            hint="Do it once more.",
+        )
+
+    def _put_back(self, version: Version, content: bytes | None, *, keep: bool) -> None:
         """Writes a version into the file's place, and keeps a content that is no version yet."""
         back = version.read()
+        if keep:
+            self._keep_saved(content)
+        if keep and content is not None:
+            self._keep(content, self._stamp())
+        self._write(back)
+
+    def _write(self, content: bytes) -> None:
+        write_whole(self.path, content)
+        with suppress(OSError):  # what another program changes next is then no version of its own
+            write_whole(self._saved_file, content)
+
+    def _keep(self, content: bytes, stamp: str) -> None:
+        """Keeps a content as the newest version, without touching the file."""
+        versions = self.versions()
+        if versions and versions[0].read() == content:
+            return
+        number = versions[0].number + 1 if versions else 1
+        write_whole(self._folder / f"{number:06d}-{stamp}.yaml", content)
+        for version in versions[self._kept - 1 :]:
+            version.path.unlink(missing_ok=True)
+
+    def _keep_saved(self, content: bytes | None) -> None:
+        """Keeps what was saved last, if another program has put this content in its place."""
+        saved = self._read_saved()
+        if saved is None or saved == content:
+            return
+        stamp = self._stamp()
+        if content is not None:
+            changed = datetime.fromtimestamp(self.path.stat().st_mtime)
+            stamp = changed.strftime("%Y-%m-%d_%H-%M-%S_text_editor")
+        self._keep(saved, stamp)
+
+    def _read_saved(self) -> bytes | None:
         try:
-            if content is not None:
-                self.keep(content)
-            write_whole(self.path, back)
-        except OSError as error:
-            raise _fail(self.path, "written; it is as it was", error) from None
+            return read_bytes(self._saved_file, MAX_SETTINGS_BYTES)
+        except OSError:
+            return None
 
     def _read_undone(self) -> tuple[int, set[int]]:
         """Returns the version to which the last undo went, 0 if unknown, and those it left."""

@@ -1,9 +1,12 @@
 """Saving whole or not at all, with a history."""
 
 import itertools
+import json
 import os
 import resource
 import stat
+import subprocess
+import sys
 
 import pytest
 
@@ -53,6 +56,12 @@ def test_every_version_is_kept_up_to_twenty(tmp_path, stamp):
         ("ABC<B<", ""),
         ("AB<B", "A"),
         ("AAB", "A"),
+        ("ABx", "BA"),  # a small letter: another program writes it
+        ("ABxy", "BA"),
+        ("AxB", "xA"),
+        ("AB<x", "A"),
+        ("ABA<x", "BA"),
+        ("AB-", "BA"),  # another program removes the file
     ],
 )
 def test_undo_takes_back_the_last_change_and_then_the_one_before(tmp_path, stamp, saved, undone):
@@ -60,6 +69,10 @@ def test_undo_takes_back_the_last_change_and_then_the_one_before(tmp_path, stamp
     for letter in saved:
         if letter == "<":
             store.undo()
+        elif letter == "-":
+            store.path.unlink()
+        elif letter.islower():
+            store.path.write_text(letter)
         else:
             store.save(letter.encode(), over=store.read())
     assert [store.undo() and store.read() for _ in undone] == [each.encode() for each in undone]
@@ -94,6 +107,55 @@ def test_a_change_by_somebody_else_is_not_overwritten(tmp_path, stamp):
     with pytest.raises(ProfileError, match="another program"):
         store.save(b"mine", over=b"1")
     assert store.read() == b"theirs"
+
+
+COUNTING = """
+import json, sys
+from pathlib import Path
+from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.profile.editing import Store
+
+store, name, n_saved = Store(Path(sys.argv[1]), lambda: "now", kept=3), sys.argv[2], 0
+while n_saved < 60:
+    over = store.read()
+    counts = json.loads(over)
+    counts[name] = counts.get(name, 0) + 1
+    try:
+        store.save(json.dumps(counts).encode(), over=over)
+        n_saved += 1
+    except ProfileError as error:
+        assert "another program" in error.message, error
+"""
+
+
+def test_of_two_processes_that_save_at_once_no_change_is_lost(tmp_path):
+    file = tmp_path / "mine.yaml"
+    file.write_text("{}")
+    both = [
+        subprocess.Popen([sys.executable, "-c", COUNTING, str(file), name]) for name in ("a", "b")
+    ]
+    assert [each.wait() for each in both] == [0, 0]
+    assert json.loads(file.read_text()) == {"a": 60, "b": 60}
+
+
+def test_another_file_of_the_folder_can_be_saved_meanwhile(tmp_path, stamp):
+    first, second = (Store(tmp_path / f"{name}.yaml", stamp) for name in ("mine", "yours"))
+    with first._lock("written"):
+        second.save(b"1", over=None)
+        with pytest.raises(ProfileError, match="another program"):
+            Store(first.path, stamp).save(b"1", over=None)
+    assert second.read() == b"1"
+
+
+def test_what_another_program_replaced_is_no_change_of_a_kind(tmp_path):
+    """The page takes back the last calibration: what came by hand since then stays."""
+    store = Store(tmp_path / "user.yaml", lambda: "2026-11-21_calibration")
+    store.save(b"0", over=None)
+    store.save(b"1", over=b"0")
+    store.path.write_bytes(b"by hand")
+    assert list(store.changes("calibration")) == [(b"0", b"1")]
+    store.save(b"2", over=b"by hand")
+    assert list(store.changes("calibration")) == [(b"by hand", b"2"), (b"0", b"1")]
 
 
 def test_a_full_disk_leaves_the_old_file(tmp_path, stamp):
