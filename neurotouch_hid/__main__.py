@@ -15,6 +15,7 @@ def main() -> None:
     if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:  # as in the background
         signal.signal(signal.SIGINT, _leave)
     signal.signal(signal.SIGTERM, _leave)
+    _replace_closed()
     if sys.argv[1:] in (["pause"], ["resume"], ["panic"], ["stop"]):
         from neurotouch_hid.cli.shared.send_without_click import send_command
 
@@ -31,6 +32,18 @@ def main() -> None:
     from neurotouch_hid.cli.main import main as run_command_line
 
     run_command_line()
+
+
+def _replace_closed() -> None:
+    """Puts /dev/null where the input or an output is closed, as after ``neurotouch >&-``.
+
+    Python has None there, and the next file that is opened would become the output.
+    """
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            descriptor = os.open(os.devnull, os.O_RDWR)  # gets the lowest free number: that one
+            os.set_inheritable(descriptor, True)
+            setattr(sys, name, os.fdopen(descriptor, mode))
 
 
 def _leave(*_: object) -> None:

@@ -304,6 +304,20 @@ def test_nothing_can_be_said_and_the_game_goes_on(tmp_path, undisturbed):
     assert path.read_text() == undisturbed
 
 
+@pytest.mark.parametrize("closed", [">&-", "2>&-", "<&- >&- 2>&-"])
+@pytest.mark.parametrize("words", ["--version", "profile list", "status", "pause", "profile x"])
+def test_closed_outputs_are_as_if_nobody_read_them(tmp_path, words, closed):
+    environment = {**os.environ, "XDG_CONFIG_HOME": str(tmp_path), "XDG_RUNTIME_DIR": str(tmp_path)}
+    call = f"{sys.executable} -m neurotouch_hid {words}"
+    codes = [
+        subprocess.run(["sh", "-c", each], capture_output=True, check=False, env=environment)
+        for each in (call, f"{call} {closed}")
+    ]
+    assert codes[1].returncode == codes[0].returncode
+    assert codes[1].stderr in (codes[0].stderr, b"")
+    assert codes[1].stdout in (codes[0].stdout, b"")
+
+
 FAILING = """\
 import sys
 from neurotouch_hid.cli import devices
