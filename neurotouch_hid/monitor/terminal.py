@@ -42,9 +42,12 @@ class LinesMonitor:
         self._gel = True, GelProblem.NONE
         self._peak_mm = 0.0
         self._due_us = self._told_us = -(1 << 62)
+        self._begun_us: int | None = None
 
     def __call__(self, step: Step) -> None:
         """Prints the changes in ``step``, if there are any."""
+        if self._begun_us is None:  # the clock of a camera does not begin at 0
+            self._begun_us = step.gesture.t_us
         for decision in self._decisions():
             if decision.t_us > self._told_us and decision.is_refusal:
                 self._write(step, str(decision))
@@ -75,7 +78,8 @@ class LinesMonitor:
         self._write(step, f"gel {sentence.text}. {sentence.fix}".rstrip())
 
     def _write(self, step: Step, words: str) -> None:
-        self._out.write(f"{step.gesture.t_us / 1e6:8.2f} s  {words}\n")
+        seconds = (step.gesture.t_us - (self._begun_us or 0)) / 1e6
+        self._out.write(f"{seconds:8.2f} s  {words}\n")
         self._out.flush()
 
     def close(self) -> None:
@@ -94,6 +98,7 @@ class PictureMonitor:
         self._out = out
         self._title = title
         self._step: Step | None = None
+        self._begun_us: int | None = None
         self._height = 0
         self._done = threading.Event()
         self._thread = threading.Thread(target=self._draw_on, name="monitor", daemon=True)
@@ -102,6 +107,8 @@ class PictureMonitor:
 
     def __call__(self, step: Step) -> None:
         """Passes ``step`` to the drawing thread."""
+        if self._begun_us is None:  # the clock of a camera does not begin at 0
+            self._begun_us = step.gesture.t_us
         self._step = step
 
     def close(self) -> None:
@@ -120,15 +127,22 @@ class PictureMonitor:
         if self._step is None:
             return
         columns = shutil.get_terminal_size().columns  # a longer line would be two, and scroll
-        lines = [make_printable(line[:columns]) for line in draw_step(self._step, self._title)]
+        drawn = draw_step(self._step, self._title, self._begun_us or 0)
+        lines = [make_printable(line[:columns]) for line in drawn]
         up = f"\x1b[{self._height}A" if self._height else ""
         self._height = len(lines)
         self._out.write(up + "".join(f"\r{line}\x1b[K\n" for line in lines))
         self._out.flush()
 
 
-def draw_step(step: Step, title: str) -> list[str]:
-    """Returns one step as lines of text, 15 rows of gel with the readings beside it."""
+def draw_step(step: Step, title: str, begun_us: int = 0) -> list[str]:
+    """Returns one step as lines of text, 15 rows of gel with the readings beside it.
+
+    Args:
+        step: what to show.
+        title: the first words.
+        begun_us: the time of the first step; seconds are counted from there.
+    """
     gesture, pad = step.gesture, step.pad
     tracked = int(step.markers.valid.sum())
     right = [
@@ -143,7 +157,7 @@ def draw_step(step: Step, title: str) -> list[str]:
     ]
     gel = _gel(step)
     right += [""] * (len(gel) - len(right))
-    head = f"NeuroTouch  {title}  {gesture.t_us / 1e6:.2f} s"
+    head = f"NeuroTouch  {title}  {(gesture.t_us - begun_us) / 1e6:.2f} s"
     return [head, "", *(f"{g}   {r}" for g, r in zip(gel, right, strict=True))]
 
 

@@ -179,9 +179,9 @@ def test_lines_tell_only_changes():
     monitor = LinesMonitor(out)
     for one in (PUSH, PUSH, REST, REST):
         monitor(one)
-    assert out.getvalue().splitlines() == [
-        "    1.00 s  push left 4.2 mm, 1 finger; pad left stick left 50 %, button A",
-        "    2.00 s  at rest (peak 4.2 mm); pad neutral",
+    assert out.getvalue().splitlines() == [  # counted from the first step, whatever the clock
+        "    0.00 s  push left 4.2 mm, 1 finger; pad left stick left 50 %, button A",
+        "    1.00 s  at rest (peak 4.2 mm); pad neutral",
     ]
 
 
@@ -195,10 +195,12 @@ def test_lines_tell_an_ignored_gesture_once_and_at_once():
     for _ in range(2):
         monitor(REST)
     said = [line for line in out.getvalue().splitlines() if "pinch" in line]
-    assert said == ["    2.00 s  ignored: pinch -> button a, because lasted 940 ms < 2000 ms"]
+    assert said == ["    0.00 s  ignored: pinch -> button a, because lasted 940 ms < 2000 ms"]
 
 
 def test_picture_shows_gel_gesture_and_pad():
+    assert draw_step(PUSH, "sim:test")[0].endswith(" 1.00 s")
+    assert draw_step(PUSH, "sim:test", begun_us=750_000)[0].endswith(" 0.25 s")
     lines = draw_step(PUSH, "sim:test")
     text = "\n".join(lines)
     assert "push left 4.2 mm, 1 finger" in text
