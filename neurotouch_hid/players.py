@@ -85,7 +85,8 @@ def find_machine_folder() -> Path:
 def explain_start() -> str:
     """Returns how a driver is started on this machine, for people."""
     if SERVICE_UNIT.exists():
-        return "Plug the camera in, or: sudo systemctl start neurotouch"
+        start = "Plug the camera in, or: sudo systemctl start neurotouch"
+        return f"{start}. Without a camera: neurotouch demo"
     return "Start it: neurotouch run. Without a camera: neurotouch demo"
 
 

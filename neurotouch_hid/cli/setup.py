@@ -49,6 +49,11 @@ def command(dry_run: bool, uninstall: bool, yes: bool) -> None:
             hint="There is nothing to do. See: systemctl status neurotouch",
         )
     files = _list_files()
+    if uninstall:
+        files = {source: target for source, target in files.items() if target.exists()}
+        if not files:
+            echo("Setup has installed nothing here, so there is nothing to remove.")
+            return
     echo("These files will be removed:" if uninstall else "These files will be installed:")
     for source, target in files.items():
         echo(f"  {target}\n    {_MEANING[source.name]}")

@@ -26,11 +26,13 @@ _LATEST: Final = "73-seat-late.rules"
 SERVICE_RULE: Final = Path("/usr/lib/udev/rules.d/70-neurotouch-service.rules")
 """Part of the Debian package, whose service makes the pad."""
 
+SYSTEMD: Final = Path("/run/systemd/system")
+"""This path exists where systemd runs."""
+
 _MODULES: Final = "/etc/modules-load.d/neurotouch.conf"
-_LOAD: Final = (
-    f"echo uinput | sudo tee {_MODULES}",
-    "sudo modprobe uinput",
-)
+PACKAGED_MODULES: Final = Path("/usr/lib/modules-load.d/neurotouch.conf")
+"""Part of the Debian package, which loads the module at every start."""
+
 _LOOK_AGAIN: Final = (
     "sudo udevadm control --reload",
     "sudo udevadm trigger --action=change --name-match=/dev/uinput",
@@ -46,6 +48,12 @@ def install_rule(name: str) -> str:
     )
 
 
+def _load_module() -> tuple[str, ...]:
+    """Returns the commands that load the module, now and at every start."""
+    for_ever = f"echo uinput | sudo tee {_MODULES}"
+    return (*(() if PACKAGED_MODULES.exists() else (for_ever,)), "sudo modprobe uinput")
+
+
 def check_module() -> Finding:
     """Checks whether the kernel's module for virtual devices exists and is loaded."""
     if _LOADED.exists():
@@ -54,12 +62,12 @@ def check_module() -> Finding:
         return fail(
             "There is no /dev/uinput: the kernel module uinput is not loaded.",
             "Load it, now and at every start; in a container the host must pass it on.",
-            *_LOAD,
+            *_load_module(),
         )
     return warn(
         "/dev/uinput exists, but the kernel module uinput behind it is not loaded.",
         "On most systems, opening it loads the module; newer ones must load it at every start.",
-        *_LOAD,
+        *_load_module(),
     )
 
 
@@ -70,7 +78,7 @@ def needs_no_right() -> str:
     running = find_driver()
     if running is not None and running["device"] != "memory":
         return f"The running driver has a pad: {running['device']}."
-    if SERVICE_RULE.exists():
+    if SERVICE_RULE.exists() and SYSTEMD.exists():
         return "The service makes the pad once a camera is plugged in, so you need no right for it."
     return ""
 
@@ -118,7 +126,7 @@ def check_rule(folders: tuple[Path, ...] = FOLDERS) -> Finding:
             f"{path} says nothing of static_node=uinput, so it applies only once the module is "
             "loaded.",
             "Load the module at every start.",
-            *_LOAD,
+            *_load_module(),
         )
     return approve(f"{lasting[0]} gives /dev/uinput to the person at the machine.")
 

@@ -5,6 +5,7 @@ import subprocess
 from typing import Final
 
 from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
+from neurotouch_hid.players import SERVICE_UNIT
 
 _UNIT: Final = "neurotouch.service"
 _PATIENCE_S: Final = 5.0
@@ -14,7 +15,10 @@ def check_service() -> Finding:
     """Checks whether the service is installed and runs."""
     said = _ask_systemd() if shutil.which("systemctl") else {}
     if said.get("LoadState", "not-found") == "not-found":
-        return skip("The service is not installed here; 'neurotouch run' does the same.")
+        reason = "is not installed here"
+        if SERVICE_UNIT.exists():
+            reason = "does not run here, because systemd does not run"
+        return skip(f"The service {reason}; 'neurotouch run' does the same.")
     if said["LoadState"] == "masked":
         return warn(
             "The service is masked: plugging in a camera starts nothing.",

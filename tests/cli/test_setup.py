@@ -7,6 +7,9 @@ from pathlib import Path
 from textwrap import dedent
 
 import pytest
+from click.testing import CliRunner
+
+from neurotouch_hid.cli import setup
 
 ROOT = Path(__file__).parents[2]
 
@@ -68,11 +71,35 @@ def test_root_reads_no_file_of_ours_and_the_text_is_shown(tmp_path):
         assert installed.stat().st_mode & 0o777 == 0o644
 
 
-def test_it_can_all_be_taken_back(programs):
-    installed = run("--dry-run").stdout
-    removed = run("--uninstall", "--dry-run").stdout
+@pytest.fixture
+def folders(tmp_path, monkeypatch) -> list[Path]:
+    """Folders in place of those in /etc."""
+    found = [tmp_path / "etc/udev", tmp_path / "etc/modules"]
+    for name, folder in zip(("_RULES", "_MODULES"), found, strict=True):
+        folder.mkdir(parents=True)
+        monkeypatch.setattr(setup, name, folder)
+    return found
+
+
+def test_only_what_is_there_is_removed(folders):
+    nothing = CliRunner().invoke(setup.command, ["--uninstall", "--yes"])
+    assert nothing.exit_code == 0
+    assert nothing.output == "Setup has installed nothing here, so there is nothing to remove.\n"
+    there = folders[1] / "neurotouch.conf"
+    there.touch()
+    told = CliRunner().invoke(setup.command, ["--uninstall", "--dry-run"]).output
+    assert f"rm -f {there}\n" in told
+    assert "70-neurotouch" not in told
+
+
+def test_it_can_all_be_taken_back(folders):
+    installed = CliRunner().invoke(setup.command, ["--dry-run"]).output
+    for source, target in setup._list_files().items():
+        target.write_bytes(source.read_bytes())
+    removed = CliRunner().invoke(setup.command, ["--uninstall", "--dry-run"]).output
+    assert installed.count(f"  {folders[0].parent}/") == 3
     for line in installed.splitlines():
-        if line.strip().startswith("/etc/"):
+        if line.startswith(f"  {folders[0].parent}/"):
             assert line.strip() in removed
             assert line.strip() in next(x for x in removed.splitlines() if "rm -f" in x)
 

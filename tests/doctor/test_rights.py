@@ -56,3 +56,28 @@ def test_a_rule_that_is_hidden_or_says_nothing_is_none(folders, text):
     finding = rights.check_rule(folders)
     assert finding.status in (CheckStatus.WARNING, CheckStatus.SKIPPED)
     assert finding.sentence.startswith("No udev rule ")
+
+
+@pytest.fixture
+def packaged(tmp_path, monkeypatch):
+    """The files of the package, and of a running systemd; none of them is there at first."""
+    files = {name: tmp_path / name for name in ("SERVICE_RULE", "PACKAGED_MODULES", "SYSTEMD")}
+    for name, path in files.items():
+        monkeypatch.setattr(rights, name, path)
+    monkeypatch.setattr(rights, "_NODE", tmp_path / "no-node")
+    monkeypatch.setattr(rights, "_LOADED", tmp_path / "not-loaded")
+    return files
+
+
+def test_where_the_package_loads_the_module_at_every_start_it_is_not_told_again(packaged):
+    assert len(rights.check_module().commands) == 2
+    packaged["PACKAGED_MODULES"].touch()
+    assert rights.check_module().commands == ("sudo modprobe uinput",)
+
+
+def test_a_service_that_nothing_can_start_makes_no_pad(packaged, monkeypatch):
+    monkeypatch.setattr(rights, "find_driver", lambda: None)
+    packaged["SERVICE_RULE"].touch()
+    assert rights.needs_no_right() == ""
+    packaged["SYSTEMD"].touch()
+    assert rights.needs_no_right().startswith("The service makes the pad")

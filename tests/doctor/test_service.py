@@ -2,6 +2,7 @@
 
 import pytest
 
+from neurotouch_hid.doctor import service
 from neurotouch_hid.doctor.finding import CheckStatus
 from neurotouch_hid.doctor.service import check_service
 
@@ -46,3 +47,13 @@ def test_without_systemd(tmp_path, monkeypatch):
     (tmp_path / "systemctl").write_text("#!/bin/sh\nexit 1\n")  # there, but not PID 1
     (tmp_path / "systemctl").chmod(0o755)
     assert check_service().status is CheckStatus.SKIPPED
+
+
+def test_a_service_that_is_installed_without_systemd_is_not_called_absent(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(service, "SERVICE_UNIT", tmp_path / "neurotouch.service")
+    (tmp_path / "neurotouch.service").touch()
+    assert check_service().sentence == (
+        "The service does not run here, because systemd does not run; 'neurotouch run' does the "
+        "same."
+    )
