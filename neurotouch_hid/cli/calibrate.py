@@ -28,7 +28,10 @@ if TYPE_CHECKING:
         UnfinishedCalibration,
     )
 
-_KEYS = "Enter = next, S = I cannot do this, B = back, R = begin again, Q = stop and save nothing."
+_KEYS = (
+    "Enter = next. A letter, then Enter: S = I cannot do this, B = back, R = begin again, "
+    "Q = stop and save nothing."
+)
 
 _REHEARSE = "To rehearse it: neurotouch demo --mouse, and in another terminal: neurotouch calibrate"
 _KEPT = "What you did is kept. The next calibration continues there."

@@ -134,6 +134,11 @@ def _require_driver_or_camera() -> None:
 
 
 def _require_place(out: Path, source: str | None, *, force: bool) -> None:
+    if out == Path():  # what an empty word becomes
+        raise RecordingError(
+            "The name of the file is empty.",
+            hint="Give one that ends in .aedat4: neurotouch record play.aedat4",
+        )
     if out.suffix.lower() != ".aedat4":
         raise RecordingError(
             f"'{out}' does not end in .aedat4, the only supported format.",

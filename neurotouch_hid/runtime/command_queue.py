@@ -58,7 +58,12 @@ class CommandQueue:
                 if earlier.name != "switch":
                     with suppress(ValueError):  # the pipeline has taken it just now
                         self._waiting.remove(earlier)
-                        earlier.done.set_exception(DriverError("A panic came in between."))
+                        earlier.done.set_exception(
+                            DriverError(
+                                "A panic came in between. Everything is released.",
+                                hint="To continue: neurotouch resume",
+                            )
+                        )
         elif len(self._waiting) >= CAPACITY:
             raise DriverError("No data from the source, and too many commands wait for it.")
         self._waiting.append(command)

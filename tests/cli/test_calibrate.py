@@ -172,7 +172,7 @@ def test_a_movement_is_asked_for_and_read_out_while_the_gel_is_live():
         lines = process.stdout.read().splitlines()
     assert process.returncode == 0
     assert lines[0] == "SIMULATED: this measures no hand."
-    assert lines[1].startswith("Enter = next, S = ")
+    assert lines[1].startswith("Enter = next. A letter, then Enter: S = ")
     assert lines[2].startswith("Step 1 of 3. Rest your hand")
     assert any("Step 3 of 3. Push to the right, as far as is comfortable" in li for li in lines)
     assert any(line.endswith(" millimetres, good") for line in lines)

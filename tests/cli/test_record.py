@@ -125,6 +125,12 @@ def test_another_kind_of_file_is_refused(tmp_path, record, quick, name):
     assert not (tmp_path / name).exists()
 
 
+def test_an_empty_name_is_called_empty(tmp_path, record, quick):
+    done = record("", *quick, cwd=tmp_path)
+    assert done.returncode == 4
+    assert "Error: The name of the file is empty.\n" in done.stderr
+
+
 def test_a_recording_is_not_recorded_to_itself(tmp_path, record, quick):
     path = tmp_path / "source.aedat4"
     for source in (f"file:{path}", str(path)):

@@ -174,6 +174,17 @@ def test_unknown_command(answer, words):
         ("doctor --only", "See: neurotouch doctor --help"),
         ("record .", "Give the name of a file."),
         ("profile test x --file gone.txt", "Check the name."),
+        ("profile bind mine pinch button a", 'Try: neurotouch profile bind mine pinch "button a"'),
+        (
+            "profile bind mine push left tap key ctrl+c",
+            'Try: neurotouch profile bind mine "push left tap" "key ctrl+c"',
+        ),
+        (
+            "profile unbind mine push left tap",
+            'Try: neurotouch profile unbind mine "push left tap"',
+        ),
+        ("profile bind mine nothing at all here", "See: neurotouch profile bind --help"),
+        ("run --method neurotouch --method=paper", "Write only one --method."),
         ("profile remove mine", "A profile: neurotouch profile delete. A binding: "),
     ],
 )

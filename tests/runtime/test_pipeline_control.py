@@ -168,8 +168,9 @@ def test_panic_throws_away_what_waits_and_finds_room(push):
     queue.submit(Command("panic"))
     assert queue.take().name == "panic"
     assert queue.take() is None
-    with pytest.raises(DriverError, match="panic"):
+    with pytest.raises(DriverError, match=r"panic .* Everything is released\.") as caught:
         commands[0].done.result(0)
+    assert caught.value.hint == "To continue: neurotouch resume"
 
 
 def test_panic_throws_no_switch_of_profile_away_for_it_has_been_told_as_done():

@@ -76,7 +76,9 @@ class LazyGroup(click.Group):
         """Returns the sub-command; if none has the name, the error names the nearest one."""
         name = args[0]
         if name in self._summaries or name.startswith("-"):
-            return super().resolve_command(ctx, args)
+            found = super().resolve_command(ctx, args)
+            _refuse_twice(found[1], found[2])
+            return found
         near = [each for each, others in _OTHER_WORDS.items() if name.lower() in others]
         near = [each for each in near if each in self._summaries]
         near = near or difflib.get_close_matches(name.lower(), self._summaries, 1)
@@ -92,6 +94,23 @@ class LazyGroup(click.Group):
         """Writes names and summaries without importing any sub-command."""
         with formatter.section("Commands"):
             formatter.write_dl(list(self._summaries.items()))
+
+
+def _refuse_twice(command: click.Command | None, args: list[str]) -> None:
+    """Makes sure that no option with one value is given two, of which click would drop one.
+
+    Raises:
+        WrongUsage: one is.
+    """
+    words = [word.partition("=")[0] for word in args[: [*args, "--"].index("--")]]
+    for param in command.params if command is not None else ():
+        if isinstance(param, click.Option) and not param.is_flag and not param.multiple:
+            given = [word for word in words if word in param.opts]
+            if len(given) > 1:
+                raise WrongUsage(
+                    f"Option {given[0]} is there {len(given)} times, but takes one value.",
+                    hint=f"Write only one {given[0]}.",
+                )
 
 
 def _explain_missing(name: str) -> click.Command:

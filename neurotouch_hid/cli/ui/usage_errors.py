@@ -174,10 +174,34 @@ def _explain_extra(error: click.UsageError, words: str) -> tuple[str, str]:
         sentence = f"These arguments are too many: {words}."
     if "source" in names and find_source_kind(first) is not SourceKind.OTHER:
         return sentence, f"Did you mean: {_name(error)} --source {first}"
+    if ctx is not None and "when" in names:
+        return sentence, _quote_binding(ctx, words.split())
     option = next((name for name in ("scene", "profile") if name in names), None)
     if option is not None and re.fullmatch(r"[\w-]+", first):
         return sentence, f"Did you mean: {_name(error)} --{option} {first}"
     return sentence, ""
+
+
+def _quote_binding(ctx: click.Context, extra: list[str]) -> str:
+    """Returns the fix for a gesture and an action that are typed without quotation marks."""
+    from neurotouch_hid.errors import ProfileError
+    from neurotouch_hid.profile.editing import parse_do, parse_when
+
+    name, when, do = (str(ctx.params.get(key)) for key in ("name", "when", "do"))
+    words = [*when.split(), *do.split(), *extra]
+    for n in range(len(words), 0, -1):
+        parts = [part for part in (" ".join(words[:n]), " ".join(words[n:])) if part]
+        try:
+            parse_when(parts[0])
+            if len(parts) > 1:
+                parse_do(parts[1])
+            elif ctx.command.name == "bind":
+                continue
+        except ProfileError:
+            continue
+        typed = " ".join(f'"{part}"' if " " in part else part for part in parts)
+        return f"Try: {ctx.command_path} {name} {typed}"
+    return ""
 
 
 def _give_example(error: click.UsageError) -> str:

@@ -76,6 +76,13 @@ def test_another_set_is_never_replaced_unasked(small_set):
     (folder / "gone.json").rename(folder / dataset.MANIFEST)
 
 
+def test_a_folder_that_cannot_be_made_has_a_fix(tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(RecordingError, match="cannot be made: Not a directory") as caught:
+        dataset.write_dataset(tmp_path / "file" / "set", users=1, minutes=0.1, seed=2)
+    assert caught.value.hint == "Choose a folder that you may write to, with room."
+
+
 def test_a_set_is_distributed_like_the_papers():
     labels, speeds, contacts = Counter(), [], []
     sizes = {kind: [] for kind in dataset.KINDS}
