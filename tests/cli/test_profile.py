@@ -624,6 +624,76 @@ def test_a_saved_profile_that_the_favourite_extends_applies_from_the_next_start(
     assert "it applies from the next start" in output
 
 
+def test_a_right_profile_without_a_description_is_not_called_wrong(home):
+    run("profile", "new", "mine", "--template", "racing")
+    path = home / "profiles" / "mine.yaml"
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join(x for x in lines if not x.startswith("description:")))
+    (home / "profiles" / "bad.yaml").write_text("version: 1\nname: bad\n")
+    output, _ = run("profile", "list", "--plain")
+    assert "mine, yours: no description\n" in output
+    assert "FAILED bad, yours: it has errors, see: neurotouch profile check bad\n" in output
+
+
+def test_a_file_with_a_wrong_name_is_told_and_the_fix_works_as_typed(home):
+    (home / "profiles").mkdir(parents=True)
+    wrong = home / "profiles" / "Uebung X.yaml"
+    wrong.write_text((find_shipped_folder() / "racing.yaml").read_text())
+    for command in ("list", "check"):
+        output, code = run("profile", command)
+        assert code == 0
+        assert f"WARNING '{wrong}' is not used, because of its name.\n" in output
+    fix = output.partition("Fix: ")[2].splitlines()[0]
+    subprocess.run(["sh", "-euc", fix], check=True)
+    output, code = run("profile", "check", "uebung-x")
+    assert code == 0
+    assert "the file's own name counts, so this profile is called 'uebung-x'" in output
+    assert run("profile", "use", "uebung-x")[1] == 0
+
+
+def test_a_copy_of_the_name_of_its_original_says_that_it_takes_its_place():
+    output, _ = run("profile", "new", "default")
+    assert "It begins as your own" not in output
+    said = output.partition("From now on 'default' means yours everywhere, and no longer ")[2]
+    assert str(find_shipped_folder() / "default.yaml") in said
+    fix = said.partition("Back to that one: ")[2].splitlines()[0]
+    assert run(*fix.split()[1:])[1] == 0
+    run("profile", "new", "base")
+    assert (
+        "It begins as your own 'base' is now."
+        in run(*("profile", "new", "mine", "--template", "base"))[0]
+    )
+
+
+def test_a_file_of_own_values_is_no_wrong_profile(home, tmp_path):
+    run("profile", "set", "user", "filter", "strong")
+    file = tmp_path / "me too.yaml"
+    file.write_text((home / "user.yaml").read_text())
+    assert run("profile", "check", file) == (f"OK {file}: no faults\n", 0)
+    output, code = run("profile", "import", file)
+    assert code == 6
+    assert output == (
+        f"'{file}' has somebody's own values, and is no profile.\n"
+        f"Import them: neurotouch profile import --user '{file}'"
+    )
+
+
+def test_a_copy_that_does_something_else_is_not_described_as_the_original_unsaid():
+    run("profile", "new", "mine", "--template", "racing")
+    note = "It is still described as the original. Say what it does now: "
+    output, _ = run("profile", "bind", "mine", "pinch", "button b")
+    assert f'{note}neurotouch profile set mine description "My words"\n' in output
+    assert run("profile", "set", "mine", "description", "My words")[1] == 0
+    assert note not in run("profile", "bind", "mine", "pinch", "button x")[0]
+
+
+def test_what_cannot_be_written_says_what_is_needed(home):
+    home.write_text("no folder")
+    output, code = run("profile", "new", "mine")
+    assert code == 6
+    assert output.endswith("It needs the right to write there, and room on the disk.")
+
+
 def test_a_version_with_errors_is_put_back_with_a_warning(home):
     run("profile", "set", "user", "filter", "strong")
     path = home / "user.yaml"

@@ -219,6 +219,32 @@ def mine(tmp_path, monkeypatch):
             "'push.gain' was not changed: it needs a number, not 'much'.",
             "What this means: neurotouch explain NT113",
         ),
+        (
+            ("push.gain", "1,5"),
+            "'push.gain' was not changed: it needs a number, not '1,5'.",
+            "Write 1.5.",
+        ),
+        (
+            ("pinch.on_mm", "4 mm"),
+            "'pinch.on_mm' was not changed: it needs a number, not '4 mm'.",
+            "Write 4.",
+        ),
+        (
+            ("pinch.on_mm", "4 s"),
+            "'pinch.on_mm' was not changed: it needs a number, not '4 s'.",
+            "What this means: neurotouch explain NT113",
+        ),
+        (
+            ("pinch.off_mm", "12"),
+            "'pinch.off_mm' was not changed: off_mm (12 mm) must be below on_mm (2.5 mm), or the "
+            "output would flicker.",
+            "Set on_mm above 12 first, or off_mm below 2.5.",
+        ),
+        (
+            ("name", "other"),
+            "A profile is called as its file is, so 'name' was not changed.",
+            "Make a copy: neurotouch profile new other --template mine",
+        ),
         (("sound", "all"), "No such key: 'sound'.", None),
         (
             ("expo", "0.2"),

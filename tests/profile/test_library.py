@@ -6,11 +6,12 @@ import pytest
 
 from neurotouch_hid.errors import DriverError, ProfileError
 from neurotouch_hid.players import explain_start, find_user_file
-from neurotouch_hid.profile import list_profiles, load_profile
+from neurotouch_hid.profile import check_profile, list_profiles, load_profile
 from neurotouch_hid.profile.reading.library import (
     find_profile,
     find_shipped_folder,
     find_user_folder,
+    list_misnamed,
 )
 
 TEXT = "version: 1\nname: {}\nbindings:\n  - {{when: push, do: {{stick: left}}}}\n"
@@ -42,8 +43,30 @@ def test_a_checkout_is_told_from_an_installation(tmp_path) -> None:
 
 def test_the_users_own_hides_the_shipped_one(user_folder: Path) -> None:
     assert find_profile("default") == find_shipped_folder() / "default.yaml"
-    (user_folder / "default.yaml").write_text(TEXT.format("mine"))
-    assert load_profile("default").name == "mine"
+    (user_folder / "default.yaml").write_text(TEXT.format("default"))
+    assert find_profile("default") == user_folder / "default.yaml"
+
+
+def test_the_file_s_name_counts_and_another_one_in_it_is_told(user_folder: Path, tmp_path) -> None:
+    (user_folder / "wrongname.yaml").write_text(TEXT.format("other-name"))
+    assert load_profile("wrongname").name == "wrongname"
+    (fault,) = check_profile("wrongname").faults
+    assert (fault.code, fault.severity) == ("NT214", "warning")
+    assert fault.hint == "write 'name: wrongname', or rename the file"
+    elsewhere = tmp_path / "elsewhere.yaml"  # found by its path, so it may be called anything
+    elsewhere.write_text(TEXT.format("other-name"))
+    assert load_profile(elsewhere).name == "other-name"
+    assert not check_profile(elsewhere).faults
+
+
+def test_a_file_whose_name_is_none_is_told_with_a_free_one(user_folder: Path) -> None:
+    for name in ("Übung X.yaml", "ubung-x.yaml", "mine.yml", "日本.yaml", ".x.yaml", "fine.yaml"):
+        (user_folder / name).write_text(TEXT.format("x"))
+    assert {path.name: free.name for path, free in list_misnamed().items()} == {
+        "mine.yml": "mine.yaml",
+        "Übung X.yaml": "ubung-x-2.yaml",
+        "日本.yaml": "profile.yaml",
+    }
 
 
 def test_the_list_is_sorted_and_skips_what_cannot_be_named(user_folder: Path) -> None:
@@ -103,3 +126,4 @@ def test_how_a_driver_is_started_depends_on_the_package(monkeypatch, tmp_path):
     assert explain_start() == "Start it: neurotouch run. Without a camera: neurotouch demo"
     (tmp_path / "unit").touch()
     assert "systemctl start neurotouch" in explain_start()
+    assert explain_start().endswith("Without a camera: neurotouch demo")

@@ -1,14 +1,16 @@
 """Commands that change profiles, one thing at a time."""
 
 from contextlib import suppress
+from pathlib import Path
 
 import click
 
-from neurotouch_hid.cli.profile.saving import save_edited
+from neurotouch_hid.cli.profile.saving import save_edited, tell_old_words
 from neurotouch_hid.cli.ui.completing import complete_file, complete_key, complete_profile
 from neurotouch_hid.cli.ui.outcome import Outcome
 from neurotouch_hid.cli.ui.output import json_option, make_stamp, plain_option
 from neurotouch_hid.cli.ui.usage_errors import SignedCommand, WrongUsage
+from neurotouch_hid.errors import ProfileError
 
 
 @click.command(
@@ -37,11 +39,11 @@ def new(name: str, template: str, as_json: bool, plain: bool) -> None:
     edited = make_profile(name, template, make_stamp)
     edited.check(edited.text).require()
     mine = remap_unused(edited.text, load_unused())
+    path = edited.store.path
+    before = list_profiles()
+    of_own = template in before and before[template].parent == path.parent
     checked = edited.save(mine.text)
     effect = hand_over_saved(name)
-    path = edited.store.path
-    begun = list_profiles().get(template)
-    of_own = begun is not None and begun.parent == path.parent
     outcome = Outcome(
         f"Saved {path}",
         effect.status,
@@ -52,12 +54,34 @@ def new(name: str, template: str, as_json: bool, plain: bool) -> None:
         notes=(
             effect.text,
             *((f"It begins as your own '{template}' is now.",) if of_own else ()),
+            *((_tell_hidden(name, before[name]),) if name in before else ()),
             *(f"For you: {what}" for what in mine.moved),
             *(f"For you, without a gesture: {what}" for what in mine.left),
             f"Next: neurotouch profile edit {name}",
         ),
     )
     outcome.tell(plain=plain, as_json=as_json)
+
+
+def _refuse_name(name: str, other: str | None) -> None:
+    """Lets a profile's name be only that of its file, which commands find it by.
+
+    Raises:
+        ProfileError: it would be another one.
+    """
+    if other != name:
+        raise ProfileError(
+            "A profile is called as its file is, so 'name' was not changed.",
+            hint=f"Make a copy: neurotouch profile new {other or 'NAME'} --template {name}",
+        )
+
+
+def _tell_hidden(name: str, hidden: Path) -> str:
+    """Returns that a person's new profile takes the place of one for everybody."""
+    return (
+        f"From now on '{name}' means yours everywhere, and no longer {hidden}. "
+        f"Back to that one: neurotouch profile delete {name}"
+    )
 
 
 @click.command(
@@ -94,6 +118,7 @@ def set_command(
         set_value,
         take_file,
     )
+    from neurotouch_hid.profile.reading import find_user_folder
 
     if to_default and value is not None:
         raise WrongUsage(
@@ -104,6 +129,8 @@ def set_command(
             "VALUE is missing.", hint=f"Give one, or: neurotouch profile set {name} {key} --default"
         )
     edited = take_file(name, make_stamp)
+    if key == "name" and edited.store.path.parent == find_user_folder():
+        _refuse_name(edited.name, value)
     text = (
         reset_value(edited.text, key, edited.model)
         if value is None
@@ -154,7 +181,7 @@ def bind(
         f"The same gesture also does: {', '.join(others)}. 'unbind' removes what you do not want."
     )
     refused = f"'{when}' was not bound to '{do}'"
-    notes = (note,) if others else ()
+    notes = (*((note,) if others else ()), *tell_old_words(edited, text))
     save_edited(edited, text, notes, refused=refused, plain=plain, as_json=as_json)
 
 
@@ -182,12 +209,8 @@ def unbind(
 
     edited = take_profile(name, make_stamp)
     what = parse_do(do) if do is not None else None
-    save_edited(
-        edited,
-        unbind_text(edited.text, when if "#" in when else parse_when(when), what, layer),
-        plain=plain,
-        as_json=as_json,
-    )
+    text = unbind_text(edited.text, when if "#" in when else parse_when(when), what, layer)
+    save_edited(edited, text, tell_old_words(edited, text), plain=plain, as_json=as_json)
 
 
 @click.command(epilog="\b\nExamples:\n  neurotouch profile upgrade mine")

@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from neurotouch_hid.cli.profile.looking import show_misnamed
 from neurotouch_hid.cli.ui.completing import complete_profile
 from neurotouch_hid.cli.ui.outcome import report_faults, show_faults
 from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_json, say
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 from neurotouch_hid.errors import NeuroTouchError, ProfileError
+from neurotouch_hid.printable import make_printable
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile import Checked
@@ -42,7 +44,7 @@ def check(names: tuple[str, ...], as_json: bool, plain: bool) -> None:
     own = [OWN_VALUES] if find_user_file().exists() else []
     for name in names or [*list_profiles(), *own]:
         try:
-            found.append(_check_values() if name == OWN_VALUES else check_profile(name, unused))
+            found.append(_check_values(name) or check_profile(name, unused))
         except ProfileError as error:
             failures.append(error)
     n_errors = len(failures)
@@ -59,17 +61,28 @@ def check(names: tuple[str, ...], as_json: bool, plain: bool) -> None:
         print_json([*map(_report_failure, failures), *(r for c in found for r in report_faults(c))])
     for failure in failures if not as_json else ():
         say("FAILED", failure.message, failure.hint or "", plain=plain)
+    if not names and not as_json:
+        show_misnamed(plain=plain)
     if n_errors:
         if not as_json:
             say("FAILED", f"{n_errors} error{'s' if n_errors != 1 else ''}", plain=plain)
         sys.exit(ProfileError.exit_code)
 
 
-def _check_values() -> "Checked[Any]":
-    from neurotouch_hid.profile.editing import take_user
+def _check_values(name: str) -> "Checked[Any] | None":
+    """Returns the faults of a person's own values; None if the name or path is of a profile."""
+    from neurotouch_hid.profile import check_user
+    from neurotouch_hid.profile.editing import read_text, take_user
+    from neurotouch_hid.profile.reading import OWN_VALUES, holds_values
 
-    edited = take_user(str)
-    return edited.check(edited.text)
+    if name == OWN_VALUES:
+        edited = take_user(str)
+        return edited.check(edited.text)
+    is_path = "/" in name or name.endswith((".yaml", ".yml"))
+    if not is_path or not Path(name).is_file():
+        return None
+    content = read_text(Path(name))[1]
+    return check_user(content, make_printable(name)) if holds_values(content) else None
 
 
 def _report_failure(error: NeuroTouchError) -> dict[str, Any]:

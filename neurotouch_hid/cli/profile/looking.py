@@ -1,12 +1,13 @@
 """Commands that say which profiles there are and what they do."""
 
+import shlex
 import shutil
 import textwrap
 
 import click
 
 from neurotouch_hid.cli.ui.completing import complete_profile
-from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_json
+from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_json, say
 
 
 @click.command(
@@ -41,7 +42,9 @@ def list_command(as_json: bool, plain: bool) -> None:
     for row in rows:
         notes = ["yours" if row["own"] else "shipped"] + (["in use"] if row["in_use"] else [])
         said = " ".join(str(row["description"]).split())
-        text = said or "it has errors, see: neurotouch profile check"
+        if row["status"] != "OK":
+            said = f"it has errors, see: neurotouch profile check {row['name']}"
+        text = said or "no description"
         if plain:
             wrong = "FAILED " if row["status"] != "OK" else ""
             echo(f"{wrong}{row['name']}, {', '.join(notes)}: {text}")
@@ -50,6 +53,16 @@ def list_command(as_json: bool, plain: bool) -> None:
             head = f"{mark} {row['name']:<18} {notes[0]:<8} "
             width = shutil.get_terminal_size().columns
             echo(textwrap.fill(f"{head}{text}", width, subsequent_indent=" " * len(head)))
+    show_misnamed(plain=plain)
+
+
+def show_misnamed(*, plain: bool) -> None:
+    """Says which files among the profiles are not used, because of their names."""
+    from neurotouch_hid.profile.reading import list_misnamed
+
+    for path, free in list_misnamed().items():
+        fix = shlex.join(["mv", str(path), str(free)])
+        say("WARNING", f"'{path}' is not used, because of its name.", fix, plain=plain)
 
 
 @click.command(

@@ -46,6 +46,22 @@ def _explain(refused: str, fault: "Fault") -> ProfileError:
     )
 
 
+def tell_old_words(edited: "EditedFile", text: "ProfileText") -> tuple[str, ...]:
+    """Returns a note if a copy does something else now, and is described as the original is."""
+    from neurotouch_hid.profile.reading import find_shipped_folder
+
+    before, after = edited.text.document, text.document
+    said = after.get("description")
+    if before == after or not isinstance(said, str):
+        return ()
+    words = " ".join(said.split())
+    shipped = (path.read_text(encoding="utf-8") for path in find_shipped_folder().glob("*.yaml"))
+    if not any(words in " ".join(each.split()) for each in shipped):
+        return ()
+    command = f"neurotouch profile set {edited.name} description"
+    return (f'It is still described as the original. Say what it does now: {command} "My words"',)
+
+
 def save_edited(
     edited: "EditedFile",
     text: "ProfileText",

@@ -1,5 +1,6 @@
 """Commands that give profiles to others and take theirs."""
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -144,9 +145,14 @@ def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, pla
         read_text,
         summarize,
     )
-    from neurotouch_hid.profile.reading import find_shipped_folder
+    from neurotouch_hid.profile.reading import find_shipped_folder, holds_values
 
     text, content = read_text(file)
+    if holds_values(content):
+        raise ProfileError(
+            f"'{file}' has somebody's own values, and is no profile.",
+            hint=f"Import them: neurotouch profile import --user {shlex.quote(str(file))}",
+        )
     checked = check_content(content, make_printable(str(file)), unused=load_unused())
     profile = checked.require()
     stem = name if name is not None else profile.name

@@ -211,6 +211,11 @@ CODES: Final[dict[str, Explanation]] = {
         "Alt+Print begins an order to the kernel (SysRq): the key after it could restart the "
         "machine. The keyboard we make leaves Print out while Alt is down, so only Alt is pressed.",
     ),
+    "NT214": Explanation(
+        "another name than the file",
+        "A profile is called by the name of its file, in every command. 'name' in the file says "
+        "something else. Write the file's name there, or rename the file.",
+    ),
 }
 
 

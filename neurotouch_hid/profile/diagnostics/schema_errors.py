@@ -157,6 +157,8 @@ def _word(detail: Mapping[str, Any], keys: Keys, node: Node | None) -> tuple[str
                 and not isinstance(node.value, dict | list)
             ):
                 hint = f'write "{make_printable(str(node.value))[:40]}"'
+            elif node is not None and kind in ("float_type", "int_type"):
+                hint = _propose_number(str(node.value), _unit(keys).strip())
             elif node is not None and kind == "list_type" and isinstance(node.value, str):
                 hint = f"write [{make_printable(node.value)[:40]}]"
         case _:
@@ -178,6 +180,14 @@ def _show(node: Node | None) -> str:
         text = make_printable(node.value)
         return f"'{text[:40]}…'" if len(text) > 40 else f"'{text}'"
     return str(node.value)
+
+
+def _propose_number(written: str, unit: str) -> str:
+    """Returns the number that is meant by ``4,5`` or ``4 mm``, as a hint; or nothing."""
+    found = re.fullmatch(r"([+-]?\d+)(?:[.,](\d+))?\s*([a-z/]*)", written.strip())
+    if found is None or found[3] not in ("", unit):
+        return ""
+    return f"write {found[1]}" + (f".{found[2]}" if found[2] else "")
 
 
 def _unit(keys: Keys) -> str:

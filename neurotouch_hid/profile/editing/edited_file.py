@@ -1,7 +1,6 @@
 """Opens a profile or the user's file to be edited, and saves it only if it is right."""
 
 import re
-import unicodedata
 from collections.abc import Callable
 from dataclasses import dataclass
 from difflib import unified_diff
@@ -24,6 +23,7 @@ from neurotouch_hid.profile.reading.library import (
     find_user_folder,
     list_profile_folders,
     list_profiles,
+    propose_name,
 )
 from neurotouch_hid.profile.reading.load import (
     Checked,
@@ -182,9 +182,10 @@ def find_own_path(name: str) -> Path:
         ProfileError: that is no name.
     """
     if not re.fullmatch(NAME_PATTERN, name):
+        near = propose_name(name)
         raise ProfileError(
             f"A profile cannot be called '{make_printable(name[:80])}'.",
-            hint=_propose_name(name)
+            hint=(f"Try: {near}. " if near and "/" not in name else "")
             + "A name has 1 to 64 letters from a to z, digits, _ or -; it is never a path.",
         )
     if name == OWN_VALUES:
@@ -192,14 +193,6 @@ def find_own_path(name: str) -> Path:
             f"'{name}' is what your own values are called.", hint="Give the profile another name."
         )
     return find_user_folder() / f"{name}.yaml"
-
-
-def _propose_name(wrong: str) -> str:
-    """Returns a sentence with a name that can be used and resembles the wrong one, or nothing."""
-    plain = unicodedata.normalize("NFKD", wrong.lower())  # an accent is a character of its own
-    words = re.findall(r"[a-z0-9_]+", plain.encode("ascii", "ignore").decode())
-    near = "-".join(words)[:64].strip("-")
-    return f"Try: {near}. " if near and "/" not in wrong else ""
 
 
 def find_schema(path: Path, schema: str = "profile-1.json") -> str:

@@ -290,4 +290,5 @@ class Store:
 
 def _fail(path: Path, what: str, error: OSError) -> ProfileError:
     reason = error.strerror or str(error)
-    return ProfileError(f"'{make_printable(str(path))}' cannot be {what}: {reason}.")
+    hint = None if what == "read" else "It needs the right to write there, and room on the disk."
+    return ProfileError(f"'{make_printable(str(path))}' cannot be {what}: {reason}.", hint=hint)

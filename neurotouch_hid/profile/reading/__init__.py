@@ -13,6 +13,7 @@ if TYPE_CHECKING:
         find_profile,
         find_shipped_folder,
         find_user_folder,
+        list_misnamed,
         list_profile_folders,
         list_profiles,
     )
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
         check_profile,
         check_user,
         find_values,
+        holds_values,
         load_profile,
         load_settings,
         load_unused,
@@ -33,8 +35,8 @@ else:
         __name__,
         {
             "library": "OWN_VALUES find_profile find_shipped_folder find_user_folder "
-            "list_profile_folders list_profiles",
-            "load": "Checked check_content check_profile check_user find_values "
+            "list_misnamed list_profile_folders list_profiles",
+            "load": "Checked check_content check_profile check_user find_values holds_values "
             "load_profile load_settings load_unused load_user parse_profile",
         },
     )
@@ -49,6 +51,8 @@ __all__ = [
     "find_shipped_folder",
     "find_user_folder",
     "find_values",
+    "holds_values",
+    "list_misnamed",
     "list_profile_folders",
     "list_profiles",
     "load_profile",

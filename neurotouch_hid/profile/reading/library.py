@@ -4,6 +4,7 @@
 """
 
 import re
+import unicodedata
 from pathlib import Path
 from typing import Final
 
@@ -51,6 +52,36 @@ def list_profiles(folder: Path | None = None) -> dict[str, Path]:
     except OSError as error:
         raise ProfileError(f"'{error.filename}' cannot be looked into: {error.strerror}.") from None
     return dict(sorted(found.items()))
+
+
+def list_misnamed(folder: Path | None = None) -> dict[Path, Path]:
+    """Returns the profile files that no name leads to, because of their own names.
+
+    Args:
+        folder: the person's settings.
+
+    Returns:
+        Each with a free path in its folder that would do.
+    """
+    found: dict[Path, Path] = {}
+    for place in list_profile_folders(folder)[:-1]:
+        for path in sorted(place.glob("[!.]*")) if place.is_dir() else ():
+            named = path.suffix == ".yaml" and re.fullmatch(NAME_PATTERN, path.stem)
+            if path.suffix.lower() in (".yaml", ".yml") and not named and path.is_file():
+                stem, n = propose_name(path.stem) or "profile", 1
+                free = path.with_name(f"{stem}.yaml")
+                while free.exists():
+                    n += 1
+                    free = path.with_name(f"{stem[:60]}-{n}.yaml")
+                found[path] = free
+    return found
+
+
+def propose_name(wrong: str) -> str:
+    """Returns a name that can be used and resembles a wrong one, or nothing."""
+    plain = unicodedata.normalize("NFKD", wrong.lower())  # an accent is a character of its own
+    words = re.findall(r"[a-z0-9_]+", plain.encode("ascii", "ignore").decode())
+    return "-".join(words)[:64].strip("-")
 
 
 def find_profile(name_or_path: str | Path, folder: Path | None = None) -> Path:

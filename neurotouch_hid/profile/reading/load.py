@@ -19,7 +19,7 @@ from neurotouch_hid.profile.diagnostics.lint import find_warnings
 from neurotouch_hid.profile.diagnostics.schema_errors import locate_faults
 from neurotouch_hid.profile.diagnostics.unmet import find_unmet
 from neurotouch_hid.profile.reading.inheritance import build_on
-from neurotouch_hid.profile.reading.library import find_profile
+from neurotouch_hid.profile.reading.library import find_profile, list_profile_folders
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.profile import Profile
 from neurotouch_hid.profile.schema.user import UserSettings
@@ -94,7 +94,8 @@ def check_profile(
     """
     path = find_profile(name_or_path, folder)
     name = make_printable(str(path))
-    return _check_profile(_read(path), name, (find_real_path(path),), unused, folder)
+    chain = (find_real_path(path),)
+    return _check_named(_read(path), name, chain, unused, folder, _find_name(path, folder))
 
 
 def parse_profile(content: bytes, name: str) -> Profile:
@@ -121,7 +122,9 @@ def check_content(
         path: the file it takes the place of; it must not be built on that.
         unused: as of ``check_profile``.
     """
-    return _check_profile(content, name, () if path is None else (find_real_path(path),), unused)
+    if path is None:
+        return _check_profile(content, name, (), unused)
+    return _check_named(content, name, (find_real_path(path),), unused, None, _find_name(path))
 
 
 def load_user(*, player: int | None = None, folder: Path | None = None) -> UserSettings:
@@ -179,6 +182,17 @@ def check_user(content: bytes, name: str) -> Checked[UserSettings]:
     return _check_model(content, name, UserSettings, lambda _, settings: (settings, []))
 
 
+def holds_values(content: bytes) -> bool:
+    """Returns whether the content of a file is a person's own values, and no profile."""
+    try:
+        root, _ = parse_document(_decode(content))
+    except _UnreadableError:
+        return False
+    keys = set(root.keys) if root is not None and isinstance(root.value, dict) else set()
+    of_profile = {"name", "bindings", "layers", "extends"}
+    return bool(keys) and not keys & of_profile and keys <= set(UserSettings.model_fields)
+
+
 Finish = Callable[[Node, Model], tuple[Model | None, list[Fault]]]
 
 
@@ -209,6 +223,34 @@ def _check_model(
         if any(fault.severity == "error" for fault in faults):
             whole = None
     return Checked(name, text, tuple(sorted(set(faults))), written if whole else None, whole)
+
+
+def _find_name(path: Path, folder: Path | None = None) -> str | None:
+    """Returns the name that leads to a file, whatever it calls itself; None if none does."""
+    return path.stem if path.absolute().parent in list_profile_folders(folder) else None
+
+
+def _check_named(
+    content: bytes,
+    name: str,
+    chain: tuple[Path, ...],
+    unused: Collection[str],
+    folder: Path | None,
+    called: str | None,
+) -> Checked[Profile]:
+    """Checks a profile that has the name ``called``; of another name in the file is warned."""
+    checked = _check_profile(content, name, chain, unused, folder)
+    if checked.whole is None or called in (None, checked.whole.name):
+        return checked
+    root, _ = parse_document(checked.text)
+    assert root is not None  # noqa: S101  it has just been read
+    sentence = f"the file's own name counts, so this profile is called '{called}'"
+    hint = f"write 'name: {called}', or rename the file"
+    fault = Fault(find_mark(root, ("name",)), "name", sentence, hint, "NT214")
+    models = (checked.written, checked.whole)
+    written, whole = (each and each.model_copy(update={"name": called}) for each in models)
+    faults = tuple(sorted((*checked.faults, fault)))
+    return Checked(name, checked.text, faults, written, whole)
 
 
 def _check_profile(

@@ -214,7 +214,7 @@ class Condition(Strict):
                     "at": ("off_mm",),
                     "on": f"{on_mm:g}",
                     "off": f"{off_mm:g}",
-                    "hint": f"set off_mm below {on_mm:g} first, or remove it",
+                    "hint": f"set on_mm above {off_mm:g} first, or off_mm below {on_mm:g}",
                 },
             )
         if self.hold_ms is not None and self.press not in ("hold", "long"):
