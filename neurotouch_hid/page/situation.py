@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final, Literal
 
 from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
-from neurotouch_hid.players import SERVICE_UNIT, explain_start, find_user_file
+from neurotouch_hid.players import SERVICE_UNIT, find_user_file
 
 SituationKind = Literal[
     "no_camera", "service_stopped", "no_right", "no_pad", "unusable", "no_data", "ready"
@@ -58,7 +58,7 @@ def _judge(*, waits: bool) -> tuple[SituationKind, str, str]:
     if waits:
         return "no_data", "No data comes from the camera.", "Why: neurotouch status"
     if SERVICE_UNIT.exists():
-        step = f"{explain_start()}. Why: systemctl status neurotouch"
+        step = "Start it: sudo systemctl start neurotouch. Why: systemctl status neurotouch"
         return "service_stopped", "The service does not run.", step
     reasons = [info.reason for info in cameras]
     if all(reasons):

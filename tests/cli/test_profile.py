@@ -673,7 +673,7 @@ def test_a_file_of_own_values_is_no_wrong_profile(home, tmp_path):
     output, code = run("profile", "import", file)
     assert code == 6
     assert output == (
-        f"'{file}' has somebody's own values, and is no profile.\n"
+        f"'{file}' has a person's own values, and is no profile.\n"
         f"Import them: neurotouch profile import --user '{file}'"
     )
 

@@ -150,7 +150,7 @@ def _take_profile(file: Path, name: str | None, *, yes: bool, as_json: bool, pla
     text, content = read_text(file)
     if holds_values(content):
         raise ProfileError(
-            f"'{file}' has somebody's own values, and is no profile.",
+            f"'{file}' has a person's own values, and is no profile.",
             hint=f"Import them: neurotouch profile import --user {shlex.quote(str(file))}",
         )
     checked = check_content(content, make_printable(str(file)), unused=load_unused())
