@@ -303,5 +303,5 @@ def test_a_point_of_the_gel_moves_with_its_four_nearest_markers():
     neutral.pose_px = np.where(near[:, None], (4.0, -2.0), 100.0)
     points_px = np.array([[54.0, 56.0], [56.0, 52.0]])
     moved_px = neutral.displace(points_px, rest_px)
-    np.testing.assert_allclose(moved_px, points_px + (4.0, -2.0))
+    np.testing.assert_allclose(moved_px, points_px + np.array([4.0, -2.0]))
     assert neutral.displace(points_px[:0], rest_px).shape == (0, 2)
