@@ -62,7 +62,7 @@ def save_profile(chance: random.Random) -> None:
 
 
 def view(chance: random.Random) -> None:
-    """Up to four viewers; some read nothing, and all leave without a word."""
+    """Connects up to four viewers; most read nothing, and all leave without a word."""
     with ExitStack() as stack:
         viewers = [stack.enter_context(Subscriber()) for _ in range(chance.randint(1, 4))]
         for viewer in viewers:
