@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from neurotouch_hid.client import ask, get_text
+from neurotouch_hid.client import ask
 from neurotouch_hid.errors import DriverError, NotRunningError, ProfileError
 from neurotouch_hid.page.handed_over import describe_effect, pass_on
 from neurotouch_hid.page.profile_view import Place, is_editable, list_places
@@ -127,7 +127,7 @@ class Changes:
         return f"Removed from {edited.name}. {pass_on(edited.name)}"
 
     def use(self, name: str) -> str:
-        """Switches to a profile.
+        """Switches to a profile; returns nothing if a driver plays it now: its state says so.
 
         Raises:
             ProfileError: there is none, or it has errors.
@@ -136,7 +136,8 @@ class Changes:
         stem, _, _ = make_favourite(name, self._stamp)
         said = pass_on(OWN_VALUES)
         with suppress(NotRunningError):
-            said = get_text(ask("use", profile=stem))
+            ask("use", profile=stem)
+            said = ""
         return said
 
     def copy(self, template: str) -> str:
@@ -153,7 +154,7 @@ class Changes:
         name = next(name for name in names if name not in known)
         edited = make_profile(name, template, self._stamp)
         edited.save(remap_unused(edited.text, load_unused()).text)
-        return f"'{name}' is your own copy of {template}. {self.use(name)}"
+        return f"'{name}' is your own copy of {template}. {self.use(name)}".rstrip()
 
     def undo(self, path: Path) -> str:
         """Undoes the last change.

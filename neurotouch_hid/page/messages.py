@@ -27,7 +27,7 @@ class ProfileRow(TypedDict):
         name: its name.
         own: it is the person's, not one that comes with the program.
         first: it is the first of the favourites.
-        about: its description, or that it has errors.
+        about: its description, or its first error.
         broken: it cannot be used.
     """
 
@@ -82,6 +82,9 @@ class PageMessage(TypedDict, total=False):
         situation: the reason why the gel does not play while no driver runs.
         outputs: the outputs that a movement can have.
         profiles: those there are.
+        shown: a profile that the browser wants to look at.
+        name: of that profile in the list.
+        stop_keys: the keys that stop a driver, by what they do.
         picture: the newest frame of the camera, as the address of a picture.
         program: output or end of a program that the page has started.
         started: such a program, by name.
@@ -102,6 +105,9 @@ class PageMessage(TypedDict, total=False):
     situation: SituationState
     outputs: list[OutputGroup]
     profiles: list[ProfileRow]
+    shown: ProfileView | ProfileFault
+    name: str
+    stop_keys: dict[str, str]
     picture: str
     program: ProgramNews
     started: str

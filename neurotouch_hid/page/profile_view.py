@@ -9,19 +9,25 @@ from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.files.faults import describe_fault
 from neurotouch_hid.page.own_values import load_usable_user
 from neurotouch_hid.profile import check_profile
-from neurotouch_hid.profile.diagnostics import describe_target, describe_when
+from neurotouch_hid.profile.diagnostics import (
+    describe_condition,
+    describe_target,
+    describe_when,
+)
 from neurotouch_hid.profile.editing import name_bindings
 from neurotouch_hid.profile.engine import FILTERS, OneEuro, make_response
 from neurotouch_hid.profile.reading import find_shipped_folder, list_profile_folders
 from neurotouch_hid.profile.schema import (
     FIRST_LAYER,
     Binding,
+    Condition,
     Expo,
     FilterName,
     MovementName,
     Points,
     Power,
     Profile,
+    SafetyGesture,
     Shaped,
     choose_filter,
     merge_bindings,
@@ -33,6 +39,12 @@ MOVEMENTS: Final = get_args(MovementName)
 
 SAMPLES: Final = 33
 """Points of a response curve."""
+
+_STOPS: Final = {
+    "pause": "pauses everything; the same again resumes",
+    "panic": "stops everything; Resume on the page goes on",
+}
+"""What the movements under ``safety:`` do, in the page's words."""
 
 PRESS_MM: Final = 5.0
 PRESS_MS: Final = 300
@@ -91,6 +103,20 @@ class LayerView(TypedDict):
     bindings: list[BindingView]
 
 
+class StopView(TypedDict):
+    """A movement that stops everything, in every layer.
+
+    Attributes:
+        when: the movement in words, with how long it is held.
+        does: what it does, in words.
+        movements: the bars that show it.
+    """
+
+    when: str
+    does: str
+    movements: list[str]
+
+
 class ProfileView(TypedDict):
     """A profile for the page.
 
@@ -103,6 +129,7 @@ class ProfileView(TypedDict):
         filter_ms: by how much that delays a press, in ms.
         resting: the neutral pose is that of a resting hand.
         ranges: the person's own ranges, by movement.
+        stops: the movements that stop everything.
         layers: its layers, the first one first.
     """
 
@@ -114,6 +141,7 @@ class ProfileView(TypedDict):
     filter_ms: float
     resting: bool
     ranges: dict[str, dict[str, float]]
+    stops: list[StopView]
     layers: list[LayerView]
 
 
@@ -150,6 +178,11 @@ def describe_profile(path: Path, *, edit: bool) -> ProfileView:
         "filter_ms": measure_lag(filter_name),
         "resting": user.neutral == "resting",
         "ranges": user.range.model_dump(exclude_none=True),
+        "stops": [
+            _describe_stop(gesture, does)
+            for name, does in _STOPS.items()
+            if (gesture := getattr(profile.safety, name)) is not None
+        ],
         "layers": [
             {
                 "name": layer.name,
@@ -213,14 +246,11 @@ def _find_key(binding: Binding, layer: str, places: list[Place]) -> str | None:
 
 def _describe_binding(binding: Binding, key: str | None) -> BindingView:
     condition = binding.condition
-    kinds = [kind.label for kind in condition.kinds]
     view: BindingView = {
         "key": key,
         "when": describe_when(binding),
         "do": describe_target(binding.do),
-        "movements": [
-            movement for movement in MOVEMENTS if _fits(movement, kinds, condition.direction)
-        ],
+        "movements": _list_movements(condition),
     }
     on_mm, off_mm = binding.thresholds_mm
     if on_mm:
@@ -228,6 +258,18 @@ def _describe_binding(binding: Binding, key: str | None) -> BindingView:
     if isinstance(binding.do, Shaped) and binding.is_followed:
         _add_response(view, binding, condition.kinds[0], binding.do)
     return view
+
+
+def _describe_stop(gesture: SafetyGesture, does: str) -> StopView:
+    condition = gesture.condition
+    words = describe_condition(condition.model_copy(update={"press": None}))
+    if gesture.gesture == "any":
+        words = words.replace("any", "any movement", 1)
+    return {
+        "when": f"{words}, held for {gesture.hold_ms / 1000:g} s",
+        "does": does,
+        "movements": _list_movements(condition),
+    }
 
 
 def _add_response(view: BindingView, binding: Binding, kind: GestureKind, do: Shaped) -> None:
@@ -251,6 +293,12 @@ def _add_response(view: BindingView, binding: Binding, kind: GestureKind, do: Sh
             view["curve"] = {"points": points}
         case _:
             view["curve"] = {"expo": 0.0}
+
+
+def _list_movements(condition: Condition) -> list[str]:
+    """Returns the bars that show a condition."""
+    kinds = [kind.label for kind in condition.kinds]
+    return [movement for movement in MOVEMENTS if _fits(movement, kinds, condition.direction)]
 
 
 def _fits(movement: str, kinds: list[str], direction: str | None) -> bool:

@@ -11,17 +11,19 @@ from neurotouch_hid.client import ask, ask_every, get_text, is_served
 from neurotouch_hid.errors import PageError, ProfileError
 from neurotouch_hid.page.address import write_secret
 from neurotouch_hid.page.edits import Changes, Wish
+from neurotouch_hid.files.faults import describe_fault
 from neurotouch_hid.page.guard import make_token
 from neurotouch_hid.page.messages import PageMessage, ProfileRow, ProgramNews, Remote
 from neurotouch_hid.page.output_choices import OutputGroup, list_outputs
 from neurotouch_hid.page.own_values import OwnValues, load_usable_user
 from neurotouch_hid.page.pictures import draw_code, take_picture
+from neurotouch_hid.page.profile_view import ProfileFault, ProfileView, describe_profile
 from neurotouch_hid.page.programs import DRIVERS, Programs
 from neurotouch_hid.page.reading import read_word
 from neurotouch_hid.page.situation import MENDS
 from neurotouch_hid.players import find_player, find_runtime_folder
 from neurotouch_hid.profile import Profile, check_profile, list_profiles
-from neurotouch_hid.profile.reading import find_user_folder
+from neurotouch_hid.profile.reading import Checked, find_user_folder
 
 Request = dict[str, Any]
 """The message of a browser, which may hold anything: each value is checked where it is read."""
@@ -69,6 +71,8 @@ class Requests:
         self._looks: dict[str, Handler] = {
             "outputs": self._list_outputs,
             "profiles": self._list_profiles,
+            "profile": self._show_profile,
+            "stop keys": self._list_stop_keys,
             "picture": self._take_picture,
         }
         self._changers: dict[str, Handler] = {
@@ -201,6 +205,15 @@ class Requests:
     async def _list_profiles(self, _request: Request, _file: Path) -> Reply:
         return {"profiles": await asyncio.to_thread(_describe_profiles)}
 
+    async def _show_profile(self, request: Request, _file: Path) -> Reply:
+        """Returns any profile of the list, which need not be the active one."""
+        name = _take_name(read_word(request, "profile"))
+        shown = await asyncio.to_thread(_describe_profile, list_profiles()[name])
+        return {"shown": shown, "name": name}
+
+    async def _list_stop_keys(self, _request: Request, _file: Path) -> Reply:
+        return {"stop_keys": await asyncio.to_thread(_find_stop_keys)}
+
     async def _take_picture(self, _request: Request, _file: Path) -> Reply:
         return {"picture": await asyncio.to_thread(take_picture)}
 
@@ -251,21 +264,53 @@ def _take_name(name: str) -> str:
     return name
 
 
+def _describe_profile(path: Path) -> ProfileView | ProfileFault:
+    """Returns a profile to look at: only the active one can be changed."""
+    try:
+        return describe_profile(path.resolve(), edit=False)
+    except ProfileError as error:
+        return {"fault": error.message}
+
+
+def _find_stop_keys() -> dict[str, str]:
+    """Returns the keys that stop a driver of this person, in words.
+
+    Raises:
+        ProfileError: the driver's settings cannot be read.
+    """
+    # Imports numpy, which the page needs for nothing else.
+    from neurotouch_hid.driver.settings import load_driver_settings  # noqa: PLC0415
+
+    chords = load_driver_settings().chords
+    return {
+        name: " + ".join(key.replace("_", " ").capitalize() for key in chord.split("+"))
+        for name, chord in (("pause", chords.pause), ("panic", chords.panic))
+    }
+
+
 def _describe_profiles() -> list[ProfileRow]:
     favourites, own = load_usable_user().slots, find_user_folder()
     rows: list[ProfileRow] = []
     for name, path in list_profiles().items():
-        written = check_profile(path).written
+        checked = check_profile(path)
+        whole = checked.whole
         rows.append(
             {
                 "name": name,
                 "own": path.parent == own,
                 "first": name == favourites[0],
-                "about": "It has errors." if written is None else written.description,
-                "broken": written is None,
+                "about": _explain_faults(checked) if whole is None else whole.description,
+                "broken": whole is None,
             }
         )
     return rows
+
+
+def _explain_faults(checked: Checked[Profile]) -> str:
+    """Returns how many errors a profile has, and the first of them."""
+    errors = [fault for fault in checked.faults if fault.severity == "error"]
+    begin = "It has an error." if len(errors) == 1 else f"It has {len(errors)} errors. The first:"
+    return f"{begin} {describe_fault(errors[0])}"
 
 
 def _find_own_address() -> str:

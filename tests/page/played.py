@@ -50,7 +50,7 @@ REST = {
 }
 
 
-UNASKED = ("hand", "outputs", "profiles")
+UNASKED = ("hand", "outputs", "profiles", "profile", "stop keys")
 """What a page asks for by itself."""
 
 

@@ -38,7 +38,7 @@ def test_own_values_are_chosen_by_label_and_act_at_once(view, folder, open_page)
     wait_for(page, "own-said", "These values are as before. It applies now")
     page.wait_for_function("() => document.getElementById('own-neutral').value === 'lifted'")
     page.click("#range-undo")
-    wait_for(page, "notice", "There is no measurement to undo.")
+    wait_for(page, "range-said", "There is no measurement to undo.")
     assert 'filter: "none"' in own.read_text()
     own.unlink()
 
@@ -184,9 +184,9 @@ def test_a_hint_of_a_refused_binding_has_no_file_in_it(view, folder, open_page):
     page.select_option("#press-choice", "tap")
     page.select_option("#group-choice", "Sticks")
     page.click("#outputs button >> nth=0")
-    wait_for(page, "notice", "Nothing was saved: ")
-    assert "mine.yaml" not in page.inner_text("#notice")
-    assert "^" not in page.inner_text("#notice")
+    wait_for(page, "saved", "Nothing was saved: ")
+    assert "mine.yaml" not in page.inner_text("#saved")
+    assert "^" not in page.inner_text("#saved")
 
 
 def test_a_page_for_looking_offers_no_change_of_values(tmp_path, open_page):

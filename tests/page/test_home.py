@@ -143,7 +143,7 @@ def test_what_cannot_be_bound_is_refused_and_nothing_is_saved(view, folder, open
     page.select_option("#press-choice", "tap")
     page.select_option("#group-choice", "Sticks")
     page.click("#outputs button >> nth=0")
-    page.wait_for_selector("#notice:not([hidden])")
+    wait_for(page, "saved", "Nothing was saved")
     assert path.read_text() == PROFILE
 
 
@@ -252,11 +252,11 @@ def test_a_phone_is_let_in_and_out(view, open_page):
     page.click("#remote")
     page.wait_for_function(
         "() => document.getElementById('remote-link').textContent"
-        " || !document.getElementById('notice').hidden"
+        " || document.querySelector('#remote-state.refused')"
     )
     link = read(page, "remote-link")
     if not link:
-        assert "not connected to a network" in read(page, "notice")
+        assert "not connected to a network" in read(page, "remote-state")
         return
     phone = open_page(link, viewport={"width": 390, "height": 844}, has_touch=True)
     phone.locator("#pause-resume").tap()
@@ -264,7 +264,7 @@ def test_a_phone_is_let_in_and_out(view, open_page):
     phone.locator("#pause-resume").tap()
     wait_for(page, "driver-state", "Running")
     phone.locator("#remote").tap()
-    wait_for(phone, "notice", "Only the machine itself")
+    wait_for(phone, "remote-state", "Only the machine itself")
     phone.close()
     page.click("#remote-end")
     wait_for(page, "remote-state", "No phone")
@@ -283,8 +283,7 @@ def test_a_page_that_only_shows_changes_and_starts_nothing(open_page, tmp_path):
         page = open_page(view.home)
         wait_for(page, "situation", "No camera found.")
         page.click("#start-mouse")
-        page.wait_for_selector("#notice:not([hidden])")
-        assert "read-only" in read(page, "notice")
+        wait_for(page, "start-lines", "read-only")
         wait_on(page, lambda: page.locator("#start-mouse").is_visible())
         page.close()
     finally:

@@ -45,7 +45,7 @@ def test_beside_the_person_s_own_driver_that_waits_it_says_what_to_end(tmp_path,
     page = open_page(view.home)
     wait_for(page, "situation", "No camera found. The driver waits for one.")
     page.click("#start-mouse")
-    wait_for(page, "notice", "A driver of yours runs already. Press 'End the driver' first.")
+    wait_for(page, "start-lines", "A driver of yours runs already. Press 'End the driver' first.")
     page.click("#end")  # which works
     wait_on(page, lambda: driver.process.poll() == 0)
     wait_for(page, "driver-state", "No driver is running")

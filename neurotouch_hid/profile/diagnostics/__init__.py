@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from neurotouch_hid.profile.diagnostics.codes import CODES, explain
     from neurotouch_hid.profile.diagnostics.description import (
         describe_binding,
+        describe_condition,
         describe_target,
         describe_when,
     )
@@ -19,8 +20,15 @@ else:
         __name__,
         {
             "codes": "CODES explain",
-            "description": "describe_binding describe_target describe_when",
+            "description": "describe_binding describe_condition describe_target describe_when",
         },
     )
 
-__all__ = ["CODES", "describe_binding", "describe_target", "describe_when", "explain"]
+__all__ = [
+    "CODES",
+    "describe_binding",
+    "describe_condition",
+    "describe_target",
+    "describe_when",
+    "explain",
+]

@@ -111,6 +111,7 @@ function turn(now) {
   if (hasGel()) gel.turn(now, state);
   const pilot = choosePilot();
   showPilot(pilot);
+  if (mode === "start" && hasGel() && gel.hand.command.down) begin("flying"); // as Fly does
   if (mode === "start") {
     idle += dt;
     if (idle > IDLE_S && !calm.matches) begin("watching");
@@ -144,7 +145,8 @@ function fly(pad, words, dt) {
 function showPilot({ pad, words }) {
   say("pilot", mode === "watching" ? "a script" : words);
   if (mode !== "start") return;
-  say("no-gel", pad ? "" : "No gel is running yet. Start one on the page Start, or watch.");
+  say("no-gel", hasGel() ? "To begin, press Fly, or press the gel." : pad ? "To begin, press Fly."
+    : "No gel is running yet. Start one on the page Start, or watch.");
 }
 
 find("fly").addEventListener("click", () => begin("flying"));

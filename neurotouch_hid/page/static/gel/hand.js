@@ -6,6 +6,7 @@ const TWIST_RAD = 1;
 const PUSH_MM = 18;
 const FINGER_MM = 13; // a twist of this many mm at the fingers is one radian
 const KEY_S = 0.25; // from nothing to the full strength of a key
+const LEAST_PRESS_MS = 600; // a tap, and a click without a hold, make a whole movement too
 const WHEEL_MM = 0.012; // per unit of a wheel's turn
 const WHEEL_MS = 450; // after its last turn the fingers release
 
@@ -25,6 +26,7 @@ export class Hand {
     this._pointers = new Map();
     this._acting = new Map(); // gestures of keys and buttons: 0..1
     this._pressed = new Set();
+    this._lasts = new Map(); // until when a press acts at least
     this._laid = null;
     this._wheel_mm = 0;
     this._wheel_at = [0, 0];
@@ -39,7 +41,10 @@ export class Hand {
   }
 
   press(gesture) {
+    if (this._pressed.has(gesture)) return; // a held key repeats
+    this._lasts.clear(); // another one ends a tap that still acts
     this._pressed.add(gesture);
+    this._lasts.set(gesture, performance.now() + LEAST_PRESS_MS);
     if (!this._acting.has(gesture)) this._acting.set(gesture, 0);
   }
 
@@ -51,7 +56,7 @@ export class Hand {
   advance(dt, now) {
     let moves = false;
     for (const [gesture, share] of this._acting) {
-      if (this._pressed.has(gesture)) {
+      if (this._pressed.has(gesture) || now < this._lasts.get(gesture)) {
         this._acting.set(gesture, Math.min(share + dt / KEY_S, 1));
       } else if (!this.isHeld) {
         this._acting.delete(gesture);

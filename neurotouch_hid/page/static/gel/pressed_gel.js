@@ -8,7 +8,6 @@ export const MOUSE = "sim:mouse"; // the source that such a gel presses
 const AGAIN_MS = 100; // a held command repeats, so that the simulator knows that a person is there
 const LEAST_MS = 6; // mice may report a thousand times a second; the gel has 250 moments
 const FINGER_MM = 6.5;
-const LEAST_PRESS_MS = 600;
 const GESTURES = {
   push_left: "← Push left", push_right: "→ Push right", push_up: "↑ Push up",
   push_down: "↓ Push down", pinch: "Pinch (−)", zoom: "Zoom (+)",
@@ -62,17 +61,8 @@ export function makeGel(canvas, send) {
 export function makeGestureButtons(box, hand) {
   for (const [gesture, name] of Object.entries(GESTURES)) {
     const button = element("button", { type: "button", text: name, "data-gesture": gesture });
-    let since = -Infinity;
-    let timer = 0;
-    const press = () => {
-      clearTimeout(timer);
-      since = performance.now();
-      hand.press(gesture);
-    };
-    const release = () => {
-      clearTimeout(timer);
-      timer = setTimeout(() => hand.release(gesture), since + LEAST_PRESS_MS - performance.now());
-    };
+    const press = () => hand.press(gesture);
+    const release = () => hand.release(gesture);
     button.addEventListener("pointerdown", (event) => {
       event.preventDefault();
       button.focus();
@@ -85,7 +75,7 @@ export function makeGestureButtons(box, hand) {
     button.addEventListener("keydown", (event) => {
       if (event.key !== "Enter" && event.key !== " ") return;
       event.preventDefault();
-      if (!event.repeat) press();
+      press();
     });
     button.addEventListener("click", (event) => {
       if (event.detail) return; // a mouse, which sends press and release events

@@ -8,6 +8,8 @@ import { makeCheck } from "./check.js";
 import { makeChooser } from "./chooser.js";
 import { makeCards, makeListener } from "./movements.js";
 import { makeOwnValues } from "./own_values.js";
+import { makeProfiles } from "./profiles.js";
+import { makeRemote } from "./remote.js";
 
 const HZ = 30;
 const PICTURE_MS = 1000;
@@ -31,6 +33,7 @@ const PASSWORD = "This computer then asks for the password of an administrator."
 const find = (id) => document.getElementById(id);
 let mayEdit = false;
 const places = new Map(); // where the answer to a request is said
+let refusal = ""; // the place of the last one
 let about = null;
 let kept = {}; // how far an unfinished measurement is, of a hand and of a simulated one
 let newest = null;
@@ -40,9 +43,11 @@ let starting = "";
 let begun = false; // this page started the driver
 let faults = []; // errors of a failed start
 let layer = "";
-let fresh = false; // the page waits for a movement, and has paused the driver for it
+let doing = false; // a movement is waited for, or its output is chosen
+let fresh = false; // the driver is paused for it
 
 const page = openPage(HZ, {
+  places,
   hello(_, { edit, far }) {
     page.send({ do: "profiles" });
     page.send({ do: "outputs" });
@@ -53,12 +58,11 @@ const page = openPage(HZ, {
     if (fresh) page.send(PAUSE); // the connection was lost, and the driver has gone on
   },
   state(state) {
-    const before = newest;
-    const first = before === null;
+    const first = newest === null;
     newest = state;
     if (starting) sayStart(faults.join(" "));
     [runs, starting] = [true, ""];
-    if (!first && state.profile !== before.profile) showProfiles(profiles);
+    profiles.setPlayed(state.profile);
     cards.mark(state.gesture.movement);
     listener.hear(state.gesture);
     if (first || state.slow !== shownSlow) showStart();
@@ -66,11 +70,12 @@ const page = openPage(HZ, {
   },
   driver(is) {
     runs = is;
-    if (!is) newest = null;
+    if (!is) lose();
     showStart();
   },
   situation(found) { // told while nothing comes
-    [situation, newest] = [found, null];
+    situation = found;
+    lose();
     showStart();
   },
   about(message) {
@@ -83,7 +88,8 @@ const page = openPage(HZ, {
     chooser.setOutputs(groups);
     showLayer();
   },
-  profiles: showProfiles,
+  profiles: (found) => profiles.show(found),
+  shown: (found, { name }) => profiles.shown(found, name),
   own(found) {
     const { fault, values, unfinished = {} } = found;
     kept = unfinished;
@@ -96,16 +102,42 @@ const page = openPage(HZ, {
     calibration.lose();
     showStart();
   },
-  saved(sentence, { n }) { if (sentence) say(places.get(n) || "saved", sentence); },
-  refused() {
-    if (starting) sayStart("");
-    starting = "";
+  saved(sentence, { n }) {
+    if (n === copies) profiles.forget();
+    if (sentence) say(places.get(n) || "saved", sentence);
+  },
+  refused(sentence, { n }) {
+    if (!places.has(n)) return;
+    refusal = places.get(n);
+    find(refusal).classList.add("refused");
+    if (refusal === "range-said") calibration.reset();
+    if (refusal === "start-lines") starting = "";
+    (refusal === "start-lines" ? sayStart : (text) => say(refusal, text))(sentence);
     showStart();
   },
   picture: (address) => { find("picture").src = address; find("picture").hidden = false; },
   program: hearProgram,
-  remote: showRemote,
+  remote: (found) => showRemote(found),
 });
+
+// Asks for something; `place` says what becomes of it. The last refusal is over then.
+function ask(request, place) {
+  page.notice("request", "");
+  if (refusal) {
+    say(refusal, "");
+    find(refusal).classList.remove("refused");
+  }
+  refusal = "";
+  say(place, "");
+  const n = page.ask(request);
+  places.set(n, place);
+  return n;
+}
+
+function lose() {
+  newest = null;
+  profiles.setPlayed("");
+}
 
 // 1 Start
 
@@ -156,7 +188,7 @@ function showStart() {
   // The button that started it is gone, and the focus too.
   if (newest && begun && document.activeElement === document.body) find("fly").focus();
   if (newest) begun = false;
-  find("by-doing").hidden = !(newest && about && about.edit);
+  find("by-doing").hidden = !(newest && about && about.edit && !profiles.view);
   find("by-doing").disabled = calibration.runs; // both listen to the same movements
   placeGel();
   find("measure").disabled = !newest || !mayEdit || listener.waits;
@@ -165,7 +197,7 @@ function showStart() {
 
 // Beside the question that it answers: nobody scrolls between the two.
 function placeGel() {
-  const place = find(calibration.runs ? "measuring" : "start-gel");
+  const place = find(calibration.runs ? "measuring" : doing ? "doing" : "start-gel");
   const box = find("gel-box");
   if (box.parentElement !== place) place.append(box);
 }
@@ -197,8 +229,8 @@ function start(what) {
   starting = what;
   begun = true;
   faults = [];
+  ask({ do: "start", what }, "start-lines");
   sayStart(STARTING);
-  page.send({ do: "start", what });
   showStart();
 }
 
@@ -206,10 +238,10 @@ find("start-camera").addEventListener("click", () => start("camera"));
 find("start-mouse").addEventListener("click", () => start("mouse"));
 find("mend").addEventListener("click", () => {
   faults = [];
+  ask({ do: "start", what: situation.mend }, "start-lines");
   sayStart("Asking for the password …");
-  page.send({ do: "start", what: situation.mend });
 });
-find("end").addEventListener("click", () => page.send({ do: "stop", what: "driver" }));
+find("end").addEventListener("click", () => ask({ do: "stop", what: "driver" }, "start-lines"));
 let looks = 0;
 find("look").addEventListener("click", () => {
   clearInterval(looks);
@@ -240,11 +272,11 @@ function hearProgram(news) {
 
 const cards = makeCards(find("cards"), {
   choose: (movement, instead) => chooser.open(movement, findLayer(), instead),
-  remove: (binding) => page.send({ do: "unbind", key: binding.key }),
+  remove: (binding) => ask({ do: "unbind", key: binding.key }, "saved"),
   name: (output) => chooser.name(output),
 });
 const chooser = makeChooser(find("chooser"), {
-  bind: (wish) => page.send({ do: "bind", layer, ...wish }),
+  bind: (wish) => ask({ do: "bind", layer, ...wish }, "saved"),
   closed: endListening,
 });
 const listener = makeListener((movement) => {
@@ -260,10 +292,13 @@ find("by-doing").addEventListener("click", () => {
   }
   fresh = newest !== null && newest.state === "running";
   if (fresh) page.send(PAUSE);
+  doing = true;
   listener.start();
+  placeGel();
   if (hasGel()) {
     find("gesture-buttons").open = true;
-    find("gel").focus();
+    find("by-doing").scrollIntoView();
+    find("gel").focus({ preventScroll: true });
   }
   find("by-doing").textContent = "Cancel";
   find("measure").disabled = true;
@@ -273,16 +308,20 @@ find("by-doing").addEventListener("click", () => {
 function endListening() {
   find("by-doing").textContent = "Make a movement to change it";
   if (fresh) page.send({ do: "resume" });
-  fresh = false;
+  const hadFocus = find("doing").contains(document.activeElement);
+  doing = fresh = false;
   showStart();
+  if (hadFocus) find("by-doing").focus(); // the gel has gone back to its place
 }
 
+const findShown = () => profiles.view || about || {};
+
 function findLayer() {
-  return about && about.layers ? about.layers.find((each) => each.name === layer) : null;
+  return (findShown().layers || []).find((each) => each.name === layer);
 }
 
 function showLayer() {
-  const layers = about && about.layers ? about.layers : [];
+  const { layers = [], edit } = findShown();
   if (!layers.some((each) => each.name === layer)) layer = layers.length ? layers[0].name : "";
   find("layer-choice").replaceChildren(...layers.map(({ name }) =>
     element("option", { value: name, text: name })));
@@ -290,7 +329,8 @@ function showLayer() {
   for (const id of ["layer-choice", "layer-label"]) find(id).hidden = layers.length < 2;
   // New buttons must not lose the focus: it goes to the same place, or to its card.
   const { place } = document.activeElement ? document.activeElement.dataset : {};
-  cards.show(findLayer(), Boolean(about && about.edit));
+  cards.show(findLayer(), findShown(), Boolean(edit));
+  find("undo").hidden = Boolean(profiles.view); // it is of the one that plays
   if (place) {
     const listed = [...document.querySelectorAll("#cards button")];
     const same = (wanted) => listed.find((each) => each.dataset.place === wanted);
@@ -303,57 +343,40 @@ find("layer-choice").addEventListener("change", () => {
   layer = find("layer-choice").value;
   showLayer();
 });
-find("undo").addEventListener("click", () => page.send({ do: "undo" }));
+find("undo").addEventListener("click", () => ask({ do: "undo" }, "saved"));
 
-let profiles = [];
-let chosen = ""; // in the list, and not in use yet
-function showProfiles(found) {
-  profiles = found;
-  const select = find("profile-choice");
-  select.replaceChildren(...found.map(({ name, own }) => element("option", { value: name,
-    text: own ? `${name} (yours)` : name })));
-  const active = newest ? newest.profile : (found.find(({ first }) => first) || {}).name;
-  const names = found.map(({ name }) => name);
-  select.value = [chosen, active].find((name) => names.includes(name)) || names[0] || "";
-  tellProfile();
-}
-
-function tellProfile() {
-  const found = profiles.find(({ name }) => name === find("profile-choice").value);
-  say("profile-about", found ? found.about : "");
-}
-
-find("profile-choice").addEventListener("change", () => {
-  chosen = find("profile-choice").value;
-  tellProfile();
+const profiles = makeProfiles(find, {
+  say,
+  look: (name) => page.send({ do: "profile", profile: name }),
+  changed: showLayer,
 });
+let copies = 0; // the number of the request for a copy, which plays then
 find("profile").addEventListener("submit", (event) => {
   event.preventDefault();
-  page.send({ do: "use", profile: find("profile-choice").value });
-  chosen = "";
+  ask({ do: "use", profile: profiles.name }, "saved");
 });
 find("profile-copy").addEventListener("click", () => {
-  page.send({ do: "copy", profile: find("profile-choice").value });
-  chosen = "";
+  copies = ask({ do: "copy", profile: profiles.name }, "saved");
 });
 
 // 3 Your range
 
 const calibration = makeCalibration(find, (text) =>
-  page.send({ do: "answer", what: "calibrate", text }));
+  ask({ do: "answer", what: "calibrate", text }, "range-said"));
 find("measure").addEventListener("click", () => {
   calibration.begin();
   find("answers").querySelector("button").focus(); // the button that had the focus is gone
-  page.send({ do: "start", what: "calibrate" });
+  ask({ do: "start", what: "calibrate" }, "range-said");
   showStart();
+  find("measuring").scrollIntoView(); // the question and the gel
+
 });
-find("range-undo").addEventListener("click", () =>
-  places.set(page.ask({ do: "undo calibration" }), "range-said"));
+find("range-undo").addEventListener("click", () => ask({ do: "undo calibration" }, "range-said"));
 
 // 4 How it helps you
 
 const showOwn = makeOwnValues(find("own"), (name, value) => askOwn({ do: "own value", name, value }));
-const askOwn = (request) => places.set(page.ask(request), "own-said");
+const askOwn = (request) => ask(request, "own-said");
 find("own-undo").addEventListener("click", () => askOwn({ do: "undo own values" }));
 find("own-mend").addEventListener("click", () => {
   askOwn({ do: "mend own values" });
@@ -364,26 +387,11 @@ find("own-mend").addEventListener("click", () => {
 
 const check = makeCheck(find, say);
 find("check").addEventListener("click", () => {
+  ask({ do: "start", what: "check" }, "check-state");
   check.begin();
-  page.send({ do: "start", what: "check" });
 });
 
-find("remote").addEventListener("click", () => {
-  say("remote-state", "One moment …");
-  page.send({ do: "remote" });
-});
-find("remote-end").addEventListener("click", () => page.send({ do: "stop", what: "remote" }));
-
-function showRemote(found) {
-  find("remote").hidden = Boolean(found);
-  find("remote-end").hidden = !found;
-  find("code").hidden = !found;
-  if (found) find("code").src = found.code;
-  say("remote-state", found ? `Scan this with the phone's camera. The access ends after ${found.minutes} minutes. ` +
-    "What was started from the phone ends then, too."
-    : "No phone is connected.");
-  say("remote-link", found ? found.link : "");
-}
+const showRemote = makeRemote(find, say, ask);
 
 showStart();
 requestAnimationFrame(turn);

@@ -18,6 +18,12 @@ export function belongs(binding, movement) {
   return movement === "push" ? isAnyPush : !isAnyPush && binding.movements.includes(movement);
 }
 
+// Returns true if the card of this movement names a movement that stops everything.
+export function stops({ movements }, movement) {
+  const isAnyPush = movements.filter((each) => each.startsWith("push_")).length === DIRECTIONS;
+  return movement === "push" ? isAnyPush : movements.includes(movement);
+}
+
 export function makeCards(list, { choose, remove, name: nameOutput }) {
   const cards = {};
   for (const [movement, [sign, name]] of Object.entries(MOVEMENTS)) {
@@ -31,7 +37,8 @@ export function makeCards(list, { choose, remove, name: nameOutput }) {
     list.append(cards[movement].card);
   }
 
-  function show(layer, edit) {
+  // `view` is the profile that has the layer.
+  function show(layer, view, edit) {
     for (const [movement, { does, add }] of Object.entries(cards)) {
       add.hidden = !edit;
       const bindings = layer ? layer.bindings : [];
@@ -45,6 +52,8 @@ export function makeCards(list, { choose, remove, name: nameOutput }) {
       rows.push(...shared.map((binding) => element("li", { class: "shared",
         text: `with every push: ${nameOutput(binding.do)}` })));
       if (!rows.length) rows.push(element("li", { class: "shared", text: "nothing" }));
+      rows.push(...(layer ? view.stops : []).filter((each) => stops(each, movement))
+        .map(({ when, does: what }) => element("li", { class: "stop", text: `${when}: ${what}` })));
       does.replaceChildren(...rows);
     }
   }

@@ -1,20 +1,35 @@
-// A sheet to print: all movements and their outputs, in large letters.
+// A sheet to print: all movements and their outputs, and the ways to stop, in large letters.
 
 import { openPage } from "../shared/header.js";
 import { element } from "../shared/wire.js";
-import { MOVEMENTS, belongs, describe } from "./movements.js";
+import { MOVEMENTS, belongs, describe, stops } from "./movements.js";
 import { nameOutput } from "./outputs.js";
 
 const HZ = 2; // for the driver's state above the sheet
 const find = (id) => document.getElementById(id);
+// The link names the profile that is chosen in the list; without a name it is the active one.
+const [, chosen] = /[#&]profile=([\w-]+)/.exec(location.hash) || [];
 let view = null;
 let groups = [];
 
 const page = openPage(HZ, {
-  hello: () => page.send({ do: "outputs" }),
+  hello() {
+    for (const what of ["outputs", "stop keys"]) page.send({ do: what });
+    if (chosen) page.send({ do: "profile", profile: chosen });
+  },
   about(message) {
+    if (chosen) return;
     view = message;
     show();
+  },
+  shown(message) {
+    view = message;
+    show();
+  },
+  stop_keys({ pause, panic }) {
+    find("stop-keys").hidden = false;
+    find("pause-keys").textContent = pause;
+    find("panic-keys").textContent = panic;
   },
   outputs(found) {
     groups = found;
@@ -23,6 +38,7 @@ const page = openPage(HZ, {
 });
 
 function show() {
+  find("stops").replaceChildren();
   if (!view || !view.layers) {
     find("about").textContent = view ? view.fault : "There is no profile to show.";
     find("layers").replaceChildren();
@@ -34,6 +50,8 @@ function show() {
     ...(view.layers.length > 1 ? [element("h2", { text: `Layer ${layer.name}` })] : []),
     element("table", {}, element("tbody", {}, ...listRows(layer))),
   ]));
+  find("stops").replaceChildren(...view.stops.map(({ when, does }) => element("tr", {},
+    element("th", { scope: "row", text: `The gel: ${when}` }), element("td", { text: does }))));
 }
 
 function listRows(layer) {
@@ -41,10 +59,13 @@ function listRows(layer) {
     const does = layer.bindings.filter((binding) => belongs(binding, movement));
     if (!does.length) return [];
     const inWords = (output) => nameOutput(groups, output);
+    const stopping = view.stops.filter((each) => stops(each, movement));
     return [element("tr", {},
       element("th", { scope: "row", text: `${sign}  ${name}` }),
       element("td", {}, ...does.map((binding) =>
-        element("div", { text: describe(binding, inWords) }))))];
+        element("div", { text: describe(binding, inWords) })),
+      ...stopping.map(({ when, does: what }) =>
+        element("div", { class: "stop", text: `${when}: ${what}` }))))];
   });
 }
 

@@ -144,7 +144,10 @@ export function openPage(hz, handlers, { gap_ms } = {}) {
     },
     // The refusal of an older request is obsolete. Only an answer that waits for data is shown.
     saved: (sentence, { n }) => notice("request", n === asked ? sentence : ""),
-    refused: (sentence) => notice("request", sentence),
+    // A page may have a place for it, beside the button that was pressed.
+    refused(sentence, { n }) {
+      if (!handlers.places?.has(n)) notice("request", sentence);
+    },
     lost(sentence) {
       show("lost");
       notice("connection", sentence);

@@ -9,10 +9,10 @@ const decoder = new TextDecoder();
 // to the storage of this tab, so that the address can be shown, shared and bookmarked; it is deleted
 // with the tab.
 function takeToken() {
-  const given = /^#k=([\w-]+)$/.exec(location.hash);
+  const given = /^#k=([\w-]+)(?:&(.*))?$/.exec(location.hash);
   if (given) {
     sessionStorage.setItem(KEY, given[1]);
-    history.replaceState(null, "", location.pathname);
+    history.replaceState(null, "", location.pathname + (given[2] ? `#${given[2]}` : ""));
   }
   return sessionStorage.getItem(KEY) || "";
 }
