@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from neurotouch_hid.messages import Gesture
     from neurotouch_hid.profile.calibration import (
         CalibrationSession,
+        HoldTeller,
         Repetition,
         UnfinishedCalibration,
     )
@@ -194,6 +195,8 @@ def _guide(
         kept: what was done before, and is done now.
         seconds: the time that was given, if any.
     """
+    from neurotouch_hid.profile.calibration import HoldTeller
+
     requests = {
         "neutral": "Rest your hand as you will play, or keep it off the gel.",
         "hold": "Make any movement about half way, and keep it there. Ten seconds help.",
@@ -207,6 +210,7 @@ def _guide(
     if before is not None:
         session.resume(before)
     asked, warned, begin_us, now_us = None, False, None, 0
+    hold = HoldTeller()
     for gesture in stream:
         begin_us, now_us = gesture.t_us if begin_us is None else begin_us, gesture.t_us
         if session.step is None:
@@ -216,10 +220,11 @@ def _guide(
             if before is not None:
                 voice.say(f"You have done {before.at} of {len(steps)} steps before. It continues.")
         if session.step != asked:
-            asked, warned = session.step, False
+            asked, warned, hold = session.step, False, HoldTeller()
             voice.say(f"Step {steps.index(asked) + 1} of {len(steps)}. {requests[asked]}")
         repetition = session.take(gesture)
         _tell(session, repetition, voice)
+        _tell_hold(session, hold, voice)
         counts = repetition is not None and session.accepts(repetition)
         key = keyboard.poll()
         if key is not None:
@@ -281,12 +286,22 @@ def _press(session: "CalibrationSession", key: str, voice: "Voice", *, warned: b
 
 def _tell(session: "CalibrationSession", repetition: "Repetition | None", voice: "Voice") -> None:
     """Reads out a repetition."""
+    from neurotouch_hid.profile.calibration import describe_peak
+
     if repetition is None or session.step in ("neutral", "hold"):
         return
     words, mm = MOVEMENTS[repetition.movement].words, f"{repetition.peak_mm:.1f} millimetres"
     if session.accepts(repetition):
-        voice.accept(f"{words}, {mm}, good" if session.step == "everything" else f"{mm}, good")
+        counted = describe_peak(repetition.peak_mm, session.made)
+        voice.accept(f"{words}, {mm}, good" if session.step == "everything" else counted)
     elif session.step in (repetition.movement, "everything"):
         voice.reject(f"{words}, {mm}, too small to count")
     else:
         voice.reject(f"{words}, {mm}, seen as another movement and not counted")
+
+
+def _tell_hold(session: "CalibrationSession", hold: "HoldTeller", voice: "Voice") -> None:
+    """Says how long a movement is held, in the step that asks for it."""
+    words = hold.take(session.held_s) if session.step == "hold" else None
+    if words is not None:
+        voice.say(words)

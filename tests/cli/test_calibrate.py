@@ -175,7 +175,7 @@ def test_a_movement_is_asked_for_and_read_out_while_the_gel_is_live():
     assert lines[1].startswith("Enter = next. A letter, then Enter: S = ")
     assert lines[2].startswith("Step 1 of 3. Rest your hand")
     assert any("Step 3 of 3. Push to the right, as far as is comfortable" in li for li in lines)
-    assert any(line.endswith(" millimetres, good") for line in lines)
+    assert any(line.endswith(" millimetres, good, 1 of 2") for line in lines)
     assert "No movement was made twice" in lines[-1]
 
 

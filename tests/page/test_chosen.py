@@ -102,7 +102,11 @@ def test_what_plays_is_told_whoever_has_changed_it(play):
     wait_on(page, lambda: driver.asked)
     assert driver.answer(saved="")["profile"] == "other"
     driver.show(profile="other")
-    page.wait_for_function("() => document.getElementById('plays').textContent === 'other plays now.'")
+    page.wait_for_function(
+        "() => document.getElementById('plays').textContent === 'other plays now.'"
+    )
     driver.show(profile="mine")  # from elsewhere
-    page.wait_for_function("() => document.getElementById('plays').textContent === 'mine plays now.'")
+    page.wait_for_function(
+        "() => document.getElementById('plays').textContent === 'mine plays now.'"
+    )
     assert read(page, "saved") == ""

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         undo_ranges,
         write_ranges,
     )
+    from neurotouch_hid.profile.calibration.sentences import HoldTeller, describe_peak
     from neurotouch_hid.profile.calibration.session import CalibrationSession
     from neurotouch_hid.profile.calibration.tremor import Tremor
     from neurotouch_hid.profile.calibration.unfinished import (
@@ -30,6 +31,7 @@ else:
         {
             "repetition": "Repetition",
             "result": "LEAST_PEAKS WeakSide find_weak_sides undo_ranges write_ranges",
+            "sentences": "HoldTeller describe_peak",
             "session": "CalibrationSession",
             "tremor": "Tremor",
             "unfinished": "Progress UnfinishedCalibration describe_unfinished find_unfinished_file",
@@ -39,11 +41,13 @@ else:
 __all__ = [
     "LEAST_PEAKS",
     "CalibrationSession",
+    "HoldTeller",
     "Progress",
     "Repetition",
     "Tremor",
     "UnfinishedCalibration",
     "WeakSide",
+    "describe_peak",
     "describe_unfinished",
     "find_unfinished_file",
     "find_weak_sides",

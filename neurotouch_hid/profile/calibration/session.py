@@ -205,11 +205,19 @@ class CalibrationSession:
         }
 
     @property
+    def made(self) -> int:
+        """The number of repetitions of this step's movement that counted."""
+        return len(self._measured.peaks_mm.get(self.step or "", ()))
+
+    @property
     def missing(self) -> int:
         """The number of repetitions this step still needs."""
-        if self.step not in self.movements:
-            return 0
-        return max(LEAST_PEAKS - len(self._measured.peaks_mm.get(self.step, ())), 0)
+        return max(LEAST_PEAKS - self.made, 0) if self.step in self.movements else 0
+
+    @property
+    def held_s(self) -> float:
+        """For how long the present movement has been held; 0 while there is none."""
+        return len(self._latest_hold) * self._step_us / 1e6
 
     def _measure(self, name: str) -> MovementRange | None:
         return measure_range(self._measured.peaks_mm.get(name, ()), self.rest_mm)

@@ -1,6 +1,7 @@
 """Calibration on synthetic gestures: what was done is what comes out."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -9,6 +10,8 @@ from neurotouch_hid.messages import Gesture, GestureKind
 from neurotouch_hid.profile import check_user, rehearse
 from neurotouch_hid.profile.calibration import (
     CalibrationSession,
+    HoldTeller,
+    describe_peak,
     find_weak_sides,
     undo_ranges,
     write_ranges,
@@ -255,3 +258,37 @@ def test_the_users_file_gets_what_was_measured_and_the_date():
     assert len(set(again.text.splitlines()) - set(text.text.splitlines())) == 2
     gone = write_ranges(again, {"zoom": None}, "2027-01-02")
     assert check_user(gone.encode(), "user.yaml").require().range.zoom is None
+
+
+def test_the_second_repetition_is_enough():
+    assert describe_peak(8.44, 1) == "8.4 millimetres, good, 1 of 2"
+    assert describe_peak(8.0, 2) == (
+        "8.0 millimetres, good, 2 made: enough. Go on to the next one."
+    )
+
+
+@pytest.mark.parametrize(
+    ("held_s", "heard", "proposed"),
+    [
+        (2.0, ["Keep it there.", "Kept for 2.0 seconds. Keep it for 4 or longer."], None),
+        (
+            6.0,
+            [
+                "Keep it there.",
+                "4 seconds, enough. Go on to the next one, or keep it longer.",
+                "Kept for 6.0 seconds, enough. Go on to the next one, or keep it again.",
+            ],
+            "none",
+        ),
+    ],
+)
+def test_a_hold_is_told_and_what_is_called_enough_is_enough(held_s, heard, proposed):
+    session = CalibrationSession(UserSettings())
+    session.next()
+    hold, said = HoldTeller(), []
+    for gesture in rehearse(f"push right 5mm hold {held_s:g}s; rest 1s"):
+        session.take(gesture)
+        said.append(hold.take(session.held_s))
+    told = [re.sub(r"[.]\d", ".0", words) if "Kept" in words else words for words in said if words]
+    assert told == heard
+    assert session.tremor_filter == proposed

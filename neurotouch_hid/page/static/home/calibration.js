@@ -7,12 +7,15 @@ const CHOICE = /^ {2}(\d+)\. (.*)$/;
 const ASKS = /^Number, 1 to \d+:$/;
 const KEYS = /^Enter = next/;
 const KEPT = /^What you did is kept/;
+const OUTCOME = /^(?:OK|WARNING)\s+(.*)$/;
+const SAVED = /^Saved /;
 
 export function makeCalibration(find, answer) {
   let choices = [];
   let question = "";
   let runs = false;
   let kept = false;
+  let outcome = ""; // whether something was saved, and why not
   let unfinished = ""; // how far a measurement is that was not finished
 
   for (const button of find("answers").querySelectorAll("button")) {
@@ -21,7 +24,7 @@ export function makeCalibration(find, answer) {
 
   function begin() {
     choices = [];
-    [runs, kept] = [true, false];
+    [runs, kept, outcome] = [true, false, ""];
     find("measuring").hidden = false;
     find("request").textContent = "One moment …";
     find("answer").textContent = "";
@@ -68,12 +71,14 @@ export function makeCalibration(find, answer) {
     find("answers").hidden = asks;
     if (!asks) return;
     find("request").textContent = question;
+    find("answer").textContent = ""; // it was the same sentence
     find("choices").replaceChildren(...choices.map(([number, text]) => {
       const button = element("button", { type: "button", text });
       button.addEventListener("click", () => {
         answer(number);
         showChoices(false);
         find("answers").hidden = true; // the last question is over
+        find("request").textContent = "One moment …";
       });
       return button;
     }));
@@ -84,7 +89,7 @@ export function makeCalibration(find, answer) {
     if (!runs) begin(); // another page started it
     if ("code" in news) {
       end();
-      find("request").textContent = news.code === 0 ? "Done." : "Ended. Nothing was saved.";
+      find("request").textContent = news.code === 0 && outcome ? outcome : "Ended. Nothing was saved.";
       if (kept) find("request").textContent = "Ended. What you did is kept.";
       find("measure").focus();
       return;
@@ -104,10 +109,18 @@ export function makeCalibration(find, answer) {
     } else {
       choices = [];
       question = line;
+      noteOutcome(line);
       find("answer").textContent = line;
       find("measured").append(element("li", { text: line }));
       kept ||= KEPT.test(line);
     }
+  }
+
+  // The line after "Saved" says whether it applies. Its file is for the terminal.
+  function noteOutcome(line) {
+    const [, words] = OUTCOME.exec(line) || [];
+    if (words) outcome = SAVED.test(words) ? "Saved." : words;
+    else if (outcome === "Saved.") outcome = `Saved. ${line}`;
   }
 
   return { begin, hear, lose, reset, setUnfinished, get runs() { return runs; } };
