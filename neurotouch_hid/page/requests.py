@@ -9,9 +9,9 @@ from typing import Any, Final
 
 from neurotouch_hid.client import ask, ask_every, get_text, is_served
 from neurotouch_hid.errors import PageError, ProfileError
+from neurotouch_hid.files.faults import describe_fault
 from neurotouch_hid.page.address import write_secret
 from neurotouch_hid.page.edits import Changes, Wish
-from neurotouch_hid.files.faults import describe_fault
 from neurotouch_hid.page.guard import make_token
 from neurotouch_hid.page.messages import PageMessage, ProfileRow, ProgramNews, Remote
 from neurotouch_hid.page.output_choices import OutputGroup, list_outputs

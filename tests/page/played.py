@@ -51,15 +51,19 @@ REST = {
 
 
 UNASKED = ("hand", "outputs", "profiles", "profile", "stop keys")
-"""What a page asks for by itself."""
+"""What a page sends by itself."""
 
 
 class PlayedDriver:
-    """What the page hears; ``asked`` is what the page has asked for, without the token."""
+    """What the page hears; ``asked`` is what the page has asked for, without the token.
+
+    ``hands`` are the commands of its gel to the simulated hand.
+    """
 
     def __init__(self, page, *, edit: bool = True) -> None:
         self._edit = edit
         self.asked: list[dict] = []
+        self.hands: list[dict] = []
         page.route_web_socket("**/stream", self._connect)
 
     def _connect(self, line) -> None:
@@ -70,6 +74,8 @@ class PlayedDriver:
         message = json.loads(said)
         if "token" in message:
             self.tell(hello=True, edit=self._edit, driver=True)
+        elif message["do"] == "hand":
+            self.hands.append(message)
         elif message["do"] not in UNASKED:
             self.asked.append(message)
 
