@@ -39,6 +39,7 @@ const page = openPage(HZ, {
 
 function show() {
   find("stops").replaceChildren();
+  if (!view && chosen) return; // its answer comes
   if (!view || !view.layers) {
     find("about").textContent = view ? view.fault : "There is no profile to show.";
     find("layers").replaceChildren();
