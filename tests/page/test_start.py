@@ -153,10 +153,12 @@ def test_a_driver_that_waits_offers_the_mouse(play):
     assert page.is_hidden("#start-camera")
     assert page.is_visible("#end")
     page.click("#start-mouse")
-    assert driver.wait_for_request(page) == {"do": "start", "what": "mouse"}
-    driver.tell(refused="A driver of yours runs already. Press 'End the driver' first.")
+    wait_on(page, lambda: driver.asked)
+    refusal = "A driver of yours runs already. Press 'End the driver' first."
+    request = driver.answer(refused=refusal)
+    assert (request["do"], request["what"]) == ("start", "mouse")
+    wait_for(page, "start-lines", refusal)
     page.wait_for_selector("#start-mouse:not([hidden])")
-    assert page.inner_text("#start-lines") == ""
     driver.show()
     page.wait_for_selector("#fly:not([hidden])")
     assert page.is_hidden("#start-mouse")
