@@ -1,4 +1,4 @@
-"""What a person is told while something is measured: how far, how often, how long, and what next.
+"""Writes what a person is told during a measurement: how far, how often, how long, what next.
 
 The terminal and the page say the same, so no sentence names a key or a button.
 """
