@@ -1,12 +1,14 @@
 """Stage 2: turns events and frames into marker positions."""
 
 from neurotouch_hid.tracker.blobs import BlobFinder, Blobs
+from neurotouch_hid.tracker.flicker import Flicker
 from neurotouch_hid.tracker.markers import MarkerTracker, TrackerConfig, TrackerStats
 from neurotouch_hid.tracker.rest import RestConfig, RestDetector, RestStats
 
 __all__ = [
     "BlobFinder",
     "Blobs",
+    "Flicker",
     "MarkerTracker",
     "RestConfig",
     "RestDetector",

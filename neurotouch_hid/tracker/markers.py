@@ -11,6 +11,7 @@ from neurotouch_hid.geometry import N_MARKERS, NEIGHBOURS
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, MarkerField, RestField
 from neurotouch_hid.tracker.blobs import BlobFinder, Blobs
 from neurotouch_hid.tracker.correction import FrameCorrection
+from neurotouch_hid.tracker.flicker import Flicker, FlickerFilter
 from neurotouch_hid.tracker.kernels import correction, nearest, rigid
 from neurotouch_hid.tracker.kernels import filter as kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
@@ -160,11 +161,17 @@ class MarkerTracker:
         self._tracks = make_tracks(NEIGHBOURS, self._config)
         self._finder = finder or BlobFinder()
         self._correction = FrameCorrection(self._tracks, self._tuning)
+        self._flicker = FlickerFilter()
         self._rest_px = np.full((n, 2), np.nan, np.float32)
         self._anchored = False
         self._anchor_us = 0
         self._end_us: int | None = None
         self._n_events = self._n_anchors = self._n_gaps = 0
+
+    @property
+    def flicker(self) -> Flicker | None:
+        """The flicker of the light in the last quarter of a second, None if it is steady."""
+        return self._flicker.flicker
 
     def anchor(self, rest: RestField) -> None:
         """Takes a rest position, which may be late: ``rest.t_us`` is the time that it shows.
@@ -194,6 +201,10 @@ class MarkerTracker:
 
     def update(self, packet: EventPacket) -> MarkerField:
         """Returns all markers at the end of a slice."""
+        events = packet.events
+        if not (events.flags.writeable and events.flags.c_contiguous):
+            events = np.array(events, EVENT_DTYPE)
+        events = self._flicker.update(events, packet.t_begin_us, packet.t_end_us)
         if not self._anchored:
             return self._unknown(packet.t_end_us)
         if packet.gap or self._end_us != packet.t_begin_us:
@@ -202,9 +213,6 @@ class MarkerTracker:
                 self._anchored = False
                 return self._unknown(packet.t_end_us)
             self._restart(packet.t_begin_us)
-        events = packet.events
-        if not (events.flags.writeable and events.flags.c_contiguous):
-            events = np.array(events, EVENT_DTYPE)
         position_px, valid = np.empty((N_MARKERS, 2), np.float32), np.empty(N_MARKERS, np.bool_)
         start, tracks, tuning = 0, self._tracks, self._tuning
         for frame in packet.frames:
@@ -215,7 +223,7 @@ class MarkerTracker:
             self._correction.apply(frame, self._finder.find(frame.pixels))
         kernels.filter_slice(events, start, packet.t_end_us, tracks, tuning, position_px, valid)
         self._end_us = packet.t_end_us
-        self._n_events += len(events)
+        self._n_events += len(packet.events)
         return MarkerField(packet.t_end_us, self._rest_px, position_px, valid)
 
     def forget(self) -> None:

@@ -1,0 +1,150 @@
+"""Finds light that flickers, and removes its events.
+
+A lamp on the mains or an LED by PWM takes the light of all pixels up and down together, many times
+a second. Motion never does: what brightens some pixels darkens others.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+from neurotouch_hid.tracker.kernels import flicker as kernels
+
+N_BINS = 512  # a quarter of a second
+FEW_BINS = 64  # enough for a first look, and from one look to the next
+LOWEST_HZ = 45.0  # gels, hands and mounts are slower
+LEAST_SHARE = 0.15  # of the events; weaker flicker does no harm
+LEAST_HZ = 10_000.0  # events per second, neither does less than this
+CHANCE = 5.0  # standard deviations of a sum of random directions
+SINE_SHARE = np.pi / 4.0  # that the sum keeps if the light is a sine
+HARMONIC = 0.3  # a lower frequency that has this part of the strongest one is the true one
+FORGET_US = 1_000_000  # light that has been steady for so long does not flicker
+
+
+@dataclass(frozen=True, slots=True)
+class Flicker:
+    """Light that goes up and down.
+
+    Attributes:
+        hz: how often in a second: 100 or 120 with the mains, other numbers with PWM.
+        share: part of all events that it makes, 0 to 1.
+        events_hz: number of events that it makes in a second.
+    """
+
+    hz: float
+    share: float
+    events_hz: float
+
+
+class FlickerFilter:
+    """Looks for flicker all the time, and removes its events while there is some.
+
+    Attributes:
+        flicker: the flicker of the last quarter of a second, None without.
+    """
+
+    def __init__(self) -> None:
+        self.flicker: Flicker | None = None
+        self._bins = np.zeros((2, N_BINS))
+        self._pixels: NDArray[np.void] | None = make_pixels()  # until the first look
+        self._out = np.empty(0, EVENT_DTYPE)
+        self._end_us: int | None = None
+        self._begin_bin = self._next_bin = 0
+        self._seen_us = 0
+
+    def update(self, events: NDArray[np.void], begin_us: int, end_us: int) -> NDArray[np.void]:
+        """Returns the events of a slice without those of flicker.
+
+        Args:
+            events: (n,) EVENT_DTYPE of the slice.
+            begin_us: start of the slice.
+            end_us: its end.
+
+        Returns:
+            (m,) EVENT_DTYPE: the same array without flicker, else one that is valid until the next
+            call.
+        """
+        if self._end_us != begin_us:
+            self._restart(begin_us)
+        self._advance(end_us)
+        kernels.count_events(events, self._bins)
+        if end_us // kernels.BIN_US >= self._next_bin:
+            self._look(end_us)
+        if self._pixels is None:
+            return events
+        if len(self._out) < len(events):
+            self._out = np.empty(2 * len(events), EVENT_DTYPE)
+        n = kernels.remove_flicker(events, self._pixels, self._out)
+        return events if self.flicker is None else self._out[:n]
+
+    def _restart(self, t_us: int) -> None:
+        self._bins[:] = 0.0
+        self._end_us = t_us
+        self._begin_bin = t_us // kernels.BIN_US
+        self._next_bin = self._begin_bin + FEW_BINS
+
+    def _advance(self, end_us: int) -> None:
+        """Empties the bins in which a slice begins."""
+        begin, end = (-(-(t_us or 0) // kernels.BIN_US) for t_us in (self._end_us, end_us))
+        if end - begin >= N_BINS:
+            self._bins[:] = 0.0
+        else:
+            self._bins[:, np.arange(begin, end) % N_BINS] = 0.0
+        self._end_us = end_us
+
+    def _look(self, t_us: int) -> None:
+        """Updates what is known about flicker."""
+        now_bin = t_us // kernels.BIN_US
+        self._next_bin = now_bin + FEW_BINS
+        n, found = min(now_bin - self._begin_bin, N_BINS), None
+        if kernels.measure_imbalance(self._bins) > LEAST_SHARE / 2:
+            found = find_flicker(self._bins[:, np.arange(now_bin - n, now_bin) % N_BINS])
+        if found is not None:
+            self.flicker, self._seen_us = found, t_us
+            if self._pixels is None:
+                self._pixels = make_pixels()
+        elif n == N_BINS and not 0 <= t_us - self._seen_us < FORGET_US:
+            self.flicker = self._pixels = None
+
+
+def make_pixels() -> NDArray[np.void]:
+    """Returns pixels without flicker."""
+    pixels = np.zeros(SENSOR_HEIGHT_PX * SENSOR_WIDTH_PX, kernels.PIXEL)
+    pixels["step"] = 1.0
+    return pixels
+
+
+def find_flicker(counts: NDArray[np.float64]) -> Flicker | None:
+    """Returns the flicker of some time, None without.
+
+    Args:
+        counts: (2, n) float64, OFF and ON events in bins of 0.5 ms.
+    """
+    n = counts.shape[1]
+    window = np.hanning(n)
+    total = float((counts * window).sum())
+    off, on = np.fft.rfft(counts * window, 4 * N_BINS)
+    hz = np.arange(len(on)) * 1e6 / kernels.BIN_US / (4 * N_BINS)
+    # Light gives both polarities a rhythm, each at its time. Vibration gives them the same one;
+    # a sensor that is read out makes events of one polarity.
+    size = np.minimum(np.abs(on - off), 2.0 * np.minimum(np.abs(on), np.abs(off)))
+    size[hz < LOWEST_HZ] = 0.0
+    peaks = np.flatnonzero((size[1:-1] >= size[:-2]) & (size[1:-1] > size[2:])) + 1
+    if not total or not len(peaks):
+        return None
+    first = peaks[size[peaks] >= HARMONIC * size[peaks].max()][0]
+    share = min(float(size[peaks].max()) / total / SINE_SHARE, 1.0)
+    events_hz = share * float(counts.sum()) / (n * kernels.BIN_US * 1e-6)
+    if share < max(LEAST_SHARE, CHANCE / np.sqrt(total)) or events_hz < LEAST_HZ:
+        return None
+    return Flicker(_interpolate(hz, size, int(first)), share, events_hz)
+
+
+def _interpolate(hz: NDArray[np.float64], size: NDArray[np.float64], peak: int) -> float:
+    """Returns the frequency of a peak: the top of a parabola through its logarithms."""
+    before, at, after = np.log(np.maximum(size[peak - 1 : peak + 2], 1e-9))
+    bend = before - 2.0 * at + after
+    shift = 0.5 * (before - after) / bend if bend < 0.0 else 0.0
+    return float(hz[peak] + shift * (hz[1] - hz[0]))

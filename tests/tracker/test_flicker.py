@@ -1,0 +1,127 @@
+"""Light that flickers is found, named and kept from the tracks."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from neurotouch_hid.messages import EVENT_DTYPE
+from neurotouch_hid.source.simulator import Simulator
+from neurotouch_hid.source.simulator.nuisances import light
+from neurotouch_hid.source.simulator.script import Finger, sequence
+from neurotouch_hid.tracker import MarkerTracker
+from neurotouch_hid.tracker.flicker import FlickerFilter, make_pixels
+from neurotouch_hid.tracker.kernels import flicker as kernels
+from tests.tracker.test_markers import errors, follow, stroke
+
+PUSH = stroke(Finger((2.0, 3.0), (4.0, -2.0)))
+
+
+def play(duration_us, rest_us, nuisances):
+    """Returns packets of a push after a rest, and the true markers at the end of each."""
+    simulator = Simulator(sequence("test", PUSH, rest_us=rest_us), nuisances=nuisances, seed=8)
+    packets, truth = [], []
+    for packet in simulator:
+        packets.append(packet)
+        truth.append(simulator.truth(packet.t_end_us).markers_px)
+        if packet.t_end_us >= duration_us:
+            break
+    return packets, np.array(truth)
+
+
+def look(packets):
+    """Returns what is known about flicker after some packets."""
+    tracker = MarkerTracker()
+    for packet in packets:
+        tracker.update(packet)
+    return tracker.flicker
+
+
+@pytest.mark.parametrize(
+    ("hz", "nuisances"),
+    [
+        (100.0, {"mains": 60.0}),
+        (120.0, {"mains": 60.0}),
+        (100.0, {"mains-leak": 15.0}),
+        (200.0, {"pwm": 30.0}),
+    ],
+)
+def test_flicker_has_its_frequency(monkeypatch, hz, nuisances):
+    if "pwm" not in nuisances:
+        monkeypatch.setattr(light, "MAINS_HZ", hz)
+    packets, _ = play(150_000, 400_000, nuisances)
+    found = look(packets)
+    assert found is not None
+    assert found.hz == pytest.approx(hz, abs=2.0)
+    n_events = sum(len(packet.events) for packet in packets) / 0.15
+    assert found.share > 0.4
+    assert 0.4 * n_events < found.events_hz < 1.1 * n_events
+
+
+@pytest.mark.parametrize("nuisances", [{}, {"music": 0.2}, {"noise": 15.0}, {"readout": 80.0}])
+def test_motion_vibration_noise_and_readout_are_no_flicker(nuisances):
+    packets, _ = play(400_000, 50_000, nuisances)
+    assert all(look(packets[:n]) is None for n in (4, 8, 16, 30, 40))
+
+
+def test_flicker_is_forgotten_when_the_light_is_steady():
+    flickering, _ = play(100_000, 400_000, {"mains": 60.0})
+    steady, _ = play(250_000, 400_000, {})
+    tracker, end_us = MarkerTracker(), 0
+    for packet in flickering + 6 * steady:
+        events = packet.events.copy()
+        events["t"] += end_us - packet.t_begin_us
+        tracker.update(replace(packet, t_begin_us=end_us, t_end_us=end_us + 10_000, events=events))
+        end_us += 10_000
+        if end_us == 200_000:
+            assert tracker.flicker is not None
+    assert tracker.flicker is None
+
+
+@pytest.mark.parametrize("nuisances", [{"mains-leak": 15.0}, {"pwm": 30.0}])
+def test_flicker_does_not_move_the_gel(nuisances):
+    packets, truth = play(550_000, 300_000, nuisances)
+    error = errors(follow(packets), truth)
+    still = error[15:30]
+    assert np.median(still) < 0.1
+    assert np.percentile(still, 98) < 0.45
+    pushed = error[30:]
+    assert np.median(pushed) < 0.4
+    assert (pushed > 2.0).mean() < 0.02
+
+
+def burst(pixel, polarities, t_us, step_us):
+    events = np.zeros(len(polarities), EVENT_DTYPE)
+    events["t"] = t_us + step_us * np.arange(len(polarities))
+    events["x"], events["y"], events["p"] = *pixel, polarities
+    return events
+
+
+@pytest.mark.parametrize(("up", "down"), [(1, 1), (3, 3), (4, 3), (3, 5), (9, 9)])
+def test_a_pixel_that_flickers_still_shows_a_change(up, down):
+    pixels = make_pixels()
+    cycle = [True] * up + [False] * down
+    steady = burst((17, 40), cycle * 240, 5_000, 10_000 // len(cycle))
+    out = np.empty(len(steady), EVENT_DTYPE)
+    kernels.remove_flicker(steady[: len(steady) // 2], pixels, out)
+    n_left = kernels.remove_flicker(steady[len(steady) // 2 :], pixels, out)
+    assert n_left <= 2 + 0.01 * len(steady)
+    brighter = burst((17, 40), [True] * (up + 8), steady["t"][-1] + 100, 500)
+    n_left = kernels.remove_flicker(brighter, pixels, out)
+    assert 6 <= n_left <= 9
+    assert out["p"][:n_left].all()
+
+
+def test_a_pixel_without_flicker_keeps_its_events():
+    pixels = make_pixels()
+    slow = burst((17, 40), [True, True, False, False] * 50, 5_000, 30_000)
+    out = np.empty(len(slow), EVENT_DTYPE)
+    n_left = kernels.remove_flicker(slow, pixels, out)
+    np.testing.assert_array_equal(out[:n_left], slow)
+
+
+def test_events_without_flicker_are_not_copied():
+    filter_ = FlickerFilter()
+    for k in range(40):
+        events = burst((17 + k, 40), [True, False] * 20, 10_000 * k, 200)
+        assert filter_.update(events, 10_000 * k, 10_000 * (k + 1)) is events
