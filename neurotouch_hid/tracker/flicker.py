@@ -13,13 +13,16 @@ from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_
 from neurotouch_hid.tracker.kernels import flicker as kernels
 
 N_BINS = 512  # a quarter of a second
-FEW_BINS = 64  # enough for a first look, and from one look to the next
+FEW_BINS = 64  # enough for a first look
+LOOK_BINS = 128  # from one look to the next, once all bins are full
 LOWEST_HZ = 45.0  # gels, hands and mounts are slower
 LEAST_SHARE = 0.15  # of the events; weaker flicker does no harm
 LEAST_HZ = 10_000.0  # events per second, neither does less than this
+LEAST_IMBALANCE = 0.1  # of polarities in short times; less cannot be so much flicker
 CHANCE = 5.0  # standard deviations of a sum of random directions
 SINE_SHARE = np.pi / 4.0  # that the sum keeps if the light is a sine
 HARMONIC = 0.3  # a lower frequency that has this part of the strongest one is the true one
+PAUSE_US = 750_000  # from one look at steady light to the next; looking costs time
 FORGET_US = 1_000_000  # light that has been steady for so long does not flicker
 
 
@@ -39,7 +42,7 @@ class Flicker:
 
 
 class FlickerFilter:
-    """Looks for flicker all the time, and removes its events while there is some.
+    """Looks for flicker every second, and removes its events while there is some.
 
     Attributes:
         flicker: the flicker of the last quarter of a second, None without.
@@ -52,7 +55,7 @@ class FlickerFilter:
         self._out = np.empty(0, EVENT_DTYPE)
         self._end_us: int | None = None
         self._begin_bin = self._next_bin = 0
-        self._seen_us = 0
+        self._seen_us = self._resume_us = 0
 
     def update(self, events: NDArray[np.void], begin_us: int, end_us: int) -> NDArray[np.void]:
         """Returns the events of a slice without those of flicker.
@@ -66,10 +69,12 @@ class FlickerFilter:
             (m,) EVENT_DTYPE: the same array without flicker, else one that is valid until the next
             call.
         """
+        if 0 < self._resume_us - begin_us <= PAUSE_US:
+            return events
         if self._end_us != begin_us:
             self._restart(begin_us)
-        self._advance(end_us)
-        kernels.count_events(events, self._bins)
+        self._end_us = end_us
+        kernels.count_events(events, begin_us, end_us, self._bins)
         if end_us // kernels.BIN_US >= self._next_bin:
             self._look(end_us)
         if self._pixels is None:
@@ -81,25 +86,15 @@ class FlickerFilter:
 
     def _restart(self, t_us: int) -> None:
         self._bins[:] = 0.0
-        self._end_us = t_us
         self._begin_bin = t_us // kernels.BIN_US
         self._next_bin = self._begin_bin + FEW_BINS
-
-    def _advance(self, end_us: int) -> None:
-        """Empties the bins in which a slice begins."""
-        begin, end = (-(-(t_us or 0) // kernels.BIN_US) for t_us in (self._end_us, end_us))
-        if end - begin >= N_BINS:
-            self._bins[:] = 0.0
-        else:
-            self._bins[:, np.arange(begin, end) % N_BINS] = 0.0
-        self._end_us = end_us
 
     def _look(self, t_us: int) -> None:
         """Updates what is known about flicker."""
         now_bin = t_us // kernels.BIN_US
-        self._next_bin = now_bin + FEW_BINS
         n, found = min(now_bin - self._begin_bin, N_BINS), None
-        if kernels.measure_imbalance(self._bins) > LEAST_SHARE / 2:
+        self._next_bin = now_bin + (LOOK_BINS if n == N_BINS else FEW_BINS)
+        if kernels.measure_imbalance(self._bins) > LEAST_IMBALANCE:
             found = find_flicker(self._bins[:, np.arange(now_bin - n, now_bin) % N_BINS])
         if found is not None:
             self.flicker, self._seen_us = found, t_us
@@ -107,6 +102,7 @@ class FlickerFilter:
                 self._pixels = make_pixels()
         elif n == N_BINS and not 0 <= t_us - self._seen_us < FORGET_US:
             self.flicker = self._pixels = None
+            self._resume_us = t_us + PAUSE_US
 
 
 def make_pixels() -> NDArray[np.void]:
@@ -125,8 +121,8 @@ def find_flicker(counts: NDArray[np.float64]) -> Flicker | None:
     n = counts.shape[1]
     window = np.hanning(n)
     total = float((counts * window).sum())
-    off, on = np.fft.rfft(counts * window, 4 * N_BINS)
-    hz = np.arange(len(on)) * 1e6 / kernels.BIN_US / (4 * N_BINS)
+    off, on = np.fft.rfft(counts * window, 2 * N_BINS)
+    hz = np.arange(len(on)) * 1e6 / kernels.BIN_US / (2 * N_BINS)
     # Light gives both polarities a rhythm, each at its time. Vibration gives them the same one;
     # a sensor that is read out makes events of one polarity.
     size = np.minimum(np.abs(on - off), 2.0 * np.minimum(np.abs(on), np.abs(off)))

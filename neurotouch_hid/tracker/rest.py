@@ -3,6 +3,7 @@
 [NT, "Resting Position Detection"].
 """
 
+import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -32,6 +33,7 @@ _CLEAR_BEND_PX = 0.19  # an untouched gel is bent less, with any optics
 _SINKING_PX = 0.03  # from frame to frame; more means that a touch is just ending
 _RIG_SHARE = 0.5  # of the limit of rest; markers that are farther off may show a rig that creeps
 _MOST_LEFT = 0.5  # of a rig's motion may be left; the light part of a touch is not that rigid
+_TURN_RATIO = 1.5  # a turn moves no marker farther than so many times the median of all
 _RIG_STILL_MM = 0.15  # a rig that moves more from frame to frame still swings
 
 
@@ -128,11 +130,27 @@ class _Reference:
         kernels.distance_map(self._mask, self._distance_px2)
         self._mask.flat[self._pixels] = 0
 
-    def find_moved(self, blobs: Blobs) -> NDArray[np.float64]:
-        """Returns where the markers would be, (177, 2) px, if only the rig had moved."""
+    def find_moved(
+        self, blobs: Blobs, n_left_out: int, limit_px: float
+    ) -> NDArray[np.float64] | None:
+        """Returns where the markers would be, (177, 2) px, if only the rig had moved.
+
+        Args:
+            blobs: of a frame.
+            n_left_out: markers that may be elsewhere.
+            limit_px: for all others, how far a rig may leave them elsewhere.
+
+        Returns:
+            None if the gel is plainly touched: some markers are far off and most are not.
+        """
         by_px = rigid.recentre(blobs.centroid_px, self._centre_px, self._radius_px)
         shifted: NDArray[np.float64] = self.position_px + by_px
-        matching.match_points(shifted, blobs.centroid_px, self.gate_px, self._match)
+        median_px, largest_px = matching.measure_motions(
+            shifted, blobs.centroid_px, self.gate_px, n_left_out, self._match
+        )
+        left_px = _MOST_LEFT * math.hypot(*by_px, median_px)
+        if largest_px > _TURN_RATIO * median_px + min(limit_px, left_px):
+            return None
         moved = np.empty_like(shifted)
         rigid.follow_rig(shifted, blobs.centroid_px, self._match, moved)
         return moved
@@ -308,7 +326,10 @@ class RestDetector:
 
         What moves rigidly is the rig: a touch leaves the gel at the rim behind.
         """
-        moved, before = reference.find_moved(blobs), self._moved_px
+        before, self._moved_px = self._moved_px, None
+        moved = reference.find_moved(blobs, self._config.max_displaced, limit_px)
+        if moved is None:
+            return False
         n_found, left_px = self._measure(blobs, reference, moved)
         rig_px = correction.median_size(moved - reference.position_px)
         enough = self._config.min_share * reference.n_found

@@ -9,7 +9,7 @@ from neurotouch_hid.messages import SENSOR_WIDTH_PX
 from neurotouch_hid.process.kernel_cache import kernel
 
 BIN_US = 500
-SAMPLES = 32  # of the events in a bin; enough to see a rhythm
+SAMPLES = 16  # of the events in a bin; enough to see a rhythm
 N_RUNS = 4  # runs of events of one polarity after which a pixel's flicker is measured again
 CLOCK_SHIFT = 6  # a pixel's clock ticks every 64 µs
 LONGEST = (N_RUNS * 11_000) >> CLOCK_SHIFT  # ticks of so many runs with a lamp of 45 Hz
@@ -49,18 +49,22 @@ PIXEL: Final = np.dtype(
 
 
 @kernel
-def count_events(events: NDArray[np.void], bins: NDArray[np.float64]) -> None:
-    """Adds a sample of the events to their bins of time.
+def count_events(
+    events: NDArray[np.void], begin_us: int, end_us: int, bins: NDArray[np.float64]
+) -> None:
+    """Adds a sample of the events of a slice to their bins of time.
 
     Args:
         events: (m,) EVENT_DTYPE.
+        begin_us: start of the slice.
+        end_us: its end. Bins that begin in the slice are emptied first.
         bins: (2, k) float64, OFF and ON events, a ring.
     """
     m, k = len(events), bins.shape[1]
-    if m == 0:
-        return
-    span = (events[m - 1].t - events[0].t) // BIN_US + 1
-    step = 1 + m // (span * SAMPLES)
+    first, last = -(-begin_us // BIN_US), -(-end_us // BIN_US)
+    for b in range(max(first, last - k), last):
+        bins[0, b % k] = bins[1, b % k] = 0.0
+    step = 1 + m // (max(last - first, 1) * SAMPLES)
     for i in range(0, m, step):
         e = events[np.uint64(i)]
         bins[np.uint64(e.p), (e.t // BIN_US) % k] += step

@@ -176,3 +176,27 @@ def measure_median(
         return 0, gate_px
     middle = select(moved_px, (n - 1) // 2)
     return n, middle if n % 2 else 0.5 * (middle + select(moved_px, n // 2))
+
+
+@kernel
+def measure_motions(
+    before_px: NDArray[np.float64],
+    now_px: NDArray[np.float64],
+    gate_px: float,
+    n_left_out: int,
+    match: NDArray[np.int32],
+) -> tuple[float, float]:
+    """Returns the median of the motions of all pairs, and the largest of all but a few, px.
+
+    Args:
+        before_px: (n, 2) float64 px, columns x, y.
+        now_px: (m, 2) float64 px.
+        gate_px: distance limit of a pair; returned as both if there is no pair.
+        n_left_out: the number of pairs that may have moved farther.
+        match: (n,) int32, written, see ``match_points``.
+    """
+    moved_px = _measure_pairs(before_px, now_px, gate_px, match)
+    n = len(moved_px)
+    if not n:
+        return gate_px, gate_px
+    return select(moved_px, n // 2), select(moved_px, max(n - 1 - n_left_out, 0))

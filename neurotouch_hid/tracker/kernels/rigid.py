@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.process.kernel_cache import kernel
+from neurotouch_hid.tracker.kernels.matching import select
 
 N_ROUNDS = 5  # of the robust fit
 LEAST_SCALE_PX = 0.15  # errors of markers that are not touched
@@ -75,7 +76,7 @@ def follow_rig(
         for k in range(m):
             dx, dy = bx[k] - c * ax[k] + s * ay[k] - x, by[k] - s * ax[k] - c * ay[k] - y
             off2[k] = dx * dx + dy * dy
-        limit2 = max(4.0 * float(np.median(off2)), LEAST_SCALE_PX * LEAST_SCALE_PX)
+        limit2 = max(4.0 * select(off2, m // 2), LEAST_SCALE_PX * LEAST_SCALE_PX)
         total = mx = my = px = py = 0.0
         for k in range(m):
             w = 1.0 / (1.0 + off2[k] / limit2)
@@ -100,4 +101,4 @@ def follow_rig(
     for k in range(m):
         i = seen[k]
         off2[k] = (out_px[i, 0] - ax[k]) ** 2 + (out_px[i, 1] - ay[k]) ** 2
-    return math.sqrt(float(np.median(off2)))
+    return math.sqrt(select(off2, m // 2))
