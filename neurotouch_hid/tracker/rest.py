@@ -3,16 +3,13 @@
 [NT, "Resting Position Detection"].
 """
 
-import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import N_MARKERS, PITCH_MM, Rig, fit_rig
+from neurotouch_hid.geometry import N_MARKERS, Rig, fit_rig
 from neurotouch_hid.messages import (
-    SENSOR_HEIGHT_PX,
-    SENSOR_WIDTH_PX,
     EventPacket,
     Frame,
     GelProblem,
@@ -23,17 +20,15 @@ from neurotouch_hid.tracker.blobs import BlobConfig, BlobFinder, Blobs
 from neurotouch_hid.tracker.eventframe import EventFrame
 from neurotouch_hid.tracker.gel_watch import GelWatch
 from neurotouch_hid.tracker.kept_motion import KeptMotion
-from neurotouch_hid.tracker.kernels import correction, matching, rigid
-from neurotouch_hid.tracker.kernels import image as kernels
+from neurotouch_hid.tracker.kernels import correction, matching
 from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig, find_lattice
+from neurotouch_hid.tracker.reference import MOST_LEFT, Reference
 
 _SAME_BEND_PX = 0.1  # two pictures of one undeformed gel differ by less
 _STILL_GATE_PX = 2.0  # a longer motion is not small
 _CLEAR_BEND_PX = 0.19  # an untouched gel is bent less, with any optics
 _SINKING_PX = 0.03  # from frame to frame; more means that a touch is just ending
 _RIG_SHARE = 0.5  # of the limit of rest; markers that are farther off may show a rig that creeps
-_MOST_LEFT = 0.5  # of a rig's motion may be left; the light part of a touch is not that rigid
-_TURN_RATIO = 1.5  # a turn moves no marker farther than so many times the median of all
 _RIG_STILL_MM = 0.15  # a rig that moves more from frame to frame still swings
 
 
@@ -103,78 +98,6 @@ class RestStats:
     problem: GelProblem
 
 
-class _Reference:
-    """The gel at rest: marker positions, and white pixels for the Chamfer distance."""
-
-    def __init__(self, lattice: Lattice, blobs: Blobs) -> None:
-        self.bend_px = lattice.bend_px
-        self.n_found = lattice.n_found
-        rig = fit_rig(lattice.position_px)
-        self.px_per_mm = rig.px_per_mm
-        self.gate_px = 0.35 * PITCH_MM * rig.px_per_mm
-        reach = np.hypot(*(lattice.position_px - rig.centre_px).T).max()
-        self._radius_px = float(reach) + PITCH_MM * rig.px_per_mm
-        shape = (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
-        self._mask = np.zeros(shape, np.uint8)
-        self._distance_px2 = np.empty(shape, np.int32)
-        self._white = np.empty(SENSOR_HEIGHT_PX * SENSOR_WIDTH_PX, np.int32)
-        self._match = np.empty(N_MARKERS, np.int32)
-        self.move(lattice.position_px, blobs)
-
-    def move(self, position_px: NDArray[np.float64], blobs: Blobs) -> None:
-        """Takes the same markers at other places, where the blobs of a frame show them."""
-        self.position_px = position_px
-        self._centre_px = position_px.mean(axis=0)
-        self._pixels = self._white_pixels(blobs).copy()
-        self._mask.flat[self._pixels] = 1
-        kernels.distance_map(self._mask, self._distance_px2)
-        self._mask.flat[self._pixels] = 0
-
-    def find_moved(
-        self, blobs: Blobs, n_left_out: int, limit_px: float
-    ) -> NDArray[np.float64] | None:
-        """Returns where the markers would be, (177, 2) px, if only the rig had moved.
-
-        Args:
-            blobs: of a frame.
-            n_left_out: markers that may be elsewhere.
-            limit_px: for all others, how far a rig may leave them elsewhere.
-
-        Returns:
-            None if the gel is plainly touched: some markers are far off and most are not.
-        """
-        by_px = rigid.recentre(blobs.centroid_px, self._centre_px, self._radius_px)
-        shifted: NDArray[np.float64] = self.position_px + by_px
-        median_px, largest_px = matching.measure_motions(
-            shifted, blobs.centroid_px, self.gate_px, n_left_out, self._match
-        )
-        left_px = _MOST_LEFT * math.hypot(*by_px, median_px)
-        if largest_px > _TURN_RATIO * median_px + min(limit_px, left_px):
-            return None
-        moved = np.empty_like(shifted)
-        rigid.follow_rig(shifted, blobs.centroid_px, self._match, moved)
-        return moved
-
-    def _white_pixels(self, blobs: Blobs) -> NDArray[np.int32]:
-        """Returns the pixels of the blobs on the gel, (n,) int32, without a lamp beside it."""
-        n = kernels.gather_inside(
-            blobs.centroid_px,
-            blobs.begin,
-            blobs.members,
-            self._centre_px,
-            self._radius_px,
-            self._white,
-        )
-        return self._white[:n]
-
-    def chamfer(self, blobs: Blobs) -> float:
-        """Returns the Chamfer distance of a frame, px²; infinite without any white pixel."""
-        pixels = self._white_pixels(blobs)
-        if not len(pixels):
-            return float("inf")
-        return float(kernels.chamfer(pixels, self._mask, self._pixels, self._distance_px2))
-
-
 class RestDetector:
     """Finds the gel, then decides for every frame whether it is at rest."""
 
@@ -196,7 +119,7 @@ class RestDetector:
         self._config = config or RestConfig()
         self._rig, self._near_rad = rig, near_rad
         self._finder = finder or BlobFinder(self._config.blobs)
-        self._reference: _Reference | None = None
+        self._reference: Reference | None = None
         self._event_frame: EventFrame | None = EventFrame(rig, near_rad)
         self._match = np.empty(N_MARKERS, np.int32)
         self._moved_px: NDArray[np.float64] | None = None
@@ -277,7 +200,7 @@ class RestDetector:
             return GelProblem.LEARNING
         return GelProblem.NONE
 
-    def _compare(self, frame: Frame, blobs: Blobs, reference: _Reference) -> RestField | None:
+    def _compare(self, frame: Frame, blobs: Blobs, reference: Reference) -> RestField | None:
         """Returns all markers if white pixels and markers are at the places of the reference."""
         c, limit_px = self._config, self._config.max_displacement_mm * reference.px_per_mm
         n_found, displacement = self._measure(blobs, reference, reference.position_px)
@@ -307,7 +230,7 @@ class RestDetector:
         return self._settle(frame, blobs, reference)
 
     def _measure(
-        self, blobs: Blobs, reference: _Reference, position_px: NDArray[np.float64]
+        self, blobs: Blobs, reference: Reference, position_px: NDArray[np.float64]
     ) -> tuple[int, float]:
         """Returns how many markers are seen near their places, and how far they are off, px."""
         n_found, displacement = matching.measure_largest(
@@ -320,7 +243,7 @@ class RestDetector:
         return int(n_found), float(displacement)
 
     def _follow_rig(
-        self, frame: Frame, blobs: Blobs, reference: _Reference, limit_px: float
+        self, frame: Frame, blobs: Blobs, reference: Reference, limit_px: float
     ) -> bool:
         """Moves the reference with a rig that now stands still elsewhere; returns whether it did.
 
@@ -333,7 +256,7 @@ class RestDetector:
         n_found, left_px = self._measure(blobs, reference, moved)
         rig_px = correction.median_size(moved - reference.position_px)
         enough = self._config.min_share * reference.n_found
-        is_rig = n_found >= enough and left_px <= min(limit_px, _MOST_LEFT * rig_px)
+        is_rig = n_found >= enough and left_px <= min(limit_px, MOST_LEFT * rig_px)
         self._moved_px = moved if is_rig else None
         if not is_rig or before is None:
             return False
@@ -345,7 +268,7 @@ class RestDetector:
         self._stats = replace(self._stats, n_references=self._stats.n_references + 1)
         return True
 
-    def _settle(self, frame: Frame, blobs: Blobs, reference: _Reference) -> RestField | None:
+    def _settle(self, frame: Frame, blobs: Blobs, reference: Reference) -> RestField | None:
         """Takes a new reference if the gel is at rest elsewhere, and returns its markers."""
         if not self._count_still(blobs):
             return None
@@ -372,7 +295,7 @@ class RestDetector:
         return self._n_still > 0 and self._n_still % c.settle_frames == 0
 
     def _set_reference(self, lattice: Lattice, frame: Frame, blobs: Blobs) -> None:
-        self._reference = _Reference(lattice, blobs)
+        self._reference = Reference(lattice, blobs)
         self._near_rad = fit_rig(lattice.position_px).rotation_rad  # a gel that turns goes on so
         self._watch.find(lattice.position_px, lattice.n_found, frame)
         self._n_still = 0

@@ -1,0 +1,88 @@
+"""The gel at rest, with which frames are compared."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.geometry import N_MARKERS, PITCH_MM, fit_rig
+from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+from neurotouch_hid.tracker.blobs import Blobs
+from neurotouch_hid.tracker.kernels import image as kernels
+from neurotouch_hid.tracker.kernels import matching, rigid
+from neurotouch_hid.tracker.lattice import Lattice
+
+MOST_LEFT = 0.5  # of a rig's motion may be left; the light part of a touch is not that rigid
+_TURN_RATIO = 1.5  # a turn moves no marker farther than so many times the median of all
+
+
+class Reference:
+    """The gel at rest: marker positions, and white pixels for the Chamfer distance."""
+
+    def __init__(self, lattice: Lattice, blobs: Blobs) -> None:
+        self.bend_px = lattice.bend_px
+        self.n_found = lattice.n_found
+        rig = fit_rig(lattice.position_px)
+        self.px_per_mm = rig.px_per_mm
+        self.gate_px = 0.35 * PITCH_MM * rig.px_per_mm
+        reach = np.hypot(*(lattice.position_px - rig.centre_px).T).max()
+        self._radius_px = float(reach) + PITCH_MM * rig.px_per_mm
+        shape = (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
+        self._mask = np.zeros(shape, np.uint8)
+        self._distance_px2 = np.empty(shape, np.int32)
+        self._white = np.empty(SENSOR_HEIGHT_PX * SENSOR_WIDTH_PX, np.int32)
+        self._match = np.empty(N_MARKERS, np.int32)
+        self.move(lattice.position_px, blobs)
+
+    def move(self, position_px: NDArray[np.float64], blobs: Blobs) -> None:
+        """Takes the same markers at other places, where the blobs of a frame show them."""
+        self.position_px = position_px
+        self._centre_px = position_px.mean(axis=0)
+        self._pixels = self._white_pixels(blobs).copy()
+        self._mask.flat[self._pixels] = 1
+        kernels.distance_map(self._mask, self._distance_px2)
+        self._mask.flat[self._pixels] = 0
+
+    def find_moved(
+        self, blobs: Blobs, n_left_out: int, limit_px: float
+    ) -> NDArray[np.float64] | None:
+        """Returns where the markers would be, (177, 2) px, if only the rig had moved.
+
+        Args:
+            blobs: of a frame.
+            n_left_out: markers that may be elsewhere.
+            limit_px: for all others, how far a rig may leave them elsewhere.
+
+        Returns:
+            None if the gel is plainly touched: some markers are far off and most are not.
+        """
+        by_px = rigid.recentre(blobs.centroid_px, self._centre_px, self._radius_px)
+        shifted: NDArray[np.float64] = self.position_px + by_px
+        median_px, largest_px = matching.measure_motions(
+            shifted, blobs.centroid_px, self.gate_px, n_left_out, self._match
+        )
+        left_px = MOST_LEFT * math.hypot(*by_px, median_px)
+        if largest_px > _TURN_RATIO * median_px + min(limit_px, left_px):
+            return None
+        moved = np.empty_like(shifted)
+        rigid.follow_rig(shifted, blobs.centroid_px, self._match, moved)
+        return moved
+
+    def _white_pixels(self, blobs: Blobs) -> NDArray[np.int32]:
+        """Returns the pixels of the blobs on the gel, (n,) int32, without a lamp beside it."""
+        n = kernels.gather_inside(
+            blobs.centroid_px,
+            blobs.begin,
+            blobs.members,
+            self._centre_px,
+            self._radius_px,
+            self._white,
+        )
+        return self._white[:n]
+
+    def chamfer(self, blobs: Blobs) -> float:
+        """Returns the Chamfer distance of a frame, px²; infinite without any white pixel."""
+        pixels = self._white_pixels(blobs)
+        if not len(pixels):
+            return float("inf")
+        return float(kernels.chamfer(pixels, self._mask, self._pixels, self._distance_px2))
