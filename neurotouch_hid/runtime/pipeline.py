@@ -16,7 +16,7 @@ from neurotouch_hid.messages import (
 from neurotouch_hid.profile import Mapping, Profile, UserSettings
 from neurotouch_hid.runtime.stage_timing import StageTimings
 from neurotouch_hid.runtime.worker import FrameExchange, InlineRest, ThreadedRest
-from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector
+from neurotouch_hid.tracker import BlobFinder, Flicker, MarkerTracker, RestDetector
 
 IDLE_US: Final = 500_000
 """The pipeline counts as idle after this time without a gesture."""
@@ -55,6 +55,7 @@ class Pipeline:
         self.timings = StageTimings()
         self._partial: EventPacket | None = None
         self._anchor: RestField | None = None
+        self._flicker: Flicker | None = None
         self._idle_us = self._looked_us = 0
 
     @classmethod
@@ -116,6 +117,9 @@ class Pipeline:
             packet_left = packet
         with self.timings.tracker:
             markers = self.tracker.update(packet_left)
+        if self.tracker.flicker is not self._flicker:
+            self._flicker = self.tracker.flicker
+            self.rest.detector.note_flicker(self._flicker.hz if self._flicker else None)
         with self.timings.gesture:
             gesture = self.recognizer.update(markers)
         with self.timings.profile:
