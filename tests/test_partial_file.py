@@ -18,6 +18,7 @@ OTHERS = {
     "evaluation/accuracy/report/write.py": "a report, in a new folder that then takes its name",
     "driver/control_socket.py": "a lock",
     "cli/session.py": "a lock",
+    "profile/editing/store.py": "a lock",
     "recording/writer.py": "a recording that can be read while it is written",
     "emulator/usbip.py": "a switch of the kernel",
 }

@@ -3,6 +3,7 @@
 import fcntl
 import os
 import select
+import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
@@ -66,7 +67,8 @@ def command() -> None:
     players = [find_player()] if PLAYER in os.environ else [int(name) for name in PLAYERS]
     stop = stop_on_signals()
     with _only_one(find_runtime_folder(players[0]) / "session"):
-        announce("The service gets your settings, and its sounds play here. Ctrl-C ends this.")
+        if sys.stderr.isatty():
+            announce("The service gets your settings, and its sounds play here. Ctrl-C ends this.")
         serve(players, lambda player: hand_over(player).status == "plays", stop, announce)
 
 

@@ -23,7 +23,7 @@ CHANCE = 5.0  # standard deviations of a sum of random directions
 SINE_SHARE = np.pi / 4.0  # that the sum keeps if the light is a sine
 HARMONIC = 0.3  # a lower frequency that has this part of the strongest one is the true one
 PAUSE_US = 750_000  # from one look at steady light to the next; looking costs time
-FORGET_US = 1_000_000  # light that has been steady for so long does not flicker
+FORGET_US = 1_000_000  # light that has been steady for this time does not flicker
 
 
 @dataclass(frozen=True, slots=True)

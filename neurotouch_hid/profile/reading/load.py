@@ -94,8 +94,9 @@ def check_profile(
     """
     path = find_profile(name_or_path, folder)
     name = make_printable(str(path))
+    content = _read(path)  # first: a path that cannot be a path is told there
     chain = (find_real_path(path),)
-    return _check_named(_read(path), name, chain, unused, folder, _find_name(path, folder))
+    return _check_named(content, name, chain, unused, folder, _find_name(path, folder))
 
 
 def parse_profile(content: bytes, name: str) -> Profile:
