@@ -12,13 +12,12 @@ from typing import Final
 import click
 
 from neurotouch_hid.cli.ui.output import echo
+from neurotouch_hid.doctor.rights import UDEV, has_service
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.resources import find_resources
 
 _RULES: Final = Path("/etc/udev/rules.d")
 _MODULES: Final = Path("/etc/modules-load.d")
-_PACKAGED: Final = Path("/usr/lib/udev/rules.d/70-neurotouch-service.rules")
-"""Part of the Debian package."""
 
 _MEANING: Final = {
     "70-neurotouch-uinput.rules": "lets the person at the machine make virtual gamepads, "
@@ -43,7 +42,7 @@ def command(dry_run: bool, uninstall: bool, yes: bool) -> None:
 
     The Debian package does all this itself, with fewer rights: only its service gets them.
     """
-    if _PACKAGED.exists() and not uninstall:
+    if has_service() and not uninstall:
         raise NeuroTouchError(
             "The Debian package is installed, and its service has all the rights it needs.",
             hint="There is nothing to do. See: systemctl status neurotouch",
@@ -131,9 +130,9 @@ def _run_as_root(script: list[str]) -> None:
     Raises:
         NeuroTouchError: one of them failed, or there is no way to become root.
     """
-    if not shutil.which("udevadm"):
+    if not UDEV.exists():
         raise NeuroTouchError(
-            "There is no udev here, so there is nothing to set up.",
+            "No udev runs here, so there is nothing to set up.",
             hint="In a container: run this on the host; pass /dev/uinput and the camera to it.",
         )
     shell = ["sh", "-euc", "\n".join(script)]

@@ -5,15 +5,12 @@ from typing import Final
 
 from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
 from neurotouch_hid.doctor.inventory import find_driver
-from neurotouch_hid.doctor.rights import SERVICE_RULE, install_rule
+from neurotouch_hid.doctor.rights import apply_rules, has_service, install_rule
 from neurotouch_hid.source.davis import CameraInfo, find_cameras, identify
 from neurotouch_hid.source.davis.enumeration import SUPER_SPEED_MBIT_S, SYSFS
 from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
-_LOOK_AGAIN: Final = (
-    "sudo udevadm control --reload",
-    "sudo udevadm trigger --action=change --subsystem-match=usb --attr-match=idVendor=152a",
-)
+_MATCH: Final = "--subsystem-match=usb --attr-match=idVendor=152a"
 
 
 def check_presence() -> Finding:
@@ -57,7 +54,7 @@ def check_camera_right() -> Finding:
 
 def _explain_right(info: CameraInfo) -> Finding:
     sentence = f"The camera {info.serial} is present, but not readable: {info.reason}."
-    if SERVICE_RULE.exists():
+    if has_service():
         return fail(
             f"{sentence} It belongs to the service, which does not run.",
             "Start it; if it ends again, its status says why.",
@@ -68,7 +65,7 @@ def _explain_right(info: CameraInfo) -> Finding:
         sentence,
         "Allow it for the person at the machine, as 'neurotouch setup' does.",
         install_rule("70-neurotouch-camera.rules"),
-        *_LOOK_AGAIN,
+        *apply_rules(_MATCH),
     )
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from neurotouch_hid.doctor.finding import Finding, approve, fail, skip
-from neurotouch_hid.doctor.rights import SERVICE_RULE, install_rule
+from neurotouch_hid.doctor.rights import SERVICE_RULE, apply_rules, install_rule
 from neurotouch_hid.driver.service_settings import ServiceSettings, find_service_file
 from neurotouch_hid.profile.reading import load_settings
 
@@ -66,8 +66,7 @@ def check_hid(
         "Allow it for the person at the machine. Note that all of that person's programs can then "
         "make HID devices of any kind.",
         install_rule("70-neurotouch-hid.rules"),
-        "sudo udevadm control --reload",
-        "sudo udevadm trigger --action=change --name-match=/dev/uhid",
+        *apply_rules("--name-match=/dev/uhid"),
     )
 
 

@@ -12,6 +12,7 @@ from neurotouch_hid.doctor.inventory import find_driver
 from neurotouch_hid.resources import find_resources
 
 _NODE: Final = Path("/dev/uinput")
+_MATCH: Final = f"--name-match={_NODE}"
 _LOADED: Final = Path("/sys/class/misc/uinput")
 """This path exists if the module is loaded or built in."""
 
@@ -33,11 +34,28 @@ _MODULES: Final = "/etc/modules-load.d/neurotouch.conf"
 PACKAGED_MODULES: Final = Path("/usr/lib/modules-load.d/neurotouch.conf")
 """Part of the Debian package, which loads the module at every start."""
 
-_LOOK_AGAIN: Final = (
-    "sudo udevadm control --reload",
-    "sudo udevadm trigger --action=change --name-match=/dev/uinput",
-    "sudo udevadm settle --timeout=10",
-)
+UDEV: Final = Path("/run/udev/control")
+"""This path exists where udev runs; in most containers it does not."""
+
+
+def has_service() -> bool:
+    """Tells whether the Debian package's service can run here."""
+    return SERVICE_RULE.exists() and SYSTEMD.exists()
+
+
+def apply_rules(match: str) -> tuple[str, ...]:
+    """Returns the commands by which udev applies changed rules at once; none where no udev runs.
+
+    Args:
+        match: which devices, as options of ``udevadm trigger``.
+    """
+    if not UDEV.exists():
+        return ()
+    return (
+        "sudo udevadm control --reload",
+        f"sudo udevadm trigger --action=change {match}",
+        "sudo udevadm settle --timeout=10",
+    )
 
 
 def install_rule(name: str) -> str:
@@ -78,7 +96,7 @@ def needs_no_right() -> str:
     running = find_driver()
     if running is not None and running["device"] != "memory":
         return f"The running driver has a pad: {running['device']}."
-    if SERVICE_RULE.exists() and SYSTEMD.exists():
+    if has_service():
         return "The service makes the pad once a camera is plugged in, so you need no right for it."
     return ""
 
@@ -94,7 +112,7 @@ def check_pad_right() -> Finding:
         f"You have no right to write to /dev/uinput (its mode is {mode:04o}).",
         "Allow it for the person at the machine, as 'neurotouch setup' does.",
         install_rule("70-neurotouch-uinput.rules"),
-        *_LOOK_AGAIN,
+        *apply_rules(_MATCH),
     )
 
 
@@ -108,7 +126,7 @@ def check_rule(folders: tuple[Path, ...] = FOLDERS) -> Finding:
             "No udev rule gives /dev/uinput to the person at the machine.",
             "Install ours, as 'neurotouch setup' does.",
             install_rule("70-neurotouch-uinput.rules"),
-            *_LOOK_AGAIN,
+            *apply_rules(_MATCH),
         )
     in_time = [(path, line) for path, line in found if path.name < _LATEST]
     if not in_time:
@@ -117,7 +135,7 @@ def check_rule(folders: tuple[Path, ...] = FOLDERS) -> Finding:
             f"{path} applies too late: its name must sort before {_LATEST}.",
             "Give it a number below 73, or install ours beside it.",
             install_rule("70-neurotouch-uinput.rules"),
-            *_LOOK_AGAIN,
+            *apply_rules(_MATCH),
         )
     lasting = [path for path, line in in_time if "static_node=uinput" in line]
     if not lasting:
@@ -164,5 +182,5 @@ def check_seat() -> Finding:
         'echo \'KERNEL=="uinput", SUBSYSTEM=="misc", GROUP="input", MODE="0660", '
         'OPTIONS+="static_node=uinput"\' | sudo tee /etc/udev/rules.d/71-neurotouch-group.rules',
         'sudo usermod -aG input "$(id -un)"',
-        *_LOOK_AGAIN,
+        *apply_rules(_MATCH),
     )

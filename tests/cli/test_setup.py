@@ -1,33 +1,27 @@
 """``neurotouch setup`` says what it will do before it does it; tests/system has it do it."""
 
-import os
 import subprocess
-import sys
 from pathlib import Path
 from textwrap import dedent
 
 import pytest
-from click.testing import CliRunner
+from click.testing import CliRunner, Result
 
 from neurotouch_hid.cli import setup
 
 ROOT = Path(__file__).parents[2]
 
 
-def run(*options: str, answer: str = "", path: str | None = None) -> subprocess.CompletedProcess:
-    return subprocess.run(
-        [sys.executable, "-m", "neurotouch_hid", "setup", *options],
-        input=answer,
-        capture_output=True,
-        text=True,
-        check=False,
-        env=os.environ if path is None else {**os.environ, "PATH": path},
-    )
+def run(*options: str, answer: str = "", path: Path | None = None) -> Result:
+    """Runs it, with the programs in this folder in place of the system's."""
+    env = {"PATH": str(path)} if path else {}
+    return CliRunner().invoke(setup.command, options, input=answer, env=env)
 
 
 @pytest.fixture
-def programs(tmp_path) -> Path:
+def programs(tmp_path, monkeypatch) -> Path:
     """A folder of programs that note how they are called, in place of the system's."""
+    monkeypatch.setattr(setup, "UDEV", tmp_path)
     noted = tmp_path / "noted"
     for name in ("udevadm", "sudo", "sh"):
         program = tmp_path / "bin" / name
@@ -39,17 +33,17 @@ def programs(tmp_path) -> Path:
 
 def test_a_dry_run_says_each_file_and_each_command():
     said = run("--dry-run")
-    assert said.returncode == 0
+    assert said.exit_code == 0
     for file in ("70-neurotouch-uinput.rules", "70-neurotouch-camera.rules", "neurotouch.conf"):
-        assert file in said.stdout
-    assert "modprobe uinput" in said.stdout
-    assert "udevadm control --reload" in said.stdout
+        assert file in said.output
+    assert "modprobe uinput" in said.output
+    assert "udevadm control --reload" in said.output
 
 
 def test_what_it_runs_is_what_it_said(programs):
-    said = run("--yes", path=str(programs))
-    assert said.returncode == 0, said.stderr
-    shown = said.stdout.partition("as root:\n")[2].partition("Done.")[0]
+    said = run("--yes", path=programs)
+    assert said.exit_code == 0, said.output
+    shown = said.output.partition("as root:\n")[2].partition("Done.")[0]
     noted = (programs.parent / "noted").read_text()
     start = noted.index("install")
     assert noted[start:] == dedent(shown)
@@ -57,7 +51,7 @@ def test_what_it_runs_is_what_it_said(programs):
 
 
 def test_root_reads_no_file_of_ours_and_the_text_is_shown(tmp_path):
-    shown = run("--dry-run").stdout.partition("as root:\n")[2]
+    shown = run("--dry-run").output.partition("as root:\n")[2]
     assert str(ROOT) not in shown
     copies = dedent(shown).partition("modprobe")[0].replace("/etc/", f"{tmp_path}/etc/")
     subprocess.run(["sh", "-euc", copies], check=True)
@@ -106,21 +100,28 @@ def test_it_can_all_be_taken_back(folders):
 
 @pytest.mark.parametrize("answer", ["n\n", ""])
 def test_without_a_yes_nothing_is_done(programs, answer):
-    said = run(answer=answer, path=str(programs))
-    assert said.returncode != 0
+    said = run(answer=answer, path=programs)
+    assert said.exit_code != 0
     assert not (programs.parent / "noted").exists()
 
 
-def test_where_there_is_no_udev_it_says_so(tmp_path):
-    said = run("--yes", path=str(tmp_path))
-    assert said.returncode == 1
-    assert "no udev" in said.stderr
+def test_where_no_udev_runs_it_says_so(programs, monkeypatch):
+    monkeypatch.setattr(setup, "UDEV", programs / "not-there")
+    said = run("--yes", path=programs)
+    assert str(said.exception).startswith("No udev runs here")
+    assert not (programs.parent / "noted").exists()
+
+
+def test_where_the_service_has_the_rights_nothing_is_installed(programs, monkeypatch):
+    monkeypatch.setattr(setup, "has_service", lambda: True)
+    said = run("--yes", path=programs)
+    assert "its service has all the rights" in str(said.exception)
+    assert not (programs.parent / "noted").exists()
 
 
 def test_a_command_that_fails_is_not_hidden(programs):
     for name in ("sh", "sudo"):
         (programs / name).write_text("#!/bin/sh\nexit 3\n")
-    said = run("--yes", path=str(programs))
-    assert said.returncode == 1
-    assert "exit code 3" in said.stderr
-    assert "Done" not in said.stdout
+    said = run("--yes", path=programs)
+    assert "exit code 3" in str(said.exception)
+    assert "Done" not in said.output

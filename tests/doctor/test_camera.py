@@ -14,8 +14,8 @@ def test_without_right_the_rule_is_given():
     assert any("70-neurotouch-camera.rules" in line for line in finding.commands)
 
 
-def test_where_the_service_is_installed_it_is_started_instead(tmp_path, monkeypatch):
-    monkeypatch.setattr(camera, "SERVICE_RULE", tmp_path)
+def test_where_the_service_is_installed_it_is_started_instead(monkeypatch):
+    monkeypatch.setattr(camera, "has_service", lambda: True)
     finding = camera._explain_right(INFO)
     assert finding.commands[0] == "sudo systemctl start neurotouch"
 

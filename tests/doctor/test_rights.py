@@ -81,3 +81,12 @@ def test_a_service_that_nothing_can_start_makes_no_pad(packaged, monkeypatch):
     assert rights.needs_no_right() == ""
     packaged["SYSTEMD"].touch()
     assert rights.needs_no_right().startswith("The service makes the pad")
+
+
+def test_udev_is_asked_to_apply_a_rule_only_where_it_runs(packaged, tmp_path, monkeypatch):
+    """As in a container, where the command would fail and end the doctor's script."""
+    for there in (True, False):
+        monkeypatch.setattr(rights, "UDEV", tmp_path if there else tmp_path / "no-udev")
+        commands = rights.check_rule((tmp_path,)).commands
+        assert any("70-neurotouch-uinput.rules" in line for line in commands)
+        assert any("udevadm" in line for line in commands) is there
