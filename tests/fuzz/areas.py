@@ -2,8 +2,8 @@
 
 from typing import Final
 
-from neurotouch_hid.errors import DriverError, ProfileError
-from tests.fuzz import control_socket, page_messages, profiles
+from neurotouch_hid.errors import DeviceError, DriverError, ProfileError
+from tests.fuzz import control_socket, pad_messages, page_messages, profiles
 from tests.fuzz.area import Area
 from tests.fuzz.camera_words import CAMERA_WORDS
 from tests.fuzz.recordings import RECORDINGS
@@ -31,6 +31,12 @@ MESSAGES: Final[dict[str, Area]] = {
         lambda path: control_socket.check(path.read_bytes()),
         DriverError,
         ".json",
+    ),
+    "pads": Area(
+        pad_messages.make,
+        lambda path: pad_messages.check(path.read_bytes()),
+        DeviceError,
+        ".hid",
     ),
     "page": Area(
         page_messages.make,

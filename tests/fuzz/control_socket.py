@@ -6,7 +6,6 @@ import os
 import random
 import socket
 import threading
-from collections.abc import Iterator
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -50,12 +49,6 @@ def make(rng: random.Random) -> bytes:
     if rng.random() < 0.003:
         question += b" " * LIMIT_BYTES
     return question + rng.choice((b"\n", b"\n", b"\n", b"", b"\nmore\n"))
-
-
-def cases(rng: random.Random) -> Iterator[bytes]:
-    """Gives questions without an end."""
-    while True:
-        yield make(rng)
 
 
 def check(case: bytes) -> None:

@@ -83,12 +83,6 @@ def make(rng: random.Random) -> bytes:
     return write(damage(rng.choice(MESSAGES), rng), rng)[:MOST_BYTES]
 
 
-def cases(rng: random.Random) -> Iterator[bytes]:
-    """Gives messages without an end."""
-    while True:
-        yield make(rng)
-
-
 def check(case: bytes) -> None:
     """Gives it to everything that reads messages of a browser.
 

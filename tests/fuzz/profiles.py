@@ -1,7 +1,6 @@
 """Texts of profiles: each is a profile, or has faults that can be shown; edits end in a text."""
 
 import random
-from collections.abc import Iterator
 from typing import Final
 
 from neurotouch_hid.errors import ProfileError
@@ -48,12 +47,6 @@ def make(rng: random.Random) -> bytes:
     if content and rng.random() < 0.1:
         content[rng.randrange(len(content))] = rng.randrange(256)
     return bytes(content)
-
-
-def cases(rng: random.Random) -> Iterator[bytes]:
-    """Gives texts without an end."""
-    while True:
-        yield make(rng)
 
 
 def check(case: bytes) -> None:

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -87,10 +88,16 @@ def read_reports(pad: HidPad) -> Iterator[Report | None]:
     Raises:
         DeviceError: it cannot be read.
     """
-    return _read_on(_open(pad), pad.layout)
+    return read_reports_of(_open(pad), pad.layout)
 
 
-def _read_on(device: "hidraw.device", layout: ControlLayout) -> Iterator[Report | None]:
+def read_reports_of(device: "hidraw.device", layout: ControlLayout) -> Iterator[Report | None]:
+    """Returns the reports of an opened device, which it closes; leaves out those of other lengths.
+
+    Args:
+        device: has a descriptor of ours.
+        layout: its controls.
+    """
     form = ReportFormat(layout.controls)
     try:
         while True:
@@ -98,7 +105,11 @@ def _read_on(device: "hidraw.device", layout: ControlLayout) -> Iterator[Report 
                 data = device.read(_LONGEST, timeout_ms=_TURN_MS)
             except OSError:
                 return  # the pad is gone
-            yield Report(*layout.decode(form.unpack(bytes(data)))) if data else None
+            if not data:
+                yield None
+                continue
+            with suppress(ValueError):  # whoever copied our descriptor may send any length
+                yield Report(*layout.decode(form.unpack(bytes(data))))
     finally:
         device.close()
 

@@ -73,7 +73,8 @@ class ControlLayout:
         return (
             frozenset(button for button, value in down if value),
             {
-                axis: (value - control.rest) / (control.maximum - control.rest)
+                # A wide axis has one value more on the left, which no pad of ours sends.
+                axis: max((value - control.rest) / (control.maximum - control.rest), -1.0)
                 for (axis, control), value in moved
                 if value != control.rest
             },

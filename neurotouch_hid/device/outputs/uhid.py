@@ -154,6 +154,8 @@ class UhidNode:
 
     def _answer(self, event: bytes) -> bytes:
         """Returns the answer to a message of the kernel, empty if it needs none."""
+        if len(event) < _REQUEST.size:
+            return b""
         kind = _TYPE.unpack_from(event)[0]
         if kind == _START:
             self._started.set()
