@@ -108,7 +108,7 @@ def read_reports_of(device: "hidraw.device", layout: ControlLayout) -> Iterator[
             if not data:
                 yield None
                 continue
-            with suppress(ValueError):  # another program may copy our descriptor and send any length
+            with suppress(ValueError):  # another program may copy the descriptor, not the length
                 yield Report(*layout.decode(form.unpack(bytes(data))))
     finally:
         device.close()
