@@ -5,10 +5,11 @@ Every fault is kept as a file. The same seed gives the same cases; without one i
 
 import argparse
 import random
+import subprocess
 import sys
 from pathlib import Path
 
-from tests.fuzz.area import Report, run_area
+from tests.fuzz.area import format_report, run_area
 from tests.fuzz.areas import AREAS
 
 
@@ -20,10 +21,13 @@ def main() -> int:
     faults = 0
     for name in options.areas or AREAS:
         share = 60 * options.minutes / len(options.areas or AREAS)
+        if options.guided:
+            faults += _run_guided(name, seed, share, options.folder)
+            continue
         report = run_area(
             AREAS[name], f"{name}-{seed}", options.folder, cases=options.cases, seconds=share
         )
-        print(_format(name, seed, report), flush=True)
+        print(format_report(name, seed, report), flush=True)
         faults += len(report.faults)
     return min(faults, 1)
 
@@ -32,6 +36,7 @@ def _parse() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m tests.fuzz", description=__doc__)
     parser.add_argument("areas", nargs="*", metavar="AREA", help=f"of {', '.join(AREAS)}")
     parser.add_argument("--minutes", type=float, default=1.0, help="of all areas together")
+    parser.add_argument("--guided", action="store_true", help="follow the coverage, by libFuzzer")
     parser.add_argument("--cases", type=int, help="of each area, instead of minutes")
     parser.add_argument("--seed", help="what the cases are drawn from")
     parser.add_argument("--folder", type=Path, default=Path(".cache/fuzz"), help="for the faults")
@@ -42,13 +47,9 @@ def _parse() -> argparse.Namespace:
     return options
 
 
-def _format(name: str, seed: str, report: Report) -> str:
-    line = (
-        f"{name:<12} seed {seed}: {report.cases} cases in {report.seconds:.0f} s, "
-        f"{report.refused} refused, at most {report.growth_bytes >> 20} MB more, "
-        f"{len(report.faults)} faults"
-    )
-    return "\n  ".join([line, *report.faults])
+def _run_guided(name: str, seed: str, seconds: float, folder: Path) -> int:
+    words = [sys.executable, "-m", "tests.fuzz.guided", name, seed, str(seconds), str(folder)]
+    return subprocess.run(words, check=False, stderr=subprocess.DEVNULL).returncode
 
 
 sys.exit(main())

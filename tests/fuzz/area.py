@@ -13,7 +13,8 @@ from typing import Final
 
 from neurotouch_hid.errors import NeuroTouchError
 
-_IN_MEMORY: Final = Path("/dev/shm")  # a hundred times as fast as some disks
+FAST_FOLDER: Final = next(filter(Path.is_dir, [Path("/dev/shm")]), None)
+"""In memory, where there is such a folder: a hundred times as fast as some disks."""
 MAX_SECONDS: Final = 10
 MAX_GROWTH_BYTES: Final = 200 << 20
 """The driver itself takes some 200 MB, and 400 MB is what it may take with any file."""
@@ -70,18 +71,40 @@ def run_area(
         seconds: the time.
     """
     report, begin = Report(), time.monotonic()
-    with TemporaryDirectory(dir=_IN_MEMORY if _IN_MEMORY.is_dir() else None) as place:
+    with TemporaryDirectory(dir=FAST_FOLDER) as place:
         path = Path(place) / f"case{area.suffix}"
         while report.cases < cases if cases is not None else time.monotonic() < begin + seconds:
             content = area.make(random.Random(f"{seed}:{report.cases}"))
-            path.write_bytes(content)
-            if fault := _judge(area, path, report):
-                kept = folder / f"{seed}-{report.cases}{area.suffix}"
-                kept.write_bytes(content)
-                report.faults.append(f"{kept}: {fault}")
-            report.cases += 1
+            run_case(area, content, path, folder / f"{seed}-{report.cases}{area.suffix}", report)
     report.seconds = time.monotonic() - begin
     return report
+
+
+def run_case(area: Area, content: bytes, path: Path, kept: Path, report: Report) -> None:
+    """Runs one case and counts it.
+
+    Args:
+        area: what is run.
+        content: the case.
+        path: where the case is written for the program.
+        kept: where it is kept if it has a fault.
+        report: gets the result.
+    """
+    path.write_bytes(content)
+    if fault := _judge(area, path, report):
+        kept.write_bytes(content)
+        report.faults.append(f"{kept}: {fault}")
+    report.cases += 1
+
+
+def format_report(name: str, seed: str, report: Report) -> str:
+    """Returns the counts as a line, and a line for each fault."""
+    line = (
+        f"{name:<12} seed {seed}: {report.cases} cases in {report.seconds:.0f} s, "
+        f"{report.refused} refused, at most {report.growth_bytes >> 20} MB more, "
+        f"{len(report.faults)} faults"
+    )
+    return "\n  ".join([line, *report.faults])
 
 
 def _judge(area: Area, path: Path, report: Report) -> str:

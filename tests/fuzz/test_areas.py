@@ -1,6 +1,8 @@
 """A few hundred cases of each area; `make fuzz` runs as many as time allows."""
 
 import random
+import subprocess
+import sys
 
 import pytest
 
@@ -36,3 +38,16 @@ def test_a_fault_is_kept(tmp_path, check, fault):
     (said,) = report.faults
     assert fault in said
     assert (tmp_path / "s-0.x").read_bytes() == b"x"
+
+
+def test_by_coverage_it_ends_by_itself(tmp_path):
+    pytest.importorskip("atheris")
+    done = subprocess.run(
+        [sys.executable, "-m", "tests.fuzz.guided", "labels", "1", "2", str(tmp_path)],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    (line,) = done.stdout.splitlines()
+    assert line.endswith("0 faults")
+    assert int(line.split(" cases")[0].split()[-1]) > 200  # more than it began with
