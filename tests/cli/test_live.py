@@ -128,12 +128,12 @@ def find_pressed(trace: list[dict]) -> set[str]:
 def test_pause_resume_and_panic_from_the_command_line(start):
     driver = start()
     assert driver.status()["state"] == "running"
-    driver.order("pause", "Paused")
+    driver.order("pause", "Your driver: Paused")
     assert driver.status()["state"] == "paused"
-    driver.order("resume", "Resumed")
+    driver.order("resume", "Your driver: Resumed")
     assert driver.status()["state"] == "running"
     driver.order("panic", "Your driver: Stopped")
-    assert driver.do("pause").startswith("Already stopped by panic")
+    assert driver.do("pause").startswith("Your driver: Already stopped by panic")
     driver.do("reload")
     driver.process.send_signal(signal.SIGHUP)
     driver.wait(lambda: driver.said.count("has been reloaded") == 2)
@@ -198,7 +198,7 @@ def test_sound_comes_as_soon_as_the_person_wants_it(start):
 
 def test_status_has_one_fact_on_each_line_and_the_state_first(shared):
     driver = shared
-    driver.order("resume", "Resumed")
+    driver.order("resume", "Your driver: Resumed")
     driver.wait(lambda: driver.status()["markers_tracked"] > 170 and driver.status()["stage_ms"])
     plain = driver.do("status").splitlines()
     assert plain[0] == "OK: running"
@@ -243,7 +243,7 @@ def test_computation_beside_the_driver_is_allowed(shared):
 
 def test_stop_ends_the_driver_and_says_so_when_it_has_ended(start):
     driver = start()
-    assert driver.do("stop") == "The driver has ended; the pad is neutral.\n"
+    assert driver.do("stop") == "Your driver: Ended. The pad is neutral.\n"
     assert not (driver.folder / "run" / "control").exists()
     assert driver.process.wait(LIMIT_S) == 0
     assert driver.said.rstrip().endswith("The pad is neutral.")
