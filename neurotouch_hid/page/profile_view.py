@@ -244,6 +244,13 @@ def list_places(written: Profile) -> list[Place]:
     return places
 
 
+def say_when(words: str) -> str:
+    """Returns a condition as a screen reader can say it: ``twist clockwise`` for ``twist cw``."""
+    return words.replace("twist ccw", "twist counter-clockwise").replace(
+        "twist cw", "twist clockwise"
+    )
+
+
 def measure_lag(name: FilterName) -> float:
     """Returns the delay by a filter, in ms, at the middle of a press of 5 mm in 300 ms."""
     if name not in FILTERS:
@@ -271,7 +278,7 @@ def _describe_binding(binding: Binding, key: str | None) -> BindingView:
     condition = binding.condition
     view: BindingView = {
         "key": key,
-        "when": describe_when(binding),
+        "when": say_when(describe_when(binding)),
         "do": describe_target(binding.do),
         "movements": _list_movements(condition),
     }
@@ -285,7 +292,7 @@ def _describe_binding(binding: Binding, key: str | None) -> BindingView:
 
 def _describe_stop(gesture: SafetyGesture, does: str) -> StopView:
     condition = gesture.condition
-    words = describe_condition(condition.model_copy(update={"press": None}))
+    words = say_when(describe_condition(condition.model_copy(update={"press": None})))
     if gesture.gesture == "any":
         words = words.replace("any", "any movement", 1)
     return {

@@ -39,6 +39,15 @@ def test_a_profile_names_the_movement_that_stops_everything(name, when, movement
     assert view["stops"] == [{"when": when, "does": RESUMES, "movements": movements}]
 
 
+def test_a_movement_is_named_as_a_screen_reader_can_say_it():
+    view = describe_profile(find_shipped_folder() / "keyboard-arrows.yaml", edit=True)
+    names = {binding["when"] for layer in view["layers"] for binding in layer["bindings"]}
+    assert {"twist clockwise", "twist counter-clockwise"} <= {
+        name.split(" from")[0] for name in names
+    }
+    assert not any("cw" in name.split() for name in names)
+
+
 def test_any_movement_may_stop_everything():
     (stop,) = describe_profile(find_shipped_folder() / "menu-switch.yaml", edit=True)["stops"]
     assert stop["when"] == "any movement from 2.5 mm, held for 4 s"

@@ -95,7 +95,7 @@ def test_a_movement_is_made_and_put_on_a_button(view, folder, open_page):
         arg=[movement],
     )
     page.click("#undo")
-    wait_for(page, "saved", "again.")
+    wait_for(page, "saved", "mine is as before that change.")
     assert path.read_text() == PROFILE
 
 

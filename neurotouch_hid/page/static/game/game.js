@@ -140,7 +140,7 @@ function fly(pad, words, dt) {
   say("speed", `${Math.round(100 * flight.pace)} %`);
   say("roll", `${Math.round((flight.roll * 180) / Math.PI)}°`);
   const advice = adviseGesture(place, mode === "flying" && options().pull);
-  say("advice", mode === "watching" ? "To fly yourself, press a key." : advice);
+  say("advice", mode === "watching" ? "To fly yourself, press a key or the screen." : advice);
   if (mode === "flying") page.say(advice);
   say("hand", mode === "watching" ? `Scripted hand: ${words}` : words);
   if (flight.isOver) land();
