@@ -219,6 +219,27 @@ def test_status_has_one_fact_on_each_line_and_the_state_first(shared):
     assert driver.do("status").startswith("WARNING: stopped by panic")
 
 
+def test_the_command_alone_says_in_words_what_runs_and_what_comes_next(shared):
+    driver = shared
+    driver.order("resume", "Your driver: Resumed")
+    driver.wait(lambda: driver.status()["gel"]["found"])
+    said = driver.do().splitlines()
+    assert said == [
+        "The driver runs, with the profile mine.",
+        "source: SIMULATED sim:tour",
+        "pad: memory",
+        "gel: found",
+        "Next: neurotouch view --edit --open",
+        "All commands: neurotouch --help",
+    ]
+    for order, words in (("pause", "is paused"), ("panic", "is stopped by panic")):
+        driver.order(order, "Your driver: ")
+        first, *_, following, _ = driver.do().splitlines()
+        assert first == f"The driver {words}, with the profile mine."
+        assert following == "Next: neurotouch resume"
+    driver.order("resume", "Your driver: Resumed")
+
+
 def test_status_tells_the_last_ignored_gesture(start):
     driver = start()
     mine = profile("a").replace("}, do:", ", accept_ms: 5000}, do:")
