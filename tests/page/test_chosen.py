@@ -70,6 +70,7 @@ def test_another_profile_is_only_looked_at_and_its_sheet_is_printed(alone, open_
     wait_for(page, "title", "What each movement does: push-only")
     wait_for(page, "stops", "The gel: push up left from 5 mm, held for 3 s")
     wait_for(page, "stop-keys", "hold Backspace + Escape + Space")
+    wait_for(page, "stop-keys", "stops everything; Resume on the page goes on")
     page.reload()
     wait_for(page, "title", "What each movement does: push-only")
     page.goto(alone.page("sheet"))

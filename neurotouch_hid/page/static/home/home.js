@@ -42,6 +42,7 @@ let situation = null;
 let runs = false;
 let starting = "";
 let begun = false; // this page started the driver
+let ended = false; // this page ends it
 let faults = []; // errors of a failed start
 let layer = "";
 let doing = false; // a movement is waited for, or its output is chosen
@@ -192,6 +193,11 @@ function showStart() {
   // The button that started it is gone, and the focus too.
   if (newest && begun && document.activeElement === document.body) find("fly").focus();
   if (newest) begun = false;
+  if (ended && isIdle) {
+    const next = ["start-camera", "mend", "start-mouse"].map(find).find((each) => !each.hidden);
+    if (next && document.activeElement === document.body) next.focus();
+    ended = false;
+  }
   find("by-doing").hidden = !(newest && about && about.edit && !profiles.view);
   find("by-doing").disabled = calibration.runs; // both listen to the same movements
   placeGel();
@@ -245,7 +251,10 @@ find("mend").addEventListener("click", () => {
   ask({ do: "start", what: situation.mend }, "start-lines");
   sayStart("Asking for the password …");
 });
-find("end").addEventListener("click", () => ask({ do: "stop", what: "driver" }, "start-lines"));
+find("end").addEventListener("click", () => {
+  [faults, ended] = [[], true]; // what its start said is over
+  ask({ do: "stop", what: "driver" }, "start-lines");
+});
 let looks = 0;
 find("look").addEventListener("click", () => {
   clearInterval(looks);
