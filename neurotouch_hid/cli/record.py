@@ -169,7 +169,7 @@ def _open(stack: ExitStack, source: str | None, speed: "Speed", seed: int) -> _O
         with suppress(NotRunningError):
             packets = open_one(RUNNING_DRIVER)
             played = packets.name.removeprefix(RUNNING_DRIVER).strip()
-            return _Opened(f"the running driver's data ({played})", packets)
+            return _Opened(f"{played}, from the running driver", packets)
     packets = open_one(source or "davis:")
     return _Opened(packets.name, packets)
 

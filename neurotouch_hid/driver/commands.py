@@ -31,9 +31,9 @@ COMMANDS: Final = (
 )
 
 SAID: Final = {
-    "pause": "Paused: everything is released. Go on with: neurotouch resume",
-    "resume": "Resumed: the next gesture counts.",
-    "panic": "Stopped: everything is released until: neurotouch resume",
+    "pause": "Paused. Everything is released until: neurotouch resume",
+    "resume": "Resumed. The next gesture counts.",
+    "panic": "Stopped by panic. Everything is released until: neurotouch resume",
 }
 """The sentences about a command that has taken effect."""
 
@@ -138,7 +138,7 @@ class Commands:
                 "sudo systemctl stop neurotouch",
             )
         self._end()
-        return {"ok": True, "text": "The driver has ended; the pad is neutral."}
+        return {"ok": True, "text": "Ended. The pad is neutral."}
 
     def _load(self, question: dict[str, Any], uid: int) -> Done:
         if question["command"] == "reload":

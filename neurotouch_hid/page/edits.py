@@ -9,7 +9,7 @@ from typing import Any, Final
 from neurotouch_hid.client import ask
 from neurotouch_hid.errors import DriverError, NotRunningError, ProfileError
 from neurotouch_hid.page.handed_over import describe_effect, pass_on
-from neurotouch_hid.page.profile_view import Place, is_editable, list_places
+from neurotouch_hid.page.profile_view import Place, is_editable, list_places, say_when
 from neurotouch_hid.page.reading import read_number
 from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_unused
 from neurotouch_hid.profile.diagnostics import describe_target, describe_when
@@ -113,7 +113,8 @@ class Changes:
         )
         _save(edited, text)
         words = MOVEMENTS[wish.movement].words if wish.movement in MOVEMENTS else wish.movement
-        return f"Saved in {edited.name}: {words} {wish.press} → {wish.do}. {pass_on(edited.name)}"
+        made = f"{words} {wish.press}".rstrip()
+        return f"Saved in {edited.name}: {made} → {wish.do}. {pass_on(edited.name)}"
 
     def unbind(self, path: Path, key: str) -> str:
         """Removes a binding.
@@ -163,13 +164,13 @@ class Changes:
             ProfileError: there is none.
             DriverError: as ``set``.
         """
-        version = self._take(path).store.undo()
+        self._take(path).store.undo()
         restored = self._take(path)
         effect = hand_over_restored(restored)
         if effect.status != "OK":
             raise DriverError(f"Back, but not in use. {effect.said}", hint="Press Undo once more.")
         said = describe_effect(effect)
-        return f"{restored.name} is as in version {version.number} again. {said}"
+        return f"{restored.name} is as before that change. {said}"
 
     def _take(self, path: Path) -> EditedFile:
         if not is_editable(path):
@@ -199,7 +200,7 @@ def _save(edited: EditedFile, text: ProfileText) -> None:
 
 def _describe(binding: Binding, mark: str, value: Any) -> str:
     """Returns for example ``pinch → button a acts from 4.1 mm``."""
-    when = describe_when(binding)
+    when = say_when(describe_when(binding))
     if (
         binding.condition.on_mm is not None
     ):  # the sentence names it anyway, and it may be the changed value

@@ -24,7 +24,13 @@ from neurotouch_hid.page.own_values import (
     find_unfinished_files,
     load_usable_user,
 )
-from neurotouch_hid.page.profile_view import ProfileFault, ProfileView, describe_profile
+from neurotouch_hid.page.profile_view import (
+    ProfileFault,
+    ProfileView,
+    can_undo,
+    describe_profile,
+    list_files,
+)
 from neurotouch_hid.page.reading import read_number
 from neurotouch_hid.page.requests import Requests
 from neurotouch_hid.page.situation import find_situation
@@ -260,7 +266,7 @@ class Hub:
         runs = self._newest is not None
         file = "" if self._newest is None else str(read_head(self._newest)["slow"]["file"])
         path = Path(file or _find_favourite())
-        stamps = (path, runs, _read_stamp(path), _read_stamp(find_user_file()))
+        stamps = (path, runs, *map(_read_stamp, list_files(path)))
         if stamps == self._stamps:
             return
         self._path = path
@@ -270,7 +276,8 @@ class Hub:
             try:
                 self._about = describe_profile(path, edit=self._edit)
             except NeuroTouchError as error:
-                self._about = {"fault": error.message}
+                can = self._edit and can_undo(path)
+                self._about = {"fault": error.message, "can_undo": can}
         for client in self._clients:
             client.tell(about=self._about, driver=runs)
 

@@ -45,11 +45,13 @@ class OwnValuesView(TypedDict, total=False):
         fault: why they cannot be read; then there are no values.
         unfinished: how far a measurement is that has not been finished, of a hand and of a
             simulated one; empty if there is none.
+        can_undo: whether a change can be undone, of the ``values`` and of the ``ranges``.
     """
 
     values: dict[str, str]
     fault: str
     unfinished: dict[str, str]
+    can_undo: dict[str, bool]
 
 
 def load_usable_user() -> UserSettings:
@@ -63,7 +65,7 @@ def load_usable_user() -> UserSettings:
 def describe_own() -> OwnValuesView:
     """Returns what the page shows of the person, ready for JSON."""
     unfinished = {name: describe_unfinished(is_simulated=is_) for name, is_ in _HANDS.items()}
-    return {**describe_values(), "unfinished": unfinished}
+    return {**describe_values(), "unfinished": unfinished, "can_undo": _list_undoable()}
 
 
 def find_unfinished_files() -> list[Path]:
@@ -125,7 +127,7 @@ class OwnValues:
             DriverError: as ``set``.
         """
         edited = take_user(self.stamp)
-        text = edited.undo_kind(_KIND, partial(take_back, names=NAMES, model=UserSettings))
+        text = _undo_values(edited)
         if text is None:
             raise ProfileError("There is no change of these values to undo.")
         return f"These values are as before. {_save(edited, text)}"
@@ -138,7 +140,7 @@ class OwnValues:
             DriverError: as ``set``.
         """
         edited = take_user(self.stamp)
-        text = edited.undo_kind("calibration", undo_ranges)
+        text = _undo_ranges(edited)
         if text is None:
             raise ProfileError("There is no measurement to undo.")
         return f"Your range is as before that measurement. {_save(edited, text)}"
@@ -163,6 +165,25 @@ class OwnValues:
                 return f"Your own values are as they were before. {pass_on(OWN_VALUES)}"
         store.delete()
         return f"Your own values were put aside, and the usual ones apply. {pass_on(OWN_VALUES)}"
+
+
+def _undo_values(edited: EditedFile) -> ProfileText | None:
+    return edited.undo_kind(_KIND, partial(take_back, names=NAMES, model=UserSettings))
+
+
+def _undo_ranges(edited: EditedFile) -> ProfileText | None:
+    return edited.undo_kind("calibration", undo_ranges)
+
+
+def _list_undoable() -> dict[str, bool]:
+    try:
+        edited = take_user(str)
+        return {
+            "values": _undo_values(edited) is not None,
+            "ranges": _undo_ranges(edited) is not None,
+        }
+    except ProfileError:
+        return {"values": False, "ranges": False}
 
 
 def _save(edited: EditedFile, text: ProfileText) -> str:

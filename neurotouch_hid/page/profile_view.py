@@ -8,13 +8,14 @@ from typing import Final, NotRequired, TypedDict, get_args
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.files.faults import describe_fault
 from neurotouch_hid.page.own_values import load_usable_user
+from neurotouch_hid.players import find_user_file
 from neurotouch_hid.profile import check_profile
 from neurotouch_hid.profile.diagnostics import (
     describe_condition,
     describe_target,
     describe_when,
 )
-from neurotouch_hid.profile.editing import name_bindings
+from neurotouch_hid.profile.editing import Store, name_bindings, take_profile
 from neurotouch_hid.profile.engine import FILTERS, OneEuro, make_response
 from neurotouch_hid.profile.reading import find_shipped_folder, list_profile_folders
 from neurotouch_hid.profile.schema import (
@@ -131,6 +132,7 @@ class ProfileView(TypedDict):
         ranges: the person's own ranges, by movement.
         stops: the movements that stop everything.
         layers: its layers, the first one first.
+        can_undo: the page may undo a change of it.
     """
 
     profile: str
@@ -143,12 +145,19 @@ class ProfileView(TypedDict):
     ranges: dict[str, dict[str, float]]
     stops: list[StopView]
     layers: list[LayerView]
+    can_undo: bool
 
 
 class ProfileFault(TypedDict):
-    """A profile that cannot be shown, with the reason."""
+    """A profile that cannot be shown, with the reason.
+
+    Attributes:
+        fault: the reason.
+        can_undo: the page may undo a change of it.
+    """
 
     fault: str
+    can_undo: bool
 
 
 def describe_profile(path: Path, *, edit: bool) -> ProfileView:
@@ -193,7 +202,21 @@ def describe_profile(path: Path, *, edit: bool) -> ProfileView:
             }
             for layer in profile.all_layers
         ],
+        "can_undo": edit and can_undo(path),
     }
+
+
+def list_files(path: Path) -> list[Path]:
+    """Returns the files that decide what is shown of a profile; each may be missing."""
+    return [path, find_user_file(), Store(path, str).undone_file]
+
+
+def can_undo(path: Path) -> bool:
+    """Returns whether a profile that the page may change has a change to undo."""
+    try:
+        return is_editable(path) and take_profile(path.stem, str).store.can_undo()
+    except ProfileError:
+        return False
 
 
 def is_editable(path: Path) -> bool:
@@ -219,6 +242,13 @@ def list_places(written: Profile) -> list[Place]:
             for name, binding in zip(names, layer.bindings, strict=True)
         ]
     return places
+
+
+def say_when(words: str) -> str:
+    """Returns a condition as a screen reader can say it: ``twist clockwise`` for ``twist cw``."""
+    return words.replace("twist ccw", "twist counter-clockwise").replace(
+        "twist cw", "twist clockwise"
+    )
 
 
 def measure_lag(name: FilterName) -> float:
@@ -248,7 +278,7 @@ def _describe_binding(binding: Binding, key: str | None) -> BindingView:
     condition = binding.condition
     view: BindingView = {
         "key": key,
-        "when": describe_when(binding),
+        "when": say_when(describe_when(binding)),
         "do": describe_target(binding.do),
         "movements": _list_movements(condition),
     }
@@ -262,7 +292,7 @@ def _describe_binding(binding: Binding, key: str | None) -> BindingView:
 
 def _describe_stop(gesture: SafetyGesture, does: str) -> StopView:
     condition = gesture.condition
-    words = describe_condition(condition.model_copy(update={"press": None}))
+    words = say_when(describe_condition(condition.model_copy(update={"press": None})))
     if gesture.gesture == "any":
         words = words.replace("any", "any movement", 1)
     return {

@@ -269,7 +269,7 @@ def _describe_profile(path: Path) -> ProfileView | ProfileFault:
     try:
         return describe_profile(path.resolve(), edit=False)
     except ProfileError as error:
-        return {"fault": error.message}
+        return {"fault": error.message, "can_undo": False}
 
 
 def _find_stop_keys() -> dict[str, str]:

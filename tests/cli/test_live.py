@@ -128,12 +128,12 @@ def find_pressed(trace: list[dict]) -> set[str]:
 def test_pause_resume_and_panic_from_the_command_line(start):
     driver = start()
     assert driver.status()["state"] == "running"
-    driver.order("pause", "Paused")
+    driver.order("pause", "Your driver: Paused")
     assert driver.status()["state"] == "paused"
-    driver.order("resume", "Resumed")
+    driver.order("resume", "Your driver: Resumed")
     assert driver.status()["state"] == "running"
     driver.order("panic", "Your driver: Stopped")
-    assert driver.do("pause").startswith("Already stopped by panic")
+    assert driver.do("pause").startswith("Your driver: Already stopped by panic")
     driver.do("reload")
     driver.process.send_signal(signal.SIGHUP)
     driver.wait(lambda: driver.said.count("has been reloaded") == 2)
@@ -198,7 +198,7 @@ def test_sound_comes_as_soon_as_the_person_wants_it(start):
 
 def test_status_has_one_fact_on_each_line_and_the_state_first(shared):
     driver = shared
-    driver.order("resume", "Resumed")
+    driver.order("resume", "Your driver: Resumed")
     driver.wait(lambda: driver.status()["markers_tracked"] > 170 and driver.status()["stage_ms"])
     plain = driver.do("status").splitlines()
     assert plain[0] == "OK: running"
@@ -217,6 +217,27 @@ def test_status_has_one_fact_on_each_line_and_the_state_first(shared):
     assert facts["sound"] == "none"
     driver.order("panic", "Your driver: Stopped")
     assert driver.do("status").startswith("WARNING: stopped by panic")
+
+
+def test_the_command_alone_says_in_words_what_runs_and_what_comes_next(shared):
+    driver = shared
+    driver.order("resume", "Your driver: Resumed")
+    driver.wait(lambda: driver.status()["gel"]["found"])
+    said = driver.do().splitlines()
+    assert said == [
+        "The driver runs, with the profile mine.",
+        "source: SIMULATED sim:tour",
+        "pad: memory",
+        "gel: found",
+        "Next: neurotouch view --edit --open",
+        "All commands: neurotouch --help",
+    ]
+    for order, words in (("pause", "is paused"), ("panic", "is stopped by panic")):
+        driver.order(order, "Your driver: ")
+        first, *_, following, _ = driver.do().splitlines()
+        assert first == f"The driver {words}, with the profile mine."
+        assert following == "Next: neurotouch resume"
+    driver.order("resume", "Your driver: Resumed")
 
 
 def test_status_tells_the_last_ignored_gesture(start):
@@ -243,7 +264,7 @@ def test_computation_beside_the_driver_is_allowed(shared):
 
 def test_stop_ends_the_driver_and_says_so_when_it_has_ended(start):
     driver = start()
-    assert driver.do("stop") == "The driver has ended; the pad is neutral.\n"
+    assert driver.do("stop") == "Your driver: Ended. The pad is neutral.\n"
     assert not (driver.folder / "run" / "control").exists()
     assert driver.process.wait(LIMIT_S) == 0
     assert driver.said.rstrip().endswith("The pad is neutral.")

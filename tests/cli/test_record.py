@@ -286,7 +286,7 @@ def test_while_playing_it_records_what_the_driver_sees(tmp_path, driver):
     assert done.returncode == 0, done.stderr
     said = json.loads(done.stdout)
     after = ask(environment)
-    assert said["source"] == "the running driver's data (sim:tour)"
+    assert said["source"] == "sim:tour, from the running driver"
     assert (said["simulation"]["source"], said["simulation"]["seed"]) == ("sim:tour", 5)
     assert 2.0 <= said["seconds"] < 2.0 + LONGEST_US / 1e6  # the last slice is recorded whole
     assert count(tmp_path / "a.aedat4") == (said["events"], said["frames"])

@@ -149,11 +149,14 @@ def test_every_player_is_reached_although_the_first_refuses(own, capsys):
     assert said.out == "Player 2, your driver: Stopped.\nPlayer 2, the service: Stopped.\n"
 
 
-def test_the_only_driver_needs_no_name_but_panic_says_whom_it_has_reached(own, capsys):
-    with serve(own, [], STOPPED):
-        for command, said in (("pause", "Stopped.\n"), ("panic", "Your driver: Stopped.\n")):
+@pytest.mark.parametrize(
+    ("place", "name"), [("neurotouch", "Your driver"), ("service", "The service")]
+)
+def test_every_command_says_whom_it_has_reached(own, capsys, place, name):
+    with serve(own.with_name(place), [], STOPPED):
+        for command in ("pause", "resume", "panic", "reload"):
             assert send_command(command) == 0
-            assert capsys.readouterr().out == said
+            assert capsys.readouterr().out == f"{name}: Stopped.\n"
 
 
 def test_without_a_driver_it_says_so_once(own, capsys):

@@ -147,6 +147,7 @@ def take_sheet(browser: Browser, view: View, folder: Path) -> None:
     page = browser.new_page(viewport={"width": 760, "height": 400}, color_scheme="light")
     page.goto(view.page("sheet"))
     page.wait_for_selector("#layers td")
+    page.wait_for_selector("#stop-keys:not([hidden])")
     page.emulate_media(media="print")
     page.screenshot(path=folder / "sheet.png", full_page=True)
     page.close()

@@ -125,7 +125,9 @@ def test_dragging_a_threshold_changes_one_line_of_the_file(open_page, view, fold
         ".getAttribute('aria-valuenow') === '6'"
     )
     page.click("#undo")
-    page.wait_for_function("() => document.getElementById('saved').textContent.includes('again')")
+    page.wait_for_function(
+        "() => document.getElementById('saved').textContent.includes('as before that change')"
+    )
     assert path.read_text() == PROFILE
 
 

@@ -174,4 +174,5 @@ def test_what_does_not_play_yet_is_told_in_the_page_s_words(mine, changes, monke
     wish = Wish("pinch", "", "", "button b", "", "")
     for said in (changes.bind(mine, wish), changes.undo(mine)):
         assert "To play it: choose mine under Profile, then 'Play with it'." in said
+        assert "  " not in said
         assert "neurotouch" not in said

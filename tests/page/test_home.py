@@ -42,8 +42,10 @@ def test_from_nothing_to_the_mouse_gel_and_back_without_a_terminal(alone, open_p
     page.wait_for_selector("#fly:not([hidden])")
     wait_for(page, "situation", "The mouse presses a simulated gel.")
     assert "/game#k=" in page.get_attribute("#fly", "href")  # the second; the third is Fly
-    page.click("#end")
-    page.wait_for_selector("#start-mouse:not([hidden])")
+    page.focus("#end")
+    page.keyboard.press("Enter")
+    page.wait_for_function("() => document.activeElement.id === 'start-mouse'")
+    wait_on(page, lambda: "No real controller" not in read(page, "start-lines"))
 
 
 def test_what_the_page_started_ends_with_the_page(alone, open_page):
@@ -95,7 +97,7 @@ def test_a_movement_is_made_and_put_on_a_button(view, folder, open_page):
         arg=[movement],
     )
     page.click("#undo")
-    wait_for(page, "saved", "again.")
+    wait_for(page, "saved", "mine is as before that change.")
     assert path.read_text() == PROFILE
 
 

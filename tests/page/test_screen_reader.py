@@ -98,7 +98,7 @@ def test_bind_by_doing_is_a_dialog_with_names_and_says_what_it_is_for(view, own,
 
     reader.forget()
     page.locator("#undo").press("Enter")
-    reader.wait_to_hear("again.")
+    reader.wait_to_hear("mine is as before that change.")
     assert own.read_text() == PROFILE
     assert reader.focus() == ("button", "Undo")
 

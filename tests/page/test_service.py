@@ -73,5 +73,5 @@ def test_what_is_chosen_bound_and_dragged_acts_on_the_service(place, open_page):
     assert "acts from 6 mm" in page.inner_text("#saved")  # the threshold was kept
     assert "on_mm: 6" in service.read_copy()
     page.click("#undo")
-    wait_for(page, "saved", "again. It applies now.")
+    wait_for(page, "saved", "as before that change. It applies now.")
     assert "on_mm: 6" not in service.read_copy()

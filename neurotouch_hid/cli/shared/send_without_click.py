@@ -15,7 +15,7 @@ from neurotouch_hid.players import list_players
 def send_command(command: str, *, as_json: bool = False) -> int:
     """Sends a command to every driver of every player that this person may ask.
 
-    Prints what each answers, with its name where there are several.
+    Prints what each answers, after its name.
 
     Returns:
         The exit code: 0 if all have carried it out.
@@ -27,7 +27,7 @@ def send_command(command: str, *, as_json: bool = False) -> int:
     if command == "stop":
         reached = [_wait(each) for each in reached]
     code = 0
-    for name, each in zip(_name_all(reached, command), reached, strict=True):
+    for name, each in zip(_name_all(reached), reached, strict=True):
         if each.error is not None:
             code = _tell_failure(name, each.error, as_json=as_json)
         else:
@@ -64,15 +64,13 @@ def _wait(reached: Reached) -> Reached:
     return reached
 
 
-def _name_all(reached: Iterable[Reached], command: str) -> list[str]:
-    """Returns what to write before the answer of each driver, so that nobody mistakes it.
+def _name_all(reached: Iterable[Reached]) -> list[str]:
+    """Returns what to write before the answer of each driver.
 
-    A single one needs no name, but a person who calls panic must read whom it has reached.
+    A single one has its name too: a person must read whom the command has reached.
     """
     rows = [(each.player, each.name) for each in reached]
     players, names = {player for player, _ in rows}, {name for _, name in rows}
-    if len(rows) == 1 and command != "panic":
-        return [""]
     if len(players) == 1:
         return [f"{name[0].upper()}{name[1:]}: " for _, name in rows]
     if len(names) == 1:

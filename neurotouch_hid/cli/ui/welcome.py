@@ -9,6 +9,8 @@ from neurotouch_hid.cli.ui.output import echo, is_plain
 if TYPE_CHECKING:
     from neurotouch_hid.status import Status
 
+_STATES = {"running": "runs", "paused": "is paused", "panic": "is stopped by panic"}
+
 
 def welcome() -> None:
     """Prints the present state and the next step in a few lines; changes nothing."""
@@ -29,12 +31,15 @@ def has_desktop() -> bool:
 
 
 def _describe_driver(status: "Status") -> None:
-    echo(f"The driver is {status['state']}, with the profile {status['profile']}.")
-    echo(f"source: {status['source']}")
+    gel = status["gel"]
+    echo(f"The driver {_STATES[status['state']]}, with the profile {status['profile']}.")
+    echo(f"source: {'SIMULATED ' if status['simulated'] else ''}{status['source']}")
     echo(f"pad: {status['device']}")
-    echo(f"gel: {status['gel']}")
+    echo(f"gel: {gel['text']}")
     if status["state"] != "running":
         echo("Next: neurotouch resume")
+    elif gel["fix"]:
+        echo(f"Fix: {gel['fix']}")
     elif status["errors"]:
         echo(f"Last error: {status['errors'][-1]['error']}. More: neurotouch status")
     else:

@@ -58,6 +58,10 @@ class Store:
         path: the file; its name without the suffix is NAME. It need not exist.
         stamp: gives the present moment as letters, digits, ``-`` and ``_``.
         kept: how many versions are kept.
+
+    Attributes:
+        path: the file.
+        undone_file: changes after the file itself when a change of it is undone.
     """
 
     def __init__(self, path: Path, stamp: Callable[[], str], *, kept: int = KEPT) -> None:
@@ -65,7 +69,7 @@ class Store:
         self._stamp = stamp
         self._kept = kept
         self._folder = path.parent / ".history" / path.stem
-        self._undone_file = self._folder / "undone.json"
+        self.undone_file = self._folder / "undone.json"
         self._saved_file = self._folder / "last_saved"
 
     def read(self) -> bytes | None:
@@ -154,20 +158,20 @@ class Store:
         with self._lock("written"):
             return self._undo()
 
+    def can_undo(self) -> bool:
+        """Returns whether there is a version before; changes nothing.
+
+        Raises:
+            ProfileError: the file or a version cannot be read.
+        """
+        content, saved = self.read(), self._read_saved()
+        return saved not in (None, content) or self._find_before(content)[1] is not None
+
     def _undo(self) -> Version:
         content = self.read()
         self._keep_saved(content)
-        versions = self.versions()
-        shown, undone = self._read_undone()
-        now = next((v for v in versions if v.number == shown and v.read() == content), None)
-        before = (
-            version
-            for version in versions
-            if (now is None or version.number < now.number)
-            and version.number not in undone
-            and version.read() != content
-        )
-        version = next(before, None)
+        undone = self._read_undone()[1]
+        now, version = self._find_before(content)
         if version is None:
             raise ProfileError(
                 f"There is nothing to undo: '{self.path.stem}' has no version before this one.",
@@ -179,6 +183,23 @@ class Store:
             undone.add(left.number)
         self._write_undone(version.number, undone)
         return version
+
+    def _find_before(self, content: bytes | None) -> tuple[Version | None, Version | None]:
+        """Returns the version to which the last undo went, if the file is still so.
+
+        The second one is the version to which the next undo goes.
+        """
+        versions = self.versions()
+        shown, undone = self._read_undone()
+        now = next((v for v in versions if v.number == shown and v.read() == content), None)
+        before = (
+            version
+            for version in versions
+            if (now is None or version.number < now.number)
+            and version.number not in undone
+            and version.read() != content
+        )
+        return now, next(before, None)
 
     def restore(self, number: int) -> Version:
         """Takes the file back to a version.
@@ -270,7 +291,7 @@ class Store:
     def _read_undone(self) -> tuple[int, set[int]]:
         """Returns the version to which the last undo went, 0 if unknown, and those it left."""
         try:
-            read = json.loads(read_bytes(self._undone_file, MAX_SETTINGS_BYTES))
+            read = json.loads(read_bytes(self.undone_file, MAX_SETTINGS_BYTES))
             return int(read["shown"]), {int(number) for number in read["undone"]}
         except (OSError, ValueError, TypeError, KeyError, RecursionError):
             return 0, set()
@@ -285,7 +306,7 @@ class Store:
         kept = {version.number for version in self.versions()}
         marks = {"shown": shown, "undone": sorted(kept.intersection(undone))}
         with suppress(OSError):  # the next undo then only goes to the newest version
-            write_whole(self._undone_file, json.dumps(marks).encode())
+            write_whole(self.undone_file, json.dumps(marks).encode())
 
 
 def _fail(path: Path, what: str, error: OSError) -> ProfileError:

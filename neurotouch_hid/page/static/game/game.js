@@ -12,13 +12,15 @@ const find = (id) => document.getElementById(id);
 const scene = new Scene(find("sky"));
 const sound = new Sound();
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
-const IDLE_S = 45; // then the attract mode begins automatically
+const IDLE_S = 45; // then the attract mode begins, if nobody has touched anything
+const LETTERS_OFF = /^( |Enter|Arrow\w+)$/; // keys that speech input does not produce
 const LEAST_TRIALS = 3;
 
 let state = null; // of the stream
 let mode = "start"; // start, flying, watching, paused, result
 let flight = new Flight({ steady: calm.matches });
 let idle = 0;
+let touched = false; // a person is here, who may take any time
 let flights = 0;
 let previous = null; // seconds to aim at a ring, of the flight before
 let paused = "flying"; // the mode to go back to
@@ -53,11 +55,12 @@ function show(next) {
   const panels = { start: "start", paused: "pause-panel", result: "result" };
   for (const [name, id] of Object.entries(panels)) find(id).hidden = name !== next;
   find("pause").hidden = !["flying", "watching"].includes(next);
-  const focus = { start: "fly", paused: "go-on", result: "again", watching: "pause",
+  find("take-over").hidden = next !== "watching";
+  const focus = { start: "fly", paused: "go-on", result: "again", watching: "take-over",
     flying: hasGel() ? "gel" : "pause" }[next];
   // The header's button keeps the focus after a person paused there.
   if (document.activeElement.id !== "pause-resume") find(focus).focus({ preventScroll: true });
-  byDriver = false;
+  byDriver = touched = false;
   idle = 0;
 }
 
@@ -111,10 +114,11 @@ function turn(now) {
   if (hasGel()) gel.turn(now, state);
   const pilot = choosePilot();
   showPilot(pilot);
-  if (mode === "start" && hasGel() && gel.hand.command.down) begin("flying"); // as Fly does
+  const awaits = mode === "start" || mode === "watching";
+  if (awaits && hasGel() && gel.hand.command.down) begin("flying"); // as Fly does
   if (mode === "start") {
     idle += dt;
-    if (idle > IDLE_S && !calm.matches) begin("watching");
+    if (idle > IDLE_S && !touched && !calm.matches) begin("watching");
     flight.advance({ ...REST, ...steer(playScript(flight).pad) }, 0.35 * dt);
   } else if (mode === "flying" || mode === "watching") {
     const script = mode === "watching" ? playScript(flight) : null;
@@ -136,7 +140,7 @@ function fly(pad, words, dt) {
   say("speed", `${Math.round(100 * flight.pace)} %`);
   say("roll", `${Math.round((flight.roll * 180) / Math.PI)}°`);
   const advice = adviseGesture(place, mode === "flying" && options().pull);
-  say("advice", mode === "watching" ? "" : advice);
+  say("advice", mode === "watching" ? "To fly yourself, press a key or the screen." : advice);
   if (mode === "flying") page.say(advice);
   say("hand", mode === "watching" ? `Scripted hand: ${words}` : words);
   if (flight.isOver) land();
@@ -151,7 +155,7 @@ function showPilot({ pad, words }) {
 
 find("fly").addEventListener("click", () => begin("flying"));
 find("watch").addEventListener("click", () => begin("watching"));
-find("again").addEventListener("click", () => begin("flying"));
+for (const id of ["again", "take-over"]) find(id).addEventListener("click", () => begin("flying"));
 for (const id of ["leave", "end"]) find(id).addEventListener("click", () => show("start"));
 find("pause").addEventListener("click", pause);
 find("go-on").addEventListener("click", () => {
@@ -184,11 +188,32 @@ function followDriver(next) {
   }
 }
 
+// In the attract mode every key means: I am here. A control in use keeps its own keys.
+function isToFly({ key, target, repeat, defaultPrevented, ctrlKey, altKey, metaKey }) {
+  if (repeat || defaultPrevented || ctrlKey || altKey || metaKey) return false;
+  const activates = key === "Enter" || key === " ";
+  if (mode === "start") return key === "Enter" && target === document.body;
+  const isKey = LETTERS_OFF.test(key) || (key.length === 1 && find("pause-key").checked);
+  return mode === "watching" && isKey && !target.closest("header")
+    && !(activates && target.closest("a, button, summary"));
+}
+
 addEventListener("keydown", (event) => {
-  if (event.key === "Enter" && mode === "start" && event.target === document.body) begin("flying");
+  if (isToFly(event)) {
+    event.preventDefault(); // the button that gets the focus would take it too
+    begin("flying");
+  }
+  // A long press is one press: the next button has the focus already.
+  if (event.repeat && event.key === "Enter") event.preventDefault();
   if (event.key !== "Escape") return;
   if (mode === "flying" || mode === "watching") pause();
   else if (mode === "paused") show(paused);
 });
+addEventListener("click", ({ target }) => {
+  if (mode === "watching" && !target.closest("header, a, button, .gel-panel")) begin("flying");
+});
+for (const sign of ["keydown", "pointerdown", "pointermove", "focusin", "wheel"]) {
+  addEventListener(sign, () => { touched = true; }, { passive: true });
+}
 addEventListener("blur", () => { if (mode === "flying" && !readGamepad() && !state) pause(); });
 requestAnimationFrame(turn);

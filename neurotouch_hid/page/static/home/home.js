@@ -2,6 +2,7 @@
 
 import { MOUSE, makeGel, makeGestureButtons } from "../gel/pressed_gel.js";
 import { openPage } from "../shared/header.js";
+import { makeUndo } from "../shared/undo.js";
 import { element } from "../shared/wire.js";
 import { makeCalibration } from "./calibration.js";
 import { makeCheck } from "./check.js";
@@ -41,6 +42,7 @@ let situation = null;
 let runs = false;
 let starting = "";
 let begun = false; // this page started the driver
+let ended = false; // this page ends it
 let faults = []; // errors of a failed start
 let layer = "";
 let doing = false; // a movement is waited for, or its output is chosen
@@ -81,6 +83,7 @@ const page = openPage(HZ, {
   about(message) {
     const isFirst = about === null;
     about = message;
+    showUndo(Boolean(about && about.can_undo));
     showLayer();
     if (!isFirst) page.send({ do: "profiles" });
   },
@@ -91,8 +94,10 @@ const page = openPage(HZ, {
   profiles: (found) => profiles.show(found),
   shown: (found, { name }) => profiles.shown(found, name),
   own(found) {
-    const { fault, values, unfinished = {} } = found;
+    const { fault, values, unfinished = {}, can_undo: can = {} } = found;
     kept = unfinished;
+    showOwnUndo(Boolean(can.values));
+    showRangeUndo(Boolean(can.ranges));
     showRange();
     showOwn(values, mayEdit);
     page.notice("own", fault ? `${fault} Below, 'Mend my values' brings back what could be read.` : "");
@@ -188,6 +193,11 @@ function showStart() {
   // The button that started it is gone, and the focus too.
   if (newest && begun && document.activeElement === document.body) find("fly").focus();
   if (newest) begun = false;
+  if (ended && isIdle) {
+    const next = ["start-camera", "mend", "start-mouse"].map(find).find((each) => !each.hidden);
+    if (next && document.activeElement === document.body) next.focus();
+    ended = false;
+  }
   find("by-doing").hidden = !(newest && about && about.edit && !profiles.view);
   find("by-doing").disabled = calibration.runs; // both listen to the same movements
   placeGel();
@@ -241,7 +251,10 @@ find("mend").addEventListener("click", () => {
   ask({ do: "start", what: situation.mend }, "start-lines");
   sayStart("Asking for the password …");
 });
-find("end").addEventListener("click", () => ask({ do: "stop", what: "driver" }, "start-lines"));
+find("end").addEventListener("click", () => {
+  [faults, ended] = [[], true]; // what its start said is over
+  ask({ do: "stop", what: "driver" }, "start-lines");
+});
 let looks = 0;
 find("look").addEventListener("click", () => {
   clearInterval(looks);
@@ -343,7 +356,8 @@ find("layer-choice").addEventListener("change", () => {
   layer = find("layer-choice").value;
   showLayer();
 });
-find("undo").addEventListener("click", () => ask({ do: "undo" }, "saved"));
+const showUndo = makeUndo(find("undo"), "There is no change to undo.",
+  () => ask({ do: "undo" }, "saved"), page.tell);
 
 const profiles = makeProfiles(find, {
   say,
@@ -371,13 +385,15 @@ find("measure").addEventListener("click", () => {
   find("measuring").scrollIntoView(); // the question and the gel
 
 });
-find("range-undo").addEventListener("click", () => ask({ do: "undo calibration" }, "range-said"));
+const showRangeUndo = makeUndo(find("range-undo"), "There is no measurement to undo.",
+  () => ask({ do: "undo calibration" }, "range-said"), page.tell);
 
 // 4 How it helps you
 
 const showOwn = makeOwnValues(find("own"), (name, value) => askOwn({ do: "own value", name, value }));
 const askOwn = (request) => ask(request, "own-said");
-find("own-undo").addEventListener("click", () => askOwn({ do: "undo own values" }));
+const showOwnUndo = makeUndo(find("own-undo"), "There is no choice to undo.",
+  () => askOwn({ do: "undo own values" }), page.tell);
 find("own-mend").addEventListener("click", () => {
   askOwn({ do: "mend own values" });
   find("own-undo").focus();

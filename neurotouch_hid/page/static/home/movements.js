@@ -81,8 +81,9 @@ export function makeCards(list, { choose, remove, name: nameOutput }) {
 }
 
 // Describes a binding without its movement, which the card names.
+const MOVEMENT = /^(push( (left|right|up|down))?|pinch|zoom|twist( (counter-)?clockwise)?)/;
 export function describe(binding, nameOutput) {
-  const when = binding.when.replace(/^(push( (left|right|up|down))?|pinch|zoom|twist( c?cw)?)/, "");
+  const when = binding.when.replace(MOVEMENT, "");
   return `${when.trim() ? `${when.trim()}: ` : ""}${nameOutput(binding.do)}`;
 }
 

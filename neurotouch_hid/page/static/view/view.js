@@ -1,6 +1,7 @@
 // The live view: shows each state in every part of the page.
 
 import { openPage } from "../shared/header.js";
+import { makeUndo } from "../shared/undo.js";
 import { element } from "../shared/wire.js";
 import { makeBars } from "./bars.js";
 import { drawDisc } from "../shared/disc.js";
@@ -40,6 +41,7 @@ const page = openPage(30, {
   },
   about(message) {
     about = message;
+    showUndo(Boolean(about && about.can_undo));
     keepUnanswered();
     page.notice("profile",
       about && about.fault ? `The profile cannot be shown: ${about.fault}` : "");
@@ -258,7 +260,8 @@ document.addEventListener("focusin", ({ target }) => {
 find("mark-choice").addEventListener("change", () => showEntry());
 find("mark-less").addEventListener("click", () => step(-0.1));
 find("mark-more").addEventListener("click", () => step(0.1));
-find("undo").addEventListener("click", () => page.ask({ do: "undo" }));
+const showUndo = makeUndo(find("undo"), "There is no change to undo.",
+  () => page.ask({ do: "undo" }), page.tell);
 find("editor").addEventListener("submit", (event) => event.preventDefault());
 addEventListener("resize", () => newest && draw());
 drawDisc(find("disc"), null);
