@@ -89,7 +89,7 @@ def test_an_order_reaches_everybody(players):
 def test_an_order_to_one_does_not_reach_the_other(players):
     players.call("pause", player="2")
     players.wait_for("running", "paused")
-    assert players.call("pause", player="2").stdout.startswith("Already paused")
+    assert players.call("pause", player="2").stdout.startswith("Your driver: Already paused")
     players.call("resume", player="2")
     players.wait_for("running", "running")
 
