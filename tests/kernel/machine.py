@@ -41,6 +41,8 @@ class MissingError(Exception):
 
 def choose_machine(test_file: str) -> str:
     """Which of the machines plays the chapters that a file of tests asks about."""
+    if test_file.startswith("test_processor"):
+        return "processors"
     return "cameras" if test_file.startswith(CAMERA_TESTS) else "pads"
 
 
@@ -100,6 +102,7 @@ def boot(
     results: Path,
     *,
     time_limit_s: float,
+    n_processors: int = 1,
     disk: Path | None = None,
     is_over: Callable[[], bool] = lambda: False,
 ) -> str:
@@ -110,6 +113,7 @@ def boot(
         program: the command. It must first make a file called ``booted`` in ``results``.
         results: a folder that the guest can write; all but this and COMPILED is read-only there.
         time_limit_s: after this time the machine is switched off.
+        n_processors: how many the machine has.
         disk: the image of a disk that the guest may write.
         is_over: looked at often; when it says True, the power is cut.
     """
@@ -122,7 +126,7 @@ def boot(
         f"--rwdir={COMPILED}",
         *("--run", str(kernel)),
         *("--user", "root"),
-        *("--cpus", "1"),
+        *("--cpus", str(n_processors)),
         *("--memory", "2G"),
         *(() if disk is None else ("--disk", str(disk))),
     ]

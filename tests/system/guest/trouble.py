@@ -90,10 +90,14 @@ def freeze(desk: Desk) -> dict[str, Any]:
     Path("/sys/power/pm_test").write_text("freezer")
     begun_s = time.monotonic()
     Path("/sys/power/state").write_text("mem")
-    seconds = time.monotonic() - begun_s
+    awake_s = time.monotonic()
     Path("/sys/power/pm_test").write_text("none")
     _see_gesture(reader)
-    return {"seconds": seconds, "same": before == desk.identity()}
+    return {
+        "seconds": awake_s - begun_s,
+        "neutral_after_s": reader.first_neutral_after(awake_s),
+        "same": before == desk.identity(),
+    }
 
 
 def _see_gesture(reader: Reader) -> None:
