@@ -64,12 +64,13 @@ class TimedDevice(MemoryDevice):
             self.is_pushed.set()
 
 
-def pull_and_plug(n_plugs: int, seed: int = 1) -> Result:
+def pull_and_plug(n_plugs: int, seed: int = 1, told: Callable[[str], object] = str) -> Result:
     """Plays; plugs a camera in and pulls it in the middle of a gesture, again and again.
 
     Args:
         n_plugs: how often.
         seed: of the moments.
+        told: is told how it goes.
     """
     with Simulator(sequence("a push", push(0.0, 10.0, timing=STROKE), rest_us=200_000)) as source:
         scene = list(source)
@@ -83,8 +84,9 @@ def pull_and_plug(n_plugs: int, seed: int = 1) -> Result:
         try:
             for k in range(n_plugs):
                 _play_once(scene, cable, pad, chance, result)
-                if k % 10 == 9 or k == 1:
+                if k % 50 == 2:
                     result.weights.append(_weigh())
+                    told(f"plug {k + 1}: {result.weights[-1]}")
         finally:
             driver.stop()
             playing.join()
@@ -140,7 +142,7 @@ def _weigh() -> tuple[int, int, int]:
 
 def main() -> None:
     """Prints the figures."""
-    result = pull_and_plug(int(sys.argv[1]))
+    result = pull_and_plug(int(sys.argv[1]), told=lambda line: print(line, flush=True))
     late = sorted(result.neutral_s)
     print(f"{len(late)} plugs, {result.n_connects} times opened")
     print(

@@ -41,6 +41,7 @@ CHAPTERS: dict[str, Callable[[Desk], Any]] = {
     "memory": trouble.hog,
     "frozen": trouble.freeze,
     "second": additions.play_second,
+    "together": additions.start_together,
     "examples": additions.add_examples,
     "purge": package.purge,
     "set_up": package.set_up,
