@@ -132,6 +132,7 @@ def boot(
     ]
     COMPILED.mkdir(parents=True, exist_ok=True)
     booted = results / "booted"
+    booted.unlink(missing_ok=True)  # of the boot before
     if os.access("/dev/kvm", os.R_OK | os.W_OK):
         # Where nested virtualisation is broken, QEMU ends at once or hangs.
         console = _run([*command, "--", *program], booted, (KVM_PATIENCE_S, time_limit_s), is_over)

@@ -84,7 +84,7 @@ def pull_and_plug(n_plugs: int, seed: int = 1, told: Callable[[str], object] = s
         try:
             for k in range(n_plugs):
                 _play_once(scene, cable, pad, chance, result)
-                if k % 50 == 2:
+                if k % 50 == 2 or k == n_plugs - 1:
                     result.weights.append(_weigh())
                     told(f"plug {k + 1}: {result.weights[-1]}")
         finally:
