@@ -17,6 +17,7 @@ from typing import Any
 from tests.system.guest import additions, package, people, service, trouble
 from tests.system.guest.camera import Camera
 from tests.system.guest.desk import Desk
+from tests.system.guest.observation import run
 
 CHAPTERS: dict[str, Callable[[Desk], Any]] = {
     "install": package.install,
@@ -51,6 +52,16 @@ IN_CONTAINER = Path("/run/systemd/container")
 """systemd writes there which kind of container it runs in; a machine has no such file."""
 
 
+def describe_machine() -> str:
+    """What the service says, and what takes the processor's time."""
+    looks = (
+        ("neurotouch", "status"),
+        ("journalctl", "--no-pager", "--lines=20"),
+        ("ps", "-eo", "pid,pcpu,time,stat,args", "--sort=-time"),
+    )
+    return "".join(f"\n{' '.join(look)}:\n{run(*look)['out'][:3000]}" for look in looks)
+
+
 def main() -> None:
     results = Path(sys.argv[1])
     chosen = (results / "chapters").read_text().split() or list(CHAPTERS)
@@ -61,7 +72,7 @@ def main() -> None:
         try:
             answer = {"saw": CHAPTERS[name](desk)}
         except Exception:
-            answer = {"failed": traceback.format_exc()}
+            answer = {"failed": traceback.format_exc() + describe_machine()}
         answer["seconds"] = round(time.monotonic() - begun, 1)
         print(f"{name}: {answer['seconds']} s", flush=True)
         unfinished = results / f"{name}.unfinished"
