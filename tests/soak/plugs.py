@@ -86,7 +86,8 @@ def pull_and_plug(n_plugs: int, seed: int = 1, told: Callable[[str], object] = s
                 _play_once(scene, cable, pad, chance, result)
                 if k % 50 == 2 or k == n_plugs - 1:
                     result.weights.append(_weigh())
-                    told(f"plug {k + 1}: {result.weights[-1]}")
+                    worst_ms = 1e3 * max(result.neutral_s)
+                    told(f"plug {k + 1}: {result.weights[-1]}, neutral after {worst_ms:.0f} ms")
         finally:
             driver.stop()
             playing.join()
