@@ -17,7 +17,7 @@ from typing import Any
 from tests.system.guest import additions, package, people, service, trouble
 from tests.system.guest.camera import Camera
 from tests.system.guest.desk import Desk
-from tests.system.guest.observation import run
+from tests.system.guest.observation import SERVICE, run
 
 CHAPTERS: dict[str, Callable[[Desk], Any]] = {
     "install": package.install,
@@ -53,13 +53,13 @@ IN_CONTAINER = Path("/run/systemd/container")
 
 
 def describe_machine() -> str:
-    """What the service says, and what takes the processor's time."""
+    """What the service and the kernel say of it."""
     looks = (
         ("neurotouch", "status"),
-        ("journalctl", "--no-pager", "--lines=20"),
-        ("ps", "-eo", "pid,pcpu,time,stat,args", "--sort=-time"),
+        ("journalctl", "--no-pager", "--lines=20", f"--unit={SERVICE}"),
+        ("journalctl", "--no-pager", "--lines=5", "--dmesg", "--grep=traps|oom|Out of memory"),
     )
-    return "".join(f"\n{' '.join(look)}:\n{run(*look)['out'][:3000]}" for look in looks)
+    return "".join(f"\n{' '.join(look)}:\n{run(*look)['out'][-3000:]}" for look in looks)
 
 
 def main() -> None:
