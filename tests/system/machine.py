@@ -14,8 +14,8 @@ _CLOCK = ("-icount", "shift=0")
 thousand million a second: in there it is a real, slow processor, and 100 ms are 100 ms of it."""
 
 _PROCESSOR = "max,-avx2,-erms,-fsrm"
-"""QEMU 7.2 gathers from wrong addresses where the index is in ymm4. So NumPy's ``argsort`` with AVX2
-gives a wrong order, or a general protection fault. Without the other two the kernel copies eight
+"""QEMU 7.2 gathers from wrong addresses where the index is in ymm4: with AVX2, NumPy's ``argsort``
+gives a wrong order or a general protection fault. Without the other two the kernel copies eight
 bytes at a time instead of one, which QEMU would repeat."""
 
 _EMULATED = ("-accel", "tcg", "-cpu", _PROCESSOR, *_CLOCK)
