@@ -101,6 +101,17 @@ def write_whole(path: Path, content: bytes) -> None:
         os.close(folder)
 
 
+def suggest_fix(error: OSError) -> str:
+    """Returns what to do where a file could not be written."""
+    match error.errno:
+        case errno.ENOSPC | errno.EDQUOT:
+            return "Make room on this disk, then try again."
+        case errno.EROFS:
+            return "This disk is read-only, often after an error. Restart the machine."
+        case _:
+            return "It needs the right to write there."
+
+
 def try_writing(path: Path) -> None:
     """Tries before a long work whether a file can be written; leaves everything as it is.
 

@@ -1,5 +1,6 @@
 """A file is whole or not there, a link in the way is not followed, and a device stays a device."""
 
+import errno
 import os
 import re
 import stat
@@ -9,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from neurotouch_hid.cli.ui.output import save_json
-from neurotouch_hid.partial_file import PartialFile, try_writing, write_whole
+from neurotouch_hid.partial_file import PartialFile, suggest_fix, try_writing, write_whole
 
 ROOT = Path(__file__).parents[1]
 WRITES = re.compile(r"\.write_(text|bytes)\(|\.open\([\"'][wxa]|O_CREAT|mkstemp|NamedTemporary")
@@ -165,3 +166,11 @@ def test_the_json_of_a_command_may_go_to_a_device(tmp_path):
     path.symlink_to("/dev/null")
     save_json(path, {"a": 1})
     assert path.is_char_device()
+
+
+@pytest.mark.parametrize(
+    ("number", "fix"),
+    [(errno.ENOSPC, "Make room"), (errno.EROFS, "Restart"), (errno.EACCES, "right")],
+)
+def test_what_to_do_is_said_by_the_reason(number, fix):
+    assert fix in suggest_fix(OSError(number, os.strerror(number)))

@@ -16,7 +16,7 @@ from typing import Any, Final
 from neurotouch_hid.driver.admission import find_seated_users
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
-from neurotouch_hid.partial_file import write_whole
+from neurotouch_hid.partial_file import suggest_fix, write_whole
 from neurotouch_hid.players import find_runtime_folder, find_user_file
 from neurotouch_hid.profile.reading import find_user_folder
 from neurotouch_hid.vocabulary import NAME_PATTERN
@@ -114,7 +114,8 @@ class People:
                     path.unlink(missing_ok=True)
         except OSError as error:
             raise DriverError(
-                f"The service cannot keep your settings: {error.strerror}."
+                f"The service cannot keep your settings in '{self._folder}': {error.strerror}.",
+                hint=suggest_fix(error),
             ) from error
 
 

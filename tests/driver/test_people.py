@@ -1,5 +1,6 @@
 """Whose settings a service plays: those of the person at the machine, and of nobody else."""
 
+import errno
 import json
 import os
 import subprocess
@@ -282,3 +283,17 @@ def test_a_command_of_a_real_person_changes_what_the_service_plays(service, seat
             assert service.control.user.filter != "light"
     finally:
         subprocess.run(["rm", "-rf", folder], check=True)
+
+
+def test_a_full_disk_keeps_what_was_there_and_says_what_to_do(people, seated, monkeypatch):
+    def fail(path, content):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    seated.append(ANNA)
+    people.keep(ANNA, make_settings("a"))
+    monkeypatch.setattr("neurotouch_hid.driver.people.write_whole", fail)
+    with pytest.raises(DriverError, match="No space left on device") as refused:
+        people.keep(ANNA, make_settings("b"))
+    assert refused.value.hint == "Make room on this disk, then try again."
+    kept = people.find_present().folder / "profiles/mine.yaml"
+    assert kept.read_text() == make_profile("mine", "a")

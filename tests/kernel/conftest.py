@@ -47,7 +47,13 @@ def machines(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
         prepare(machine, folder / "tour.aedat4")
         settings = [f"{name}={value}" for name, value in NUMBA.items()]
         program = ["env", *settings, sys.executable, "-m", "tests.kernel.guest", str(folder)]
-        console = boot(kernel, [*program, machine], folder, time_limit_s=TIME_LIMIT_S)
+        console = boot(
+            kernel,
+            [*program, machine],
+            folder,
+            time_limit_s=TIME_LIMIT_S,
+            n_processors=2 if machine == "processors" else 1,
+        )
         (folder / "console.txt").write_text(console)
         return folder
 

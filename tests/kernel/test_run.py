@@ -45,10 +45,10 @@ def read_reports(events: list[list[int]]) -> list[tuple[int, ...]]:
     return reports
 
 
-def read_trace(results) -> list[tuple[int, ...]]:
+def read_trace(trace) -> list[tuple[int, ...]]:
     """Return the report of the pad in each line of the trace."""
     reports = []
-    for line in (results / "tour.jsonl").read_text().splitlines():
+    for line in trace.read_text().splitlines():
         pad = json.loads(line)["pad"]
         buttons = frozenset(button for button in Button if pad[button])
         reports.append(XBOX.encode(GamepadState(0, buttons, {axis: pad[axis] for axis in Axis})))
@@ -93,7 +93,7 @@ def test_a_game_sees_nothing_else_move(tour, library):
 
 
 def test_a_reader_sees_exactly_what_the_trace_says(tour, results):
-    seen, traced = read_reports(tour["events"]), read_trace(results)
+    seen, traced = read_reports(tour["events"]), read_trace(results / "tour.jsonl")
     assert len(seen) > 100
     assert follows(seen, traced)
 

@@ -12,15 +12,6 @@ PUSH_US = 2_000_000
 """The first gesture of the tour, and the rest around it."""
 
 
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    for name in ("XDG_RUNTIME_DIR", "XDG_CONFIG_HOME"):
-        (tmp_path / name.lower()).mkdir(mode=0o700)
-        monkeypatch.setenv(name, str(tmp_path / name.lower()))
-    monkeypatch.delenv("RUNTIME_DIRECTORY")
-    return tmp_path
-
-
 def test_two_disturbed_cycles_leave_nothing_behind(folder, monkeypatch):
     monkeypatch.setattr("tests.soak.source.CYCLE_US", 20_000_000)
     result = run_soak(40 / 3600, 1, folder, PUSH_US, print)

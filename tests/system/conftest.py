@@ -5,7 +5,7 @@ import os
 import re
 import shutil
 import subprocess
-import sys
+import sysconfig
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -113,14 +113,20 @@ def make_older(package: Path, folder: Path) -> None:
 
 
 def prepare_scene(results: Path) -> None:
-    """Record what the camera sees, and compile what plays the camera."""
+    """Record what the camera sees, and compile what plays the camera, with the guest's Python."""
     recording = str(results / "scene.aedat4")
-    environment = {**os.environ, **GENERIC, "NUMBA_CACHE_DIR": str(results / "compiled")}
+    environment = {
+        **os.environ,
+        **GENERIC,
+        "NUMBA_CACHE_DIR": str(results / "compiled"),
+        "PYTHONPATH": f"{sysconfig.get_path('purelib')}:{ROOT}/devtools",
+        "PYTHONDONTWRITEBYTECODE": "1",
+    }
     for module in (
         ["tests.system.scene", recording],
         ["tests.system.guest.camera", recording, "rehearse"],
     ):
-        subprocess.run([sys.executable, "-m", *module], cwd=ROOT, env=environment, check=True)
+        subprocess.run(["/usr/bin/python3", "-m", *module], cwd=ROOT, env=environment, check=True)
 
 
 def compile_service(package: Path, compiled: Path) -> None:

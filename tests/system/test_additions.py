@@ -33,6 +33,15 @@ def test_two_services_leave_no_right_behind(second):
     assert not [line for line in second["uinput"]["acl"] if line.startswith("user:neurotouch")]
 
 
+def test_services_that_start_at_the_same_moment_all_get_a_pad(guest):
+    seen = guest("together")
+    assert seen["started"]["code"] == 0, seen["started"]["err"]
+    assert len(set(seen["pads"].values())) == 3
+    for each in seen["show"].values():
+        assert each == {"ActiveState": "active", "NRestarts": "0", "Result": "success"}
+    assert not [line for line in seen["uinput"]["acl"] if line.startswith("user:neurotouch")]
+
+
 def test_with_the_examples_it_is_a_true_hid_and_a_pad_plays_along(guest):
     seen = guest("examples")
     assert seen["restarted"]["code"] == 0, seen["restarted"]["err"]

@@ -32,4 +32,6 @@ def test_the_one_that_takes_all_memory_is_ended_and_not_the_service(guest):
 
 
 def test_a_machine_that_stood_still_plays_on(guest):
-    assert guest("frozen")["seconds"] > 4.0
+    seen = guest("frozen")
+    assert seen["seconds"] > 4.0
+    assert seen["neutral_after_s"] < 0.1

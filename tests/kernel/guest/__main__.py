@@ -72,8 +72,9 @@ CAMERAS: dict[str, Callable[[Path], Any]] = {
     "camera": camera.watch,
     "gels": gels.play_both,
 }
-MACHINES = {"pads": PADS, "cameras": CAMERAS}
-CHAPTERS = PADS | CAMERAS
+PROCESSORS: dict[str, Callable[[Path], Any]] = {"processor": driver.lose_processor}
+MACHINES = {"pads": PADS, "cameras": CAMERAS, "processors": PROCESSORS}
+CHAPTERS = PADS | CAMERAS | PROCESSORS
 
 
 CHAPTER_LIMIT_S = 900.0
@@ -90,7 +91,7 @@ def main() -> None:
     if not CAMERAS.keys().isdisjoint(chapters):
         with suppress(TimeoutError):  # then the chapters will say what is wrong
             load_kernels()
-    if not PADS.keys().isdisjoint(chapters):
+    if not (PADS | PROCESSORS).keys().isdisjoint(chapters):
         driver.load_kernels()
     for name in chapters:
         begun = time.monotonic()

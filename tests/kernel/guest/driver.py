@@ -22,6 +22,7 @@ from tests.kernel.guest.reader import Reader, find_node, list_nodes
 from tests.kernel.guest.sdl import look, open_games
 
 KEYS = Path(__file__).with_name("keys.yaml")
+PROCESSOR = Path("/sys/devices/system/cpu/cpu1/online")
 PATIENCE_S = 300.0
 
 
@@ -48,6 +49,30 @@ def play_tour(results: Path) -> dict[str, Any]:
                         seen[name][control] = [min(low, value), max(high, value)]
                 time.sleep(0.02)
     return {**reader.report(), "exit_code": process.exitcode, "nodes": nodes, **seen}
+
+
+def lose_processor(results: Path) -> dict[str, Any]:
+    """Play the tour; the processor that the driver runs on is taken away again and again."""
+    source, trace = results / "tour.aedat4", results / "processor.jsonl"
+    ran_on = []
+    with started("spacecraft", f"file:{source}", "--trace", str(trace)) as (process, reader):
+        while process.is_alive():
+            with contextlib.suppress(ProcessLookupError, FileNotFoundError):
+                for thread in Path(f"/proc/{process.pid}/task").iterdir():
+                    os.sched_setaffinity(int(thread.name), {1})
+                time.sleep(0.3)
+                ran_on.append(find_processor(process.pid))
+                PROCESSOR.write_text("0")
+                time.sleep(0.3)
+                ran_on.append(find_processor(process.pid))
+            PROCESSOR.write_text("1")
+    return {**reader.report(), "exit_code": process.exitcode, "ran_on": ran_on}
+
+
+def find_processor(pid: int) -> int:
+    """On which processor a process runs, or ran last."""
+    after_name = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return int(after_name[36])
 
 
 def terminate(results: Path) -> dict[str, Any]:

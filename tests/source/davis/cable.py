@@ -50,7 +50,6 @@ class Cable:
 
     def plug(self, camera):
         identity = camera.config.identity
-        self.camera = camera
         self.data = DataEndpoint(camera)
         self.control = ControlEndpoint(camera, self.data)
         self.n_plugs += 1
@@ -63,6 +62,7 @@ class Cable:
             speed_mbit_s=5000 if identity.super_speed else 480,
             firmware=6,
         )
+        self.camera = camera  # last: another thread may be looking for it
 
     def unplug(self):
         self.camera = None

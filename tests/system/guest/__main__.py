@@ -17,6 +17,7 @@ from typing import Any
 from tests.system.guest import additions, package, people, service, trouble
 from tests.system.guest.camera import Camera
 from tests.system.guest.desk import Desk
+from tests.system.guest.observation import SERVICE, run
 
 CHAPTERS: dict[str, Callable[[Desk], Any]] = {
     "install": package.install,
@@ -41,6 +42,7 @@ CHAPTERS: dict[str, Callable[[Desk], Any]] = {
     "memory": trouble.hog,
     "frozen": trouble.freeze,
     "second": additions.play_second,
+    "together": additions.start_together,
     "examples": additions.add_examples,
     "purge": package.purge,
     "set_up": package.set_up,
@@ -48,6 +50,16 @@ CHAPTERS: dict[str, Callable[[Desk], Any]] = {
 
 IN_CONTAINER = Path("/run/systemd/container")
 """systemd writes there which kind of container it runs in; a machine has no such file."""
+
+
+def describe_machine() -> str:
+    """What the service and the kernel say of it."""
+    looks = (
+        ("neurotouch", "status"),
+        ("journalctl", "--no-pager", "--lines=20", f"--unit={SERVICE}"),
+        ("journalctl", "--no-pager", "--lines=5", "--dmesg", "--grep=traps|oom|Out of memory"),
+    )
+    return "".join(f"\n{' '.join(look)}:\n{run(*look)['out'][-3000:]}" for look in looks)
 
 
 def main() -> None:
@@ -60,7 +72,7 @@ def main() -> None:
         try:
             answer = {"saw": CHAPTERS[name](desk)}
         except Exception:
-            answer = {"failed": traceback.format_exc()}
+            answer = {"failed": traceback.format_exc() + describe_machine()}
         answer["seconds"] = round(time.monotonic() - begun, 1)
         print(f"{name}: {answer['seconds']} s", flush=True)
         unfinished = results / f"{name}.unfinished"

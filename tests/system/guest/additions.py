@@ -80,6 +80,28 @@ def _play_in_turns(desk: Desk) -> dict[str, Any]:
     return saw
 
 
+def start_together(desk: Desk) -> dict[str, Any]:
+    """Three players' services start at the same moment, as they do with the machine."""
+    services = {1: SERVICE, 2: OTHER_SERVICE, 3: "neurotouch@3.service"}
+    added = [folder for p in (2, 3) if not (folder := _SETTINGS / f"player-{p}").exists()]
+    for folder in added:
+        folder.mkdir()
+        serial = folder.name[-1].zfill(len(OTHER_SERIAL))
+        (folder / "service.yaml").write_text(f'version: 1\ncamera: "{serial}"\n')
+    run("systemctl", "stop", *services.values())
+    saw: dict[str, Any] = {"started": run("systemctl", "start", *services.values())}
+    saw["pads"] = {p: wait_for(lambda p=p: find_pad(player=p)) for p in services}
+    saw["show"] = {
+        p: show("ActiveState", "NRestarts", "Result", service=each) for p, each in services.items()
+    }
+    saw["uinput"] = describe_node("/dev/uinput")
+    desk.play_until_pushed()
+    run("systemctl", "stop", services[3])
+    for folder in added:
+        shutil.rmtree(folder)
+    return saw
+
+
 def add_examples(desk: Desk) -> dict[str, Any]:
     """The examples of the documentation put where it says: a HID pad, and somebody plays along."""
     for name, folder in _ADDED.items():

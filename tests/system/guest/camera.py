@@ -10,7 +10,7 @@ needs; no kernel takes part.
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -36,10 +36,8 @@ of 4 ms takes 20 ms in there, a quarter of the silence at which the pad goes neu
 SERIAL = "00000001"
 
 
-def repeat(recording: Path) -> Iterator[EventPacket]:
-    """The packets of a recording without end, time going on."""
-    with Replay(recording) as source:
-        packets = list(source)
+def repeat(packets: Sequence[EventPacket]) -> Iterator[EventPacket]:
+    """The packets without end, time going on."""
     length_us = packets[-1].t_end_us - packets[0].t_begin_us
     shift_us = -packets[0].t_begin_us
     while True:
@@ -109,7 +107,8 @@ def rehearse(packets: Iterator[EventPacket]) -> None:
 def main() -> None:
     """Does what it is told until nobody tells it anything."""
     recording, cable = Path(sys.argv[1]), None
-    packets = repeat(recording)
+    with Replay(recording) as source:
+        packets = repeat(list(source))
     if sys.argv[2:] == ["rehearse"]:
         rehearse(packets)
         return

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from tests.system.guest.camera import Camera
 from tests.system.guest.observation import (
+    PEOPLE,
     PLAYER,
     SERVICE,
     Reader,
@@ -42,8 +43,10 @@ class Desk:
 
     def forget_choice(self) -> None:
         """The player has saved nothing again, so the machine's values apply."""
-        shutil.rmtree(f"/home/{PLAYER}/.config/neurotouch")
-        run("systemctl", "restart", SERVICE)
+        run("systemctl", "stop", SERVICE)
+        for folder in (f"/home/{PLAYER}/.config/neurotouch", PEOPLE):  # the service has a copy
+            shutil.rmtree(folder, ignore_errors=True)
+        run("systemctl", "start", SERVICE)
         self.play_until_pushed()
 
     def identity(self) -> tuple[str | None, int]:

@@ -16,6 +16,8 @@ from typing import Any
 PAD = "neurotouch/pad"
 SERVICE = "neurotouch.service"
 PLAYER = "player"
+PEOPLE = "/var/lib/neurotouch/people"
+"""Where the service keeps its copy of each person's settings."""
 PATIENCE_S = 90.0
 
 Control = tuple[int, int]
@@ -161,6 +163,25 @@ class Reader:
         """
         wait_for(self.is_neutral)
         return self.events[-1][0] - since_s
+
+    def first_neutral_after(self, since_s: float) -> float:
+        """When nothing was pressed or moved for the first time, in s after a moment.
+
+        Raises:
+            TimeoutError: that has not come.
+        """
+        return float(wait_for(lambda: self._find_neutral(since_s))) - since_s
+
+    def _find_neutral(self, since_s: float) -> float | None:
+        pressed: set[Control] = set()
+        at_s = since_s
+        for time_s, kind, code, value in list(self.events):
+            if time_s > since_s and not pressed:
+                break
+            if kind in (EV_KEY, EV_ABS):
+                (pressed.add if value else pressed.discard)((kind, code))
+            at_s = max(since_s, time_s)
+        return None if pressed else at_s
 
     def _read(self) -> None:
         try:
