@@ -46,7 +46,10 @@ class InlineRest:
 
         Before the first frame it uses the events: a recording may have no frames at all.
         """
-        rest = None if packet.frames else self.detector.watch(packet)
+        if not packet.frames:
+            drawn = self.detector.watch(packet)
+            return None if drawn is None else FrameResult(drawn.rest, (drawn.frame, drawn.blobs))
+        rest = None
         for frame in packet.frames:
             rest = self.detector.update(frame)
         return None if rest is None else FrameResult(rest)
@@ -111,6 +114,7 @@ class ThreadedRest:
                 blobs = self._finder.find(frame.pixels).copy()  # the next search overwrites them
                 self._results.append(FrameResult(rest, (frame, blobs)))
             while self._packets:
-                rest = self.detector.watch(self._packets.popleft())
-                if rest is not None:
-                    self._results.append(FrameResult(rest))
+                drawn = self.detector.watch(self._packets.popleft())
+                if drawn is not None:
+                    searched = (drawn.frame, drawn.blobs.copy())
+                    self._results.append(FrameResult(drawn.rest, searched))
