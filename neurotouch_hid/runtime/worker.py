@@ -15,8 +15,8 @@ class FrameResult(NamedTuple):
 
     Attributes:
         rest: the places of all markers, if the gel is at rest.
-        searched: a frame that still has to correct the tracker, and its blobs, a copy; None if
-            events showed the gel, or if the tracker processes frames itself.
+        searched: a frame that still has to correct the tracker, and its blobs; None if the
+            tracker processes the frames of the camera itself.
     """
 
     rest: RestField | None
@@ -44,7 +44,7 @@ class InlineRest:
     def exchange(self, packet: EventPacket) -> FrameResult | None:
         """Processes every frame of ``packet`` and returns the result of the newest one.
 
-        Before the first frame it uses the events: a recording may have no frames at all.
+        Before the first frame it draws frames from events: a recording may have no frames at all.
         """
         if not packet.frames:
             drawn = self.detector.watch(packet)

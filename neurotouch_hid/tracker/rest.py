@@ -177,21 +177,31 @@ class RestDetector:
         """Returns a frame that is drawn from events, now and then, if the camera sends none."""
         if self._camera is None:
             return None
+        n_learnt = self._camera.n_learnt
         frame = self._camera.update(packet)
         if frame is None:
-            if not self._camera.is_found:
-                self._stats = replace(
-                    self._stats, n_found=self._camera.n_found, problem=GelProblem.NO_FRAMES
-                )
-                self._watch.wait(packet.t_end_us, self._camera.n_found)
+            if not self._camera.n_learnt:
+                n_found = self._camera.n_found
+                self._stats = replace(self._stats, n_found=n_found, problem=GelProblem.NO_FRAMES)
+                self._watch.wait(packet.t_end_us, n_found)
             return None
         self._watch.is_drawn = True
         blobs = self._finder.find(frame.pixels)
-        rest = self._look(frame, blobs)
-        if rest is not None:
-            self._camera.settle()
-            self._stats = replace(self._stats, problem=GelProblem.EVENTS_ONLY)
-        return DrawnFrame(frame, blobs, rest)
+        if self._camera.n_learnt == n_learnt:
+            return DrawnFrame(frame, blobs, self._look(frame, blobs))
+        return DrawnFrame(frame, blobs, self._take(frame, blobs))
+
+    def _take(self, frame: Frame, blobs: Blobs) -> RestField | None:
+        """Takes a frame as the reference that shows markers where they are at rest."""
+        lattice = find_lattice(
+            blobs.centroid_px, self._config.lattice, self._rig, near_rad=self._near_rad
+        )
+        if lattice is None:
+            return None
+        self._set_reference(lattice, frame, blobs)
+        self._count(lattice.n_found, GelProblem.NONE, 0.0, 0.0)
+        self._watch.rest(frame, blobs, lattice.blob, lattice.bend_px)
+        return RestField(frame.t_us, lattice.position_px.astype(np.float32), is_new=True)
 
     def _look(self, frame: Frame, blobs: Blobs) -> RestField | None:
         if self._reference is None:
