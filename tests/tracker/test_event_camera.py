@@ -50,7 +50,7 @@ def test_the_first_push_shows_the_gel_and_the_second_one_is_followed(touch):
     begins = np.flatnonzero((moved_px[1:] > 1.0) & (moved_px[:-1] <= 1.0))
     assert len(begins) == 2
     errors = []
-    for k, (field, drawn) in enumerate(play(packets, detector, tracker)):
+    for k, (field, _) in enumerate(play(packets, detector, tracker)):
         if k == begins[1]:
             assert detector.gel.is_found
             first_px = measure_errors(field, truth[k])
