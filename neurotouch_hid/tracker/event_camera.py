@@ -26,7 +26,7 @@ _BACK_SHARE = 0.15  # of them that are still changed after the gel has come back
 _MOVING_SHARE = 0.02  # of them that change in a period while something moves
 _STILL_US = 80_000  # the gel has come back if nothing moves for as long
 _STUCK_US = 1_500_000  # a hand was on the gel at first if nothing moves for as long
-_GREY = 8.0  # grey levels of an event in the picture of dark spots
+_GREY = 2.5  # grey levels of a deviation of the noise in the picture of dark spots
 _REMEMBER = 0.9  # of older dark spots, which complete the lattice
 _GATE = 0.42  # of the pitch, from a marker to its spot
 _RATIO = 10.0  # how much brighter than the gel a marker is drawn
@@ -76,6 +76,7 @@ class EventCamera:
         self._total_px = np.zeros((N_MARKERS, 2))
         self._weight = np.zeros(N_MARKERS)
         self._log_per_event = 0.0
+        self._noise = _LEAST_NOISE
         self.n_found = self.n_learnt = 0
 
     def update(self, packet: EventPacket) -> Frame | None:
@@ -87,7 +88,7 @@ class EventCamera:
         elif t_us >= self._next_us:
             frame = self._look(t_us)
             self._next_us += _PERIOD_US
-        kernels.add_events(packet.events, self._net, self._low)
+        kernels.add_events(packet.events, self._net)
         return frame
 
     def _look(self, t_us: int) -> Frame | None:
@@ -102,10 +103,11 @@ class EventCamera:
 
     def _watch(self) -> None:
         """Learns where the markers are at rest whenever the gel has come back from a touch."""
-        noise = max(1.48 * float(np.median(np.abs(self._now))), _LEAST_NOISE)
+        self._noise = noise = max(1.48 * float(np.median(np.abs(self._now))), _LEAST_NOISE)
         changed = int(np.count_nonzero(np.abs(self._now) > _NOISE * noise))
         moving = int(np.count_nonzero(np.abs(self._now - self._before) > _NOISE * noise))
         self._before[:] = self._now
+        np.minimum(self._low, self._now, out=self._low)
         if changed >= self._most_changed:
             self._most_changed = changed
             self._most[:] = self._now
@@ -156,9 +158,7 @@ class EventCamera:
 
     def _find_spots(self) -> _Spots | None:
         """Finds the markers by the spots that they have left."""
-        dark = np.empty_like(self._low)
-        kernels.smooth(self._low, dark)
-        dark *= -1.0
+        dark = -self._low
         np.maximum(_REMEMBER * self._dark, dark, out=self._dark)
         config = LatticeConfig()
         lattice = find_lattice(
@@ -191,7 +191,7 @@ class EventCamera:
 
     def _find_blobs(self, picture: NDArray[np.float32]) -> NDArray[np.float64]:
         above = picture - np.median(picture)
-        pixels = np.clip(kernels.BLACK_DN + _GREY * above, 0, 255).astype(np.uint8)
+        pixels = np.clip(kernels.BLACK_DN + _GREY / self._noise * above, 0, 255).astype(np.uint8)
         return self._finder.find(pixels).centroid_px.copy()
 
 

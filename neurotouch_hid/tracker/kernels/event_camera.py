@@ -9,40 +9,45 @@ from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.process.kernel_cache import kernel
 
 BLACK_DN = 16.0  # of a picture, where there is no marker
+HOT = 3.0  # events by which a single pixel may differ from all around it
 
 
 @kernel
-def add_events(
-    events: NDArray[np.void],
-    net: NDArray[np.float32],
-    low: NDArray[np.float32],
-) -> None:
+def add_events(events: NDArray[np.void], net: NDArray[np.float32]) -> None:
     """Adds the polarities of events.
 
     Args:
         events: (m,) EVENT_DTYPE.
         net: (260, 346) float32, how much brighter each pixel is than at first, in events; updated.
-        low: (260, 346) float32, the least of it so far; updated.
     """
     for k in range(len(events)):
         e = events[np.uint64(k)]
-        x, y = np.uint64(e.x), np.uint64(e.y)
-        now = net[y, x] + (np.float32(1.0) if e.p else np.float32(-1.0))
-        net[y, x] = now
-        low[y, x] = min(low[y, x], now)
+        net[np.uint64(e.y), np.uint64(e.x)] += np.float32(1.0) if e.p else np.float32(-1.0)
 
 
 @kernel(fastmath=True)
 def smooth(picture: NDArray[np.float32], out: NDArray[np.float32]) -> None:
-    """Writes a picture smoothed by a binomial window of 3 x 3; the border becomes 0."""
+    """Writes a picture without hot pixels, smoothed by a binomial window of 3 x 3.
+
+    The border becomes 0.
+    """
     height, width = picture.shape
+    most, two, four = np.float32(HOT), np.float32(2.0), np.float32(0.0625)
+    clean = np.zeros((height, width), np.float32)
+    for y in range(1, height - 1):
+        for x in range(1, width - 1):
+            north, south = picture[y - 1, x], picture[y + 1, x]
+            west, east = picture[y, x - 1], picture[y, x + 1]
+            low = min(north, south, west, east) - most
+            high = max(north, south, west, east) + most
+            clean[y, x] = min(max(picture[y, x], low), high)
     rows = np.empty(width, np.float32)
     out[:] = 0.0
     for y in range(1, height - 1):
         for x in range(width):
-            rows[x] = picture[y - 1, x] + np.float32(2.0) * picture[y, x] + picture[y + 1, x]
+            rows[x] = clean[y - 1, x] + two * clean[y, x] + clean[y + 1, x]
         for x in range(1, width - 1):
-            out[y, x] = (rows[x - 1] + np.float32(2.0) * rows[x] + rows[x + 1]) * np.float32(0.0625)
+            out[y, x] = (rows[x - 1] + two * rows[x] + rows[x + 1]) * four
 
 
 @kernel(fastmath=True)
