@@ -110,6 +110,18 @@ def test_an_idle_line_looks_at_a_frame_now_and_then(lines):
     assert looked == pytest.approx((2_500_000 - idle_since_us) / IDLE_FRAME_US, abs=2)
 
 
+@pytest.mark.parametrize(("nuisances", "may_skip"), [({}, True), ({"mains": 60.0}, False)])
+def test_frames_are_seldom_only_in_steady_light(lines, nuisances, may_skip):
+    live = lines[0]
+    still = sequence("still", stroke(Finger((2.0, 3.0), (4.0, -2.0))), rest_us=900_000)
+    for packet in Simulator(still, nuisances=nuisances, seed=8):
+        if packet.t_end_us > 900_000:
+            break
+        play_live(live, packet)
+    assert live.is_idle
+    assert live.is_at_rest is may_skip
+
+
 def test_the_gel_says_that_the_light_flickers_as_long_as_it_does(lines):
     _, line = lines
     still = sequence("still", stroke(Finger((2.0, 3.0), (4.0, -2.0))), rest_us=2_200_000)
