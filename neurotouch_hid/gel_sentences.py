@@ -48,10 +48,10 @@ _SENTENCES: Final[Mapping[GelProblem, tuple[str, str]]] = {
     GelProblem.WAITING: ("no picture yet", ""),
     GelProblem.NO_FRAMES: (
         "the camera sends no pictures, and events show {n_seen} of {n_markers} dots so far",
-        "Touch the gel once, lightly. If the pictures stay away: neurotouch doctor",
+        "Push the gel once and let go. If the pictures stay away: neurotouch doctor",
     ),
     GelProblem.EVENTS_ONLY: (
-        "the camera sends no pictures, so the places of the dots will drift slowly",
+        "the camera sends no pictures, so the dots are drawn from events, less exactly",
         "Unplug the camera and plug it in again. If it stays so: neurotouch doctor",
     ),
     GelProblem.DARK: ("the picture is dark", "Switch the LED ring on, and take the lens cap off."),

@@ -89,10 +89,12 @@ class RestField:
     Attributes:
         t_us: the moment of the frame (middle of its exposure).
         position_px: (177, 2) float32, columns x, y, in the order of ``geometry.LATTICE_MM``.
+        is_new: True if earlier rest positions were wrong.
     """
 
     t_us: int
     position_px: NDArray[np.float32]
+    is_new: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -143,9 +143,14 @@ class Pipeline:
 
     @property
     def is_at_rest(self) -> bool:
-        """True if it is idle, and the newest frame that was processed showed the gel at rest."""
+        """True if it is idle, and the newest frame that was processed showed the gel at rest.
+
+        Never in light that flickers: what is left of its events moves the markers until the next
+        frame brings them back.
+        """
         seen = self.rest.detector.stats()
-        return self.is_idle and seen.n_rest > 0 and not seen.problem
+        is_steady = self.tracker.flicker is None
+        return self.is_idle and is_steady and seen.n_rest > 0 and not seen.problem
 
     def process_frames(self, step: Step) -> None:
         """Hands over the frames of a finished step, and takes the result of earlier ones.

@@ -24,6 +24,7 @@ def warm_up(pipeline: Pipeline) -> None:
     """
     still = _RIG.to_px(LATTICE_MM)
     pushed = still + np.exp(-((LATTICE_MM / 12) ** 2).sum(1, keepdims=True)) * (10.0, 0.0)
+    pipeline.advance(EventPacket(-_SLICE_US, 0, _spread(still, -_SLICE_US)))  # no frame yet
     for k, position_px in enumerate((still, still, pushed, pushed)):
         t_us = k * _SLICE_US
         frame = Frame(_draw(position_px), t_us, t_us + _SLICE_US // 2)

@@ -15,8 +15,8 @@ class FrameResult(NamedTuple):
 
     Attributes:
         rest: the places of all markers, if the gel is at rest.
-        searched: a frame that still has to correct the tracker, and its blobs, a copy; None if
-            events showed the gel, or if the tracker processes frames itself.
+        searched: a frame that still has to correct the tracker, and its blobs; None if the
+            tracker processes the frames of the camera itself.
     """
 
     rest: RestField | None
@@ -44,9 +44,12 @@ class InlineRest:
     def exchange(self, packet: EventPacket) -> FrameResult | None:
         """Processes every frame of ``packet`` and returns the result of the newest one.
 
-        Before the first frame it uses the events: a recording may have no frames at all.
+        Before the first frame it draws frames from events: a recording may have no frames at all.
         """
-        rest = None if packet.frames else self.detector.watch(packet)
+        if not packet.frames:
+            drawn = self.detector.watch(packet)
+            return None if drawn is None else FrameResult(drawn.rest, (drawn.frame, drawn.blobs))
+        rest = None
         for frame in packet.frames:
             rest = self.detector.update(frame)
         return None if rest is None else FrameResult(rest)
@@ -111,6 +114,7 @@ class ThreadedRest:
                 blobs = self._finder.find(frame.pixels).copy()  # the next search overwrites them
                 self._results.append(FrameResult(rest, (frame, blobs)))
             while self._packets:
-                rest = self.detector.watch(self._packets.popleft())
-                if rest is not None:
-                    self._results.append(FrameResult(rest))
+                drawn = self.detector.watch(self._packets.popleft())
+                if drawn is not None:
+                    searched = (drawn.frame, drawn.blobs.copy())
+                    self._results.append(FrameResult(drawn.rest, searched))

@@ -37,11 +37,13 @@ class GelWatch:
     Attributes:
         state: what is known of the gel; a new object when something changes.
         flicker_hz: frequency at which the light flickers; None if it is steady.
+        is_drawn: frames are drawn from events, because the camera sends none.
     """
 
     def __init__(self, config: LatticeConfig, near_rad: float = 0.0) -> None:
         self.state = GelState()
         self.flicker_hz: float | None = None
+        self.is_drawn = False
         self._diagnosis = Diagnosis(config, near_rad)
         self._motion = Motion()
         self._first_px: NDArray[np.float64] | None = None
@@ -61,15 +63,11 @@ class GelWatch:
         self._begin_us: int | None = None
         self._seen = GelState()
 
-    def wait(self, t_us: int, n_seen: int, *, is_found: bool) -> None:
+    def wait(self, t_us: int, n_seen: int) -> None:
         """Notes that there are events, but no frames yet."""
         self._begin_us = t_us if self._begin_us is None else self._begin_us
-        if t_us - self._begin_us < _NO_FRAMES_US:
-            return
-        problem = GelProblem.EVENTS_ONLY if is_found else GelProblem.NO_FRAMES
-        self._consider(
-            GelState(is_found=is_found, was_found=is_found, problem=problem, n_seen=n_seen), t_us
-        )
+        if t_us - self._begin_us >= _NO_FRAMES_US:
+            self._consider(GelState(problem=GelProblem.NO_FRAMES, n_seen=n_seen), t_us)
 
     def search(
         self, frame: Frame, blobs: Blobs, lattice: Lattice | None, problem: GelProblem
@@ -183,6 +181,8 @@ class GelWatch:
 
     def _find_flaw(self, t_us: int) -> GelProblem:
         """Returns what is wrong with a gel that is found."""
+        if self.is_drawn:
+            return GelProblem.EVENTS_ONLY
         if self._rests:
             return GelProblem.RESTS
         if is_blurred(self._seen.blur_px, self._px_per_mm):

@@ -114,12 +114,12 @@ def find_lattice(
         basis = cmath.rect(rig.px_per_mm * PITCH_MM, rig.rotation_rad)
     if model is None:
         return None
-    blob = _assign(model, centroid_px, 0.4 * abs(basis))
+    blob = assign(model, centroid_px, 0.4 * abs(basis))
     for _ in range(3):
         if (blob >= 0).sum() < N_MARKERS // 3:
             return None
-        model = _fit_model(centroid_px, blob)
-        blob = _assign(model, centroid_px, _GATE * abs(basis))
+        model = fit_model(centroid_px, blob)
+        blob = assign(model, centroid_px, _GATE * abs(basis))
     found = blob >= 0
     if found.sum() < N_MARKERS // 3:
         return None
@@ -130,7 +130,7 @@ def find_lattice(
     tolerance = 1.4826 * float(np.median(np.abs(own[found])))
     bend2 = float((bend**2).sum(axis=1).max()) - (_PRINT_BEND * tolerance) ** 2
     free = np.setdiff1d(np.arange(len(centroid_px)), blob[found])
-    displaced = _assign(model[~found], centroid_px[free], abs(basis)) >= 0
+    displaced = assign(model[~found], centroid_px[free], abs(basis)) >= 0
     aside_mm = float(np.hypot(*LATTICE_MM[found].mean(axis=0)))
     bend_px = math.sqrt(max(bend2, 0.0))
     return Lattice(position, blob, bend_px, tolerance, aside_mm, int(displaced.sum()))
@@ -215,7 +215,7 @@ def _grow_from(
         near = np.flatnonzero(reach + 0.5 > _GRID_FAR)
         for _ in range(2):
             blob[:] = -1
-            blob[near] = _assign(model[near], points, _GATE * abs(basis))
+            blob[near] = assign(model[near], points, _GATE * abs(basis))
             seen = np.flatnonzero(blob >= 0)
             if len(seen) < 4:
                 break
@@ -263,14 +263,14 @@ def _place(
             tuple(site): b for site, b in zip(where[inside] - shift, blob[inside], strict=True)
         }
         assigned = np.array([lookup.get((int(x), int(y)), -1) for x, y in _SITES], dtype=np.intp)
-        model = _fit_model(points, assigned)
+        model = fit_model(points, assigned)
         score = (int(hits[row, column]), -float(np.hypot(*(model.mean(axis=0) - centre))))
         if score > best_score:
             best_score, best_model = score, model
     return best_model
 
 
-def _fit_model(points: NDArray[np.float64], blob: NDArray[np.intp]) -> NDArray[np.float64]:
+def fit_model(points: NDArray[np.float64], blob: NDArray[np.intp]) -> NDArray[np.float64]:
     """Returns a smooth map of the lattice, (177, 2) px, fitted robustly to seen markers."""
     u = LATTICE_MM / GEL_RADIUS_MM
     x, y = u[:, 0], u[:, 1]
@@ -292,7 +292,7 @@ def _fit_model(points: NDArray[np.float64], blob: NDArray[np.intp]) -> NDArray[n
     return model
 
 
-def _assign(
+def assign(
     model: NDArray[np.float64], points: NDArray[np.float64], gate_px: float
 ) -> NDArray[np.intp]:
     """Returns the blob of each marker, nearest to the model within the gate; -1 without one."""

@@ -180,6 +180,7 @@ class MarkerTracker:
         position moves with the rig, and each marker's own place follows slowly.
         """
         measured = rest.position_px.astype(np.float64)
+        self._anchored = self._anchored and not rest.is_new
         tracks, elapsed_us = self._tracks, rest.t_us - self._anchor_us
         self._n_anchors += 1
         if self._anchored:

@@ -4,6 +4,7 @@
 """
 
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from neurotouch_hid.messages import (
     RestField,
 )
 from neurotouch_hid.tracker.blobs import BlobConfig, BlobFinder, Blobs
-from neurotouch_hid.tracker.eventframe import EventFrame
+from neurotouch_hid.tracker.event_camera import EventCamera
 from neurotouch_hid.tracker.gel_watch import GelWatch
 from neurotouch_hid.tracker.kept_motion import KeptMotion
 from neurotouch_hid.tracker.kernels import correction, matching
@@ -98,6 +99,20 @@ class RestStats:
     problem: GelProblem
 
 
+class DrawnFrame(NamedTuple):
+    """A frame drawn from events.
+
+    Attributes:
+        frame: the frame.
+        blobs: its blobs; valid until the next frame is searched.
+        rest: all markers, if the gel is at rest.
+    """
+
+    frame: Frame
+    blobs: Blobs
+    rest: RestField | None
+
+
 class RestDetector:
     """Finds the gel, then decides for every frame whether it is at rest."""
 
@@ -120,7 +135,7 @@ class RestDetector:
         self._rig, self._near_rad = rig, near_rad
         self._finder = finder or BlobFinder(self._config.blobs)
         self._reference: Reference | None = None
-        self._event_frame: EventFrame | None = EventFrame(rig, near_rad)
+        self._camera: EventCamera | None = EventCamera(rig, near_rad)
         self._match = np.empty(N_MARKERS, np.int32)
         self._moved_px: NDArray[np.float64] | None = None
         self._kept = KeptMotion()
@@ -149,29 +164,49 @@ class RestDetector:
     @property
     def is_watching(self) -> bool:
         """True while there is no frame yet and events may show the gel."""
-        return self._event_frame is not None and not self._stats.n_frames
+        return self._camera is not None
 
     def update(self, frame: Frame) -> RestField | None:
         """Returns all markers if the frame shows the gel at rest, else None."""
+        if self._camera is not None:  # what events have shown is not as good as a frame
+            self._camera = self._reference = None
+            self._watch.is_drawn = False
+        return self._look(frame, self._finder.find(frame.pixels))
+
+    def watch(self, packet: EventPacket) -> DrawnFrame | None:
+        """Returns a frame that is drawn from events, now and then, if the camera sends none."""
+        if self._camera is None:
+            return None
+        n_learnt = self._camera.n_learnt
+        frame = self._camera.update(packet)
+        if frame is None:
+            if not self._camera.n_learnt:
+                n_found = self._camera.n_found
+                self._stats = replace(self._stats, n_found=n_found, problem=GelProblem.NO_FRAMES)
+                self._watch.wait(packet.t_end_us, n_found)
+            return None
+        self._watch.is_drawn = True
         blobs = self._finder.find(frame.pixels)
+        if self._camera.n_learnt == n_learnt:
+            return DrawnFrame(frame, blobs, self._look(frame, blobs))
+        return DrawnFrame(frame, blobs, self._take(frame, blobs))
+
+    def _take(self, frame: Frame, blobs: Blobs) -> RestField | None:
+        """Takes a frame as the reference that shows markers where they are at rest."""
+        lattice = find_lattice(
+            blobs.centroid_px, self._config.lattice, self._rig, near_rad=self._near_rad
+        )
+        if lattice is None:
+            return None
+        self._set_reference(lattice, frame, blobs)
+        self._count(lattice.n_found, GelProblem.NONE, 0.0, 0.0)
+        self._watch.rest(frame, blobs, lattice.blob, lattice.bend_px)
+        return RestField(frame.t_us, lattice.position_px.astype(np.float32), is_new=True)
+
+    def _look(self, frame: Frame, blobs: Blobs) -> RestField | None:
         if self._reference is None:
             return self._search(frame, blobs)
         return self._compare(frame, blobs, self._reference)
-
-    def watch(self, packet: EventPacket) -> RestField | None:
-        """Returns all markers, once, if events show the gel before the first frame, else None."""
-        if self._event_frame is None or not self.is_watching:
-            self._event_frame = None
-            return None
-        rest, nan = self._event_frame.update(packet), float("nan")
-        found = rest is not None
-        n_found = self._event_frame.n_found
-        problem = GelProblem.EVENTS_ONLY if found else GelProblem.NO_FRAMES
-        self._stats = RestStats(0, 0, int(found), n_found, nan, nan, problem)
-        self._watch.wait(packet.t_end_us, n_found, is_found=found)
-        if found:
-            self._event_frame = None
-        return rest
 
     def _search(self, frame: Frame, blobs: Blobs) -> RestField | None:
         """Takes the frame as the reference if it shows the undeformed lattice."""

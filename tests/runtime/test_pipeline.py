@@ -8,10 +8,14 @@ import pytest
 
 from neurotouch_hid.evaluation.speed.workload import load_scene
 from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.messages import GelProblem
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline
 from neurotouch_hid.runtime.pipeline import IDLE_FRAME_US, IDLE_US
 from neurotouch_hid.source.partial import cut_partial
+from neurotouch_hid.source.simulator import Simulator
+from neurotouch_hid.source.simulator.script import Finger, sequence
+from tests.tracker.test_markers import stroke
 
 
 def wait_for(condition):
@@ -104,3 +108,32 @@ def test_an_idle_line_looks_at_a_frame_now_and_then(lines):
     assert idle_since_us == pytest.approx(IDLE_US, abs=20_000)
     looked = live.rest.detector.stats().n_frames - n_frames
     assert looked == pytest.approx((2_500_000 - idle_since_us) / IDLE_FRAME_US, abs=2)
+
+
+@pytest.mark.parametrize(("nuisances", "may_skip"), [({}, True), ({"mains": 60.0}, False)])
+def test_frames_are_seldom_only_in_steady_light(lines, nuisances, may_skip):
+    live = lines[0]
+    still = sequence("still", stroke(Finger((2.0, 3.0), (4.0, -2.0))), rest_us=900_000)
+    for packet in Simulator(still, nuisances=nuisances, seed=8):
+        if packet.t_end_us > 900_000:
+            break
+        play_live(live, packet)
+    assert live.is_idle
+    assert live.is_at_rest is may_skip
+
+
+def test_the_gel_says_that_the_light_flickers_as_long_as_it_does(lines):
+    _, line = lines
+    still = sequence("still", stroke(Finger((2.0, 3.0), (4.0, -2.0))), rest_us=2_200_000)
+    flickering, steady = (Simulator(still, nuisances=n, seed=8) for n in ({"mains": 60.0}, {}))
+    problems, hz = [], []
+    for lit, unlit in zip(flickering, steady, strict=False):
+        if lit.t_end_us > 2_200_000:
+            break
+        step = line.advance(lit if lit.t_end_us <= 600_000 else unlit)
+        problems.append(step.gel.problem)
+        hz.append(step.gel.flicker_hz)
+    assert problems[59] is GelProblem.FLICKER
+    assert hz[59] == pytest.approx(100.0, abs=2.0)
+    assert problems[-1] is GelProblem.NONE
+    assert hz[-1] is None
