@@ -353,7 +353,9 @@ def test_a_driver_that_ends_before_the_seconds_are_there_is_told_of(tmp_path, re
     standing_in()
     done = record(tmp_path / "a.aedat4", "--seconds", "5")
     assert done.returncode == 3
-    assert done.stdout.startswith(f"WARNING {tmp_path / 'a.aedat4'} has 0.2 s of camera, from the running driver")
+    assert done.stdout.startswith(
+        f"WARNING {tmp_path / 'a.aedat4'} has 0.2 s of camera, from the running driver"
+    )
     assert "Error: The source ended before 5 s were recorded." in done.stderr
     assert count(tmp_path / "a.aedat4") == (20_000, 5)
 
