@@ -8,7 +8,7 @@ import pytest
 from tests.cli.test_session import PLAY
 from tests.page.conftest import PROFILE
 from tests.page.processes import Process, View
-from tests.page.waiting import wait_for
+from tests.page.waiting import wait_for, wait_on
 
 ON = "[data-movement=pinch] .mark-on_mm"
 
@@ -75,3 +75,33 @@ def test_what_is_chosen_bound_and_dragged_acts_on_the_service(place, open_page):
     page.click("#undo")
     wait_for(page, "saved", "as before that change. It applies now.")
     assert "on_mm: 6" not in service.read_copy()
+
+
+def test_a_profile_that_was_looked_at_can_be_changed_once_it_plays(place, open_page):
+    """Also where the news of the profile comes before the state that names it."""
+    _, view = place
+    page = open_page(view.home)
+    is_late, abouts = [False], []
+
+    def pass_on(line) -> None:
+        def hear(message: str | bytes) -> None:
+            if isinstance(message, str):
+                abouts.append('"about"' in message)
+            elif is_late[0]:
+                return
+            line.send(message)
+
+        line.connect_to_server().on_message(hear)
+
+    page.route_web_socket("**", pass_on)
+    page.reload()
+    wait_for(page, "badges", "profile default")
+    page.select_option("#profile-choice", "mine")
+    page.wait_for_selector("[data-movement=pinch] li:has-text('from 4 mm')")
+    is_late[0], n = True, sum(abouts)
+    page.click("#profile-use")
+    wait_on(page, lambda: sum(abouts) > n)
+    page.wait_for_timeout(2000)  # no more of it follows
+    is_late[0] = False
+    wait_for(page, "badges", "profile mine")
+    page.locator("[data-movement=pinch] li button").first.wait_for()

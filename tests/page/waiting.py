@@ -2,6 +2,8 @@
 
 import time
 
+from playwright.sync_api import TimeoutError as TooLate
+
 from tests.page.processes import LIMIT_S
 
 
@@ -15,7 +17,10 @@ def wait_on(page, happened) -> None:
 
 def wait_for(page, element: str, words: str) -> None:
     """Waits until an element, by its id, says these words."""
-    page.wait_for_function(
-        "([id, words]) => document.getElementById(id).textContent.includes(words)",
-        arg=[element, words],
-    )
+    try:
+        page.wait_for_function(
+            "([id, words]) => document.getElementById(id).textContent.includes(words)",
+            arg=[element, words],
+        )
+    except TooLate:
+        raise AssertionError(f"#{element} says: {page.text_content(f'#{element}')}") from None

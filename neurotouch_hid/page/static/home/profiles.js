@@ -38,7 +38,10 @@ export function makeProfiles(find, { say, look, changed }) {
   function tell() {
     const active = findActive();
     const names = rows.map(({ name }) => name);
-    if (chosen === active || !names.includes(chosen)) [chosen, view] = ["", null];
+    if (chosen && (chosen === active || !names.includes(chosen))) {
+      [chosen, view] = ["", null];
+      changed(); // the cards are those of the one that plays again
+    }
     select.value = chosen || (names.includes(active) ? active : names[0] || "");
     const row = rows.find(({ name }) => name === select.value);
     say("profile-about", row ? row.about : "");
