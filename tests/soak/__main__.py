@@ -9,6 +9,7 @@ import argparse
 import os
 import signal
 import sys
+from collections import Counter
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -41,7 +42,9 @@ def main() -> int:
     print(f"memory: {result.kb_per_hour:+.0f} kB an hour")
     print(f"stretches equal to the undisturbed run: {result.n_equal} of {len(result.weights)}")
     print("disturbances: " + ", ".join(f"{n} {name}" for name, n in sorted(result.done.items())))
-    print(*result.faults[:50], f"{len(result.faults)} faults", sep="\n")
+    for fault, n in Counter(result.faults).most_common(50):
+        print(f"{n} times: {fault}")
+    print(f"{len(result.faults)} faults")
     return min(len(result.faults), 1)
 
 

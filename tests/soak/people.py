@@ -20,7 +20,7 @@ from neurotouch_hid.profile.reading.library import find_user_folder
 from neurotouch_hid.source.running_driver import RunningDriver
 from neurotouch_hid.subscriber import Subscriber
 
-PROFILES = ("default", "racing", "spacecraft", "desktop")
+PROFILES = ("default", "racing", "spacecraft", "mouse")
 PLAYED = PROFILES[0]
 """The profile of the undisturbed stretches."""
 

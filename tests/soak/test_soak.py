@@ -5,6 +5,8 @@ from dataclasses import replace
 import pytest
 
 from neurotouch_hid.messages import GamepadState
+from neurotouch_hid.profile import list_profiles
+from tests.soak.people import PROFILES
 from tests.soak.soak import MOST_KB_PER_HOUR, Result, Twin, Weight, build_pipeline, run_soak
 from tests.soak.source import load_tour
 
@@ -19,6 +21,10 @@ def test_two_disturbed_cycles_leave_nothing_behind(folder, monkeypatch):
     assert result.n_equal == len(result.weights) == 2
     assert result.hours == pytest.approx(40 / 3600, rel=0.1)
     assert result.done["settle"] == 2
+
+
+def test_people_choose_profiles_that_exist():
+    assert set(PROFILES) <= set(list_profiles())
 
 
 def test_a_driver_that_does_something_else_is_noticed():
