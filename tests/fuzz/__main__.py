@@ -5,6 +5,7 @@ Every fault is kept as a file. The same seed gives the same cases; without one i
 
 import argparse
 import random
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -49,7 +50,10 @@ def _parse() -> argparse.Namespace:
 
 def _run_guided(name: str, seed: str, seconds: float, folder: Path) -> int:
     words = [sys.executable, "-m", "tests.fuzz.guided", name, seed, str(seconds), str(folder)]
-    return subprocess.run(words, check=False, stderr=subprocess.DEVNULL).returncode
+    code = subprocess.run(words, check=False, stderr=subprocess.DEVNULL).returncode
+    if code not in (0, 1):
+        print(f"{name:<12} ended early, with code {code}. See why: python {shlex.join(words[1:])}")
+    return code
 
 
 sys.exit(main())
