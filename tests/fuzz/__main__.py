@@ -23,7 +23,7 @@ def main() -> int:
     for name in options.areas or AREAS:
         share = 60 * options.minutes / len(options.areas or AREAS)
         if options.guided:
-            faults += _run_guided(name, seed, share, options.folder)
+            faults += _run_guided(name, seed, share, options.folder) != 0
             continue
         report = run_area(
             AREAS[name], f"{name}-{seed}", options.folder, cases=options.cases, seconds=share

@@ -32,7 +32,7 @@ def smooth(picture: NDArray[np.float32], out: NDArray[np.float32]) -> None:
     The border becomes 0.
     """
     height, width = picture.shape
-    most, two, four = np.float32(HOT), np.float32(2.0), np.float32(0.0625)
+    most, two, sixteenth = np.float32(HOT), np.float32(2.0), np.float32(0.0625)
     clean = np.zeros((height, width), np.float32)
     for y in range(1, height - 1):
         for x in range(1, width - 1):
@@ -47,7 +47,7 @@ def smooth(picture: NDArray[np.float32], out: NDArray[np.float32]) -> None:
         for x in range(width):
             rows[x] = clean[y - 1, x] + two * clean[y, x] + clean[y + 1, x]
         for x in range(1, width - 1):
-            out[y, x] = (rows[x - 1] + two * rows[x] + rows[x + 1]) * four
+            out[y, x] = (rows[x - 1] + two * rows[x] + rows[x + 1]) * sixteenth
 
 
 @kernel(fastmath=True)
