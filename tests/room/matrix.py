@@ -82,7 +82,7 @@ def _rows(chapter: str, *names: str, scene: str = "base") -> Iterable[Condition]
 
 CONDITIONS: Final = (
     *_rows("base", "base:", "busy:"),
-    *_rows("LEDs by PWM", "pwm=10", "pwm=30", "pwm=200", "pwm-fast=30", "pwm-leak=6"),
+    *_rows("LEDs by PWM", "pwm=10", "pwm=30", "pwm=100", "pwm-fast=30", "pwm-leak=6"),
     *_rows(
         "mains", "mains=5", "mains=20", "mains=40", "mains=20+frames=4", "mains=40+frames=4",
         "mains-leak=6", "mains-leak=15",

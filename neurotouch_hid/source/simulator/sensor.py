@@ -28,6 +28,7 @@ from neurotouch_hid.source.simulator.optics import compute_light, marker_profile
 TICK_US = 500  # the picture is rendered at 2 kHz: a marker at 525 px/s moves 0.26 px
 WINDOW_US = 20_000  # how often leaking pixels are looked for
 MAX_EVENTS = 1 << 19  # room for one call
+READ_PER_US = 12  # events that a DAVIS-346 can send
 LINEAR_DN = 20.0  # below it the photoreceptor's response is linear (v2e's lin-log)
 _ONE = np.ones((2, 1), np.float32)
 USUAL_LIGHT = Lamps(False, np.ones(1), np.zeros(1), _ONE[0], _ONE)
@@ -143,7 +144,16 @@ class Sensor:
             if exposing and stop_us - t_us + phase == self._config.exposure_us:
                 frames.append(self._take_frame(stop_us))
             t_us = stop_us
-        return self._chip.events[: self._chip.counts["events"][0]].copy(), frames
+        events = self._chip.events[: self._chip.counts["events"][0]].copy()
+        return self._read_out(events, begin_us, end_us), frames
+
+    def _read_out(self, events: NDArray[np.void], begin_us: int, end_us: int) -> NDArray[np.void]:
+        """Returns as many events as the chip can send in this time; a flood loses some of all."""
+        most = READ_PER_US * (end_us - begin_us)
+        if len(events) <= most:
+            return events
+        rng = np.random.default_rng((self._seed, 3, begin_us))
+        return events[np.sort(rng.choice(len(events), most, replace=False))]
 
     def _take_frame(self, end_us: int) -> Frame:
         config = self._config

@@ -404,3 +404,10 @@ def test_a_mixture_does_not_depend_on_the_order_of_its_parts():
     turned = dict(reversed(parts.items()))
     truths = [Simulator(REST, nuisances=each).truth(300_000) for each in (parts, turned)]
     assert np.array_equal(truths[0].markers_px, truths[1].markers_px)
+
+
+def test_a_flood_is_no_more_than_a_camera_can_send():
+    packets, events, _ = play(simulate(sequence("rest", rest_us=40_000), pwm=200.0))
+    end_us = packets[-1].t_end_us
+    assert 9 * end_us < len(events) <= 12 * end_us
+    assert (np.diff(events["t"]) >= 0).all()
