@@ -251,6 +251,7 @@ class RestDetector:
         )
         if is_rest:
             self._kept.forget()
+            reference.add(blobs.centroid_px, self._match)
         share, off_mm = n_found / reference.n_found, displacement / reference.px_per_mm
         if is_rest or self._kept.update(blobs.centroid_px, share, off_mm):
             self._n_still = 0

@@ -265,6 +265,15 @@ def test_a_soft_touch_that_looks_like_rest_is_not_absorbed(px):
     assert np.abs(field.rest_px - REST_PX).max() < 0.15
 
 
+def test_the_rest_position_is_the_mean_of_the_first_noisy_frames():
+    rng, tracker = np.random.default_rng(4), MarkerTracker()
+    for k in range(16):
+        noise_px = rng.normal(0, 0.3, REST_PX.shape).astype(np.float32)
+        tracker.anchor(RestField(k * 40_000, REST_PX + noise_px))
+        field = tracker.update(packet(k))
+    assert np.std(field.rest_px - REST_PX) < 0.12
+
+
 @pytest.mark.parametrize("side", [0, 1])
 def test_half_of_the_markers_hidden_costs_that_half_only(gestures, side):
     packets, truth = gestures

@@ -69,6 +69,23 @@ def test_rest_is_measured_in_each_frame():
     assert np.abs((rest.position_px - rig.to_px(LATTICE_MM)).mean(axis=0)).max() < 0.03
 
 
+def blurred(seed, moved_mm=0.0):
+    """Returns a frame with faint dots out of focus."""
+    rng = np.random.default_rng(seed)
+    y, x = np.mgrid[:260, :346]
+    image = np.full(x.shape, 12.0)
+    for u, v in RIG.to_px(LATTICE_MM + moved_mm):
+        image += 12.0 * np.exp(-((x - u) ** 2 + (y - v) ** 2) / (2 * 2.6**2))
+    return np.rint(image + rng.normal(0, 1.5, x.shape)).astype(np.uint8)
+
+
+def test_a_gel_out_of_focus_is_found_and_is_at_rest():
+    detector = RestDetector()
+    n_rest = sum(show(detector, blurred(seed)) is not None for seed in range(40))
+    assert n_rest >= 36
+    assert show(detector, blurred(40, push(0.6))) is None
+
+
 @pytest.mark.parametrize(("mm", "at_rest"), [(0.0, True), (0.1, True), (0.4, False), (9.0, False)])
 def test_touch_is_not_rest(mm, at_rest):
     detector = RestDetector()
