@@ -24,6 +24,7 @@ _RIG_US = 300e3  # ... or, if it has not moved far, with this time constant, bec
 _TOUCH_PX = 0.2  # a marker farther off than the rest of the gel is touched softly
 _DRIFT_US = 20e6  # time constant of the rest position: a rig drifts over minutes ...
 _TOUCH_US = 300e6  # ... but a soft touch may last long
+_EDGE = 3.0  # standard deviations from its centre to the edge of a blurred dot
 _MEAN_ANCHORS = 16  # the rest position begins as the mean of so many frames
 _NOISE_SIZES = 2.5  # medians of its size; random errors in a plane exceed it one time in 75
 _LONGEST_US = 200_000  # longest time that one rest position counts for
@@ -158,7 +159,7 @@ class MarkerTracker:
             finder: finds the blobs of frames, see ``RestDetector``.
         """
         self._config = config or TrackerConfig()
-        self._tuning = self._config.tuning()
+        self._tuning, self._blur_px = self._config.tuning(), 0.0
         n = N_MARKERS
         self._tracks = make_tracks(NEIGHBOURS, self._config)
         self._finder = finder or BlobFinder()
@@ -187,6 +188,8 @@ class MarkerTracker:
         self._anchored = self._anchored and not rest.is_new
         tracks, elapsed_us = self._tracks, rest.t_us - self._anchor_us
         self._n_anchors += 1
+        if rest.blur_px != self._blur_px:
+            self._widen(rest.blur_px)
         if self._anchored:
             self._follow_rig(measured, elapsed_us)
             off = measured - tracks.rest_px
@@ -278,6 +281,19 @@ class MarkerTracker:
             _MAX_DRIFT_PX,
             self._tracks.rest_px,
         )
+
+    def _widen(self, blur_px: float) -> None:
+        """Takes the events of dots out of focus, which are farther from their centres.
+
+        A track that lags a little would lose the events ahead of it, and those behind it would hold
+        it back. Lists of near markers do not reach as far.
+        """
+        self._blur_px, tuning = blur_px, self._config.tuning()
+        gate_px = _EDGE * blur_px
+        if gate_px > tuning.gate_px:
+            spread_px = gate_px / tuning.gate_px * tuning.spread_px
+            tuning = tuning._replace(gate_px=gate_px, spread_px=spread_px, search_all=True)
+        self._tuning = tuning
 
     def _average(self, off_px: NDArray[np.float64]) -> None:
         """Takes each marker's own error into the mean that its place at rest is at first.

@@ -226,7 +226,8 @@ class RestDetector:
         self._set_reference(lattice, frame, blobs)
         self._count(n_found, GelProblem.NONE, 0.0, 0.0)
         self._watch.rest(frame, blobs, lattice.blob, lattice.bend_px)
-        return RestField(frame.t_us, lattice.position_px.astype(np.float32))
+        position_px = lattice.position_px.astype(np.float32)
+        return RestField(frame.t_us, position_px, blur_px=self._watch.blur_px)
 
     def _doubt(self, lattice: Lattice | None) -> GelProblem:
         """Returns whether a bent lattice may be the end of a touch."""
@@ -260,7 +261,7 @@ class RestDetector:
             self._watch.rest(frame, blobs, self._match, reference.bend_px)
             measured = reference.position_px.astype(np.float32)
             measured[found] = blobs.centroid_px[self._match[found]]
-            return RestField(frame.t_us, measured)
+            return RestField(frame.t_us, measured, blur_px=self._watch.blur_px)
         self._count(n_found, GelProblem.TOUCHED, distance, displacement)
         self._watch.touch(frame, blobs, n_found, displacement)
         return self._settle(frame, blobs, reference)
