@@ -90,11 +90,13 @@ class RestField:
         t_us: the moment of the frame (middle of its exposure).
         position_px: (177, 2) float32, columns x, y, in the order of ``geometry.LATTICE_MM``.
         is_new: True if earlier rest positions were wrong.
+        blur_px: standard deviation of the point spread if the lens is out of focus, else 0.
     """
 
     t_us: int
     position_px: NDArray[np.float32]
     is_new: bool = False
+    blur_px: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

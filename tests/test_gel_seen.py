@@ -93,7 +93,7 @@ CONDITIONS = {
     "no-frames": Condition(GelProblem.NO_FRAMES, "sends no pictures", {"frames": 0.0}),
     "missing": Condition(GelProblem.MISSING, "106 of 177 dots are missing", {"missing": 60.0}),
     "pale": Condition(GelProblem.FAINT, "hardly brighter", {"pale": 1.3}),
-    "blur-3": Condition(GelProblem.BLURRED, "out of focus", {"blur": 3.0}),
+    "blur-3": Condition(GelProblem.BLURRED, "out of focus", {"blur": 3.0}, is_found=True),
     "blur-4": Condition(GelProblem.BLURRED, "out of focus", {"blur": 4.0}),
     "blur-2.5": Condition(GelProblem.BLURRED, "out of focus", {"blur": 2.5}, is_found=True),
     "small": Condition(GelProblem.SMALL, "too small in the picture: 1.1", config=seen_at(1.1)),

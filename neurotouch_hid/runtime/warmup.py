@@ -12,6 +12,7 @@ from neurotouch_hid.messages import (
     Frame,
 )
 from neurotouch_hid.runtime.pipeline import Pipeline
+from neurotouch_hid.tracker import BlobFinder
 
 _RIG = Rig((SENSOR_WIDTH_PX / 2, SENSOR_HEIGHT_PX / 2), NOMINAL_PX_PER_MM)
 _SLICE_US = 50_000  # so long that the noise of a gel at rest is measured in the second one
@@ -31,6 +32,7 @@ def warm_up(pipeline: Pipeline) -> None:
         events = _spread(position_px, t_us)
         pipeline.advance(EventPacket(t_us, t_us + _SLICE_US, events, (frame,)))
     pipeline.close()
+    BlobFinder().find(np.zeros_like(frame.pixels))  # a dark picture is smoothed
 
 
 def _draw(position_px: NDArray[np.float64]) -> NDArray[np.uint8]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import N_MARKERS, PITCH_MM, Rig, fit_rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, EventPacket, Frame
-from neurotouch_hid.tracker.blobs import BlobFinder
+from neurotouch_hid.tracker.blobs import BlobConfig, BlobFinder
 from neurotouch_hid.tracker.kernels import event_camera as kernels
 from neurotouch_hid.tracker.lattice import LatticeConfig, assign, find_lattice, fit_model
 
@@ -70,7 +70,7 @@ class EventCamera:
         self._net, self._low, self._most, self._now, self._before, self._dark, self._rest = (
             np.zeros(shape, np.float32) for _ in range(7)
         )
-        self._finder = BlobFinder()
+        self._finder = BlobFinder(BlobConfig(min_clear=0))  # its pictures are smooth already
         self._next_us: int | None = None
         self._most_changed = self._still_us = 0
         self._total_px = np.zeros((N_MARKERS, 2))

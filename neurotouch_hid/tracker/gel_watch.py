@@ -63,6 +63,12 @@ class GelWatch:
         self._begin_us: int | None = None
         self._seen = GelState()
 
+    @property
+    def blur_px(self) -> float:
+        """Standard deviation of the point spread if the lens is out of focus, else 0."""
+        blur_px = self._seen.blur_px
+        return blur_px if blur_px and is_blurred(blur_px, self._px_per_mm) else 0.0
+
     def wait(self, t_us: int, n_seen: int) -> None:
         """Notes that there are events, but no frames yet."""
         self._begin_us = t_us if self._begin_us is None else self._begin_us

@@ -24,6 +24,9 @@ _RIG_US = 300e3  # ... or, if it has not moved far, with this time constant, bec
 _TOUCH_PX = 0.2  # a marker farther off than the rest of the gel is touched softly
 _DRIFT_US = 20e6  # time constant of the rest position: a rig drifts over minutes ...
 _TOUCH_US = 300e6  # ... but a soft touch may last long
+_EDGE = 3.0  # standard deviations from its centre to the edge of a blurred dot
+_MEAN_ANCHORS = 16  # the rest position begins as the mean of so many frames
+_NOISE_SIZES = 2.5  # medians of its size; random errors in a plane exceed it one time in 75
 _LONGEST_US = 200_000  # longest time that one rest position counts for
 _NEVER_US = -(1 << 60)
 _MAX_HOLE_US = 100_000  # after a longer gap, positions do not identify the markers
@@ -156,7 +159,7 @@ class MarkerTracker:
             finder: finds the blobs of frames, see ``RestDetector``.
         """
         self._config = config or TrackerConfig()
-        self._tuning = self._config.tuning()
+        self._tuning, self._blur_px = self._config.tuning(), 0.0
         n = N_MARKERS
         self._tracks = make_tracks(NEIGHBOURS, self._config)
         self._finder = finder or BlobFinder()
@@ -167,6 +170,7 @@ class MarkerTracker:
         self._anchor_us = 0
         self._end_us: int | None = None
         self._n_events = self._n_anchors = self._n_gaps = 0
+        self._n_mean = 0  # frames in the mean that the rest position is
 
     @property
     def flicker(self) -> Flicker | None:
@@ -177,17 +181,20 @@ class MarkerTracker:
         """Takes a rest position, which may be late: ``rest.t_us`` is the time that it shows.
 
         The first one is taken as it is, and so is one that shows other markers. Otherwise the rest
-        position moves with the rig, and each marker's own place follows slowly.
+        position moves with the rig, and each marker's own place follows: at first as the mean of
+        the frames so far, then slowly.
         """
         measured = rest.position_px.astype(np.float64)
         self._anchored = self._anchored and not rest.is_new
         tracks, elapsed_us = self._tracks, rest.t_us - self._anchor_us
         self._n_anchors += 1
+        if rest.blur_px != self._blur_px:
+            self._widen(rest.blur_px)
         if self._anchored:
             self._follow_rig(measured, elapsed_us)
             off = measured - tracks.rest_px
         if not self._anchored or correction.median_size(off) > _MAX_OWN_PX:
-            tracks.rest_px[:] = measured
+            tracks.rest_px[:], self._n_mean = measured, 1
             if not self._anchored:
                 t_us = float(rest.t_us if self._end_us is None else self._end_us)
                 track_kernels.place(np.arange(N_MARKERS), measured, 1.0, t_us, tracks, self._tuning)
@@ -263,6 +270,8 @@ class MarkerTracker:
         The whole gel drifts together. Errors of single markers beyond that come from a touch, or
         from the gel that creeps back after one.
         """
+        if self._n_mean < _MEAN_ANCHORS:
+            self._average(off_px)
         elapsed = min(max(elapsed_us, 0), _LONGEST_US)
         correction.drift(
             off_px,
@@ -272,6 +281,32 @@ class MarkerTracker:
             _MAX_DRIFT_PX,
             self._tracks.rest_px,
         )
+
+    def _widen(self, blur_px: float) -> None:
+        """Takes the events of dots out of focus, which are farther from their centres.
+
+        A track that lags a little would lose the events ahead of it, and those behind it would hold
+        it back. Lists of near markers do not reach as far.
+        """
+        self._blur_px, tuning = blur_px, self._config.tuning()
+        gate_px = _EDGE * blur_px
+        if gate_px > tuning.gate_px:
+            spread_px = gate_px / tuning.gate_px * tuning.spread_px
+            tuning = tuning._replace(gate_px=gate_px, spread_px=spread_px, search_all=True)
+        self._tuning = tuning
+
+    def _average(self, off_px: NDArray[np.float64]) -> None:
+        """Takes each marker's own error into the mean that its place at rest is at first.
+
+        A picture that is noisy or out of focus moves all markers, a soft touch only some.
+        """
+        self._n_mean += 1
+        own_px = off_px - np.median(off_px, axis=0)
+        size_px = np.hypot(own_px[:, 0], own_px[:, 1])
+        is_noise = size_px <= max(_TOUCH_PX, _NOISE_SIZES * float(np.median(size_px)))
+        off_px = np.where(is_noise[:, None], own_px, 0.0) / self._n_mean
+        rest_px = self._tracks.rest_px
+        rest_px += off_px
 
     def _unknown(self, t_us: int) -> MarkerField:
         self._end_us = t_us

@@ -12,12 +12,18 @@ from neurotouch_hid.tracker.kernels import image as kernels
 from neurotouch_hid.tracker.kernels import matching, rigid
 from neurotouch_hid.tracker.lattice import Lattice
 
+MEAN_FRAMES = 16  # of a reference; the noise of one frame is then a quarter
 MOST_LEFT = 0.5  # of a rig's motion may be left; the light part of a touch is not that rigid
 _TURN_RATIO = 1.5  # a turn moves no marker farther than so many times the median of all
 
 
 class Reference:
-    """The gel at rest: marker positions, and white pixels for the Chamfer distance."""
+    """The gel at rest: marker positions, and white pixels for the Chamfer distance.
+
+    Attributes:
+        position_px: (177, 2) float64 px, the mean of the first frames at rest; never changed in
+            place.
+    """
 
     def __init__(self, lattice: Lattice, blobs: Blobs) -> None:
         self.bend_px = lattice.bend_px
@@ -32,6 +38,7 @@ class Reference:
         self._distance_px2 = np.empty(shape, np.int32)
         self._white = np.empty(SENSOR_HEIGHT_PX * SENSOR_WIDTH_PX, np.int32)
         self._match = np.empty(N_MARKERS, np.int32)
+        self._n_frames = 1
         self.move(lattice.position_px, blobs)
 
     def move(self, position_px: NDArray[np.float64], blobs: Blobs) -> None:
@@ -42,6 +49,21 @@ class Reference:
         self._mask.flat[self._pixels] = 1
         kernels.distance_map(self._mask, self._distance_px2)
         self._mask.flat[self._pixels] = 0
+
+    def add(self, centroid_px: NDArray[np.float64], match: NDArray[np.int32]) -> None:
+        """Takes a frame at rest into the mean, if it is one of the first.
+
+        One frame of a blurred or noisy picture is off by as much as a soft touch.
+
+        Args:
+            centroid_px: (m, 2) px, its blobs.
+            match: (177,) int32, the blob of each marker; negative without one.
+        """
+        if self._n_frames < MEAN_FRAMES:
+            self._n_frames += 1
+            seen = (match >= 0)[:, None]
+            off_px = np.where(seen, centroid_px[match] - self.position_px, 0.0)
+            self.position_px = self.position_px + off_px / self._n_frames
 
     def find_moved(
         self, blobs: Blobs, n_left_out: int, limit_px: float

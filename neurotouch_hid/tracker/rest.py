@@ -226,7 +226,8 @@ class RestDetector:
         self._set_reference(lattice, frame, blobs)
         self._count(n_found, GelProblem.NONE, 0.0, 0.0)
         self._watch.rest(frame, blobs, lattice.blob, lattice.bend_px)
-        return RestField(frame.t_us, lattice.position_px.astype(np.float32))
+        position_px = lattice.position_px.astype(np.float32)
+        return RestField(frame.t_us, position_px, blur_px=self._watch.blur_px)
 
     def _doubt(self, lattice: Lattice | None) -> GelProblem:
         """Returns whether a bent lattice may be the end of a touch."""
@@ -251,6 +252,7 @@ class RestDetector:
         )
         if is_rest:
             self._kept.forget()
+            reference.add(blobs.centroid_px, self._match)
         share, off_mm = n_found / reference.n_found, displacement / reference.px_per_mm
         if is_rest or self._kept.update(blobs.centroid_px, share, off_mm):
             self._n_still = 0
@@ -259,7 +261,7 @@ class RestDetector:
             self._watch.rest(frame, blobs, self._match, reference.bend_px)
             measured = reference.position_px.astype(np.float32)
             measured[found] = blobs.centroid_px[self._match[found]]
-            return RestField(frame.t_us, measured)
+            return RestField(frame.t_us, measured, blur_px=self._watch.blur_px)
         self._count(n_found, GelProblem.TOUCHED, distance, displacement)
         self._watch.touch(frame, blobs, n_found, displacement)
         return self._settle(frame, blobs, reference)

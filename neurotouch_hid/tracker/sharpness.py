@@ -36,7 +36,9 @@ def measure_blur(pixels: NDArray[np.uint8], blobs: Blobs, px_per_mm: float) -> f
     if not len(chosen):
         return None
     rows, columns = y[chosen][:, None, None] + step[:, None], x[chosen][:, None, None] + step
-    dot = pixels[rows, columns][:, near].mean(axis=0)  # of one dot the noise would be too large
+    # Of one dot the noise would be too large, and some dots are reflections, which are sharp.
+    dots = np.sort(pixels[rows, columns][:, near], axis=0)
+    dot = dots[len(dots) // 4 : len(dots) - len(dots) // 4].mean(axis=0)
     area = float((dot > 0.5 * (dot.min() + dot.max())).sum())
     sharp = math.pi / 4.0 * (MARKER_DIAMETER_MM * px_per_mm) ** 2
     return round(math.sqrt(max(area - sharp, 0.0) / _GAUSSIAN), 1)

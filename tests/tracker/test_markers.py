@@ -26,13 +26,14 @@ def twist(turn_rad, radius_mm=12.0):
     return stroke(*(Finger(c, turn_rad=turn_rad) for c in around), kind=GestureKind.TWIST_CW)
 
 
-def play(*strokes, shot_hz=1.0, rig=None, seed=1):
+def play(*strokes, shot_hz=1.0, rig=None, seed=1, nuisances=None):
     """Returns packets of a script, and the true markers at the end of each."""
     config = SimulatorConfig(
         camera=CameraConfig(rig=rig or Rig((172.5, 129.5), 2.5)),
         sensor=SensorConfig(shot_hz=shot_hz),
     )
-    simulator = Simulator(sequence("test", *strokes, rest_us=150_000), config, seed=seed)
+    script = sequence("test", *strokes, rest_us=150_000)
+    simulator = Simulator(script, config, nuisances=nuisances, seed=seed)
     packets, truth = [], []
     for packet in simulator:
         packets.append(packet)
@@ -263,6 +264,25 @@ def test_a_soft_touch_that_looks_like_rest_is_not_absorbed(px):
         tracker.anchor(RestField(k * 40_000, REST_PX))
         field = tracker.update(packet(k))
     assert np.abs(field.rest_px - REST_PX).max() < 0.15
+
+
+def test_the_rest_position_is_the_mean_of_the_first_noisy_frames():
+    rng, tracker = np.random.default_rng(4), MarkerTracker()
+    for k in range(16):
+        noise_px = rng.normal(0, 0.3, REST_PX.shape).astype(np.float32)
+        tracker.anchor(RestField(k * 40_000, REST_PX + noise_px))
+        field = tracker.update(packet(k))
+    assert np.std(field.rest_px - REST_PX) < 0.12
+
+
+def test_a_quick_push_is_followed_out_of_focus():
+    push = stroke(Finger((2.0, 3.0), (6.0, -5.0)), move_us=120_000)
+    packets, truth = play(push, nuisances={"blur": 2.5})
+    fields = follow(packets)
+    moved = np.hypot(*(truth - truth[0]).transpose(2, 0, 1)) > 4.0
+    error = errors(fields, truth)[moved]
+    assert (error > 3.0).mean() < 0.15
+    assert np.median(error) < 0.6
 
 
 @pytest.mark.parametrize("side", [0, 1])

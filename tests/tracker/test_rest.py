@@ -7,8 +7,9 @@ import pytest
 
 from neurotouch_hid.geometry import LATTICE_MM, Rig
 from neurotouch_hid.messages import Frame, GelProblem
-from neurotouch_hid.tracker import RestConfig, RestDetector
+from neurotouch_hid.tracker import BlobFinder, RestConfig, RestDetector
 from neurotouch_hid.tracker.lattice import LatticeConfig, find_lattice
+from neurotouch_hid.tracker.sharpness import measure_blur
 
 RIG = Rig((172.0, 130.0), 2.5, 0.1)
 
@@ -67,6 +68,32 @@ def test_rest_is_measured_in_each_frame():
     rest = show(RestDetector(), picture(), picture(rig=rig, seed=1))
     assert rest is not None
     assert np.abs((rest.position_px - rig.to_px(LATTICE_MM)).mean(axis=0)).max() < 0.03
+
+
+def blurred(seed, moved_mm=0.0):
+    """Returns a frame with faint dots out of focus."""
+    rng = np.random.default_rng(seed)
+    y, x = np.mgrid[:260, :346]
+    image = np.full(x.shape, 12.0)
+    for u, v in RIG.to_px(LATTICE_MM + moved_mm):
+        image += 12.0 * np.exp(-((x - u) ** 2 + (y - v) ** 2) / (2 * 2.6**2))
+    return np.rint(image + rng.normal(0, 1.5, x.shape)).astype(np.uint8)
+
+
+def test_a_gel_out_of_focus_is_found_and_is_at_rest():
+    detector = RestDetector()
+    n_rest = sum(show(detector, blurred(seed)) is not None for seed in range(40))
+    assert n_rest >= 36
+    assert show(detector, blurred(40, push(0.6))) is None
+
+
+def test_reflections_are_sharp_even_if_the_lens_is_out_of_focus():
+    pixels = blurred(0)
+    for x, y in ((60, 30), (280, 40), (64, 220), (300, 210)):
+        pixels[y : y + 2, x : x + 2] = 220
+    blur_px = measure_blur(pixels, BlobFinder().find(pixels), RIG.px_per_mm)
+    assert blur_px is not None
+    assert 1.6 < blur_px < 2.8
 
 
 @pytest.mark.parametrize(("mm", "at_rest"), [(0.0, True), (0.1, True), (0.4, False), (9.0, False)])

@@ -10,6 +10,9 @@ from neurotouch_hid.process.kernel_cache import kernel
 
 BLOCK_PX = 8  # brightness is measured in windows of 3 x 3 blocks, two to three markers wide
 SHIFT = 3  # log2(BLOCK_PX)
+GAIN = 3  # of a smoothed picture, so that rounding is no noise
+MIDDLE_DN = 64.0  # grey level between its dots
+NOISE_LEFT = 70.0 / 256.0  # of the noise: 1, 4, 6, 4, 1 squared, over 16 squared
 
 
 class Buffers(NamedTuple):
@@ -41,7 +44,7 @@ def threshold_blocks(
     min_contrast: float,
     threshold: NDArray[np.float64],
     background: NDArray[np.float64],
-) -> None:
+) -> int:
     """Writes threshold and background of every block, from the blocks around it.
 
     Mean and standard deviation come from every second row, which halves the time.
@@ -52,9 +55,13 @@ def threshold_blocks(
         min_contrast: least threshold above the mean, grey levels.
         threshold: (rows, columns) float64, written, grey levels.
         background: (rows, columns) float64, written: the level between the markers.
+
+    Returns:
+        The number of blocks whose threshold is above the least one: dots stand out there.
     """
     h, w = pixels.shape
     rows, columns = threshold.shape
+    n_clear = 0
     # Sums of each block, with a border of empty blocks: pixels, grey level, its square.
     sums = np.zeros((rows + 2, 3, columns + 2), np.int32)
     padded = columns * BLOCK_PX
@@ -86,6 +93,37 @@ def threshold_blocks(
             sigma = math.sqrt(max(power - mean * mean, 0.0))
             threshold[i, j] = mean + max(n_sigma * sigma, min_contrast)
             background[i, j] = mean - 0.25 * sigma  # markers cover some 5 % of a window
+            n_clear += n_sigma * sigma > min_contrast
+    return n_clear
+
+
+@kernel
+def smooth(pixels: NDArray[np.uint8], middle_dn: float, out: NDArray[np.uint8]) -> None:
+    """Writes a picture smoothed by binomials of five pixels, with ``GAIN`` times the contrast.
+
+    Noise that differs from pixel to pixel shrinks to ``NOISE_LEFT`` of it, before ``GAIN``.
+
+    Args:
+        pixels: (h, w) uint8.
+        middle_dn: grey level that becomes ``MIDDLE_DN``.
+        out: (h, w) uint8, written.
+    """
+    h, w = pixels.shape
+    column = np.zeros(w + 4, np.int32)
+    shift = np.int32(256.0 * (MIDDLE_DN - GAIN * middle_dn)) + 128
+    for y in range(h):
+        a, b = pixels[max(y - 2, 0)], pixels[max(y - 1, 0)]
+        c, d = pixels[min(y + 1, h - 1)], pixels[min(y + 2, h - 1)]
+        row = pixels[y]
+        for x in range(w):
+            ends, near = np.int32(a[x]) + d[x], np.int32(b[x]) + c[x]
+            column[x + 2] = ends + 4 * near + 6 * np.int32(row[x])
+        column[0] = column[1] = column[2]
+        column[w + 2] = column[w + 3] = column[w + 1]
+        for x in range(w):
+            ends, near = column[x] + column[x + 4], column[x + 1] + column[x + 3]
+            level = (GAIN * (ends + 4 * near + 6 * column[x + 2]) + shift) >> 8
+            out[y, x] = min(max(level, 0), 255)
 
 
 @kernel

@@ -85,10 +85,36 @@ def test_blobs_at_the_border_of_the_picture_are_whole():
     pixels = np.zeros((260, 346), np.uint8)
     for y, x in ((0, 0), (0, 344), (257, 0), (257, 344), (100, 344), (101, 0)):
         pixels[y : y + 3, x : x + 2] = 200
-    blobs = BlobFinder().find(pixels)
+    blobs = BlobFinder(BlobConfig(min_clear=0)).find(pixels)
     assert (
         sorted(np.diff(blobs.begin).tolist()) == [6] * 6
     )  # the right and the left border do not touch
+
+
+def test_a_smoothed_picture_is_the_picture_in_binomials_of_five_pixels():
+    pixels = draw_dots(np.random.default_rng(2)) // 4
+    smooth = np.empty_like(pixels)
+    kernels.smooth(pixels, 10.0, smooth)
+    wide, weights = np.pad(pixels.astype(float), 2, mode="edge"), np.array([1, 4, 6, 4, 1]) / 16
+    rows = sum(w * wide[k : k + 260] for k, w in enumerate(weights))
+    twin = sum(w * rows[:, k : k + 346] for k, w in enumerate(weights))
+    level = kernels.MIDDLE_DN + kernels.GAIN * (twin - 10.0)
+    np.testing.assert_allclose(smooth, np.clip(level, 0, 255), atol=0.51)
+
+
+def test_dots_out_of_focus_are_found_to_a_third_of_a_pixel():
+    rng = np.random.default_rng(3)
+    y, x = np.mgrid[:260, :346]
+    at = np.stack(np.meshgrid(np.arange(60, 290, 10.0), np.arange(40, 220, 10.0)), -1)
+    at = at.reshape(-1, 2) + rng.uniform(-0.5, 0.5, (at.size // 2, 2))
+    image = np.full(x.shape, 12.0)
+    for u, v in at:
+        image += 13.0 * np.exp(-((x - u) ** 2 + (y - v) ** 2) / (2 * 2.6**2))
+    pixels = np.rint(image + rng.normal(0, 1.5, x.shape)).astype(np.uint8)
+    found = BlobFinder().find(pixels).centroid_px
+    far = np.hypot(*(at[:, None] - found[None]).transpose(2, 0, 1)).min(axis=1)
+    assert len(found) == len(at)
+    assert np.sqrt((far**2).mean()) < 0.33
 
 
 def test_a_picture_is_searched_once():
