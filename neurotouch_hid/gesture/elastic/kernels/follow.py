@@ -138,7 +138,8 @@ def locate_shown(
         least: the least number of contacts, if there are as many fingers.
 
     Returns:
-        Their places, (k, 2) float64 in mm of the gel and (k, 2) float64 in px; their mean motion, mm.
+        Their places, (k, 2) float64 in mm of the gel and (k, 2) float64 in px; how far they move
+        the gel under them, their mean, mm.
     """
     fit = fits[NOW]
     n = fit.count
