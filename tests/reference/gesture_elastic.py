@@ -143,7 +143,7 @@ class Landing:
 
 
 def locate(centre, radius, motion, press, n=400):
-    """Where the mean of a patch, weighted by its squared motion, lies now; its middle's motion."""
+    """Where the mean of a patch, weighted by its squared motion, lies now; the rms motion."""
     u = np.linspace(-1, 1, n) * radius
     x, y = (p.ravel() for p in np.meshgrid(u, u))
     x, y = x[np.hypot(x, y) <= radius], y[np.hypot(x, y) <= radius]
@@ -153,7 +153,7 @@ def locate(centre, radius, motion, press, n=400):
     sx, sy = np.average(x, weights=weight), np.average(y, weights=weight)
     bend = math.sqrt(1 - turn**2) - 1
     moved = dx - turn * sy + bend * sx, dy + turn * sx + bend * sy
-    return centre[0] + sx + moved[0], centre[1] + sy + moved[1], dx, dy
+    return centre[0] + sx + moved[0], centre[1] + sy + moved[1], math.sqrt(weight.mean())
 
 
 def bend(points, centres, radii, turns):

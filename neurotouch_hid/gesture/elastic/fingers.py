@@ -214,7 +214,7 @@ class Contacts(NamedTuple):
     Attributes:
         mm: (k, 2) float64, gel coordinates, columns x, y.
         px: (k, 2) float64, the same points in the image.
-        intensity_mm: their mean drag.
+        intensity_mm: how far they move the gel under them, their mean.
     """
 
     mm: Floats

@@ -138,7 +138,8 @@ def locate_shown(
         least: the least number of contacts, if there are as many fingers.
 
     Returns:
-        Their places, (k, 2) float64 in mm of the gel and (k, 2) float64 in px; their mean drag, mm.
+        Their places, (k, 2) float64 in mm of the gel and (k, 2) float64 in px; how far they move
+        the gel under them, their mean, mm.
     """
     fit = fits[NOW]
     n = fit.count
@@ -152,12 +153,12 @@ def locate_shown(
     for j in range(n):
         if not chosen[j]:
             continue
-        x, y, dx, dy = locate(fit.centres[j], fit.radii[j], fit.motions[j], fit.press[j])
+        x, y, size_mm = locate(fit.centres[j], fit.radii[j], fit.motions[j], fit.press[j])
         mm[k, 0], mm[k, 1] = x, y
         x, y = x + fit.offset_x_mm, y + fit.offset_y_mm  # the whole gel, with its rig
         px[k, 0] = rig.along * x - rig.across * y + rig.x_px
         px[k, 1] = rig.across * x + rig.along * y + rig.y_px
-        total_mm += math.hypot(dx, dy)
+        total_mm += size_mm
         k += 1
     return mm, px, total_mm / count
 

@@ -122,16 +122,16 @@ def subtract_landing(
 @kernel
 def locate(
     centre: Floats, radius: float, motion: Floats, press: float
-) -> tuple[float, float, float, float]:
-    """Returns where a finger deforms the gel, and how far it drags the gel there.
+) -> tuple[float, float, float]:
+    """Returns where a finger deforms the gel, and how far it moves the gel under it.
 
     The place is the mean of its patch, weighted by the square of the motion. A finger that drags
     moves all of its patch alike. One that turns with the hand moves the outer side more, and there
     people see the deformation [NT, "Contact Point Detection"].
 
-    The drag is that of the finger's middle. The drag of the place would be up to a quarter more in
-    a twist. The paper's own method averages over 12 mm around a contact; it would then be off by
-    far more than on real hands [NT, "Results"].
+    The motion is the root mean square over its patch, as people see dots and not the finger's
+    middle. That of the place would be up to a quarter more in a twist, and that of the middle a
+    twelfth less: then a tip that only turns would not move at all.
 
     Args:
         centre: (2,) float64 mm, on the gel at rest.
@@ -140,7 +140,7 @@ def locate(
         press: mm; a pressed patch looks larger, so its markers seem to move outwards as well.
 
     Returns:
-        The present place (x, y) in mm, and the drag (x, y) in mm.
+        The present place (x, y) in mm, and the motion in mm.
     """
     cx, cy, turn = centre[0], centre[1], motion[TURN]
     dx, dy = motion[DRAG_X] + press / VIEW_MM * cx, motion[DRAG_Y] + press / VIEW_MM * cy
@@ -148,7 +148,7 @@ def locate(
     shift = 0.5 * turn * radius * radius / max(square, 1e-6)
     sx, sy = shift * dy, -shift * dx
     keep = math.sqrt(1.0 - turn * turn)
-    return cx + dx + keep * sx - turn * sy, cy + dy + keep * sy + turn * sx, dx, dy
+    return cx + dx + keep * sx - turn * sy, cy + dy + keep * sy + turn * sx, math.sqrt(square)
 
 
 @kernel
