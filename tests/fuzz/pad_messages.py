@@ -45,6 +45,8 @@ def check(case: bytes) -> None:
         if (kind, request) == (_GET_REPORT_REPLY, _ID):
             break
     for read in read_reports_of(_Given(report), _PAD.layout):
+        if read is None:  # hidapi's empty answer: nothing came in time
+            continue
         assert isinstance(read, Report), read
         assert all(-1.0 <= value <= 1.0 for value in read.axes.values()), read
 
