@@ -47,7 +47,7 @@ class Desk:
         for folder in (f"/home/{PLAYER}/.config/neurotouch", PEOPLE):  # the service has a copy
             shutil.rmtree(folder, ignore_errors=True)
         run("systemctl", "start", SERVICE)
-        self.play_until_pushed()
+        self.read_pad()
 
     def identity(self) -> tuple[str | None, int]:
         """The pad's node and the service's process: neither may change while it plays."""
