@@ -10,8 +10,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from neurotouch_hid.client import ask
+from neurotouch_hid.client import Reply, ask
 from neurotouch_hid.device import Copilot
+from neurotouch_hid.errors import DriverError
 from tests.kernel.guest.copilot import NAME, HelperPad, rumble, watched
 from tests.kernel.guest.opening import as_nobody
 from tests.kernel.guest.reader import Reader, find_node
@@ -25,7 +26,7 @@ def play_along(results: Path) -> dict[str, Any]:
     seen: dict[str, Any] = {}
     with started(results) as (service, told):
         seen["told"] = hear_ready(told)
-        seen["profile"] = ask("status", player=2)["profile"]
+        seen["profile"] = ask_patiently()["profile"]
         device = find_node("neurotouch/pad1")
         reader = Reader(device)
         seen["before"] = copilot()
@@ -98,7 +99,18 @@ def hear_ready(told: socket.socket) -> list[str]:
 
 def copilot() -> str:
     """What the service says of who plays along."""
-    return str(ask("status", player=2)["copilot"])
+    return str(ask_patiently()["copilot"])
+
+
+def ask_patiently() -> Reply:
+    """The service's status; on a slow machine that is emulated, the first answer comes late."""
+    deadline = time.monotonic() + PATIENCE_S
+    while True:
+        try:
+            return ask("status", player=2)
+        except DriverError:
+            if time.monotonic() > deadline:
+                raise
 
 
 def wait_for_copilot(*, playing: bool) -> str:
