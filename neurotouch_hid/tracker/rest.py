@@ -317,7 +317,8 @@ class RestDetector:
         ):
             return None
         self._set_reference(lattice, frame, blobs)
-        return RestField(frame.t_us, lattice.position_px.astype(np.float32))
+        position_px = lattice.position_px.astype(np.float32)
+        return RestField(frame.t_us, position_px, blur_px=self._watch.blur_px)
 
     def _count_still(self, blobs: Blobs) -> bool:
         """Returns True once for every ``settle_frames`` consecutive frames without motion."""

@@ -111,6 +111,7 @@ def ask_patiently() -> Reply:
         except DriverError:
             if time.monotonic() > deadline:
                 raise
+            time.sleep(0.1)
 
 
 def wait_for_copilot(*, playing: bool) -> str:
