@@ -48,3 +48,7 @@ MESSAGES: Final[dict[str, Area]] = {
 """Each case of them gets an answer; a refusal is one, too."""
 
 AREAS: Final[dict[str, Area]] = FILES | MESSAGES
+
+AT_RANDOM: Final = frozenset({"camera"})
+"""Areas that coverage cannot guide: a case says itself whether it is sound, so with changed bytes it
+would be a lie."""
