@@ -50,5 +50,4 @@ MESSAGES: Final[dict[str, Area]] = {
 AREAS: Final[dict[str, Area]] = FILES | MESSAGES
 
 AT_RANDOM: Final = frozenset({"camera"})
-"""Areas that coverage cannot guide: a case says itself whether it is sound, so with changed bytes it
-would be a lie."""
+"""Areas that coverage cannot guide: a case says itself whether it is sound; a changed one lies."""
