@@ -41,8 +41,8 @@ class Touch:
         scale: its scaling, 1 at rest, below 1 for a pinch.
         confidence: 0 to 1.
         pad: the state of the virtual gamepad.
-        markers_mm: (177, 2) float32, how far each marker is from its rest, columns x, y, in mm.
-        measured: (177,) bool, True where a marker is measured, False where it is a guess.
+        markers_mm: (n, 2) float32, how far each marker is from its rest, columns x, y, in mm.
+        measured: (n,) bool, True where a marker is measured, False where it is a guess.
         events: (n,) of ``EVENT_DTYPE``, the events of the slice; None of a running driver.
         frames: the frames of the slice; empty of a running driver.
     """

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
-from neurotouch_hid.geometry import NOMINAL_PX_PER_MM, Rig
+from neurotouch_hid.geometry import NOMINAL_PX_PER_MM, PAPER_GEL, Gel, Rig
 
 SHIPPED_RIG = Rig((172.5, 129.5), NOMINAL_PX_PER_MM)  # the middle of the sensor
 
@@ -13,7 +13,7 @@ ELASTICITIES: tuple[Elasticity, ...] = get_args(Elasticity)
 
 @dataclass(frozen=True, slots=True)
 class GelConfig:
-    """Settings of the gel's elasticity.
+    """Settings of the gel: its dots and its elasticity.
 
     Attributes:
         lag: share of the motion that follows late; silicone loses about a tenth of its work.
@@ -21,12 +21,14 @@ class GelConfig:
         elasticity: closed forms of a half space (``kernels``) or the solid dome of finite elements
             (``solid``); they share no code.
         residue: share of each marker's largest motion that stays until the next touch.
+        layout: its dots.
     """
 
     lag: float = 0.1
     lag_us: int = 120_000
     elasticity: Elasticity = "half-space"
     residue: float = 0.0
+    layout: Gel = PAPER_GEL
 
 
 @dataclass(frozen=True, slots=True)
