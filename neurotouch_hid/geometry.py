@@ -11,6 +11,7 @@ Floats = NDArray[np.float64]
 NOMINAL_PX_PER_MM = 2.5  # [NT, "Results"]: r = 30 px is about 12 mm
 NOMINAL_PITCH_PX = 10.0  # the same for markers that are 4 mm apart
 _NEAR = 1.6  # pitches: the diagonal of a square is nearer, the next but one marker is not
+_ROUNDING_MM = 1e-9
 _MOST_NEIGHBOURS = 8  # as many as a square lattice has
 
 
@@ -74,6 +75,51 @@ def place_square(pitch_mm: float, radius_mm: float) -> Floats:
     inside = np.hypot(rows, columns) * pitch_mm <= radius_mm
     points: Floats = np.stack([columns[inside], rows[inside]], axis=1) * pitch_mm
     return points
+
+
+def place_hex(pitch_mm: float, radius_mm: float) -> Floats:
+    """Returns a hexagonal lattice within a radius of the origin, which is one of its points.
+
+    Returns:
+        (n, 2) float64 mm, rows from the top, columns from the left.
+    """
+    n = int(2.0 * radius_mm // pitch_mm) + 1
+    j, i = np.mgrid[-n : n + 1, -n : n + 1].reshape(2, -1)
+    points: Floats = pitch_mm * np.column_stack([i + 0.5 * j, math.sqrt(0.75) * j])
+    inside: Floats = points[np.hypot(*points.T) <= radius_mm + _ROUNDING_MM]
+    return inside
+
+
+def place_rings(pitch_mm: float, radius_mm: float) -> Floats:
+    """Returns the origin and the points of rings around it, 6 more on each; all (n, 2) mm."""
+    points = [np.zeros((1, 2))]
+    for k in range(1, int((radius_mm + _ROUNDING_MM) // pitch_mm) + 1):
+        angle = 2.0 * math.pi * np.arange(6 * k) / (6 * k)
+        points.append(k * pitch_mm * np.column_stack([np.cos(angle), np.sin(angle)]))
+    return np.concatenate(points)
+
+
+def place_grid(columns: int, rows: int, x_mm: float, y_mm: float) -> Floats:
+    """Returns a rectangle of points around the origin, (n, 2) mm, row by row.
+
+    Args:
+        columns: points from left to right.
+        rows: points from top to bottom.
+        x_mm: distance from left to right.
+        y_mm: distance from top to bottom.
+    """
+    j, i = np.mgrid[:rows, :columns].reshape(2, -1)
+    points: Floats = np.column_stack(
+        [x_mm * (i - 0.5 * (columns - 1)), y_mm * (j - 0.5 * (rows - 1))]
+    )
+    return points
+
+
+def measure_pitch(points: Floats) -> float:
+    """Returns the median distance of points, (n, 2), from the nearest other one."""
+    away = np.hypot(*(points[:, None] - points).transpose(2, 0, 1))
+    np.fill_diagonal(away, np.inf)
+    return float(np.median(away.min(axis=1)))
 
 
 def _find_neighbours(points_mm: Floats, near_mm: float) -> NDArray[np.intp]:

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 
 from neurotouch_hid import client as driver
 from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
+from neurotouch_hid.driver.gel_settings import choose_gel
 from neurotouch_hid.errors import NotRunningError
 from neurotouch_hid.gel_sentences import explain_gel, name_dots
-from neurotouch_hid.geometry import PAPER_GEL, Gel, fit_rig
+from neurotouch_hid.geometry import fit_rig
 from neurotouch_hid.messages import (
     SENSOR_HEIGHT_PX,
     SENSOR_WIDTH_PX,
@@ -102,14 +103,15 @@ class GelView:
     Args:
         picture: path for the picture with the markers; None: a file in the cache folder.
         source: the source; None: the running driver's data, or the first camera.
-        gel: the gel.
+        gel: name or path of the gel's file; None: the one that applies to the source.
     """
 
     def __init__(
-        self, picture: Path | None = None, source: str | None = None, gel: Gel = PAPER_GEL
+        self, picture: Path | None = None, source: str | None = None, gel: str | None = None
     ) -> None:
         self._picture = picture or find_picture()
-        self._source, self._made = source, gel
+        self._source = source
+        self._made = choose_gel(gel, source or "davis:")
 
     def check_stream(self) -> Finding:  # noqa: PLR0911
         """Checks whether frames and events arrive at the usual rates."""
@@ -211,7 +213,7 @@ class GelView:
     def _open(self, stack: ExitStack) -> tuple[str, Iterable[EventPacket]] | None:
         """Returns the source's name and its packets; None without a source."""
         if self._source is not None:
-            source = stack.enter_context(open_source(self._source, speed="max"))
+            source = stack.enter_context(open_source(self._source, speed="max", gel=self._made))
             return f"{'SIMULATED ' if source.is_simulated else ''}{self._source}", source
         try:
             answer, line = driver.open_stream("record")

@@ -1,6 +1,6 @@
 """Settings of a simulated set-up: gel, camera, pixels, light."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal, get_args
 
 from neurotouch_hid.geometry import NOMINAL_PX_PER_MM, PAPER_GEL, Gel, Rig
@@ -122,3 +122,13 @@ class SimulatorConfig:
     camera: CameraConfig = field(default_factory=CameraConfig)
     sensor: SensorConfig = field(default_factory=SensorConfig)
     light: LightConfig = field(default_factory=LightConfig)
+
+    def show(self, gel: Gel) -> "SimulatorConfig":
+        """Returns the same set-up with another gel; the paper's changes nothing."""
+        if gel is PAPER_GEL:
+            return self
+        return replace(
+            self,
+            gel=replace(self.gel, layout=gel),
+            camera=replace(self.camera, height_mm=gel.dome_height_mm),
+        )
