@@ -1,5 +1,6 @@
 """The gel and the rig: markers at rest, their neighbours, and pixels <-> millimetres."""
 
+import cmath
 import math
 from dataclasses import dataclass
 
@@ -12,6 +13,8 @@ NOMINAL_PX_PER_MM = 2.5  # [NT, "Results"]: r = 30 px is about 12 mm
 NOMINAL_PITCH_PX = 10.0  # the same for markers that are 4 mm apart
 _NEAR = 1.6  # pitches: the diagonal of a square is nearer, the next but one marker is not
 _ROUNDING_MM = 1e-9
+_SAME = 0.05  # of the pitch
+_MOST_TURNS = 12
 _MOST_NEIGHBOURS = 8  # as many as a square lattice has
 
 
@@ -120,6 +123,17 @@ def measure_pitch(points: Floats) -> float:
     away = np.hypot(*(points[:, None] - points).transpose(2, 0, 1))
     np.fill_diagonal(away, np.inf)
     return float(np.median(away.min(axis=1)))
+
+
+def count_turns(points_mm: Floats) -> int:
+    """Returns how many turns about their middle, within a whole one, map points to themselves."""
+    z = (points_mm - points_mm.mean(axis=0)) @ (1, 1j)
+    near_mm = _SAME * measure_pitch(points_mm)
+    for n in range(_MOST_TURNS, 1, -1):
+        turned = z * cmath.rect(1.0, 2.0 * math.pi / n)
+        if np.abs(turned[:, None] - z).min(axis=1).max() < near_mm:
+            return n
+    return 1
 
 
 def _find_neighbours(points_mm: Floats, near_mm: float) -> NDArray[np.intp]:

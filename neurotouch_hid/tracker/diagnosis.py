@@ -16,6 +16,7 @@ from neurotouch_hid.messages import (
     GelState,
 )
 from neurotouch_hid.tracker.blobs import Blobs
+from neurotouch_hid.tracker.growth import find_net
 from neurotouch_hid.tracker.kernels import matching
 from neurotouch_hid.tracker.lattice import Lattice, LatticeFinder
 from neurotouch_hid.tracker.sharpness import is_blurred, measure_blur
@@ -71,6 +72,8 @@ class Diagnosis:
         self._gel, self._config, self._near_rad = finder.gel, finder.config, near_rad
         wide = replace(finder.config, min_pitch_px=_WIDE[0], max_pitch_px=_WIDE[1])
         self._wide = LatticeFinder(finder.gel, wide)
+        net = find_net(finder.gel)
+        self._is_square = net is not None and net.n_turns == 4
 
     def explain(
         self,
@@ -158,7 +161,8 @@ class Diagnosis:
             scale = round(pitch_px / self._gel.pitch_mm, 2)
             problem = self._judge_view(scale, None) or GelProblem.OUTSIDE
             return replace(state, problem=problem, px_per_mm=scale)
-        pattern = find_pattern(frame.pixels, self._gel)
+        # Only a square lattice looks the same after a quarter turn, which the pattern relies on.
+        pattern = find_pattern(frame.pixels, self._gel) if self._is_square else None
         if pattern is None:
             is_dim = float(np.percentile(frame.pixels, 99.5)) < _DIM
             return replace(state, problem=GelProblem.DARK) if is_dim else state

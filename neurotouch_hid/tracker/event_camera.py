@@ -15,7 +15,8 @@ from neurotouch_hid.geometry import Rig, fit_rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, EventPacket, Frame
 from neurotouch_hid.tracker.blobs import BlobConfig, BlobFinder
 from neurotouch_hid.tracker.kernels import event_camera as kernels
-from neurotouch_hid.tracker.lattice import LatticeFinder, assign, fit_model
+from neurotouch_hid.tracker.lattice import LatticeFinder
+from neurotouch_hid.tracker.smooth_map import assign, fit_model
 
 _PERIOD_US = 40_000  # from one picture to the next
 _FADE_US = 2_000_000.0  # time constant with which noise fades while the gel is at rest
