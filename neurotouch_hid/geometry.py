@@ -48,6 +48,18 @@ class Gel:
         """The number of markers."""
         return len(self.points_mm)
 
+    def lighten(self, pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Returns a picture in which the markers are light: inverted if they are dark."""
+        return pixels if self.light else ~pixels
+
+    def lighten_events(self, events: NDArray[np.void]) -> NDArray[np.void]:
+        """Returns events, (m,) EVENT_DTYPE, as light markers make them, not dark ones."""
+        if self.light:
+            return events
+        inverted = events.copy()
+        inverted["p"] = ~events["p"]
+        return inverted
+
 
 def make_gel(
     name: str,
