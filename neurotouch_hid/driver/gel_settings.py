@@ -53,18 +53,19 @@ Coordinate = Annotated[float, Field(ge=-_MOST_MM, le=_MOST_MM)]
 Count = Annotated[int, Field(ge=2, le=200)]
 
 
-def _key(description: str) -> Any:
-    return Field(default=None, description=description, json_schema_extra=make_optional())
+def _key(description: str, unit: str | None = None) -> Any:
+    return Field(default=None, description=description, json_schema_extra=make_optional(unit))
 
 
 def _drop_null(schema: dict[str, Any]) -> None:
     """Leaves the forms of a key that may be left out but not be empty."""
     schema.pop("default")
     schema["anyOf"].pop()
+    schema["x-unit"] = "mm"
 
 
 class Layout(Strict):
-    """Where the dots are on the gel, seen from above: x right, y towards the user."""
+    """The places of the dots on the gel, seen from above: x right, y towards the user."""
 
     kind: Literal["square", "hex", "rings", "grid", "points"] = Field(
         description="square: rows and columns within a circle, one dot in the middle. hex: the "
@@ -73,11 +74,13 @@ class Layout(Strict):
     )
     pitch_mm: Length | Annotated[list[Length], Field(min_length=2, max_length=2)] | None = Field(
         default=None,
-        description="Distance of neighbours, from centre to centre; of a grid also [x, y]. "
+        description="Distance of neighbours in mm, from centre to centre; of a grid also [x, y]. "
         "Default: none.",
         json_schema_extra=_drop_null,
     )
-    radius_mm: Length | None = _key("Of the circle that contains all dots' centres. Default: none.")
+    radius_mm: Length | None = _key(
+        "Of the circle that contains all dots' centres, in mm. Default: none.", "mm"
+    )
     columns: Count | None = _key("Dots from left to right, of a grid. Default: none.")
     rows: Count | None = _key("Dots from top to bottom, of a grid. Default: none.")
     points_mm: (
@@ -86,7 +89,7 @@ class Layout(Strict):
             Field(min_length=LEAST_DOTS, max_length=MOST_DOTS),
         ]
         | None
-    ) = _key("Centre of each dot, [[x, y], ...]. Default: none.")
+    ) = _key("Centre of each dot in mm, [[x, y], ...]. Default: none.", "mm")
 
     @model_validator(mode="after")
     def _has_the_keys_of_its_kind(self) -> Self:
@@ -169,7 +172,7 @@ class GelSettings(Strict):
     layout: Layout = Field(description="Where the dots are. No default.")
     dot_mm: Annotated[float, Field(ge=0.2, le=20.0)] = Field(
         default=PAPER_GEL.dot_mm,
-        description="Diameter of a dot. Default: 1.",
+        description="Diameter of a dot in mm. Default: 1.",
         json_schema_extra=give_unit("mm"),
     )
     dots: Literal["light", "dark"] = Field(
@@ -179,7 +182,7 @@ class GelSettings(Strict):
     )
     dome_height_mm: Annotated[float, Field(ge=0.0, le=50.0)] = Field(
         default=PAPER_GEL.dome_height_mm,
-        description="How much higher the middle of the gel is than its rim; 0: it is flat. The "
+        description="How many mm the middle of the gel is higher than its rim; 0: it is flat. The "
         "simulator uses it. Default: 15.",
         json_schema_extra=give_unit("mm"),
     )
