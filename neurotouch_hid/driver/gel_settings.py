@@ -38,7 +38,9 @@ FILE: Final = "gel.yaml"
 SUFFIX: Final = ".gel.yaml"
 LEAST_DOTS: Final = 40
 MOST_DOTS: Final = 400
-_MOST_MM: Final = 100.0
+MOST_FAR_MM: Final = 31.0
+"""Farther from the middle the recogniser does not expect any gel."""
+
 _NEEDS: Final[dict[str, tuple[str, ...]]] = {
     "square": ("pitch_mm", "radius_mm"),
     "hex": ("pitch_mm", "radius_mm"),
@@ -48,8 +50,8 @@ _NEEDS: Final[dict[str, tuple[str, ...]]] = {
 }
 """The keys of each kind of layout, all of them needed."""
 
-Length = Annotated[float, Field(ge=0.5, le=_MOST_MM)]
-Coordinate = Annotated[float, Field(ge=-_MOST_MM, le=_MOST_MM)]
+Length = Annotated[float, Field(ge=0.5, le=MOST_FAR_MM)]
+Coordinate = Annotated[float, Field(ge=-MOST_FAR_MM, le=MOST_FAR_MM)]
 Count = Annotated[int, Field(ge=2, le=200)]
 
 
@@ -112,10 +114,11 @@ class Layout(Strict):
             raise PydanticCustomError(
                 "layout", "only a grid has two distances", {"at": ("pitch_mm",)}
             )
-        self._check_number()
+        self._check_dots()
         return self
 
-    def _check_number(self) -> None:
+    def _check_dots(self) -> None:
+        """Checks how many dots there are, and how far from the middle."""
         at = next(key for key in ("radius_mm", "columns", "points_mm") if key in _NEEDS[self.kind])
         n = self.count()
         if not LEAST_DOTS <= n <= MOST_DOTS:
@@ -123,6 +126,18 @@ class Layout(Strict):
                 "layout",
                 "gives {n} dots, and a gel has {least} to {most}",
                 {"n": n, "least": LEAST_DOTS, "most": MOST_DOTS, "at": (at,)},
+            )
+        far_mm = np.hypot(*self.place().T)
+        if far_mm.max() > MOST_FAR_MM + 1e-6:
+            raise PydanticCustomError(
+                "layout",
+                "dot {number} is {far} mm from the middle, and {most} mm are possible",
+                {
+                    "number": int(far_mm.argmax()) + 1,
+                    "far": f"{far_mm.max():.3g}",
+                    "most": f"{MOST_FAR_MM:g}",
+                    "at": (at,),
+                },
             )
 
     def count(self) -> int:
