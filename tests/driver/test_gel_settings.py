@@ -76,6 +76,7 @@ def test_every_key_reaches_the_gel(tmp_path):
     assert gel.dome_height_mm == 0.0
 
 
+TWICE = [[3 * (k % 39 % 7), 3 * (k % 39 // 7)] for k in range(40)]
 LAYOUT = "layout: {kind: square, pitch_mm: 4, radius_mm: 30}\n"
 
 
@@ -109,7 +110,7 @@ LAYOUT = "layout: {kind: square, pitch_mm: 4, radius_mm: 30}\n"
         ("layout: {kind: grid, columns: 200, rows: 200, pitch_mm: 1}\n", ":1:31", "40000 dots"),
         ("layout: {kind: points, points_mm: [[1, 2], [3, 4]]}\n", ":1:24", "at least 40 entries"),
         (
-            f"layout: {{kind: points, points_mm: {[[3 * (k % 39 % 7), 3 * (k % 39 // 7)] for k in range(40)]}}}\n",
+            f"layout: {{kind: points, points_mm: {TWICE}}}\n",
             ":1:",
             "dots 1 and 40 are 0 mm apart",
         ),
