@@ -5,6 +5,7 @@ from neurotouch_hid.driver.camera_settings import load_camera_config
 from neurotouch_hid.driver.options import DriverOptions
 from neurotouch_hid.errors import AlreadyRunningError, CameraError
 from neurotouch_hid.source import Source, Troubled, open_source
+from neurotouch_hid.tracker import GelFinder
 
 
 def open_driver_source(options: DriverOptions) -> Source:
@@ -22,6 +23,7 @@ def open_driver_source(options: DriverOptions) -> Source:
             seed=options.seed,
             camera=load_camera_config(options.player),
             wait=options.wait,
+            finder=GelFinder(),
         )
     except CameraError as error:
         from neurotouch_hid.source.davis import find_cameras  # noqa: PLC0415

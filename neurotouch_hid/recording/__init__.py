@@ -1,5 +1,6 @@
 """Reads and writes AEDAT4 recordings, video clips and the labels beside them."""
 
+from neurotouch_hid.recording.check import find_simulation
 from neurotouch_hid.recording.clip import Clip, Picture
 from neurotouch_hid.recording.clip_writer import ClipWriter
 from neurotouch_hid.recording.labels import check_labelled, labels_path, read_labels, write_labels
@@ -19,6 +20,7 @@ __all__ = [
     "RecordingWriter",
     "Simulation",
     "check_labelled",
+    "find_simulation",
     "labels_path",
     "read_labels",
     "write_labels",

@@ -142,15 +142,6 @@ def open_recording(path: Path) -> int:
         raise RecordingError(f"'{path}' cannot be read: {error.strerror}.") from error
 
 
-def check_recording(path: Path) -> None:
-    """Checks that a file is there and has the header of a recording.
-
-    Raises:
-        RecordingError: the file is missing, a folder, empty, of another format or damaged.
-    """
-    Container(path).close()
-
-
 def _name_near(path: Path) -> str:
     """Returns a hint with a recording of nearly the same name, or what else can be done."""
     with suppress(OSError):
