@@ -10,7 +10,7 @@ import pytest
 from neurotouch_hid import open_gel
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.evaluation.accuracy import evaluate_files
-from neurotouch_hid.geometry import fit_rig
+from neurotouch_hid.geometry import PAPER_GEL, fit_rig
 from neurotouch_hid.recording import (
     Clip,
     ClipWriter,
@@ -67,7 +67,9 @@ def test_every_size_shows_the_gel_in_its_place(tmp_path, lens):
     with open_source(f"file:{path}", speed="max", finder=GelFinder()) as source:
         assert isinstance(source, PictureSource)
         frames = [frame for packet in source for frame in packet.frames]
-    found = fit_rig(GelFinder().find(frames[1].pixels))  # the first one that was confirmed
+    found = fit_rig(
+        GelFinder().find(frames[1].pixels), PAPER_GEL
+    )  # the first one that was confirmed
     assert found.px_per_mm == pytest.approx(2.5, rel=0.03)
     assert found.centre_px == pytest.approx((172.5, 129.5), abs=2.0)
     assert source.view.width_px, source.view.height_px == lens.size_px
