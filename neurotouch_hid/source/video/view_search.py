@@ -39,6 +39,9 @@ _PARTS: Final = (0.62, 0.4, 0.25)
 """Sides of the parts of the picture that are searched, as a share of the whole. The finder sees a
 gel that takes a third of a part's height, so a part's largest gel is the smallest of the one
 before."""
+_FAR: Final = 2.5
+"""How much smaller the whole picture is shown, too: the dots of a gel that has few are too far
+apart in it."""
 _LARGEST: Final = 0.55
 """Share of a part's height that its largest gel takes: parts overlap so far."""
 _SHARPEST: Final = 1.2
@@ -58,8 +61,8 @@ _STRETCHES: Final = np.linspace(-0.5, 0.5, 41)
 class ViewSearch:
     """Searches pictures of one size until the view of the gel is known.
 
-    The whole picture is searched first, then smaller parts of it, some in each picture. What is
-    found counts once the next picture shows the gel there, too.
+    The whole picture is searched first, at two sizes, then smaller parts of it, some in each
+    picture. What is found counts once the next picture shows the gel there, too.
 
     Args:
         finder: finds the gel in a canonical picture.
@@ -72,6 +75,8 @@ class ViewSearch:
 
     def __init__(self, finder: GelFinder, whole: ViewTable) -> None:
         self._finder, self._whole = finder, whole
+        far = replace(whole.view, scale=whole.view.scale / _FAR)
+        self._far = ViewTable(far, inverted=whole.inverted)
         self._parts = _list_parts(whole.view)
         self.table = whole
         self.is_found = False
@@ -83,7 +88,7 @@ class ViewSearch:
             if self.is_found:
                 return
             self.table = self._whole
-        for table in chain([self._whole], self._next_parts()):
+        for table in chain([self._whole, self._far], self._next_parts()):
             found = self._fit(table, pixels)
             if found is not None and self._shows_gel(found, pixels):
                 self.table = found
