@@ -17,8 +17,8 @@ from neurotouch_hid.source.slicer import Slicer
 from neurotouch_hid.source.video.view_search import GelFinder, ViewSearch
 from neurotouch_hid.source.view import View, ViewTable, whole_view
 
-SEARCH_US: Final = 100_000
-"""Time between two searched pictures."""
+SEARCH_US: Final = (500_000, 100_000)
+"""Time between two searched pictures, usually and at the start."""
 _MOST_DOUBLED: Final = 3
 """Repetitions of one picture that are left out in a row; a still picture without any noise goes
 on after them."""
@@ -97,8 +97,8 @@ class PictureSlicer:
             self._search = None if self._finder is None else ViewSearch(self._finder, table)
             self._searched_us = None
         if (search := self._search) is not None and not search.is_found:
-            waits = self._searched_us is not None and end_us < self._searched_us + SEARCH_US
-            if waits and not search.is_promising:
+            due_us = SEARCH_US[search.is_eager] + (self._searched_us or 0)
+            if self._searched_us is not None and end_us < due_us and not search.is_promising:
                 return None
             self._searched_us = end_us
             search.update(pixels)

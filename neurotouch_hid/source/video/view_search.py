@@ -46,8 +46,10 @@ _LARGEST: Final = 0.55
 """Share of a part's height that its largest gel takes: parts overlap so far."""
 _SHARPEST: Final = 1.2
 """Canonical pixels per sensor pixel; smaller parts show no more."""
-_PER_PICTURE: Final = 16
-"""Parts that are searched in one picture, beside the whole."""
+_N_EAGER: Final = 10
+"""Pictures at the start that are searched in more parts: a gel is usually there."""
+_PER_PICTURE: Final = (4, 16)
+"""Parts that are searched in one picture beside the whole, usually and at the start."""
 _N_FITS: Final = 2
 """The first fit may come from a small gel, whose dots are few pixels."""
 _MAX_MISFIT: Final = 0.1
@@ -78,6 +80,7 @@ class ViewSearch:
         far = replace(whole.view, scale=whole.view.scale / _FAR)
         self._far = ViewTable(far, inverted=whole.inverted)
         self._parts = _list_parts(whole.view)
+        self._n_searched = 0
         self.table = whole
         self.is_found = False
 
@@ -88,6 +91,7 @@ class ViewSearch:
             if self.is_found:
                 return
             self.table = self._whole
+        self._n_searched += 1
         for table in chain([self._whole, self._far], self._next_parts()):
             found = self._fit(table, pixels)
             if found is not None and self._shows_gel(found, pixels):
@@ -98,6 +102,11 @@ class ViewSearch:
     def is_promising(self) -> bool:
         """True if the gel was found in the last picture, and the next one will confirm it."""
         return not self.is_found and self.table is not self._whole
+
+    @property
+    def is_eager(self) -> bool:
+        """True at the start: more pictures are searched, and in more parts."""
+        return self._n_searched <= _N_EAGER
 
     def _fit(self, table: ViewTable, pixels: NDArray[np.uint8]) -> ViewTable | None:
         """Returns the view of the gel, or None if this view shows none."""
@@ -111,7 +120,7 @@ class ViewSearch:
         return table
 
     def _next_parts(self) -> Iterator[ViewTable]:
-        for _ in range(_PER_PICTURE):
+        for _ in range(_PER_PICTURE[self.is_eager]):
             part = next(self._parts, None)
             if part is None:
                 return
