@@ -154,7 +154,7 @@ def open_gel(
         speed=speed,
         rate_hz=rate_hz,
         method=method,
-        gel=None if gel is None else str(gel),
+        gel=f"{gel}" if isinstance(gel, Path) else gel,
         seed=seed,
         personal=personal,
         listens=False,

@@ -107,6 +107,7 @@ MISUSE = [
     ({"profile": None}, TypeError, "profile must be a name or path such as 'spacecraft', not None"),
     ({"profile": 3}, TypeError, "profile must be a name or path such as 'spacecraft', not int: 3"),
     ({"method": 1}, TypeError, "method must be a text such as 'neurotouch', not int: 1"),
+    ({"gel": 5}, TypeError, "gel must be a name or path such as 'own.gel.yaml', not int: 5"),
     ({"speed": "fast"}, ValueError, "speed must be 'recorded' or 'max', not 'fast'"),
     ({"player": 9}, ValueError, "player must be 1, 2, 3 or 4, not 9"),
     ({"player": 1.0}, TypeError, "player must be a whole number from 1 to 4, not float: 1.0"),
