@@ -192,7 +192,7 @@ def _require_events(opened: _Opened) -> None:
 
     if isinstance(opened.source, PictureSource):
         raise RecordingError(
-            f"{opened.name} has no events, which a recording in .aedat4 needs.",
+            f"A recording in .aedat4 needs events, and {opened.name} has none.",
             hint="Give a name that ends in .mkv.",
         )
 

@@ -215,8 +215,7 @@ class _Reading:
         if name not in _CODECS:
             raise RecordingError(
                 f"'{self._path}' is encoded by {name}, which is not supported.",
-                hint="Supported are MJPEG, raw video, FFV1, H.264 and MPEG-4. Convert it: "
-                "ffmpeg -i OLD -c:v ffv1 NEW.mkv",
+                hint="Convert it to MJPEG, raw video, FFV1, H.264 or MPEG-4; ffmpeg can do that.",
             )
         context.thread_count = 1
         context.options = {"max_pixels": str(MOST_PX**2)}

@@ -20,7 +20,7 @@ class GelFinder:
 
     def __init__(self, gel: Gel = PAPER_GEL) -> None:
         self.gel = gel
-        self._blobs, self._lattice = BlobFinder(), LatticeFinder(gel)
+        self._blobs, self._lattice = BlobFinder(gel=gel), LatticeFinder(gel)
 
     def find(self, pixels: NDArray[np.uint8]) -> NDArray[np.float64] | None:
         """Returns the dots in a picture, (260, 346) uint8, as (n, 2) px; None without the gel."""

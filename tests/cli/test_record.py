@@ -463,7 +463,7 @@ def test_a_clip_is_recorded_in_part(record, tmp_path):
 @pytest.mark.parametrize(
     ("out", "source", "words"),
     [
-        ("b.aedat4", "a.mkv", "has no events, which a recording in .aedat4 needs"),
+        ("b.aedat4", "a.mkv", "A recording in .aedat4 needs events"),
         ("b.avi", "a.mkv", "does not end in .aedat4 or .mkv"),
         ("b.mkv", "sim:push", "cannot keep events"),
     ],

@@ -23,7 +23,7 @@ def write_clip(path, pictures, stamps_us, codec="mjpeg", pixels="yuvj420p", *, f
     height, width = pictures[0].shape
     by_number = path.suffix == ".avi"
     base = Fraction(1, fps) if by_number else US
-    with av.open(str(path), "w") as container:
+    with av.open(str(path), "w", options={"fflags": "+bitexact"}) as container:
         stream = container.add_stream(codec, rate=fps, options=options)
         stream.width, stream.height, stream.pix_fmt = width, height, pixels
         if codec != "mpeg4":

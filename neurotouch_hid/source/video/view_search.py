@@ -27,7 +27,7 @@ class GelFinder(Protocol):
         """Returns the dots of the gel in a picture, or None without a gel.
 
         Args:
-            pixels: (260, 346) uint8, light dots that are 5.6 to 18.4 px apart.
+            pixels: (260, 346) uint8; the dots are at least 5.6 px apart.
 
         Returns:
             (n, 2) float64 px, in the order of ``gel.points_mm``; NaN for a dot that is not seen.
@@ -80,8 +80,7 @@ class ViewSearch:
 
     def __init__(self, finder: GelFinder, whole: ViewTable) -> None:
         self._finder, self._whole = finder, whole
-        far = replace(whole.view, scale=whole.view.scale / _FAR)
-        self._far = ViewTable(far, inverted=whole.inverted)
+        self._far = ViewTable(replace(whole.view, scale=whole.view.scale / _FAR))
         self._parts = _list_parts(whole.view)
         self._candidate: ViewTable | None = None
         self._n_searched = self._n_unseen = 0
@@ -136,9 +135,7 @@ class ViewSearch:
             dots_px = self._look(table, pixels)
             if dots_px is None:
                 return None
-            table = ViewTable(
-                fit_view(table.view, dots_px, self._finder.gel), inverted=table.inverted
-            )
+            table = ViewTable(fit_view(table.view, dots_px, self._finder.gel))
         return table
 
     def _next_parts(self) -> Iterator[ViewTable]:
@@ -146,7 +143,7 @@ class ViewSearch:
             part = next(self._parts, None)
             if part is None:
                 return
-            yield ViewTable(part, inverted=self._whole.inverted)
+            yield ViewTable(part)
 
     def _look(self, table: ViewTable, pixels: NDArray[np.uint8]) -> NDArray[np.float64] | None:
         canonical = np.empty((SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX), np.uint8)
