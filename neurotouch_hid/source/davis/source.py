@@ -12,16 +12,17 @@ from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import CameraError
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EventPacket
+from neurotouch_hid.source.camera_errors import CameraAbsentError, CameraGoneError
 from neurotouch_hid.source.davis.camera import Camera
 from neurotouch_hid.source.davis.config import DavisConfig
 from neurotouch_hid.source.davis.decoder import Decoder, DecoderStats
-from neurotouch_hid.source.davis.enumeration import CameraAbsentError, CameraInfo
-from neurotouch_hid.source.davis.packet_queue import PacketQueue
+from neurotouch_hid.source.davis.enumeration import CameraInfo
 from neurotouch_hid.source.davis.stream import Stream
 from neurotouch_hid.source.davis.stream_check import OutOfStepError
-from neurotouch_hid.source.davis.transport import CameraGoneError, Transport
+from neurotouch_hid.source.davis.transport import Transport
 from neurotouch_hid.source.davis.usb import Usb, Watch
 from neurotouch_hid.source.idle import IdleMerger
+from neurotouch_hid.source.packet_queue import PacketQueue
 
 MAX_DELAY_US: Final = 100_000
 POLL_S: Final = 0.05
