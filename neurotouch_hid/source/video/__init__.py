@@ -1,1 +1,1 @@
-"""Pictures of an ordinary camera, from V4L2 or from a video file, as slices of sensor time."""
+"""Sources of pictures alone: video clips and cameras that give no events."""
