@@ -3,6 +3,7 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from neurotouch_hid.source.camera_source import MAX_DELAY_US
 from neurotouch_hid.source.check import find_path, refuse_source
 from neurotouch_hid.source.pacing import PacedSource
 from neurotouch_hid.source.plugin import open_plugin
@@ -61,7 +62,7 @@ def open_source(
             raise refuse_source(spec)
         return RunningDriver()
     if kind is SourceKind.CAMERA:
-        from neurotouch_hid.source.davis import MAX_DELAY_US, DavisSource  # noqa: PLC0415
+        from neurotouch_hid.source.davis import DavisSource  # noqa: PLC0415
 
         return DavisSource(
             rest,
