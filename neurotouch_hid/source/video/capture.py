@@ -31,7 +31,9 @@ MAX_IMAGE_BYTES: Final = 4 * MAX_SIDE_PX * MAX_SIDE_PX
 MAX_LOST: Final = 10_000
 """A jump of the picture number above this is a counter that started again."""
 LATE_US: Final = 1_000_000
-"""A picture whose stamp is older than this, or lies in the future, has no usable stamp."""
+"""A picture whose stamp is older than this has no usable stamp."""
+EARLY_US: Final = 100_000
+"""Nor has one whose stamp lies so far in the future; a driver may calculate stamps in advance."""
 
 USUAL_SIZES: Final = ((320, 240), (640, 480), (800, 600), (1280, 720), (1280, 800), (1920, 1080))
 """The sizes that are tried of a camera that offers any size between two limits."""
@@ -337,7 +339,8 @@ class CaptureDevice(Closing):
         is_monotonic = (
             buffer.flags & v4l2.BUF_FLAG_TIMESTAMP_MASK == v4l2.BUF_FLAG_TIMESTAMP_MONOTONIC
         )
-        has_stamp = is_monotonic and max(self._last_us, now_us - LATE_US) < stamp_us <= now_us
+        earliest_us = max(self._last_us, now_us - LATE_US)
+        has_stamp = is_monotonic and earliest_us < stamp_us < now_us + EARLY_US
         t_us = stamp_us if has_stamp else max(now_us, self._last_us + 1)
         n_lost = n_older
         if self._last_sequence is not None:
