@@ -28,6 +28,11 @@ class VideoInfo:
     driver: str = ""
     reason: str = ""
 
+    @property
+    def place(self) -> str:
+        """How it is called in a source: its place at the USB, which stays, or its node."""
+        return self.bus_info if self.bus_info.startswith("usb-") else str(self.node)
+
     def __str__(self) -> str:
         return f"{self.node} ({self.name})" if self.name else str(self.node)
 

@@ -240,10 +240,7 @@ class VideoCameraSource(CameraSource):
         return find_video_cameras(self._linux) != self._present
 
     def _describe(self) -> str:
-        info = self._info
-        if info is None:
-            return self._chosen
-        return info.bus_info if info.bus_info.startswith("usb-") else str(info.node)
+        return self._chosen if self._info is None else self._info.place
 
     def _play(self) -> None:
         camera, self._camera = self._camera, None
