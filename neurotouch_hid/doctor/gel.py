@@ -29,9 +29,8 @@ from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.recording.wire import receive_packets
 from neurotouch_hid.source import open_source
 from neurotouch_hid.source.davis import find_cameras
-from neurotouch_hid.tracker import RestConfig, RestDetector
+from neurotouch_hid.tracker import GelFinder, RestConfig, RestDetector
 from neurotouch_hid.tracker.blobs import BlobFinder
-from neurotouch_hid.tracker.gel_finder import GelFinder
 from neurotouch_hid.tracker.lattice import LatticeConfig, find_lattice
 
 LOOK_S: Final = 5.0

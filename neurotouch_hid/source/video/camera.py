@@ -1,38 +1,20 @@
 """A camera that is set up and streams: grey pictures with stamps."""
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import CameraError
+from neurotouch_hid.recording import Picture
 from neurotouch_hid.source.video.capture import CaptureDevice
 from neurotouch_hid.source.video.config import VideoConfig
 from neurotouch_hid.source.video.controls import fix_controls
-from neurotouch_hid.source.video.formats import KNOWN, GreyReader
+from neurotouch_hid.source.video.formats import COMPRESSED, KNOWN, GreyReader
 from neurotouch_hid.source.video.modes import Mode, choose_mode, list_modes
 from neurotouch_hid.source.video.v4l2 import Linux
 
 _USUAL_EXPOSURE_US: Final = 8_000
 """Assumed of a camera that does not state its exposure."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class GreyPicture:
-    """A picture of a camera.
-
-    Attributes:
-        pixels: (h, w) uint8; valid until the next picture.
-        exposure_begin_us: start of the exposure, µs of CLOCK_MONOTONIC.
-        exposure_end_us: its end.
-    """
-
-    pixels: NDArray[np.uint8]
-    exposure_begin_us: int
-    exposure_end_us: int
 
 
 class VideoCamera(Closing):
@@ -85,8 +67,14 @@ class VideoCamera(Closing):
         """
         self._device.start()
 
-    def take(self, timeout_s: float) -> GreyPicture | None:
+    def take(self, timeout_s: float, *, keeps_jpeg: bool = False) -> Picture | None:
         """Returns the newest picture; None if none came in time, or one that is damaged.
+
+        Its pixels are valid until the next one; its times are those of CLOCK_MONOTONIC.
+
+        Args:
+            timeout_s: how long to wait for one.
+            keeps_jpeg: the picture has its JPEG as well, if the camera sent one.
 
         Raises:
             CameraError: the camera is gone, or has failed.
@@ -102,7 +90,9 @@ class VideoCamera(Closing):
             return None
         exposure_us = _USUAL_EXPOSURE_US if self.exposure_us is None else self.exposure_us
         begin_us = picture.t_us if picture.is_start else picture.t_us - exposure_us
-        return GreyPicture(pixels, begin_us, begin_us + exposure_us)
+        is_jpeg = keeps_jpeg and self.mode.fourcc in COMPRESSED
+        jpeg = picture.data.tobytes() if is_jpeg else None
+        return Picture(pixels, begin_us, begin_us + exposure_us, jpeg)
 
     def close(self) -> None:
         """Stops and closes it; a second call does nothing."""

@@ -3,18 +3,25 @@
 import logging
 import threading
 import time
-from itertools import pairwise
+from itertools import islice, pairwise
 
 import numpy as np
 import pytest
 
 from neurotouch_hid.errors import CameraError
-from neurotouch_hid.source import FactTelling, Periodic, PolledSource, Troubled, open_source
+from neurotouch_hid.source import (
+    FactTelling,
+    Periodic,
+    PictureSource,
+    PolledSource,
+    Troubled,
+    open_source,
+)
 from neurotouch_hid.source.camera_config import CameraConfig
 from neurotouch_hid.source.video import v4l2
 from neurotouch_hid.source.video.config import VideoConfig
 from neurotouch_hid.source.video.live import VideoCameraSource
-from neurotouch_hid.tracker.gel_finder import GelFinder
+from neurotouch_hid.tracker import GelFinder
 from tests.source.video.fake_camera import FakeCamera, FakeLinux
 from tests.source.video.gel_pictures import draw_gel, middle_rig
 
@@ -226,3 +233,18 @@ def test_the_name_opens_it(monkeypatch):
         (packet, *_) = take(source, 1)
     assert packet.t_end_us - packet.t_begin_us == 5_000
     assert linux.cameras[0].controls[v4l2.CID_EXPOSURE_ABSOLUTE] == 30
+
+
+@pytest.mark.parametrize("fourcc", ["YUYV", "MJPG"])
+def test_pictures_come_as_they_are_for_a_recorder(fourcc):
+    fake = FakeCamera(formats={fourcc: {(640, 480): (50,)}})
+    with open_video(FakeLinux(fake), finder=GelFinder()) as source:
+        assert isinstance(source, PictureSource)
+        pictures = list(islice(source.pictures(), 5))
+    assert [picture.pixels.shape for picture in pictures] == [(480, 640)] * 5
+    levels = [int(picture.pixels[9, 9]) for picture in pictures]
+    assert levels == sorted(set(levels))
+    ends_us = [picture.exposure_end_us for picture in pictures]
+    assert ends_us == sorted(set(ends_us))
+    assert ends_us[0] == 0
+    assert all((picture.jpeg is not None) is (fourcc == "MJPG") for picture in pictures)
