@@ -74,7 +74,11 @@ CAMERAS: dict[str, Callable[[Path], Any]] = {
     "gels": gels.play_both,
 }
 PROCESSORS: dict[str, Callable[[Path], Any]] = {"processor": driver.lose_processor}
-VIDEO: dict[str, Callable[[Path], Any]] = {"vivid": vivid.look, "vivid_faults": vivid.suffer}
+VIDEO: dict[str, Callable[[Path], Any]] = {
+    "vivid": vivid.look,
+    "vivid_faults": vivid.suffer,
+    "vivid_replugged": vivid.replug,
+}
 MACHINES = {"pads": PADS, "cameras": CAMERAS, "processors": PROCESSORS, "video": VIDEO}
 CHAPTERS = PADS | CAMERAS | PROCESSORS | VIDEO
 
