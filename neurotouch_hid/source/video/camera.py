@@ -44,12 +44,16 @@ class VideoCamera(Closing):
         self._device = device = CaptureDevice(node, linux)
         try:
             if not device.is_camera:
-                raise CameraError(f"{node} is no camera.", hint="See: neurotouch devices")
+                raise CameraError(
+                    f"The device {node} is no camera.", hint="See: neurotouch devices"
+                )
             self.name, self.bus_info = device.name, device.bus_info
             wanted = choose_mode(list_modes(device), config)
             agreed = device.set_format(wanted.fourcc, wanted.width, wanted.height)
             if agreed.fourcc not in KNOWN:
-                raise CameraError(f"{device} sends {agreed.fourcc}, which cannot be read.")
+                raise CameraError(
+                    f"The camera {device} sends {agreed.fourcc}, which cannot be read."
+                )
             interval = device.set_interval(wanted.interval) or wanted.interval
             self.mode = Mode(agreed.fourcc, agreed.width, agreed.height, interval)
             fixed = fix_controls(device, config, 1e6 * float(interval))

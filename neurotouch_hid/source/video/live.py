@@ -223,7 +223,7 @@ class VideoCameraSource(CameraSource):
         names = ", ".join(map(str, showing or candidates))
         if showing:
             raise CameraError(
-                f"{len(showing)} cameras show a gel: {names}.",
+                f"Several cameras show a gel: {names}.",
                 hint=f"Choose one, for example: --source video:{showing[0].node}",
             )
         raise CameraError(

@@ -175,7 +175,9 @@ def test_of_several_cameras_the_only_one_that_shows_a_gel_is_taken(caplog):
     assert "The camera /dev/video1 (Rig) shows the gel." in caplog.text
     assert room.n_open == shows.n_open == 0
     room.draw = shows.draw
-    with pytest.raises(CameraError, match=r"2 cameras show a gel: /dev/video0 \(Front\), /dev"):
+    with pytest.raises(
+        CameraError, match=r"Several cameras show a gel: /dev/video0 \(Front\), /dev"
+    ):
         open_video(linux, finder=GelFinder())
     with open_video(linux, "front", finder=GelFinder()) as source:
         assert source.name == "video:usb-7"
