@@ -176,6 +176,29 @@ def test_a_counter_that_does_not_count_or_starts_again_loses_nothing():
             assert camera.n_lost <= 3 * N_BUFFERS
 
 
+def test_after_an_error_on_the_wire_only_the_lost_picture_counts():
+    fake = FakeCamera()
+    fake.is_asked = True
+    with open_camera(fake) as camera:
+        camera.start()
+        take(camera, 4)
+        fake.fail()
+        assert camera.take(1.0) is None
+        (_, level), *_ = take(camera, 5)
+        assert level == 5
+        assert (camera.n_lost, camera.n_damaged, camera.n_unstamped) == (1, 0, 0)
+
+
+def test_a_picture_that_the_driver_marks_as_damaged_is_none():
+    fake = FakeCamera()
+    fake.is_asked = True
+    fake.flags |= v4l2.BUF_FLAG_ERROR
+    with open_camera(fake) as camera:
+        camera.start()
+        assert camera.take(1.0) is None
+        assert (camera.n_lost, camera.n_damaged) == (0, 1)
+
+
 def test_an_unplugged_camera_is_gone_and_another_program_is_named_as_the_reason():
     fake = FakeCamera()
     linux = FakeLinux(fake)
