@@ -57,6 +57,7 @@ class VideoStats:
         lacking: what could not be fixed, a sentence each.
         fps: pictures/s that come; 0 before the first.
         n_connects: times it was opened.
+        n_pictures: pictures that were read.
         n_lost: pictures that were lost.
         n_damaged: pictures that could not be read.
         n_unstamped: pictures without a usable stamp.
@@ -70,6 +71,7 @@ class VideoStats:
     lacking: tuple[str, ...]
     fps: float
     n_connects: int
+    n_pictures: int
     n_lost: int
     n_damaged: int
     n_unstamped: int
@@ -125,7 +127,7 @@ class VideoCameraSource(CameraSource):
         self._said: set[str] = set()
         self._pictures: deque[Picture] | None = None
         self._slicer: PictureSlicer | None = None
-        self._n_dropped = 0
+        self._n_dropped = self._n_pictures = 0
         self._latencies_us: deque[int] = deque(maxlen=250)
         _load_kernels(finder)
         if not wait:
@@ -175,6 +177,7 @@ class VideoCameraSource(CameraSource):
             lacking=() if camera is None else camera.lacking,
             fps=1.0 / self._period_s if self._period_s else 0.0,
             n_connects=self._n_connects,
+            n_pictures=self._n_pictures,
             n_lost=n_lost + self._n_dropped,
             n_damaged=n_damaged,
             n_unstamped=n_unstamped,
@@ -282,7 +285,7 @@ class VideoCameraSource(CameraSource):
         """Hands over the slices of a camera until it fails or the source is closed."""
         heard_s = begun_s = time.monotonic()
         silence_s = max(SILENCE_S, 4.0 * self._period_s)
-        n_pictures = 0
+        n_pictures = n_lost = 0
         while not self._closing.is_set():
             looked_s = time.monotonic()
             picture = camera.take(POLL_S, keeps_jpeg=self._pictures is not None)
@@ -294,14 +297,16 @@ class VideoCameraSource(CameraSource):
             now_s = time.monotonic()
             if n_pictures == 0:
                 self._start(picture)
-                begun_s = now_s
+                begun_s, n_lost = now_s, camera.n_lost
             else:
                 self._learn_period(now_s - heard_s)
             heard_s = now_s
             self._hand_over(slicer, picture, is_first=n_pictures == 0)
             n_pictures += 1
+            self._n_pictures += 1
             if n_pictures == _RATE_PICTURES:
-                self._check_rate(camera, (n_pictures - 1) / max(now_s - begun_s, 1e-6))
+                n_sent = n_pictures - 1 + camera.n_lost - n_lost
+                self._check_rate(camera, n_sent / max(now_s - begun_s, 1e-6))
 
     def _start(self, picture: Picture) -> None:
         if self._origin_us is None:
