@@ -309,15 +309,15 @@ class VideoCameraSource(CameraSource):
                 self._check_rate(camera, n_sent / max(now_s - begun_s, 1e-6))
 
     def _start(self, picture: Picture) -> None:
-        if self._origin_us is None:
-            self._origin_us = picture.exposure_end_us
-        self._end_us = max(self._end_us, picture.exposure_end_us - self._origin_us)
-        self._note_start(self._end_us)
+        """Notes the first picture; its time is never before the end of the last slice."""
+        latest_us = picture.exposure_end_us - self._end_us
+        origin_us = latest_us if self._origin_us is None else min(self._origin_us, latest_us)
+        self._origin_us = origin_us
+        self._note_start(picture.exposure_end_us - origin_us)
 
     def _hand_over(self, slicer: PictureSlicer, picture: Picture, *, is_first: bool) -> None:
         origin_us = self._origin_us or 0
-        # Stamps of a camera that is back may be earlier than the last slice.
-        end_us = max(picture.exposure_end_us - origin_us, self._end_us)
+        end_us = picture.exposure_end_us - origin_us
         exposure_us = picture.exposure_end_us - picture.exposure_begin_us
         gap = int(is_first and self._n_connects > 1)
         if self._pictures is not None:

@@ -90,6 +90,17 @@ def test_each_picture_is_a_frame_of_one_of_the_slices():
     assert fake.n_open == 0
 
 
+def test_frames_keep_the_stamps_of_the_driver_also_within_a_slice():
+    fake = FakeCamera(formats={"YUYV": {(320, 240): (100,)}})
+    fake.is_asked = True
+    with open_video(FakeLinux(fake), slice_us=50_000) as source:
+        packets = play_until(source, lambda: len(fake.sent_s) > 20)
+    ends_us = [frame.exposure_end_us for packet in packets for frame in packet.frames]
+    sent_us = [round(1e6 * (sent_s - fake.sent_s[0])) for sent_s in fake.sent_s[: len(ends_us)]]
+    assert len(ends_us) > 5
+    assert ends_us == pytest.approx(sent_us, abs=2, rel=0)
+
+
 def test_a_camera_that_is_back_is_the_same_one_at_its_place_or_by_its_name(caplog):
     fake, other = FakeCamera(formats=FAST), FakeCamera("Other", "usb-0000:00:14.0-9", FAST)
     linux = FakeLinux(fake)
