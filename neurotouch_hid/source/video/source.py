@@ -91,7 +91,9 @@ class PictureSlicer:
         table = self._table
         if table is None or pixels.shape != (table.view.height_px, table.view.width_px):
             height_px, width_px = pixels.shape
-            table = ViewTable(whole_view(width_px, height_px, mirrored=self._mirrored))
+            whole = whole_view(width_px, height_px, mirrored=self._mirrored)
+            is_dark = self._finder is not None and not self._finder.gel.light
+            table = ViewTable(whole, inverted=is_dark)
             self._search = None if self._finder is None else ViewSearch(self._finder, table)
             self._searched_us = None
         if (search := self._search) is not None and not search.is_found:

@@ -9,7 +9,7 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import NOMINAL_PX_PER_MM
+from neurotouch_hid.geometry import NOMINAL_PITCH_PX, Gel
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.source.view import MIDDLE_PX, View, ViewTable
 
@@ -18,19 +18,19 @@ class GelFinder(Protocol):
     """Finds a gel of known layout in canonical pictures; the tracker offers one.
 
     Attributes:
-        points_mm: (n, 2) float64 mm, the gel's points.
+        gel: the gel.
     """
 
-    points_mm: NDArray[np.float64]
+    gel: Gel
 
     def find(self, pixels: NDArray[np.uint8]) -> NDArray[np.float64] | None:
         """Returns the dots of the gel in a picture, or None without a gel.
 
         Args:
-            pixels: (260, 346) uint8, at 1.4 to 4.6 px/mm.
+            pixels: (260, 346) uint8, light dots that are 5.6 to 18.4 px apart.
 
         Returns:
-            (n, 2) float64 px, in the order of ``points_mm``; NaN for a dot that is not seen.
+            (n, 2) float64 px, in the order of ``gel.points_mm``; NaN for a dot that is not seen.
         """
         ...
 
@@ -39,6 +39,9 @@ _PARTS: Final = (0.62, 0.4, 0.25)
 """Sides of the parts of the picture that are searched, as a share of the whole. The finder sees a
 gel that takes a third of a part's height, so a part's largest gel is the smallest of the one
 before."""
+_FAR: Final = 2.5
+"""How much smaller the whole picture is shown, too: the dots of a gel that has few are too far
+apart in it."""
 _LARGEST: Final = 0.55
 """Share of a part's height that its largest gel takes: parts overlap so far."""
 _SHARPEST: Final = 1.2
@@ -49,6 +52,8 @@ _N_FITS: Final = 2
 """The first fit may come from a small gel, whose dots are few pixels."""
 _MAX_MISFIT: Final = 0.1
 """How far a second look may differ: share of the scale, and of the picture's height."""
+_WIDEST: Final = 0.94
+"""Share of the picture's height that a gel may take."""
 _STRETCHES: Final = np.linspace(-0.5, 0.5, 41)
 """Lens terms that are tried, as the change of scale at the farthest dot."""
 
@@ -56,8 +61,8 @@ _STRETCHES: Final = np.linspace(-0.5, 0.5, 41)
 class ViewSearch:
     """Searches pictures of one size until the view of the gel is known.
 
-    The whole picture is searched first, then smaller parts of it, some in each picture. What is
-    found counts once the next picture shows the gel there, too.
+    The whole picture is searched first, at two sizes, then smaller parts of it, some in each
+    picture. What is found counts once the next picture shows the gel there, too.
 
     Args:
         finder: finds the gel in a canonical picture.
@@ -70,6 +75,8 @@ class ViewSearch:
 
     def __init__(self, finder: GelFinder, whole: ViewTable) -> None:
         self._finder, self._whole = finder, whole
+        far = replace(whole.view, scale=whole.view.scale / _FAR)
+        self._far = ViewTable(far, inverted=whole.inverted)
         self._parts = _list_parts(whole.view)
         self.table = whole
         self.is_found = False
@@ -81,7 +88,7 @@ class ViewSearch:
             if self.is_found:
                 return
             self.table = self._whole
-        for table in chain([self._whole], self._next_parts()):
+        for table in chain([self._whole, self._far], self._next_parts()):
             found = self._fit(table, pixels)
             if found is not None and self._shows_gel(found, pixels):
                 self.table = found
@@ -98,7 +105,9 @@ class ViewSearch:
             dots_px = self._look(table, pixels)
             if dots_px is None:
                 return None
-            table = ViewTable(fit_view(table.view, dots_px, self._finder.points_mm))
+            table = ViewTable(
+                fit_view(table.view, dots_px, self._finder.gel), inverted=table.inverted
+            )
         return table
 
     def _next_parts(self) -> Iterator[ViewTable]:
@@ -106,7 +115,7 @@ class ViewSearch:
             part = next(self._parts, None)
             if part is None:
                 return
-            yield ViewTable(part)
+            yield ViewTable(part, inverted=self._whole.inverted)
 
     def _look(self, table: ViewTable, pixels: NDArray[np.uint8]) -> NDArray[np.float64] | None:
         canonical = np.empty((SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX), np.uint8)
@@ -119,24 +128,29 @@ class ViewSearch:
         if dots_px is None:
             return False
         known = np.isfinite(dots_px).all(axis=1)
-        factor, centre = _fit_similarity(self._finder.points_mm[known], dots_px[known])
+        factor, centre = _fit_similarity(self._finder.gel.points_mm[known], dots_px[known])
         is_centred = abs(centre - complex(*MIDDLE_PX)) < _MAX_MISFIT * SENSOR_HEIGHT_PX
-        return is_centred and abs(abs(factor) / NOMINAL_PX_PER_MM - 1.0) < _MAX_MISFIT
+        return is_centred and abs(abs(factor) / find_scale(self._finder.gel) - 1.0) < _MAX_MISFIT
 
 
-def fit_view(view: View, dots_px: NDArray[np.float64], points_mm: NDArray[np.float64]) -> View:
-    """Returns the view that brings a gel to the middle of the canonical picture at 2.5 px/mm.
+def find_scale(gel: Gel) -> float:
+    """Returns the scale at which a gel is shown, px/mm: 2.5 for dots that are 4 mm apart."""
+    return min(NOMINAL_PITCH_PX / gel.pitch_mm, _WIDEST * SENSOR_HEIGHT_PX / (2.0 * gel.radius_mm))
+
+
+def fit_view(view: View, dots_px: NDArray[np.float64], gel: Gel) -> View:
+    """Returns the view that brings a gel to the middle of the canonical picture.
 
     The turn stays. The lens term is the one with which the dots are most like the points.
 
     Args:
         view: the view in which the gel was found.
         dots_px: (n, 2) float64 canonical px, NaN for a dot that is not seen.
-        points_mm: (n, 2) float64 mm, the gel's points in the same order.
+        gel: the gel, with its points in the same order.
     """
     known = np.isfinite(dots_px).all(axis=1)
     sensor_px = view.to_sensor(dots_px[known])
-    points = points_mm[known] * (-1.0 if view.mirrored else 1.0, 1.0)
+    points = gel.points_mm[known] * (-1.0 if view.mirrored else 1.0, 1.0)
 
     def fit(stretch: float) -> tuple[View, float]:
         """Returns the view with a lens term, and how unlike dots and points are, in mm²."""
@@ -145,7 +159,7 @@ def fit_view(view: View, dots_px: NDArray[np.float64], points_mm: NDArray[np.flo
         factor, centre = _fit_similarity(points, straight)
         left_mm = np.abs((straight @ (1, 1j) - centre) / factor - points @ (1, 1j))
         place = (centre.real, centre.imag)
-        found = replace(bent, centre_px=place, scale=NOMINAL_PX_PER_MM / abs(factor))
+        found = replace(bent, centre_px=place, scale=find_scale(gel) / abs(factor))
         return found, float((left_mm**2).mean())
 
     farthest = float(view.measure_radii(sensor_px).max()) ** 2

@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from neurotouch_hid.geometry import PAPER_GEL
 from neurotouch_hid.source.video.source import SEARCH_US, PictureSlicer
 
 RANDOM = np.random.default_rng(0)
@@ -12,7 +13,7 @@ RANDOM = np.random.default_rng(0)
 class Finder:
     """Finds no gel, and counts how often it is asked."""
 
-    points_mm = np.zeros((4, 2))
+    gel = PAPER_GEL
 
     def __init__(self):
         self.n_asked = 0
