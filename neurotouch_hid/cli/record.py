@@ -55,6 +55,7 @@ class _Silence(KeyboardInterrupt):
     "  neurotouch record clip.aedat4                until Ctrl-C; also while the driver runs\n"
     "  neurotouch record clip.aedat4 --seconds 60 --source davis:00000216\n"
     "  neurotouch record tour.aedat4 --source sim:tour --seconds 20 --json\n"
+    "  neurotouch record clip.mkv --source video: --seconds 60\n"
     "  neurotouch record clip.mkv --source file:long.mp4 --seconds 60\n\n"
     "Play it: neurotouch run --source file:clip.aedat4"
 )
@@ -62,8 +63,8 @@ class _Silence(KeyboardInterrupt):
 @click.option(
     "--source",
     show_default="the running driver's data, else davis:",
-    help="davis:SERIAL (a camera), file:NAME.aedat4 (a recording), file:NAME.mkv (a video clip) or "
-    "sim:NAME (the simulator).",
+    help="davis:SERIAL (a camera), video:NAME (a webcam), file:NAME.aedat4 (a recording), "
+    "file:NAME.mkv (a video clip) or sim:NAME (the simulator).",
 )
 @click.option("--seconds", type=Finite(min=0.1), help="End after this many seconds of sensor time.")
 @click.option(

@@ -25,7 +25,7 @@ def check_video_cameras() -> Finding:
     usable = [info for info in cameras if not info.reason]
     if not usable:
         info = cameras[0]
-        return fail(
+        return warn(
             f"The video camera {info} cannot be used: {info.reason}.",
             "Log in at the machine itself, or give your user the group 'video' and log in again.",
             'sudo usermod -aG video "$(id -un)"',

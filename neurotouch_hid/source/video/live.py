@@ -10,7 +10,6 @@ from typing import Final
 
 import numpy as np
 
-from neurotouch_hid.driver_state import SourceFacts
 from neurotouch_hid.errors import CameraError
 from neurotouch_hid.recording import Picture
 from neurotouch_hid.source.camera_errors import CameraAbsentError
@@ -146,10 +145,11 @@ class VideoCameraSource(CameraSource):
             while pictures:
                 yield pictures.popleft()
 
-    def tell_facts(self) -> SourceFacts:
-        """Returns how many pictures were lost, for viewers."""
+    @property
+    def n_lost(self) -> int:
+        """Pictures that were lost, or could not be read."""
         stats = self.stats()
-        return {"lost": stats.n_lost + stats.n_damaged}
+        return stats.n_lost + stats.n_damaged
 
     @property
     def period_s(self) -> float:

@@ -8,9 +8,9 @@ from itertools import islice, pairwise
 import numpy as np
 import pytest
 
+from neurotouch_hid.driver.source_opening import describe_source
 from neurotouch_hid.errors import CameraError
 from neurotouch_hid.source import (
-    FactTelling,
     Periodic,
     PictureSource,
     PolledSource,
@@ -73,7 +73,7 @@ def assert_sound(packets):
 def test_each_picture_is_a_frame_of_one_of_the_slices():
     fake = FakeCamera(formats=FAST)
     with open_video(FakeLinux(fake)) as source:
-        for protocol in (PolledSource, Periodic, Troubled, FactTelling):
+        for protocol in (PolledSource, Periodic, Troubled):
             assert isinstance(source, protocol)
         assert source.name == "video:usb-0000:00:14.0-2"
         packets = take(source, 30)
@@ -85,7 +85,9 @@ def test_each_picture_is_a_frame_of_one_of_the_slices():
     assert len(levels) + stats.n_lost >= 25
     assert packets[0].t_begin_us == 0
     assert (stats.n_connects, stats.n_damaged, stats.trouble) == (1, 0, "")
-    assert source.tell_facts() == {"lost": stats.n_lost}
+    assert source.n_lost == stats.n_lost
+    words = f", pictures lost: {stats.n_lost}" if stats.n_lost else ""
+    assert describe_source(source) == f"{source.name}{words}"
     assert 0.005 < source.period_s < 0.05
     assert fake.n_open == 0
 
@@ -148,7 +150,7 @@ def test_a_camera_that_sends_only_damaged_pictures_says_so(monkeypatch):
         play_until(source, lambda: source.trouble)
         assert source.trouble == "The camera UVC Camera sends only damaged pictures."
         assert source.stats().n_damaged > 0
-        assert source.tell_facts()["lost"] >= source.stats().n_damaged
+        assert source.n_lost >= source.stats().n_damaged
 
 
 def test_a_camera_that_lies_about_its_rate_is_told_once_and_its_true_period_counts(
