@@ -103,7 +103,9 @@ class FakeCamera:
                 continue
             index = self.queued.popleft()
             data = self.encode(k) if self.encode else self._encode(k)
-            self.memory[index][: len(data)] = data
+            memory = self.memory[index % len(self.memory)] or bytearray()
+            data = data[: len(memory)]  # of another size, if it has lied
+            memory[: len(data)] = data
             self.filled.append((index, k, len(data), at_s))
             self.sent_s.append(at_s)
 
@@ -259,7 +261,7 @@ class FakeLinux:
     def map(self, descriptor, length, offset):
         camera = self._open[descriptor]
         memory = mmap.mmap(-1, length)
-        camera.memory[offset // camera.n_bytes] = memory
+        camera.memory[offset // camera.n_bytes % len(camera.memory)] = memory
         camera.n_mapped += 1
         return memory
 
