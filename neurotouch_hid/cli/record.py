@@ -137,7 +137,23 @@ def command(
                 hint="Is the camera plugged in? Check: neurotouch doctor",
             )
         write_gel(out, gel_file)
+        if is_clip(out):
+            _copy_rig(source, out)
         _tell(opened.name, out, stats, fault, mark, as_json=as_json)
+
+
+def _copy_rig(source: str | None, out: Path) -> None:
+    """Copies the rig file of a clip: its pictures are recorded as they are, mirrored too."""
+    from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_bytes
+    from neurotouch_hid.partial_file import write_whole
+    from neurotouch_hid.source.check import find_path
+    from neurotouch_hid.source.rig_file import rig_path
+
+    if source is None or not is_clip(source):
+        return
+    beside = rig_path(find_path(source))
+    if beside.exists():
+        write_whole(rig_path(out), read_bytes(beside, MAX_SETTINGS_BYTES))
 
 
 def _require_driver_or_camera() -> None:

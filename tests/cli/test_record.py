@@ -439,6 +439,7 @@ def test_a_clip_is_recorded_as_it_is(record, tmp_path):
     pictures = [draw(k) for k in range(20)]
     stamps = [0, *(k * 8_000 + 123 for k in range(1, 20))]
     source = write_clip(tmp_path / "a.mp4", pictures, stamps)
+    (tmp_path / "a.rig.yaml").write_text("mirrored: true\n")
     done = record(tmp_path / "b.mkv", "--source", f"file:{source}", "--json")
     assert done.returncode == 0, done.stderr
     report = json.loads(done.stdout)
@@ -446,6 +447,7 @@ def test_a_clip_is_recorded_as_it_is(record, tmp_path):
     before, after = list(Clip(source)), list(Clip(tmp_path / "b.mkv"))
     assert [p.exposure_end_us for p in after] == stamps
     assert [p.jpeg for p in after] == [p.jpeg for p in before]
+    assert (tmp_path / "b.rig.yaml").read_text() == "mirrored: true\n"
 
 
 def test_a_clip_is_recorded_in_part(record, tmp_path):

@@ -17,8 +17,10 @@ from neurotouch_hid.source.slicer import Slicer
 from neurotouch_hid.source.video.view_search import GelFinder, ViewSearch
 from neurotouch_hid.source.view import View, ViewTable, whole_view
 
-SEARCH_US: Final = 100_000
-"""Time between two searched pictures."""
+SEARCH_US: Final = (500_000, 100_000)
+"""Time between two searched pictures, usually and at the start."""
+CHECK_US: Final = 2_000_000
+"""Time between two looks whether the gel is still in its view."""
 _MOST_DOUBLED: Final = 3
 """Repetitions of one picture that are left out in a row; a still picture without any noise goes
 on after them."""
@@ -96,12 +98,14 @@ class PictureSlicer:
             table = ViewTable(whole, inverted=is_dark)
             self._search = None if self._finder is None else ViewSearch(self._finder, table)
             self._searched_us = None
-        if (search := self._search) is not None and not search.is_found:
-            waits = self._searched_us is not None and end_us < self._searched_us + SEARCH_US
-            if waits and not search.is_promising:
+        if (search := self._search) is not None:
+            after_us = CHECK_US if search.is_found else SEARCH_US[search.is_eager]
+            waits = self._searched_us is not None and end_us < self._searched_us + after_us
+            if not waits or search.is_promising:
+                self._searched_us = end_us
+                search.update(pixels)
+            elif not search.is_found:
                 return None
-            self._searched_us = end_us
-            search.update(pixels)
             table = search.table
         self._table = table
         canonical = np.empty((SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX), np.uint8)

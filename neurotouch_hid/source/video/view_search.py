@@ -46,8 +46,12 @@ _LARGEST: Final = 0.55
 """Share of a part's height that its largest gel takes: parts overlap so far."""
 _SHARPEST: Final = 1.2
 """Canonical pixels per sensor pixel; smaller parts show no more."""
-_PER_PICTURE: Final = 16
-"""Parts that are searched in one picture, beside the whole."""
+_N_EAGER: Final = 10
+"""Pictures at the start that are searched in more parts: a gel is usually there."""
+_PER_PICTURE: Final = (4, 16)
+"""Parts that are searched in one picture beside the whole, usually and at the start."""
+_N_UNSEEN: Final = 5
+"""Looks without the gel, one after the other, before it is searched elsewhere."""
 _N_FITS: Final = 2
 """The first fit may come from a small gel, whose dots are few pixels."""
 _MAX_MISFIT: Final = 0.1
@@ -62,7 +66,8 @@ class ViewSearch:
     """Searches pictures of one size until the view of the gel is known.
 
     The whole picture is searched first, at two sizes, then smaller parts of it, some in each
-    picture. What is found counts once the next picture shows the gel there, too.
+    picture. What is found counts once the next picture shows the gel there, too. Later the view
+    changes only if the gel has left it and is found elsewhere.
 
     Args:
         finder: finds the gel in a canonical picture.
@@ -70,7 +75,7 @@ class ViewSearch:
 
     Attributes:
         table: makes canonical pictures; of the whole picture until the gel is found.
-        is_found: the view of the gel is known, and will not change.
+        is_found: the view of the gel is known.
     """
 
     def __init__(self, finder: GelFinder, whole: ViewTable) -> None:
@@ -78,26 +83,52 @@ class ViewSearch:
         far = replace(whole.view, scale=whole.view.scale / _FAR)
         self._far = ViewTable(far, inverted=whole.inverted)
         self._parts = _list_parts(whole.view)
+        self._candidate: ViewTable | None = None
+        self._n_searched = self._n_unseen = 0
         self.table = whole
         self.is_found = False
-
-    def update(self, pixels: NDArray[np.uint8]) -> None:
-        """Searches a picture, (h, w) uint8, while the view is not known."""
-        if self.is_promising:
-            self.is_found = self._shows_gel(self.table, pixels)
-            if self.is_found:
-                return
-            self.table = self._whole
-        for table in chain([self._whole, self._far], self._next_parts()):
-            found = self._fit(table, pixels)
-            if found is not None and self._shows_gel(found, pixels):
-                self.table = found
-                return
 
     @property
     def is_promising(self) -> bool:
         """True if the gel was found in the last picture, and the next one will confirm it."""
-        return not self.is_found and self.table is not self._whole
+        return self._candidate is not None
+
+    @property
+    def is_eager(self) -> bool:
+        """True at the start: more pictures are searched, and in more parts."""
+        return self._n_searched <= _N_EAGER
+
+    def update(self, pixels: NDArray[np.uint8]) -> None:
+        """Searches a picture, (h, w) uint8, or looks whether the gel is still in its view."""
+        candidate, self._candidate = self._candidate, None
+        if candidate is not None:
+            if self._shows_gel(candidate, pixels):
+                self.table, self.is_found = candidate, True
+                return
+            self.table = self.table if self.is_found else self._whole
+        if not self.is_found or self._has_left(pixels):
+            self._search(pixels)
+
+    def _has_left(self, pixels: NDArray[np.uint8]) -> bool:
+        """Returns True if the gel has not been seen in its view for some pictures.
+
+        A hand may hide it, or bend it so that it is not recognised.
+        """
+        is_seen = self._look(self.table, pixels) is not None
+        self._n_unseen = 0 if is_seen else (self._n_unseen + 1) % _N_UNSEEN
+        return not is_seen and not self._n_unseen
+
+    def _search(self, pixels: NDArray[np.uint8]) -> None:
+        self._n_searched += 1
+        for table in chain([self._whole, self._far], self._next_parts()):
+            found = self._fit(table, pixels)
+            if found is None or not self._shows_gel(found, pixels):
+                continue
+            if not self.is_found:
+                self.table = self._candidate = found
+            elif not _is_same(found.view, self.table.view):
+                self._candidate = found
+            return
 
     def _fit(self, table: ViewTable, pixels: NDArray[np.uint8]) -> ViewTable | None:
         """Returns the view of the gel, or None if this view shows none."""
@@ -111,7 +142,7 @@ class ViewSearch:
         return table
 
     def _next_parts(self) -> Iterator[ViewTable]:
-        for _ in range(_PER_PICTURE):
+        for _ in range(_PER_PICTURE[self.is_eager]):
             part = next(self._parts, None)
             if part is None:
                 return
@@ -131,6 +162,13 @@ class ViewSearch:
         factor, centre = _fit_similarity(self._finder.gel.points_mm[known], dots_px[known])
         is_centred = abs(centre - complex(*MIDDLE_PX)) < _MAX_MISFIT * SENSOR_HEIGHT_PX
         return is_centred and abs(abs(factor) / find_scale(self._finder.gel) - 1.0) < _MAX_MISFIT
+
+
+def _is_same(view: View, other: View) -> bool:
+    """Returns whether two views of a gel differ by no more than a hand on it can explain."""
+    apart = np.hypot(*np.subtract(view.centre_px, other.centre_px)) * other.scale
+    is_near = apart < _MAX_MISFIT * SENSOR_HEIGHT_PX
+    return bool(is_near) and abs(view.scale / other.scale - 1.0) < 2.0 * _MAX_MISFIT
 
 
 def find_scale(gel: Gel) -> float:

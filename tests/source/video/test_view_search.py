@@ -72,6 +72,26 @@ def test_a_small_gel_beside_the_middle_of_a_cluttered_picture(off_px):
     assert fit_rig(shown, PAPER_GEL).centre_px == pytest.approx((172.5, 129.5), abs=1.0)
 
 
+def test_the_view_follows_a_camera_that_has_moved_far():
+    size_px = (640, 480)
+    before, after = middle_rig(size_px, 6.0), middle_rig(size_px, 3.0, off_px=(-180, 120))
+    pictures = [draw_gel(before, size_px)] * 100 + [draw_gel(after, size_px)] * 400
+    slicer, _ = watch(pictures)
+    shown = fit_rig(slicer.view.to_canonical(after.to_px(PAPER_GEL.points_mm)), PAPER_GEL)
+    assert shown.px_per_mm == pytest.approx(2.5, rel=0.02)
+    assert shown.centre_px == pytest.approx((172.5, 129.5), abs=1.0)
+
+
+def test_the_view_stays_where_it_is_under_a_hand_and_a_bump():
+    size_px = (640, 480)
+    rig, bumped = middle_rig(size_px, 6.0), middle_rig(size_px, 6.0, off_px=(20, -10))
+    gel, hidden = draw_gel(rig, size_px), np.full((480, 640), 60, np.uint8)
+    slicer, _ = watch([gel, gel])
+    known = slicer.view
+    slicer, _ = watch([gel] * 10 + [hidden] * 400 + [draw_gel(bumped, size_px)] * 400)
+    assert slicer.view == known
+
+
 HEX = make_gel("hex", place_hex(4.4, 28.0), pitch_mm=4.4, radius_mm=28.0)
 RINGS = make_gel("rings", place_rings(4.5, 27.0), pitch_mm=4.5, radius_mm=27.0)
 FINE = make_gel(
