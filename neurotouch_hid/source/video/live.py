@@ -31,6 +31,8 @@ SLICES_US: Final = (4_000, 10_000)
 """Shortest and longest slice: one picture each, where its rate allows that."""
 SILENCE_S: Final = 2.0
 """A camera that sends no usable picture for this long has failed."""
+START_S: Final = 5.0
+"""The same before its first picture."""
 SEARCH_S: Final = 1.5
 """How long a camera is watched for a gel, if there are several."""
 _SLOW: Final = 0.8
@@ -117,6 +119,7 @@ class VideoCameraSource(CameraSource):
         self._linux = linux or Linux()
         self._info: VideoInfo | None = None
         self._present: tuple[VideoInfo, ...] = ()
+        self._others: set[str] = set()  # places of the cameras beside the one that played last
         self._camera: VideoCamera | None = None
         self._played: VideoCamera | None = None
         self._counts = (0, 0, 0)  # of the cameras before
@@ -192,8 +195,6 @@ class VideoCameraSource(CameraSource):
         candidates = self._list_candidates()
         try:
             info = candidates[0] if len(candidates) == 1 else self._find_gel(candidates)
-            if info.reason:
-                raise CameraError(f"The camera {info} cannot be opened: {info.reason}.")
             self._camera = VideoCamera(info.node, self._config, self._linux)
         except CameraAbsentError:
             raise
@@ -201,17 +202,22 @@ class VideoCameraSource(CameraSource):
             self._n_failures += 1
             raise
         self._info = info
+        self._others = {each.bus_info for each in self._present if each != info}
 
     def _list_candidates(self) -> tuple[VideoInfo, ...]:
-        """Returns the cameras to choose from: the one that played last, or those of the name."""
+        """Returns the cameras to choose from: the one that played last, or those of the name.
+
+        Of several of one model, the one that played last is known by its place, or by a new place.
+        """
         before = self._info
         if before is None:
             return select_video_cameras(self._present, self._chosen)
         same = [info for info in self._present if info.name == before.name]
         there = [info for info in same if info.bus_info == before.bus_info]
-        if not same:
+        moved = [info for info in same if info.bus_info not in self._others]
+        if not (there or moved):
             raise CameraAbsentError(f"The camera {before.name} is not plugged in.")
-        return tuple(there or same)[:1]
+        return tuple(there or moved)[:1]
 
     def _find_gel(self, candidates: tuple[VideoInfo, ...]) -> VideoInfo:
         """Returns the only camera that shows a gel.
@@ -290,7 +296,7 @@ class VideoCameraSource(CameraSource):
             looked_s = time.monotonic()
             picture = camera.take(POLL_S, keeps_jpeg=self._pictures is not None)
             if picture is None:
-                if looked_s - heard_s > silence_s:
+                if looked_s - heard_s > (silence_s if n_pictures else START_S):
                     what = "only damaged pictures" if camera.n_damaged else "no pictures"
                     raise CameraError(f"The camera {camera.name} sends {what}.")
                 continue

@@ -127,6 +127,22 @@ def test_a_camera_that_is_back_is_the_same_one_at_its_place_or_by_its_name(caplo
     assert "The camera usb-0000:00:14.0-3 plays." in caplog.text
 
 
+def test_another_camera_of_the_same_model_never_takes_its_place():
+    ours, twin = FakeCamera("Rig", "usb-2", FAST), FakeCamera("Rig", "usb-3", FAST)
+    linux = FakeLinux(ours, twin)
+    with open_video(linux, "usb-2") as source:
+        take(source, 2)
+        linux.unplug(0)
+        play_until(source, lambda: source.trouble)
+        time.sleep(0.1)
+        assert source.trouble == "The camera Rig is not plugged in."
+        assert twin.n_mapped == 0
+        ours.bus_info = "usb-4"
+        linux.cameras[0] = ours
+        play_until(source, lambda: not source.trouble)
+        assert source.stats().info.bus_info == "usb-4"
+
+
 def test_a_camera_that_stops_is_started_again(monkeypatch):
     monkeypatch.setattr("neurotouch_hid.source.video.live.SILENCE_S", 0.1)
     fake = FakeCamera(formats=FAST)
