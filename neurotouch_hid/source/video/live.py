@@ -62,7 +62,7 @@ class VideoStats:
         n_lost: pictures that were lost.
         n_damaged: pictures that could not be read.
         n_unstamped: pictures without a usable stamp.
-        latency_us: median from the end of the exposure to the packet; 0 before the first picture.
+        latency_us: median from the stamp of a picture to its packet; 0 before the first.
         trouble: why it does not stream, or an empty string.
     """
 
@@ -308,6 +308,7 @@ class VideoCameraSource(CameraSource):
                 self._learn_period(now_s - heard_s)
             heard_s = now_s
             self._hand_over(slicer, picture, is_first=n_pictures == 0)
+            self._latencies_us.append(time.monotonic_ns() // 1000 - camera.stamp_us)
             n_pictures += 1
             self._n_pictures += 1
             if n_pictures == _RATE_PICTURES:
@@ -336,7 +337,6 @@ class VideoCameraSource(CameraSource):
             self._queue.put(replace(packet, gap=gap) if gap else packet)
             self._end_us = max(self._end_us, packet.t_end_us)
             gap = 0
-        self._latencies_us.append(time.monotonic_ns() // 1000 - picture.exposure_end_us)
         self._note_progress(self._end_us)
 
     def _keep(self, picture: Picture) -> None:
