@@ -131,10 +131,10 @@ class VideoCameraSource(CameraSource):
         self._slicer: PictureSlicer | None = None
         self._n_dropped = self._n_pictures = 0
         self._latencies_us: deque[int] = deque(maxlen=250)
+        self.name = f"video:{camera}"
         _load_kernels(finder)
         if not wait:
             self._open()
-        self.name = f"video:{self._describe() if self._info else camera}"
 
     @property
     def view(self) -> View | None:
@@ -202,6 +202,7 @@ class VideoCameraSource(CameraSource):
             self._n_failures += 1
             raise
         self._info = info
+        self.name = f"video:{info.place}"
         self._others = {each.bus_info for each in self._present if each != info}
 
     def _list_candidates(self) -> tuple[VideoInfo, ...]:

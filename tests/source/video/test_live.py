@@ -229,6 +229,7 @@ def test_a_camera_need_not_be_there_yet():
         linux.cameras[4] = FakeCamera("My Rig", "usb-2", FAST)
         take(source, 2)
         assert source.stats().info.name == "My Rig"
+        assert source.name == "video:usb-2"
 
 
 def test_settings_reach_the_camera():
