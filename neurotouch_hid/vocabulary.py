@@ -118,6 +118,7 @@ class SourceKind(StrEnum):
     """Kind of a source, given by the first word of its name."""
 
     CAMERA = "davis"
+    VIDEO = "video"
     RECORDING = "file"
     SIMULATION = "sim"
     DRIVER = "driver"
@@ -131,7 +132,7 @@ def find_source_kind(name: str) -> SourceKind:
         name: as a person writes it, for example ``sim:tour``, ``play.aedat4`` or ``play.mkv``.
     """
     kind, colon, _ = name.partition(":")
-    if colon and kind in ("davis", "file", "sim", "driver"):
+    if colon and kind in ("davis", "video", "file", "sim", "driver"):
         return SourceKind(kind)
     is_recording = name.lower().endswith(RECORDING_ENDINGS)
     return SourceKind.RECORDING if is_recording else SourceKind.OTHER

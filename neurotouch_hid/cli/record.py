@@ -55,6 +55,7 @@ class _Silence(KeyboardInterrupt):
     "  neurotouch record clip.aedat4                until Ctrl-C; also while the driver runs\n"
     "  neurotouch record clip.aedat4 --seconds 60 --source davis:00000216\n"
     "  neurotouch record tour.aedat4 --source sim:tour --seconds 20 --json\n"
+    "  neurotouch record clip.mkv --source video: --seconds 60\n"
     "  neurotouch record clip.mkv --source file:long.mp4 --seconds 60\n\n"
     "Play it: neurotouch run --source file:clip.aedat4"
 )
@@ -62,8 +63,8 @@ class _Silence(KeyboardInterrupt):
 @click.option(
     "--source",
     show_default="the running driver's data, else davis:",
-    help="davis:SERIAL (a camera), file:NAME.aedat4 (a recording), file:NAME.mkv (a video clip) or "
-    "sim:NAME (the simulator).",
+    help="davis:SERIAL (a camera), video:NAME (a webcam), file:NAME.aedat4 (a recording), "
+    "file:NAME.mkv (a video clip) or sim:NAME (the simulator).",
 )
 @click.option("--seconds", type=Finite(min=0.1), help="End after this many seconds of sensor time.")
 @click.option(
@@ -137,18 +138,25 @@ def command(
             )
         write_gel(out, gel_file)
         if is_clip(out):
-            _copy_rig(source, out)
+            _keep_rig(source, out)
         _tell(opened.name, out, stats, fault, mark, as_json=as_json)
 
 
-def _copy_rig(source: str | None, out: Path) -> None:
-    """Copies the rig file of a clip: its pictures are recorded as they are, mirrored too."""
+def _keep_rig(source: str | None, out: Path) -> None:
+    """Writes the rig file of a clip: pictures are recorded as they are, mirrored too."""
+    from neurotouch_hid.driver.camera_settings import load_camera_config
     from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_bytes
     from neurotouch_hid.partial_file import write_whole
     from neurotouch_hid.source.check import find_path
     from neurotouch_hid.source.rig_file import rig_path
 
-    if source is None or not is_clip(source):
+    if source is None:
+        return
+    if find_source_kind(source) is SourceKind.VIDEO:
+        if load_camera_config().video.mirrored:
+            write_whole(rig_path(out), b"mirrored: true\n")
+        return
+    if not is_clip(source):
         return
     beside = rig_path(find_path(source))
     if beside.exists():

@@ -5,7 +5,7 @@ from neurotouch_hid.driver.camera_settings import load_camera_config
 from neurotouch_hid.driver.options import DriverOptions
 from neurotouch_hid.errors import AlreadyRunningError, CameraError
 from neurotouch_hid.geometry import Gel
-from neurotouch_hid.source import Source, Troubled, open_source
+from neurotouch_hid.source import Periodic, Source, Troubled, open_source
 from neurotouch_hid.tracker import GelFinder
 
 
@@ -42,6 +42,8 @@ def open_driver_source(options: DriverOptions, gel: Gel) -> Source:
 def describe_source(source: Source) -> str:
     """Returns the name of a source, how often it failed, and why nothing comes from it."""
     said = source.name
+    if isinstance(source, Periodic) and source.n_lost:
+        said += f", pictures lost: {source.n_lost}"
     if isinstance(source, Troubled):
         if source.n_restarts:
             said += f", restarts because its data made no sense: {source.n_restarts}"

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from neurotouch_hid.source.protocol import (
         ActivityAware,
         FactTelling,
+        Periodic,
         PictureSource,
         PolledSource,
         Source,
@@ -25,7 +26,8 @@ else:
         {
             "check": "FORMS check_source",
             "opening": "open_source",
-            "protocol": "ActivityAware FactTelling PictureSource PolledSource Source Troubled",
+            "protocol": "ActivityAware FactTelling Periodic PictureSource PolledSource Source "
+            "Troubled",
             "slicer": "Slicer slice_recording",
         },
     )
@@ -34,6 +36,7 @@ __all__ = [
     "FORMS",
     "ActivityAware",
     "FactTelling",
+    "Periodic",
     "PictureSource",
     "PolledSource",
     "Slicer",

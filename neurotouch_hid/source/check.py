@@ -15,12 +15,8 @@ from neurotouch_hid.vocabulary import (
 )
 
 FORMS: Final = (
-    "davis:",
-    "davis:SERIAL",
-    "file:NAME.aedat4",
-    "file:NAME.mkv",
-    "sim:NAME",
-    RUNNING_DRIVER,
+    *("davis:", "davis:SERIAL", "video:", "video:NAME"),
+    *("file:NAME.aedat4", "file:NAME.mkv", "sim:NAME", RUNNING_DRIVER),
 )
 """How the sources of this package are written."""
 
@@ -42,6 +38,13 @@ def check_source(spec: str) -> None:
         read_simulation(rest)
     elif kind is SourceKind.CAMERA:
         choose_camera(find_cameras(), rest)
+    elif kind is SourceKind.VIDEO:
+        from neurotouch_hid.source.video.enumeration import (  # noqa: PLC0415
+            find_video_cameras,
+            select_video_cameras,
+        )
+
+        select_video_cameras(find_video_cameras(), rest)
     elif kind is SourceKind.RECORDING:
         from neurotouch_hid.recording.check import check_recording  # noqa: PLC0415
 

@@ -87,6 +87,21 @@ class Troubled(Protocol):
 
 
 @runtime_checkable
+class Periodic(Protocol):
+    """A source whose packets come only with a picture, such as a video camera."""
+
+    @property
+    def period_s(self) -> float:
+        """Time from picture to picture as it was lately; 0 before the first."""
+        ...
+
+    @property
+    def n_lost(self) -> int:
+        """Pictures that were lost, or could not be read."""
+        ...
+
+
+@runtime_checkable
 class PictureSource(Source, Protocol):
     """A source whose sensor gives pictures alone, of a size of its own."""
 

@@ -45,6 +45,8 @@ def choose_machine(test_file: str) -> str:
     """Which of the machines plays the chapters that a file of tests asks about."""
     if test_file.startswith("test_processor"):
         return "processors"
+    if test_file.startswith("test_video"):
+        return "video"
     return "cameras" if test_file.startswith(CAMERA_TESTS) else "pads"
 
 

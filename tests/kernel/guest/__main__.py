@@ -34,6 +34,7 @@ from tests.kernel.guest import (
     pad,
     resident,
     rumble,
+    vivid,
     watching,
 )
 
@@ -73,8 +74,13 @@ CAMERAS: dict[str, Callable[[Path], Any]] = {
     "gels": gels.play_both,
 }
 PROCESSORS: dict[str, Callable[[Path], Any]] = {"processor": driver.lose_processor}
-MACHINES = {"pads": PADS, "cameras": CAMERAS, "processors": PROCESSORS}
-CHAPTERS = PADS | CAMERAS | PROCESSORS
+VIDEO: dict[str, Callable[[Path], Any]] = {
+    "vivid": vivid.look,
+    "vivid_faults": vivid.suffer,
+    "vivid_replugged": vivid.replug,
+}
+MACHINES = {"pads": PADS, "cameras": CAMERAS, "processors": PROCESSORS, "video": VIDEO}
+CHAPTERS = PADS | CAMERAS | PROCESSORS | VIDEO
 
 
 CHAPTER_LIMIT_S = 900.0
