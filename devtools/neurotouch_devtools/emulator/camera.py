@@ -12,7 +12,9 @@ from neurotouch_devtools.emulator.frames import FrameReader
 from neurotouch_devtools.emulator.imu import Imu
 from neurotouch_devtools.emulator.readout import Words
 from neurotouch_devtools.emulator.registers import Registers
+from neurotouch_devtools.emulator.requests import ControlEndpoint
 from neurotouch_devtools.emulator.scene import Scene
+from neurotouch_devtools.emulator.transfers import DataEndpoint
 from neurotouch_devtools.emulator.words import WordEncoder
 from neurotouch_hid.messages import EventPacket
 
@@ -121,6 +123,16 @@ class EmulatedCamera:
         """Empties the FIFO."""
         self.advance()
         self._fifo.clear()
+
+    def open_endpoints(self) -> tuple[ControlEndpoint, DataEndpoint]:
+        """Returns the endpoints of a camera that was just plugged in."""
+        data = DataEndpoint(self)
+        return ControlEndpoint(self, data), data
+
+    @property
+    def super_speed(self) -> bool:
+        """True if it is plugged into a port of USB 3."""
+        return self.config.identity.super_speed
 
     @property
     def streaming(self) -> bool:
