@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from neurotouch_devtools.emulator import registers as reg
 from neurotouch_devtools.emulator.descriptors import Identity
-from neurotouch_devtools.emulator.faults import Fault, FaultKind, Script
+from neurotouch_devtools.emulator.faults import Fault, FaultKind, Script, Stage
 from neurotouch_devtools.emulator.filters import EventFilter
 from neurotouch_devtools.emulator.frames import FrameReader
 from neurotouch_devtools.emulator.imu import Imu
@@ -16,6 +16,7 @@ from neurotouch_devtools.emulator.requests import ControlEndpoint
 from neurotouch_devtools.emulator.scene import Scene
 from neurotouch_devtools.emulator.transfers import DataEndpoint
 from neurotouch_devtools.emulator.words import WordEncoder
+from neurotouch_hid.errors import SourceError
 from neurotouch_hid.messages import EventPacket
 
 _READY_BYTES = 1 << 16
@@ -66,6 +67,9 @@ class EmulatedCamera:
         faults: the faults to inject.
         clock_ns: host time.
 
+    Raises:
+        SourceError: one of the faults cannot happen to such a camera.
+
     Attributes:
         registers: the register file.
         script: counts the host's requests and transfers, and injects faults.
@@ -80,6 +84,9 @@ class EmulatedCamera:
         *,
         clock_ns: Callable[[], int] = time.monotonic_ns,
     ) -> None:
+        for fault in faults:
+            if fault.stage is Stage.PICTURE:
+                raise SourceError(f"The fault {fault.kind} happens to UVC cameras only.")
         self.config = config or CameraConfig()
         self.registers = Registers(
             orientation=self.config.orientation,

@@ -1,0 +1,17 @@
+"""An emulated UVC camera, which the kernel's own driver takes for a webcam."""
+
+from neurotouch_devtools.emulator.uvc.camera import UvcCamera, UvcConfig
+from neurotouch_devtools.emulator.uvc.controls import CONTROLS
+from neurotouch_devtools.emulator.uvc.film import Film, film_scene
+from neurotouch_devtools.emulator.uvc.modes import MODES, Mode, PixelFormat
+
+__all__ = [
+    "CONTROLS",
+    "MODES",
+    "Film",
+    "Mode",
+    "PixelFormat",
+    "UvcCamera",
+    "UvcConfig",
+    "film_scene",
+]
