@@ -12,9 +12,7 @@ from neurotouch_devtools.emulator.frames import FrameReader
 from neurotouch_devtools.emulator.imu import Imu
 from neurotouch_devtools.emulator.readout import Words
 from neurotouch_devtools.emulator.registers import Registers
-from neurotouch_devtools.emulator.requests import ControlEndpoint
 from neurotouch_devtools.emulator.scene import Scene
-from neurotouch_devtools.emulator.transfers import DataEndpoint
 from neurotouch_devtools.emulator.words import WordEncoder
 from neurotouch_hid.errors import SourceError
 from neurotouch_hid.messages import EventPacket
@@ -130,11 +128,6 @@ class EmulatedCamera:
         """Empties the FIFO."""
         self.advance()
         self._fifo.clear()
-
-    def open_endpoints(self) -> tuple[ControlEndpoint, DataEndpoint]:
-        """Returns the endpoints of a camera that was just plugged in."""
-        data = DataEndpoint(self)
-        return ControlEndpoint(self, data), data
 
     @property
     def super_speed(self) -> bool:

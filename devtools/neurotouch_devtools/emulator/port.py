@@ -6,8 +6,15 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
+from neurotouch_devtools.emulator.camera import EmulatedCamera
 from neurotouch_devtools.emulator.faults import FaultError, FaultKind
+from neurotouch_devtools.emulator.requests import ControlEndpoint
+from neurotouch_devtools.emulator.transfers import DataEndpoint
 from neurotouch_devtools.emulator.usb import Endpoint0, Setup
+from neurotouch_devtools.emulator.uvc import UvcCamera, UvcControl, UvcStream
+
+Camera = EmulatedCamera | UvcCamera
+"""Every camera that can be plugged in."""
 
 _STATUS = {
     FaultKind.STALL: -errno.EPIPE,
@@ -60,39 +67,25 @@ class Stream(Protocol):
         """Carries out the host's request that ends a halt."""
 
 
-class Device(Protocol):
-    """A device that can be plugged in."""
-
-    @property
-    def super_speed(self) -> bool:
-        """True if it is plugged into a port of USB 3."""
-
-    @property
-    def streaming(self) -> bool:
-        """True if data passes to USB."""
-
-    @property
-    def patience_us(self) -> float:
-        """Time after which a transport must ask for data again."""
-
-    def advance(self) -> None:
-        """Advances the device's clock to the present."""
-
-    def open_endpoints(self) -> tuple[Endpoint0, Stream]:
-        """Returns the endpoints of a device that was just plugged in."""
+def open_endpoints(camera: Camera) -> tuple[Endpoint0, Stream]:
+    """Returns the endpoints of a camera that was just plugged in."""
+    if isinstance(camera, UvcCamera):
+        return UvcControl(camera), UvcStream(camera)
+    data = DataEndpoint(camera)
+    return ControlEndpoint(camera, data), data
 
 
 class Port:
     """Takes the host's transfers and ends them, in the order of each endpoint.
 
     Args:
-        camera: the device, a camera here.
+        camera: the camera.
         clock_ns: host time.
     """
 
-    def __init__(self, camera: Device, clock_ns: Callable[[], int] = time.monotonic_ns) -> None:
+    def __init__(self, camera: Camera, clock_ns: Callable[[], int] = time.monotonic_ns) -> None:
         self._camera, self._clock_ns = camera, clock_ns
-        self._control, self._data = camera.open_endpoints()
+        self._control, self._data = open_endpoints(camera)
         self._waiting: dict[int, int] = {}  # number: length, oldest first
         self._hanging: set[int] = set()  # will never end by themselves
         self._lost: set[int] = set()  # will never end

@@ -2,16 +2,13 @@
 
 import struct
 from enum import IntEnum
-from typing import TYPE_CHECKING
 
 from neurotouch_devtools.emulator import registers as reg
+from neurotouch_devtools.emulator.camera import EmulatedCamera
 from neurotouch_devtools.emulator.descriptors import DATA_ENDPOINT
 from neurotouch_devtools.emulator.faults import FaultError, FaultKind, Stage
 from neurotouch_devtools.emulator.transfers import DataEndpoint
 from neurotouch_devtools.emulator.usb import Endpoint0, Setup
-
-if TYPE_CHECKING:
-    from neurotouch_devtools.emulator.camera import EmulatedCamera
 
 
 class Vendor(IntEnum):
@@ -39,7 +36,7 @@ class ControlEndpoint(Endpoint0):
         data: its other endpoint, for the request that ends its halt.
     """
 
-    def __init__(self, camera: "EmulatedCamera", data: DataEndpoint) -> None:
+    def __init__(self, camera: EmulatedCamera, data: DataEndpoint) -> None:
         super().__init__(
             camera.script, camera.config.identity.describe, DATA_ENDPOINT, data.clear_halt
         )

@@ -1,14 +1,10 @@
 """Endpoint 0x82: bulk transfers with the stream, and their faults."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from neurotouch_devtools.emulator.camera import EmulatedCamera
 from neurotouch_devtools.emulator.descriptors import DATA_ENDPOINT
 from neurotouch_devtools.emulator.faults import FaultError, FaultKind, Stage
-
-if TYPE_CHECKING:
-    from neurotouch_devtools.emulator.camera import EmulatedCamera
 
 _END_TRANSFER = frozenset({FaultKind.UNPLUG, FaultKind.TIMEOUT, FaultKind.LOST, FaultKind.PROTOCOL})
 _GARBAGE_SEED = 1
@@ -28,7 +24,7 @@ class DataEndpoint:
 
     address = DATA_ENDPOINT
 
-    def __init__(self, camera: "EmulatedCamera") -> None:
+    def __init__(self, camera: EmulatedCamera) -> None:
         self._camera = camera
         self._halted = False
         self._random = np.random.default_rng(_GARBAGE_SEED)

@@ -14,7 +14,7 @@ import struct
 import threading
 from pathlib import Path
 
-from neurotouch_devtools.emulator.port import Completion, Device, Port, UnpluggedError
+from neurotouch_devtools.emulator.port import Camera, Completion, Port, UnpluggedError
 from neurotouch_devtools.emulator.usb import IN, Setup
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import NeuroTouchError, SourceError
@@ -44,7 +44,7 @@ class UsbIp(Closing):
         SourceError: the kernel offers no virtual host controller, or this user may not use it.
     """
 
-    def __init__(self, camera: Device) -> None:
+    def __init__(self, camera: Camera) -> None:
         self._port = Port(camera)
         self._error: NeuroTouchError | None = None
         self._ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)

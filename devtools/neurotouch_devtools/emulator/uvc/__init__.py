@@ -1,7 +1,8 @@
 """An emulated UVC camera, which the kernel's own driver takes for a webcam."""
 
-from neurotouch_devtools.emulator.uvc.camera import UvcCamera, UvcConfig
+from neurotouch_devtools.emulator.uvc.camera import UvcCamera, UvcConfig, UvcControl, UvcStream
 from neurotouch_devtools.emulator.uvc.controls import CONTROLS
+from neurotouch_devtools.emulator.uvc.descriptors import UvcIdentity
 from neurotouch_devtools.emulator.uvc.film import Film, film_scene
 from neurotouch_devtools.emulator.uvc.modes import MODES, Mode, PixelFormat
 
@@ -13,5 +14,8 @@ __all__ = [
     "PixelFormat",
     "UvcCamera",
     "UvcConfig",
+    "UvcControl",
+    "UvcIdentity",
+    "UvcStream",
     "film_scene",
 ]

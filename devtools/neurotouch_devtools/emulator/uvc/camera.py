@@ -119,10 +119,6 @@ class UvcCamera:
     def advance(self) -> None:
         """Does nothing: the time of a picture is reckoned when the host reads."""
 
-    def open_endpoints(self) -> "tuple[UvcControl, UvcStream]":
-        """Returns the endpoints of a camera that was just plugged in."""
-        return UvcControl(self), UvcStream(self)
-
     def begin(self, agreement: Agreement) -> None:
         """Begins the stream."""
         self.agreement = agreement

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -54,6 +53,8 @@ class Mode:
         """
         size = (self.width, self.height)
         if grey.shape != size[::-1]:
+            import cv2  # noqa: PLC0415 - takes long, and not every picture needs it
+
             grey = cv2.resize(grey, size, interpolation=cv2.INTER_LINEAR).astype(np.uint8)
         match self.pixel_format:
             case PixelFormat.GREY:
@@ -75,6 +76,8 @@ MODES = tuple(
 
 def _write_jpeg(grey: NDArray[np.uint8]) -> bytes:
     """Returns a JPEG with colour at half the width (4:2:2), as cameras send it."""
+    import cv2  # noqa: PLC0415 - as above
+
     options = [
         *(cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY),
         *(cv2.IMWRITE_JPEG_SAMPLING_FACTOR, cv2.IMWRITE_JPEG_SAMPLING_FACTOR_422),
