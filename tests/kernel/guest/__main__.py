@@ -34,6 +34,7 @@ from tests.kernel.guest import (
     pad,
     resident,
     rumble,
+    uvc,
     watching,
 )
 
@@ -72,9 +73,14 @@ CAMERAS: dict[str, Callable[[Path], Any]] = {
     "camera": camera.watch,
     "gels": gels.play_both,
 }
+UVC: dict[str, Callable[[Path], Any]] = {
+    "uvc_description": uvc.describe,
+    "uvc_pictures": uvc.take_pictures,
+    "uvc_faults": uvc.suffer,
+}
 PROCESSORS: dict[str, Callable[[Path], Any]] = {"processor": driver.lose_processor}
-MACHINES = {"pads": PADS, "cameras": CAMERAS, "processors": PROCESSORS}
-CHAPTERS = PADS | CAMERAS | PROCESSORS
+MACHINES = {"pads": PADS, "cameras": CAMERAS, "processors": PROCESSORS | UVC}
+CHAPTERS = PADS | CAMERAS | PROCESSORS | UVC
 
 
 CHAPTER_LIMIT_S = 900.0
@@ -84,7 +90,7 @@ CHAPTER_LIMIT_S = 900.0
 def main() -> None:
     results = Path(sys.argv[1])
     (results / "booted").touch()
-    modules = ["uinput", "uhid", "evdev", "joydev", "hid-generic", "vhci-hcd"]
+    modules = ["uinput", "uhid", "evdev", "joydev", "hid-generic", "vhci-hcd", "uvcvideo"]
     subprocess.run(["modprobe", "-a", *modules], check=True)
     chapters = list(MACHINES.get(sys.argv[2], sys.argv[2:]))
     # Once for all of them: a camera must not stop to think, and drivers start in half the time.

@@ -91,6 +91,7 @@ class UvcCamera:
         self._clock_ns = clock_ns
         self._sending: Iterator[bytes] = iter(())
         self._last_data = b""
+        self._is_read = False  # only then do pictures come, and time passes in the film
         self._due_ns = 0  # when the next picture is complete
         self._scene_ns = 0  # time in the film
 
@@ -112,7 +113,7 @@ class UvcCamera:
     @property
     def patience_us(self) -> float:
         """Time after which a transport must ask for data again."""
-        if self.config.unpaced:
+        if self.config.unpaced or not self._is_read:
             return 1000.0
         return max(self._due_ns - self._clock_ns(), 0) / 1000
 
@@ -124,7 +125,7 @@ class UvcCamera:
         self.agreement = agreement
         self._sending = iter(())
         self._last_data = b""
-        self._due_ns = self._clock_ns() + 100 * agreement.interval
+        self._is_read = False
 
     def end(self) -> None:
         """Ends the stream."""
@@ -137,9 +138,12 @@ class UvcCamera:
             FaultError: the camera has gone.
         """
         payload = next(self._sending, None)
-        if payload is None and self.agreement is not None and self._expose(self.agreement):
-            payload = next(self._sending)
-        return payload
+        if payload is not None or self.agreement is None:
+            return payload
+        if not self._is_read:
+            self._is_read = True
+            self._due_ns = self._clock_ns() + 100 * self.agreement.interval
+        return next(self._sending) if self._expose(self.agreement) else None
 
     def _expose(self, agreement: Agreement) -> bool:
         """Takes the next picture that is complete; False if there is none."""

@@ -1,0 +1,182 @@
+"""Plugs emulated UVC cameras into the guest's USB; v4l2-ctl tells what the kernel makes of them."""
+
+import re
+import subprocess
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from neurotouch_devtools.emulator import Fault, UsbIp
+from neurotouch_devtools.emulator.uvc import Film, Mode, PixelFormat, UvcCamera, UvcConfig
+from neurotouch_devtools.emulator.uvc.descriptors import UvcIdentity
+
+NODES = Path("/sys/class/video4linux")
+PATIENCE_S = 120.0
+N_TAKEN = 10
+"""Pictures; the kernel has a buffer for each, so that a slow reader loses none."""
+FAULT_AT = 4
+FAULTS = (
+    "dropped+4x2",
+    "doubled+4",
+    "error+4",
+    "damaged+4",
+    "protocol@stream+12",
+    "unplug@picture+4",
+)
+"""Three transfers make a picture of 320x240."""
+WITHOUT = frozenset({"gain", "focus", "autofocus", "power_line_frequency"})
+CAPTURED = re.compile(r"seq: +(\d+) bytesused: (\d+) ts: ([\d.]+)")
+
+
+def describe(_: Path) -> dict[str, Any]:
+    """What v4l2-ctl says of a camera with everything, and of a poorer one on USB 2."""
+    seen = {}
+    poor = UvcIdentity(
+        super_speed=False,
+        serial=None,
+        product="Poor camera",
+        modes=(Mode(PixelFormat.MJPEG, 640, 480, (333_333,)),),
+        without=WITHOUT,
+    )
+    for name, identity in {"full": UvcIdentity(), "poor": poor}.items():
+        with plugged(UvcCamera(make_film(), UvcConfig(identity))) as node:
+            seen[name] = {
+                "info": ask(node, "--info"),
+                "formats": ask(node, "--list-formats-ext"),
+                "controls": ask(node, "--list-ctrls-menus"),
+            }
+            if name == "full":
+                seen["set"] = [
+                    ask(node, *change)
+                    for change in (
+                        ("--set-ctrl=exposure_time_absolute=40",),
+                        ("--set-ctrl=auto_exposure=1",),
+                        ("--set-ctrl=exposure_time_absolute=40", "--get-ctrl=auto_exposure"),
+                        ("--set-ctrl=brightness=-20", "--get-ctrl=brightness"),
+                    )
+                ]
+                seen["got"] = ask(node, "--get-ctrl=exposure_time_absolute,brightness,gain")
+    return {**seen, "log": read_log("uvcvideo"), "left": list_nodes()}
+
+
+def take_pictures(_: Path) -> dict[str, Any]:
+    """Takes pictures in every format."""
+    seen = {}
+    for pixel_format in PixelFormat:
+        with plugged(UvcCamera(make_film(), UvcConfig(unpaced=True))) as node:
+            seen[pixel_format.value] = capture(node, pixel_format)
+    return seen
+
+
+def suffer(_: Path) -> dict[str, Any]:
+    """Takes pictures of a camera with each fault."""
+    seen = {}
+    for fault in FAULTS:
+        camera = UvcCamera(make_film(), UvcConfig(unpaced=True), [Fault.parse(fault)])
+        with plugged(camera) as node:
+            seen[fault] = capture(node, PixelFormat.GREY)
+            if fault.startswith("unplug"):
+                wait_for(lambda: not list_nodes())
+    with plugged(UvcCamera(make_film(), UvcConfig(unpaced=True), [Fault.parse("damaged+4")])) as n:
+        seen["damaged MJPG"] = capture(n, PixelFormat.MJPEG)
+    return {**seen, "left": list_nodes()}
+
+
+def make_film() -> Film:
+    """Pictures of 320x240 that are told from each other, smooth enough for a JPEG."""
+    rng = np.random.default_rng(3)
+    coarse = rng.integers(256, size=(2 * N_TAKEN, 15, 20)).astype(np.uint8)
+    return Film(np.stack([cv2.resize(picture, (320, 240)) for picture in coarse]))
+
+
+@contextmanager
+def plugged(camera: UvcCamera) -> Iterator[str]:
+    """The node of a camera, which is in the guest's USB so long."""
+    wait_for(lambda: not list_nodes())
+    with UsbIp(camera):
+        wait_for(list_nodes)
+        node = f"/dev/{min(list_nodes())}"
+        wait_for(Path(node).exists)
+        yield node
+
+
+def capture(node: str, pixel_format: PixelFormat) -> dict[str, Any]:
+    """Pictures as v4l2-ctl has them: number, time, place in the film, and how far they are off."""
+    data = Path("/dev/shm/pictures")
+    data.unlink(missing_ok=True)
+    said = ask(
+        node,
+        f"--set-fmt-video=width=320,height=240,pixelformat={pixel_format}",
+        *(f"--stream-mmap={N_TAKEN + 2}", f"--stream-count={N_TAKEN}", f"--stream-to={data}"),
+        "--verbose",
+    )
+    frames = [
+        (int(number), int(size), float(t_s)) for number, size, t_s in CAPTURED.findall(said["said"])
+    ]
+    content = data.read_bytes()
+    ends = np.cumsum([size for _, size, _ in frames], dtype=int)
+    pieces = [content[end - size : end] for end, (_, size, _) in zip(ends, frames, strict=True)]
+    film = make_film().pictures
+    known = {picture.tobytes(): k for k, picture in enumerate(film)}
+    lumas = [read_luma(piece, pixel_format) for piece in pieces]
+    return {
+        "code": said["code"],
+        "numbers": [number for number, _, _ in frames],
+        "times": [t_s for _, _, t_s in frames],
+        "found": [known.get(luma.tobytes(), -1) for luma in lumas],
+        "errors": [
+            round(cv2.norm(film[number], luma, cv2.NORM_L1) / luma.size, 2)
+            for (number, _, _), luma in zip(frames, lumas, strict=True)
+            if luma.size
+        ],
+        "whole": len(content) == sum(map(len, pieces)),
+    }
+
+
+def read_luma(data: bytes, pixel_format: PixelFormat) -> Any:
+    """The brightness of a picture of 320x240; empty if it is none."""
+    raw = np.frombuffer(data, np.uint8)
+    if pixel_format is PixelFormat.MJPEG:
+        picture = cv2.imdecode(raw, cv2.IMREAD_GRAYSCALE) if len(raw) else None
+        return raw[:0] if picture is None else picture
+    if pixel_format is PixelFormat.YUYV:
+        raw = np.ascontiguousarray(raw[::2])
+    return raw[: 320 * 240].reshape(240, 320) if len(raw) >= 320 * 240 else raw[:0]
+
+
+def ask(node: str, *options: str) -> dict[str, Any]:
+    """What v4l2-ctl says, and its exit code."""
+    done = subprocess.run(
+        ["v4l2-ctl", "--device", node, *options],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        timeout=PATIENCE_S,
+        check=False,
+    )
+    return {"said": done.stdout, "code": done.returncode}
+
+
+def list_nodes() -> list[str]:
+    """The nodes of cameras; those for what comes beside the pictures are left out."""
+    if not NODES.exists():
+        return []
+    return [node.name for node in NODES.iterdir() if (node / "index").read_text() == "0\n"]
+
+
+def read_log(word: str) -> list[str]:
+    """Lines of the kernel's log."""
+    lines = subprocess.run(["dmesg"], capture_output=True, text=True, check=True).stdout
+    return [line.partition("] ")[2] for line in lines.splitlines() if word in line]
+
+
+def wait_for(condition: Any) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition():
+        if time.monotonic() > deadline:
+            raise TimeoutError
+        time.sleep(0.05)

@@ -1,0 +1,139 @@
+"""The emulated UVC camera in the real kernel: ``uvcvideo`` and v4l2-ctl see what it promises."""
+
+import re
+from itertools import pairwise
+
+import pytest
+from neurotouch_devtools.emulator.uvc import MODES, PixelFormat
+
+from tests.kernel.guest.uvc import FAULT_AT, N_TAKEN
+
+CONTROLS = {
+    "auto_exposure",
+    "brightness",
+    "exposure_time_absolute",
+    "focus_absolute",
+    "focus_automatic_continuous",
+    "gain",
+    "power_line_frequency",
+    "white_balance_automatic",
+    "white_balance_temperature",
+}
+JPEG_ERROR = 3.0
+"""Mean error of a pixel, of 255."""
+ALL = list(range(N_TAKEN))
+
+
+@pytest.fixture(scope="module")
+def described(guest):
+    return guest("uvc_description")
+
+
+@pytest.fixture(scope="module")
+def suffered(guest):
+    return guest("uvc_faults")
+
+
+def list_modes(said):
+    """(format, width, height, frames a second) of each mode that v4l2-ctl lists."""
+    modes = set()
+    for line in said.splitlines():
+        if found := re.search(r"'(\w+)'", line):
+            pixel_format = found[1]
+        elif found := re.search(r"Size: Discrete (\d+)x(\d+)", line):
+            size = int(found[1]), int(found[2])
+        elif found := re.search(r"\(([\d.]+) fps\)", line):
+            modes.add((pixel_format, *size, round(float(found[1]))))
+    return modes
+
+
+def list_controls(said):
+    return set(re.findall(r"(\w+) 0x", said))
+
+
+def test_the_kernel_knows_it_by_name_and_place(described):
+    for name, product in (("full", "Emulated UVC camera"), ("poor", "Poor camera")):
+        said = described[name]["info"]["said"]
+        assert re.search(r"Driver name +: uvcvideo\n", said)
+        assert re.search(rf"Card type +: {product}\n", said)
+        assert re.search(r"Bus info +: usb-vhci_hcd.0-1\n", said)
+
+
+def test_every_mode_is_there_as_promised(described):
+    promised = {
+        (mode.pixel_format.value, mode.width, mode.height, round(1e7 / interval))
+        for mode in MODES
+        for interval in mode.intervals
+    }
+    assert list_modes(described["full"]["formats"]["said"]) == promised
+    assert list_modes(described["poor"]["formats"]["said"]) == {("MJPG", 640, 480, 30)}
+
+
+def test_a_camera_has_the_settings_that_it_should_have_and_no_others(described):
+    assert list_controls(described["full"]["controls"]["said"]) == CONTROLS
+    without = {"gain", "focus_absolute", "focus_automatic_continuous", "power_line_frequency"}
+    assert list_controls(described["poor"]["controls"]["said"]) == CONTROLS - without
+
+
+def test_a_setting_is_changed_only_when_it_is_not_automatic(described):
+    refused, manual, exposed, darker = described["set"]
+    assert refused["code"] != 0
+    assert "Input/output error" in refused["said"] or "Permission denied" in refused["said"]
+    assert [manual["code"], exposed["code"], darker["code"]] == [0, 0, 0]
+    got = dict(re.findall(r"(\w+): (-?\d+)", described["got"]["said"]))
+    assert got == {"exposure_time_absolute": "40", "brightness": "-20", "gain": "0"}
+
+
+def test_the_driver_has_nothing_to_complain_about(described):
+    assert described["left"] == []
+    for line in described["log"]:
+        assert "Found UVC 1.10 device" in line or "registered new interface driver" in line
+
+
+@pytest.mark.parametrize("pixel_format", PixelFormat)
+def test_pictures_arrive_as_they_were_sent(guest, pixel_format):
+    saw = guest("uvc_pictures")[pixel_format]
+    assert saw["code"] == 0
+    assert saw["whole"]
+    assert saw["numbers"] == ALL
+    assert all(a < b for a, b in pairwise(saw["times"]))
+    if pixel_format is PixelFormat.MJPEG:
+        assert len(saw["errors"]) == N_TAKEN
+        assert max(saw["errors"]) < JPEG_ERROR
+    else:
+        assert saw["found"] == ALL
+
+
+def test_dropped_and_doubled_pictures_leave_no_gap_in_the_numbers(suffered):
+    dropped, doubled = suffered["dropped+4x2"], suffered["doubled+4"]
+    assert dropped["numbers"] == doubled["numbers"] == ALL
+    assert dropped["found"] == [*range(FAULT_AT), *range(FAULT_AT + 2, N_TAKEN + 2)]
+    assert doubled["found"] == [*ALL[:FAULT_AT], FAULT_AT - 1, *ALL[FAULT_AT + 1 :]]
+
+
+def test_the_kernel_keeps_a_faulty_picture_to_itself_and_counts_it(suffered):
+    numbers = [k for k in range(N_TAKEN + 1) if k != FAULT_AT]
+    assert suffered["error+4"]["numbers"] == numbers
+    assert suffered["error+4"]["found"] == numbers
+
+
+@pytest.mark.parametrize("chapter", ["damaged+4", "damaged MJPG"])
+def test_a_damaged_picture_arrives_damaged(suffered, chapter):
+    saw = suffered[chapter]
+    assert saw["numbers"] == ALL
+    assert len(saw["errors"]) == N_TAKEN
+    assert saw["errors"][FAULT_AT] > 3 * JPEG_ERROR
+    assert max(saw["errors"][:FAULT_AT] + saw["errors"][FAULT_AT + 1 :]) < JPEG_ERROR
+
+
+@pytest.mark.parametrize("fault", ["protocol@stream+12", "unplug@picture+4"])
+def test_a_reader_is_told_of_a_stream_that_ends(suffered, fault):
+    saw = suffered[fault]
+    whole = [k for k in saw["found"] if k >= 0]
+    assert whole == ALL[: len(whole)]
+    assert len(whole) <= FAULT_AT
+    assert saw["code"] != 0 or len(whole) < N_TAKEN
+
+
+def test_nothing_is_left_of_them(suffered):
+    assert suffered["left"] == []
