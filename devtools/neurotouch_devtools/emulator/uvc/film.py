@@ -10,6 +10,7 @@ from neurotouch_hid.source.simulator.scenes import read_simulation
 
 PERIOD_US = 8_000
 EXPOSURE_US = 4_000
+_MOST_US = 30_000_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,12 +31,12 @@ class Film:
         return picture
 
 
-def film_scene(name: str, seconds: float, *, seed: int = 0) -> Film:
+def film_scene(name: str, seconds: float | None = None, *, seed: int = 0) -> Film:
     """Films a scene of the simulator with 125 pictures a second.
 
     Args:
         name: ``NAME[,NUISANCE[=STRENGTH]]...``.
-        seconds: length.
+        seconds: length; that of the scene if None, but at most 30 s.
         seed: of the simulator's chance.
 
     Raises:
@@ -44,17 +45,18 @@ def film_scene(name: str, seconds: float, *, seed: int = 0) -> Film:
     from neurotouch_hid.source.simulator import Simulator  # noqa: PLC0415 - compiles
 
     scene, nuisances = read_simulation(name)
-    config = scene_config(scene)
+    script, config = find_scene(scene), scene_config(scene)
+    length_us = min(script.duration_us, _MOST_US) if seconds is None else int(1e6 * seconds)
     sensor = replace(config.sensor, frame_us=PERIOD_US, exposure_us=EXPOSURE_US)
     pictures = []
     with Simulator(
-        replace(find_scene(scene), endless=True),
+        replace(script, endless=True),
         replace(config, sensor=sensor),
         nuisances=nuisances,
         seed=seed,
     ) as packets:
         for packet in packets:
             pictures += [frame.pixels for frame in packet.frames]
-            if packet.t_end_us >= 1e6 * seconds:
+            if packet.t_end_us >= length_us:
                 break
     return Film(np.stack(pictures))
