@@ -4,7 +4,7 @@ import re
 import subprocess
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -60,7 +60,8 @@ def describe(_: Path) -> dict[str, Any]:
                     )
                 ]
                 seen["got"] = ask(node, "--get-ctrl=exposure_time_absolute,brightness,gain")
-    return {**seen, "log": read_log("uvcvideo"), "left": list_nodes()}
+    wait_for(lambda: not list_nodes())
+    return {**seen, "log": read_log("uvcvideo")}
 
 
 def take_pictures(_: Path) -> dict[str, Any]:
@@ -83,7 +84,8 @@ def suffer(_: Path) -> dict[str, Any]:
                 wait_for(lambda: not list_nodes())
     with plugged(UvcCamera(make_film(), UvcConfig(unpaced=True), [Fault.parse("damaged+4")])) as n:
         seen["damaged MJPG"] = capture(n, PixelFormat.MJPEG)
-    return {**seen, "left": list_nodes()}
+    wait_for(lambda: not list_nodes())
+    return seen
 
 
 def make_film() -> Film:
@@ -163,9 +165,11 @@ def ask(node: str, *options: str) -> dict[str, Any]:
 
 def list_nodes() -> list[str]:
     """The nodes of cameras; those for what comes beside the pictures are left out."""
-    if not NODES.exists():
-        return []
-    return [node.name for node in NODES.iterdir() if (node / "index").read_text() == "0\n"]
+    found = []
+    for index in NODES.glob("*/index"):
+        with suppress(OSError):  # it has just gone
+            found += [index.parent.name] if index.read_text() == "0\n" else []
+    return found
 
 
 def read_log(word: str) -> list[str]:
