@@ -79,10 +79,12 @@ class SourceFacts(TypedDict, total=False):
     Attributes:
         hand_ms: median and 95 % from the mouse to the pad in ms; of the mouse gel only.
         backlog_ms: how late the newest slice was begun, where the source knows better.
+        lost: pictures that were lost since the start; of a video camera only.
     """
 
     hand_ms: list[float] | None
     backlog_ms: float
+    lost: int
 
 
 class Facts(PadFacts):
@@ -110,7 +112,7 @@ class Health(TypedDict):
         events_hz: events per second, mean of the last second.
         slices_hz: slices per second.
         frames_hz: frames per second.
-        lost: events lost since the start.
+        lost: events lost since the start; of a video camera, pictures.
         backlog_ms: how long a slice waits before the pipeline.
         tracked: markers that are measured, of 177.
         rezero_s: how long ago the gel was seen at rest; None before the first time.

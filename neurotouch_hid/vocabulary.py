@@ -111,6 +111,7 @@ class SourceKind(StrEnum):
     """Kind of a source, given by the first word of its name."""
 
     CAMERA = "davis"
+    VIDEO = "video"
     RECORDING = "file"
     SIMULATION = "sim"
     DRIVER = "driver"
@@ -124,6 +125,6 @@ def find_source_kind(name: str) -> SourceKind:
         name: as a person writes it, for example ``sim:tour`` or ``play.aedat4``.
     """
     kind, colon, _ = name.partition(":")
-    if colon and kind in ("davis", "file", "sim", "driver"):
+    if colon and kind in ("davis", "video", "file", "sim", "driver"):
         return SourceKind(kind)
     return SourceKind.RECORDING if name.endswith(".aedat4") else SourceKind.OTHER

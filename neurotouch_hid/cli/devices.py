@@ -12,6 +12,7 @@ from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 if TYPE_CHECKING:
     from neurotouch_hid.doctor.inventory import Pad
     from neurotouch_hid.source.davis import CameraInfo, CameraVersions
+    from neurotouch_hid.source.video.enumeration import VideoInfo
 
 
 @click.command(
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     "  neurotouch devices\n"
     "  neurotouch devices --json | jq -r '.cameras[].serial'\n"
     "  neurotouch run --source davis:00000216          the camera with this number\n"
+    "  neurotouch run --source video:/dev/video2       the video camera with this node\n"
     "  neurotouch devices --watch                      reads the pad of 'run --device hid' back\n\n"
     "Exit code 0, also if there are none."
 )
@@ -29,7 +31,8 @@ if TYPE_CHECKING:
 def command(watch: bool, as_json: bool) -> None:
     """List the cameras and the game controllers of this machine; ours are marked.
 
-    A camera that is not in use is opened for a moment to read its versions; one in use is not.
+    A DAVIS that is not in use is opened for a moment to read its versions; one in use is not. A
+    video camera is always asked, which disturbs no program.
     """
     if watch:
         from neurotouch_hid.cli.shared.watch_reports import watch_pad
@@ -38,6 +41,7 @@ def command(watch: bool, as_json: bool) -> None:
         return
     from neurotouch_hid.doctor.inventory import find_driver, find_pads
     from neurotouch_hid.source.davis import find_cameras
+    from neurotouch_hid.source.video.enumeration import find_video_cameras
 
     cameras = [(info, *_identify(info)) for info in find_cameras()]
     running = find_driver() if cameras else None
@@ -45,19 +49,23 @@ def command(watch: bool, as_json: bool) -> None:
     if find_source_kind(playing) is SourceKind.CAMERA:
         has = f"the running driver plays {playing}"
         cameras = [(info, known, f"{why}; {has}" if why else "") for info, known, why in cameras]
+    videos = [(info, *_find_mode(info)) for info in find_video_cameras()]
     pads = find_pads()
     if as_json:
         print_json(
             {
                 "cameras": [_report_camera(*camera) for camera in cameras],
+                "video_cameras": [_report_video(*video) for video in videos],
                 "pads": [_report_pad(pad) for pad in pads],
             }
         )
         return
     for camera in cameras:
         _show_camera(*camera)
-    if not cameras:
-        echo("No DAVIS camera is plugged in. Try without: neurotouch demo")
+    for video in videos:
+        _show_video(*video)
+    if not (cameras or videos):
+        echo("No camera is plugged in. Try without: neurotouch demo")
     for pad in pads:
         _show_pad(pad)
     if not pads:
@@ -93,6 +101,30 @@ def _show_camera(info: "CameraInfo", versions: "CameraVersions | None", reason: 
     echo(f"  use it: --source davis:{info.serial}")
 
 
+def _find_mode(info: "VideoInfo") -> tuple[str, str]:
+    """Returns the pictures that a video camera would send, or why that is unknown."""
+    from neurotouch_hid.source.video.capture import CaptureDevice
+    from neurotouch_hid.source.video.config import VideoConfig
+    from neurotouch_hid.source.video.modes import choose_mode, list_modes
+
+    if info.reason:
+        return "", info.reason
+    try:
+        with CaptureDevice(info.node) as device:
+            return str(choose_mode(list_modes(device), VideoConfig())), ""
+    except CameraError as error:
+        return "", error.message.rstrip(".")
+
+
+def _show_video(info: "VideoInfo", mode: str, reason: str) -> None:
+    status = "WARNING" if reason else "OK"
+    echo(f"{status} video camera {info.name or 'without a name'}: {info.node}")
+    if info.bus_info:
+        echo(f"  plugged in: {info.bus_info}")
+    echo(f"  not available: {reason}" if reason else f"  fastest pictures: {mode}")
+    echo(f"  use it: --source video:{info.place}")
+
+
 def _show_pad(pad: "Pad") -> None:
     whose = "ours" if pad.ours else "made by another program" if pad.virtual else "a real one"
     echo(f"OK game controller {pad.name}: {whose}")
@@ -107,6 +139,11 @@ def _report_camera(
 ) -> dict[str, Any]:
     known = None if versions is None else asdict(versions)
     return {**asdict(info), "reason": reason or None, "versions": known}
+
+
+def _report_video(info: "VideoInfo", mode: str, reason: str) -> dict[str, Any]:
+    known = asdict(info) | {"node": str(info.node)}
+    return {**known, "reason": reason or None, "mode": mode or None}
 
 
 def _report_pad(pad: "Pad") -> dict[str, Any]:

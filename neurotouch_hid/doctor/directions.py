@@ -26,6 +26,7 @@ from neurotouch_hid.profile.reading import load_settings
 from neurotouch_hid.runtime import Pipeline
 from neurotouch_hid.source import Source, open_source
 from neurotouch_hid.source.davis import find_cameras
+from neurotouch_hid.tracker.gel_finder import GelFinder
 from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_kind
 
 _LEAST_MM: Final = 2.5
@@ -184,7 +185,7 @@ def _open(stack: ExitStack, source: str | None) -> Source | None:
         return stack.enter_context(open_source("davis:", camera=load_camera_config()))
     if find_source_kind(source) is SourceKind.RECORDING:
         return None
-    return stack.enter_context(open_source(source))
+    return stack.enter_context(open_source(source, camera=load_camera_config(), finder=GelFinder()))
 
 
 def _advance(

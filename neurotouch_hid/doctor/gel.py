@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid import client as driver
 from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
+from neurotouch_hid.driver.camera_settings import load_camera_config
 from neurotouch_hid.errors import NotRunningError
 from neurotouch_hid.gel_sentences import explain_gel, name_dots
 from neurotouch_hid.geometry import N_MARKERS, fit_rig
@@ -30,6 +31,7 @@ from neurotouch_hid.source import open_source
 from neurotouch_hid.source.davis import find_cameras
 from neurotouch_hid.tracker import RestConfig, RestDetector
 from neurotouch_hid.tracker.blobs import BlobFinder
+from neurotouch_hid.tracker.gel_finder import GelFinder
 from neurotouch_hid.tracker.lattice import LatticeConfig, find_lattice
 
 LOOK_S: Final = 5.0
@@ -203,7 +205,11 @@ class GelView:
     def _open(self, stack: ExitStack) -> tuple[str, Iterable[EventPacket]] | None:
         """Returns the source's name and its packets; None without a source."""
         if self._source is not None:
-            source = stack.enter_context(open_source(self._source, speed="max"))
+            source = stack.enter_context(
+                open_source(
+                    self._source, speed="max", camera=load_camera_config(), finder=GelFinder()
+                )
+            )
             return f"{'SIMULATED ' if source.is_simulated else ''}{self._source}", source
         try:
             answer, line = driver.open_stream("record")

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
@@ -11,8 +11,10 @@ from neurotouch_hid.players import find_user_file
 from neurotouch_hid.profile.editing import ProfileText, Store, read_text, set_value
 from neurotouch_hid.profile.reading import load_settings
 from neurotouch_hid.profile.schema import Strict, check_version, give_unit, make_optional
+from neurotouch_hid.source.camera_config import CameraConfig
 from neurotouch_hid.source.davis.config import Biases, DavisConfig
 from neurotouch_hid.source.davis.registers import CoarseFine
+from neurotouch_hid.source.video.config import VideoConfig
 
 FILE: Final = "camera.yaml"
 _NEW: Final = "version: 1\n"
@@ -26,6 +28,7 @@ def _check_current(value: list[int]) -> list[int]:
 
 
 Current = Annotated[list[int], Field(min_length=2, max_length=2), AfterValidator(_check_current)]
+PixelFormat = Literal["GREY", "NV12", "NV21", "YU12", "YV12", "YUYV", "UYVY", "MJPG", "JPEG"]
 Pixel = Annotated[list[Annotated[int, Field(ge=0, le=345)]], Field(min_length=2, max_length=2)]
 
 
@@ -43,6 +46,48 @@ class BiasSettings(Strict):
     PrBp: Current = _current("PrBp", "More: follows fast motion in dim light, with more noise.")
     PrSFBp: Current = _current("PrSFBp", "The same for the stage behind it.")
     RefrBp: Current = _current("RefrBp", "More: a pixel rests for a shorter time.")
+
+
+class VideoSettings(Strict):
+    """A video camera; what is not given, the driver chooses."""
+
+    width: Annotated[int, Field(ge=320, le=8192)] | None = Field(
+        default=None,
+        description="Width of the pictures, as 'neurotouch devices' lists it. Default: that of the "
+        "most pictures/s.",
+        json_schema_extra=make_optional("px"),
+    )
+    height: Annotated[int, Field(ge=120, le=8192)] | None = Field(
+        default=None,
+        description="Height of the pictures. Default: that of the most pictures/s.",
+        json_schema_extra=make_optional("px"),
+    )
+    fps: Annotated[float, Field(ge=1.0, le=2000.0)] | None = Field(
+        default=None,
+        description="Largest number of pictures/s. Default: as many as the camera can send.",
+        json_schema_extra=make_optional(),
+    )
+    format: PixelFormat | None = Field(
+        default=None,
+        description="Pixel format, by V4L2's four letters. Default: one without compression.",
+        json_schema_extra=make_optional(),
+    )
+    exposure_us: Annotated[int, Field(ge=50, le=200_000)] | None = Field(
+        default=None,
+        description="Exposure of a picture. Default: half a period of the mains, in which lamps do "
+        "not flicker, or 4000 if the rate allows no more.",
+        json_schema_extra=make_optional("us"),
+    )
+    gain: Annotated[int, Field(ge=0, le=65_535)] | None = Field(
+        default=None,
+        description="Gain, in the camera's own steps. Default: the camera's usual one.",
+        json_schema_extra=make_optional(),
+    )
+    mains_hz: Literal[0, 50, 60] = Field(
+        default=50,
+        description="Frequency of the mains; 0 if no lamp of the room flickers. Default: 50.",
+        json_schema_extra=give_unit("Hz"),
+    )
 
 
 class CameraSettings(Strict):
@@ -88,16 +133,21 @@ class CameraSettings(Strict):
     biases: BiasSettings = Field(
         default_factory=BiasSettings, description="For another light. Default: see there."
     )
+    video: VideoSettings = Field(
+        default_factory=VideoSettings,
+        description="A video camera; of the keys above, it knows mirrored and rotation_deg. "
+        "Default: see there.",
+    )
 
     @property
-    def config(self) -> DavisConfig:
+    def config(self) -> CameraConfig:
         """The same as the driver takes it.
 
         Raises:
             CameraError: a pixel is outside.
         """
         biases = {name: CoarseFine(*value) for name, value in self.biases}
-        return DavisConfig(
+        davis = DavisConfig(
             exposure_us=self.exposure_us,
             frame_interval_us=self.frame_interval_us,
             activity_filter_us=self.activity_filter_us,
@@ -106,6 +156,8 @@ class CameraSettings(Strict):
             mirrored=self.mirrored,
             biases=Biases(**biases),
         )
+        video = VideoConfig(**self.video.model_dump(), mirrored=self.mirrored)
+        return CameraConfig(davis, video)
 
 
 def find_camera_file(player: int | None = None) -> Path:
@@ -144,7 +196,7 @@ def save_camera_settings(path: Path, changes: Mapping[str, object]) -> None:
     Store(path, lambda: "").save(text.encode(), over=before, keep=False)
 
 
-def load_camera_config(player: int | None = None) -> DavisConfig:
+def load_camera_config(player: int | None = None) -> CameraConfig:
     """Returns the settings; the defaults if there is no file.
 
     Args:

@@ -5,6 +5,7 @@ from neurotouch_hid.driver.camera_settings import load_camera_config
 from neurotouch_hid.driver.options import DriverOptions
 from neurotouch_hid.errors import AlreadyRunningError, CameraError
 from neurotouch_hid.source import Source, Troubled, open_source
+from neurotouch_hid.tracker.gel_finder import GelFinder
 
 
 def open_driver_source(options: DriverOptions) -> Source:
@@ -21,6 +22,7 @@ def open_driver_source(options: DriverOptions) -> Source:
             speed=options.speed,
             seed=options.seed,
             camera=load_camera_config(options.player),
+            finder=GelFinder(),
             wait=options.wait,
         )
     except CameraError as error:

@@ -11,8 +11,8 @@ from neurotouch_hid.gel_sentences import explain_gel
 from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.runtime.pipeline import Pipeline
 from neurotouch_hid.runtime.pipeline_control import PipelineControl
-from neurotouch_hid.runtime.stall_guard import LIVE_STALL_S, STALL_S, StallGuard
-from neurotouch_hid.source import ActivityAware, PolledSource
+from neurotouch_hid.runtime.stall_guard import LIVE_STALL_S, STALL_PERIODS, STALL_S, StallGuard
+from neurotouch_hid.source import ActivityAware, Periodic, PolledSource
 
 Tap = Callable[[Step], None]
 """Reads Steps and never feeds back."""
@@ -61,6 +61,7 @@ def run_pipeline(
     if isinstance(source, PolledSource):
         polled, stall_s = source.poll(), LIVE_STALL_S
     aware = source if pipeline.has_frame_thread and isinstance(source, ActivityAware) else None
+    periodic = source if isinstance(source, Periodic) else None
     slices = events = 0
     first_us = last_us = None
     begun = time.perf_counter()
@@ -78,6 +79,8 @@ def run_pipeline(
                     step = pipeline.advance(packet)
                     with pipeline.timings.device:
                         device.write(step.pad)
+                    if periodic is not None:
+                        guard.stall_s = max(stall_s, STALL_PERIODS * periodic.period_s)
                     guard.feed()
                     if control is not None:
                         control.record(step)

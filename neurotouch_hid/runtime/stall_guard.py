@@ -13,6 +13,9 @@ STALL_S = 0.2
 LIVE_STALL_S = 0.08
 """The same for a camera, which sends something at least every 33 ms, and whose unplugging must show
 within 100 ms. Recordings and simulations have no such beat."""
+STALL_PERIODS = 2.5
+"""The same for a source that sends only pictures: one may be missing, and after three without any
+the pad must be neutral."""
 FORGOTTEN_S = 10.0
 """After this silence the gesture before it counts no more. A slow machine is silent for less, again
 and again, and must still be able to play."""
@@ -27,11 +30,14 @@ class StallGuard(Closing):
     Args:
         device: the pad.
         stall_s: the longest time of a step, waiting for the source included.
+
+    Attributes:
+        stall_s: the same; the thread that feeds may change it.
     """
 
     def __init__(self, device: Device, stall_s: float) -> None:
         self._device = device
-        self._stall_s = stall_s
+        self.stall_s = stall_s
         self._fed_s = _read_clock_s()
         self._was_silent = False
         self._done = threading.Event()
@@ -59,19 +65,19 @@ class StallGuard(Closing):
         return was_silent
 
     def _watch(self) -> None:
-        wait_s = self._stall_s
+        wait_s = self.stall_s
         while not self._done.wait(wait_s):
             left_s = self._left_s()
             if left_s <= 0:
                 with suppress(DeviceError):  # the next write of the pipeline reports it
                     self._device.neutral()
-            wait_s = left_s if left_s > 0 else self._stall_s
+            wait_s = left_s if left_s > 0 else self.stall_s
 
     def _is_silent(self) -> bool:
         return _read_clock_s() - self._fed_s >= FORGOTTEN_S
 
     def _left_s(self) -> float:
-        return self._fed_s + self._stall_s - _read_clock_s()
+        return self._fed_s + self.stall_s - _read_clock_s()
 
 
 def _read_clock_s() -> float:

@@ -9,7 +9,10 @@ from neurotouch_hid.plugins import SOURCES, list_plugins
 from neurotouch_hid.source.davis.enumeration import choose_camera, find_cameras
 from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_kind
 
-FORMS: Final = ("davis:", "davis:SERIAL", "file:NAME.aedat4", "sim:NAME", RUNNING_DRIVER)
+FORMS: Final = (
+    *("davis:", "davis:SERIAL", "video:", "video:NAME"),
+    *("file:NAME.aedat4", "sim:NAME", RUNNING_DRIVER),
+)
 """How the sources of this package are written."""
 
 
@@ -30,6 +33,13 @@ def check_source(spec: str) -> None:
         read_simulation(rest)
     elif kind is SourceKind.CAMERA:
         choose_camera(find_cameras(), rest)
+    elif kind is SourceKind.VIDEO:
+        from neurotouch_hid.source.video.enumeration import (  # noqa: PLC0415
+            find_video_cameras,
+            select_video_cameras,
+        )
+
+        select_video_cameras(find_video_cameras(), rest)
     elif kind is SourceKind.RECORDING:
         from neurotouch_hid.recording.container import check_recording  # noqa: PLC0415
 

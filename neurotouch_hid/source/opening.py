@@ -3,6 +3,7 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from neurotouch_hid.source.camera_source import MAX_DELAY_US
 from neurotouch_hid.source.check import find_path, refuse_source
 from neurotouch_hid.source.pacing import PacedSource
 from neurotouch_hid.source.plugin import open_plugin
@@ -10,7 +11,8 @@ from neurotouch_hid.source.protocol import Source
 from neurotouch_hid.vocabulary import SourceKind, Speed, find_source_kind
 
 if TYPE_CHECKING:
-    from neurotouch_hid.source.davis import DavisConfig
+    from neurotouch_hid.source.camera_config import CameraConfig
+    from neurotouch_hid.source.video.view_search import GelFinder
 
 PAPER_US = 10_000
 """Slices of recordings and simulations [NT, "Results"], so that figures stay comparable."""
@@ -24,7 +26,8 @@ def open_source(
     slice_us: int | None = None,
     speed: Speed = "recorded",
     seed: int = 0,
-    camera: "DavisConfig | None" = None,
+    camera: "CameraConfig | None" = None,
+    finder: "GelFinder | None" = None,
     wait: bool = False,
     max_delay_us: int | None = None,
     repeats: bool = False,
@@ -32,16 +35,18 @@ def open_source(
     """Returns the source of a name.
 
     Args:
-        spec: ``davis:`` (the first camera) or ``davis:SERIAL``, ``file:NAME.aedat4`` (or just the
-            path), ``sim:NAME``, ``driver:`` (packets of the running driver), or ``KIND:REST`` of
+        spec: ``davis:`` (the first camera) or ``davis:SERIAL``, ``video:`` (the only video camera
+            that shows a gel) or ``video:NAME``, ``file:NAME.aedat4`` (or just the path),
+            ``sim:NAME``, ``driver:`` (packets of the running driver), or ``KIND:REST`` of
             another package: its entry point KIND in ``neurotouch.sources`` is called as
             ``make(REST, slice_us=..., seed=...)``.
-        slice_us: length of a slice of sensor time; without, ``LIVE_US`` of a camera and
-            ``PAPER_US`` of anything else.
+        slice_us: length of a slice of sensor time; without, ``LIVE_US`` of a DAVIS, what suits the
+            rate of a video camera, and ``PAPER_US`` of anything else.
         speed: ``recorded`` plays no faster than it happened, ``max`` as fast as possible; ignored
             for a camera.
         seed: of the simulator's chance; recordings have none.
         camera: how a camera is set up.
+        finder: finds the gel in the pictures of a video camera; without, they are shown whole.
         wait: a camera need not be there yet.
         max_delay_us: slices of a camera that wait longer to be taken are dropped;
             if None, a limit that suits the pipeline.
@@ -61,12 +66,23 @@ def open_source(
             raise refuse_source(spec)
         return RunningDriver()
     if kind is SourceKind.CAMERA:
-        from neurotouch_hid.source.davis import MAX_DELAY_US, DavisSource  # noqa: PLC0415
+        from neurotouch_hid.source.davis import DavisSource  # noqa: PLC0415
 
         return DavisSource(
             rest,
-            camera,
+            None if camera is None else camera.davis,
             slice_us=slice_us or LIVE_US,
+            wait=wait,
+            max_delay_us=max_delay_us or MAX_DELAY_US,
+        )
+    if kind is SourceKind.VIDEO:
+        from neurotouch_hid.source.video.live import VideoCameraSource  # noqa: PLC0415
+
+        return VideoCameraSource(
+            rest,
+            None if camera is None else camera.video,
+            finder=finder,
+            slice_us=slice_us,
             wait=wait,
             max_delay_us=max_delay_us or MAX_DELAY_US,
         )

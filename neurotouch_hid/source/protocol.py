@@ -85,6 +85,16 @@ class Troubled(Protocol):
 
 
 @runtime_checkable
+class Periodic(Protocol):
+    """A source whose packets come only with a picture, such as a video camera."""
+
+    @property
+    def period_s(self) -> float:
+        """Time from picture to picture as it was lately; 0 before the first."""
+        ...
+
+
+@runtime_checkable
 class PolledSource(Source, Protocol):
     """A source that may have no packets for a while, such as a camera that was unplugged."""
 

@@ -29,13 +29,13 @@ from neurotouch_devtools.emulator.transfers import DataEndpoint
 from neurotouch_devtools.emulator.usb import Setup
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
+from neurotouch_hid.source.camera_source import PatientWatch
 from neurotouch_hid.source.davis import CameraInfo, DavisConfig, DavisSource
 from neurotouch_hid.source.davis.camera import IDLE_DELAY_US
 from neurotouch_hid.source.davis.libusb import TRANSFER_BYTES, LibusbTransport
 from neurotouch_hid.source.davis.pyusb import TRANSFER_BYTES as PYUSB_BYTES
 from neurotouch_hid.source.davis.pyusb import PyusbTransport
 from neurotouch_hid.source.davis.stream import IDLE_FRAME_S
-from neurotouch_hid.source.davis.usb import PatientWatch
 
 INFO = CameraInfo(1, 2, "1-1", "00000001", "DAVIS 346", 5000, 6)
 SLICE_US = 4_000

@@ -8,8 +8,10 @@ from neurotouch_hid.driver.camera_settings import (
     load_camera_config,
 )
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.source.camera_config import CameraConfig
 from neurotouch_hid.source.davis import Biases, DavisConfig
 from neurotouch_hid.source.davis.registers import CoarseFine
+from neurotouch_hid.source.video.config import VideoConfig
 
 
 @pytest.fixture
@@ -21,7 +23,7 @@ def file(tmp_path, monkeypatch):
 
 
 def test_without_a_file_the_shipped_values_hold(file):
-    assert load_camera_config() == DavisConfig()
+    assert load_camera_config() == CameraConfig(DavisConfig(), VideoConfig())
 
 
 def test_every_key_reaches_the_driver(file):
@@ -30,7 +32,7 @@ def test_every_key_reaches_the_driver(file):
         "early_packet_delay_us: 1000\nmirrored: true\nhot_pixels: [[3, 4], [345, 259]]\n"
         "biases:\n  OnBn: [6, 7]\n"
     )
-    assert load_camera_config() == DavisConfig(
+    assert load_camera_config().davis == DavisConfig(
         exposure_us=8000,
         frame_interval_us=20_000,
         activity_filter_us=0,
@@ -41,6 +43,14 @@ def test_every_key_reaches_the_driver(file):
     )
 
 
+def test_every_key_of_a_video_camera_reaches_the_driver(file):
+    file.write_text(
+        "version: 1\nmirrored: true\nvideo:\n  width: 640\n  height: 480\n  fps: 60\n"
+        "  format: MJPG\n  exposure_us: 5000\n  gain: 12\n  mains_hz: 60\n"
+    )
+    assert load_camera_config().video == VideoConfig(640, 480, 60.0, "MJPG", 5000, 12, 60, True)
+
+
 @pytest.mark.parametrize(
     ("text", "place", "words"),
     [
@@ -49,6 +59,9 @@ def test_every_key_reaches_the_driver(file):
         ("biases:\n  OnBn: [8, 0]", ":2:3", "coarse 0 to 7"),
         ("biases:\n  onbn: [5, 0]", ":2:3", "biases.onbn"),
         ("mirrored: 1", ":1:11", "true or false"),
+        ("video:\n  width: 100", ":2:10", "320"),
+        ("video:\n  format: RGB3", ":2:11", "YUYV"),
+        ("video:\n  mains_hz: 55", ":2:13", "60"),
     ],
 )
 def test_mistakes_are_told_with_their_place(file, text, place, words):

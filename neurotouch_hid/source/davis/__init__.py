@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from neurotouch_hid.source.davis.camera import CameraVersions, identify
     from neurotouch_hid.source.davis.config import Biases, DavisConfig, Roi
     from neurotouch_hid.source.davis.enumeration import CameraInfo, choose_camera, find_cameras
-    from neurotouch_hid.source.davis.source import MAX_DELAY_US, DavisSource, DavisStats
+    from neurotouch_hid.source.davis.source import DavisSource, DavisStats
 else:
     __getattr__ = load_lazily(
         __name__,
@@ -19,12 +19,11 @@ else:
             "camera": "CameraVersions identify",
             "config": "Biases DavisConfig Roi",
             "enumeration": "CameraInfo choose_camera find_cameras",
-            "source": "MAX_DELAY_US DavisSource DavisStats",
+            "source": "DavisSource DavisStats",
         },
     )
 
 __all__ = [
-    "MAX_DELAY_US",
     "Biases",
     "CameraInfo",
     "CameraVersions",

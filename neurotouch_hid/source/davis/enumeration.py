@@ -6,16 +6,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
-from neurotouch_hid.errors import CameraError
+from neurotouch_hid.source.camera_errors import CameraAbsentError
 from neurotouch_hid.source.davis.registers import FIRMWARE, PRODUCT_ID, VENDOR_ID
 
 SYSFS: Final = Path("/sys/bus/usb/devices")
 NODES: Final = Path("/dev/bus/usb")
 SUPER_SPEED_MBIT_S: Final = 5_000
-
-
-class CameraAbsentError(CameraError):
-    """No such camera is plugged in."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ import usb1
 
 from neurotouch_hid.errors import CameraBusyError, CameraError
 from neurotouch_hid.process.finalizers import skip_finalizers
+from neurotouch_hid.source.camera_errors import CameraGoneError
 from neurotouch_hid.source.davis.registers import (
     ENDPOINT,
     INTERFACE,
@@ -20,7 +21,6 @@ from neurotouch_hid.source.davis.registers import (
 )
 from neurotouch_hid.source.davis.transport import (
     TIMEOUT_MS,
-    CameraGoneError,
     Receive,
     StreamHaltedError,
 )

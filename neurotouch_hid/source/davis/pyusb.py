@@ -11,6 +11,7 @@ import usb.core
 import usb.util
 
 from neurotouch_hid.errors import CameraBusyError, CameraError
+from neurotouch_hid.source.camera_errors import CameraGoneError
 from neurotouch_hid.source.davis.registers import (
     ENDPOINT,
     INTERFACE,
@@ -21,7 +22,6 @@ from neurotouch_hid.source.davis.registers import (
 )
 from neurotouch_hid.source.davis.transport import (
     TIMEOUT_MS,
-    CameraGoneError,
     Receive,
     StreamHaltedError,
 )

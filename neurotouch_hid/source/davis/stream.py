@@ -9,11 +9,12 @@ from typing import Final
 
 from neurotouch_hid.errors import CameraError
 from neurotouch_hid.messages import EventPacket
+from neurotouch_hid.source.camera_errors import CameraGoneError
 from neurotouch_hid.source.davis.camera import Camera
 from neurotouch_hid.source.davis.config import DavisConfig
 from neurotouch_hid.source.davis.decoder import Decoder, DecoderStats
 from neurotouch_hid.source.davis.stream_check import StreamCheck
-from neurotouch_hid.source.davis.transport import CameraGoneError, StreamHaltedError
+from neurotouch_hid.source.davis.transport import StreamHaltedError
 from neurotouch_hid.source.partial import SHORTEST_US
 from neurotouch_hid.source.slicer import Slicer
 

@@ -12,10 +12,6 @@ Receive = Callable[[bytes], object]
 """Takes the bytes of one transfer, in the transport's thread; empty bytes: here some are lost."""
 
 
-class CameraGoneError(CameraError):
-    """The camera has been unplugged, or switched off by Linux."""
-
-
 class StreamHaltedError(CameraError):
     """The stream's endpoint has stalled; ``queue`` restarts it."""
 

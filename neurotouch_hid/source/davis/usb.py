@@ -1,10 +1,9 @@
 """Finds cameras and opens them with libusb1, or with pyusb where that cannot be loaded."""
 
-import time
 from contextlib import suppress
-from typing import Protocol
 
 from neurotouch_hid.errors import CameraBusyError
+from neurotouch_hid.source.camera_source import PatientWatch, Watch
 from neurotouch_hid.source.davis.enumeration import (
     CameraInfo,
     choose_camera,
@@ -13,29 +12,6 @@ from neurotouch_hid.source.davis.enumeration import (
     find_users,
 )
 from neurotouch_hid.source.davis.transport import Transport
-
-
-class Watch(Protocol):
-    """Waits for cameras to come and go."""
-
-    def wait(self, timeout_s: float) -> None:
-        """Returns at the next change, or after the timeout."""
-        ...
-
-    def close(self) -> None:
-        """Stops listening."""
-        ...
-
-
-class PatientWatch:
-    """Receives no messages, so it always waits for the whole timeout."""
-
-    def wait(self, timeout_s: float) -> None:
-        """Returns after the timeout."""
-        time.sleep(timeout_s)
-
-    def close(self) -> None:
-        """Does nothing: there is nothing to stop."""
 
 
 class Usb:

@@ -35,6 +35,7 @@ from tests.kernel.guest import (
     resident,
     rumble,
     uvc,
+    vivid,
     watching,
 )
 
@@ -73,14 +74,16 @@ CAMERAS: dict[str, Callable[[Path], Any]] = {
     "camera": camera.watch,
     "gels": gels.play_both,
 }
-UVC: dict[str, Callable[[Path], Any]] = {
+PROCESSORS: dict[str, Callable[[Path], Any]] = {"processor": driver.lose_processor}
+VIDEO: dict[str, Callable[[Path], Any]] = {
+    "vivid": vivid.look,
+    "vivid_faults": vivid.suffer,
     "uvc_description": uvc.describe,
     "uvc_pictures": uvc.take_pictures,
     "uvc_faults": uvc.suffer,
 }
-PROCESSORS: dict[str, Callable[[Path], Any]] = {"processor": driver.lose_processor}
-MACHINES = {"pads": PADS, "cameras": CAMERAS, "processors": PROCESSORS | UVC}
-CHAPTERS = PADS | CAMERAS | PROCESSORS | UVC
+MACHINES = {"pads": PADS, "cameras": CAMERAS, "processors": PROCESSORS, "video": VIDEO}
+CHAPTERS = PADS | CAMERAS | PROCESSORS | VIDEO
 
 
 CHAPTER_LIMIT_S = 900.0

@@ -9,8 +9,9 @@ from neurotouch_devtools.emulator.transfers import DataEndpoint
 from neurotouch_devtools.emulator.usb import Setup
 
 from neurotouch_hid.errors import CameraError
-from neurotouch_hid.source.davis.enumeration import CameraAbsentError, CameraInfo
-from neurotouch_hid.source.davis.transport import CameraGoneError, StreamHaltedError
+from neurotouch_hid.source.camera_errors import CameraAbsentError, CameraGoneError
+from neurotouch_hid.source.davis.enumeration import CameraInfo
+from neurotouch_hid.source.davis.transport import StreamHaltedError
 
 TRANSFER_BYTES = 8_192
 LOOK_S = 0.000_25

@@ -4,8 +4,8 @@ import struct
 import time
 from collections import deque
 
-from neurotouch_hid.source.davis.enumeration import CameraAbsentError, CameraInfo
-from neurotouch_hid.source.davis.transport import CameraGoneError
+from neurotouch_hid.source.camera_errors import CameraAbsentError, CameraGoneError
+from neurotouch_hid.source.davis.enumeration import CameraInfo
 from tests.source.davis.words import pack
 
 VALUES = {

@@ -18,12 +18,12 @@ from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline, run_pipeline
 from neurotouch_hid.source import PolledSource
+from neurotouch_hid.source.camera_source import RETRY_S, PatientWatch
 from neurotouch_hid.source.davis import Biases, DavisConfig, DavisSource, Roi
 from neurotouch_hid.source.davis.registers import CoarseFine
-from neurotouch_hid.source.davis.source import RETRY_S
 from neurotouch_hid.source.davis.stream import AWAKE_US, IDLE_FRAME_S, MAX_FAULTS
 from neurotouch_hid.source.davis.transport import StreamHaltedError
-from neurotouch_hid.source.davis.usb import PatientWatch, Usb
+from neurotouch_hid.source.davis.usb import Usb
 from tests.source.davis.camera import INFO, ScriptedCamera, gone, make_events
 from tests.source.davis.words import pack
 
@@ -490,7 +490,7 @@ PLAYS = "The camera 00001055 plays."
 
 
 def test_a_camera_that_stays_broken_is_started_less_and_less_often(caplog, monkeypatch):
-    monkeypatch.setattr("neurotouch_hid.source.davis.source.WELL_US", 200_000)
+    monkeypatch.setattr("neurotouch_hid.source.camera_source.WELL_US", 200_000)
     camera = BrokenCamera(n_failures=9)
     with open_camera(camera) as source:
         take(source, 1)

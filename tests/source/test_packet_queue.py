@@ -3,7 +3,7 @@
 import numpy as np
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket
-from neurotouch_hid.source.davis.packet_queue import PacketQueue
+from neurotouch_hid.source.packet_queue import PacketQueue
 
 
 def make(k, *, is_partial=False):

@@ -1,0 +1,94 @@
+"""Turns grey pictures with stamps into packets without events."""
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.messages import (
+    EVENT_DTYPE,
+    SENSOR_HEIGHT_PX,
+    SENSOR_WIDTH_PX,
+    EventPacket,
+    Frame,
+)
+from neurotouch_hid.source.slicer import Slicer
+from neurotouch_hid.source.video.view_search import GelFinder, ViewSearch
+from neurotouch_hid.source.view import View, ViewTable, whole_view
+
+SEARCH_US: Final = 100_000
+"""Time between two searched pictures."""
+
+
+class PictureSlicer:
+    """Cuts pictures into slices; the view is found on the way.
+
+    The slice in which a picture's exposure ends has it as its frame, and comes at once: nothing
+    else can happen in it. Until the gel is found, only pictures that are searched become
+    frames, some in each second. So no later stage learns a gel whose place in the picture
+    is about to change.
+
+    Args:
+        finder: finds the gel; without, the view stays that of the whole picture.
+        slice_us: length of a slice.
+        mirrored: the pictures show the gel mirrored.
+    """
+
+    def __init__(
+        self,
+        finder: GelFinder | None,
+        slice_us: int,
+        *,
+        mirrored: bool = False,
+    ) -> None:
+        self._finder, self._mirrored = finder, mirrored
+        self._slice_us = slice_us
+        self._slicer = Slicer(slice_us)
+        self._table: ViewTable | None = None
+        self._search: ViewSearch | None = None
+        self._searched_us: int | None = None
+
+    @property
+    def view(self) -> View | None:
+        """The view of the gel; None until it is found."""
+        is_found = self._search is not None and self._search.is_found
+        return self._table.view if self._table is not None and is_found else None
+
+    def push(
+        self, pixels: NDArray[np.uint8], exposure_begin_us: int, exposure_end_us: int
+    ) -> Iterator[EventPacket]:
+        """Takes a picture and yields the slices up to the end of its exposure.
+
+        Args:
+            pixels: (h, w) uint8; may change afterwards. With another size than before, the
+                gel is searched again.
+            exposure_begin_us: start of its exposure, later than that of the picture before.
+            exposure_end_us: end of its exposure; equal to the start where it is unknown.
+        """
+        frame = self._make_frame(pixels, exposure_begin_us, exposure_end_us)
+        yield from self._slicer.push(np.empty(0, EVENT_DTYPE), () if frame is None else (frame,))
+        yield from self._slicer.reach(exposure_end_us + self._slice_us)
+
+    def reach(self, now_us: int) -> Iterator[EventPacket]:
+        """Yields the slices that end at or before ``now_us``."""
+        return self._slicer.reach(now_us)
+
+    def _make_frame(self, pixels: NDArray[np.uint8], begin_us: int, end_us: int) -> Frame | None:
+        table = self._table
+        if table is None or pixels.shape != (table.view.height_px, table.view.width_px):
+            height_px, width_px = pixels.shape
+            table = ViewTable(whole_view(width_px, height_px, mirrored=self._mirrored))
+            self._search = None if self._finder is None else ViewSearch(self._finder, table)
+            self._searched_us = None
+        if (search := self._search) is not None and not search.is_found:
+            waits = self._searched_us is not None and end_us < self._searched_us + SEARCH_US
+            if waits and not search.is_promising:
+                return None
+            self._searched_us = end_us
+            search.update(pixels)
+            table = search.table
+        self._table = table
+        canonical = np.empty((SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX), np.uint8)
+        table.draw(pixels, canonical)
+        return Frame(canonical, begin_us, end_us)

@@ -1,0 +1,81 @@
+"""Pictures become frames of equal slices, each in the slice in which its exposure ends."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from neurotouch_hid.source.video.source import SEARCH_US, PictureSlicer
+
+GREY = np.full((480, 640), 90, np.uint8)
+
+
+class Finder:
+    """Finds no gel, and counts how often it is asked."""
+
+    points_mm = np.zeros((4, 2))
+
+    def __init__(self):
+        self.n_asked = 0
+
+    def find(self, pixels):
+        self.n_asked += 1
+        assert pixels.shape == (260, 346)
+
+
+def play(slicer, ends_us, exposure_us=0):
+    return [
+        packet for end_us in ends_us for packet in slicer.push(GREY, end_us - exposure_us, end_us)
+    ]
+
+
+def test_each_picture_is_in_the_slice_of_its_end_and_comes_at_once():
+    slicer = PictureSlicer(None, 4_000)
+    ends_us = [1_000, 9_300, 9_900, 41_000]
+    last_us = None
+    for end_us in ends_us:
+        packets = list(slicer.push(GREY, end_us - 500, end_us))
+        if packets:
+            newest = packets[-1]
+            assert newest.t_begin_us <= end_us < newest.t_end_us
+            assert newest.frames[-1].exposure_end_us == end_us
+            assert newest.frames[-1].exposure_begin_us == end_us - 500
+        for packet in packets:
+            assert len(packet.events) == 0
+            assert packet.t_end_us - packet.t_begin_us == 4_000
+            assert last_us in (None, packet.t_begin_us)
+            last_us = packet.t_end_us
+
+
+def test_a_second_picture_of_a_slice_goes_into_the_next():
+    slicer = PictureSlicer(None, 10_000)
+    packets = play(slicer, [0, 3_000, 12_000])
+    assert [[f.exposure_end_us for f in p.frames] for p in packets] == [[0], [3_000, 12_000]]
+
+
+def test_slices_without_a_picture_come_as_time_goes_on():
+    slicer = PictureSlicer(None, 10_000)
+    packets = play(slicer, [0]) + list(slicer.reach(45_000))
+    assert [(p.t_begin_us, len(p.frames)) for p in packets] == [
+        (0, 1),
+        (10_000, 0),
+        (20_000, 0),
+        (30_000, 0),
+    ]
+
+
+def test_without_a_gel_some_pictures_of_a_second_are_searched_and_shown():
+    finder = Finder()
+    slicer = PictureSlicer(finder, 10_000)
+    packets = play(slicer, range(0, 1_000_000, 8_000))
+    shown = [frame.exposure_end_us for packet in packets for frame in packet.frames]
+    assert all(after - before >= SEARCH_US for before, after in pairwise(shown))
+    assert 9 <= len(shown) <= 11
+    assert slicer.view is None
+    assert finder.n_asked <= 11 * 17
+
+
+def test_a_new_size_of_pictures_is_a_new_view():
+    slicer = PictureSlicer(None, 10_000)
+    list(slicer.push(GREY, 0, 0))
+    (packet,) = slicer.push(np.full((240, 320), 200, np.uint8), 10_000, 10_000)
+    assert (packet.frames[0].pixels == 200).all()
