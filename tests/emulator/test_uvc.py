@@ -2,6 +2,7 @@
 
 import errno
 import struct
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -17,10 +18,11 @@ from neurotouch_devtools.emulator.uvc import (
     UvcCamera,
     UvcConfig,
     UvcIdentity,
-    film_scene,
 )
+from neurotouch_devtools.emulator.uvc.filming import film_script
 
 from neurotouch_hid.errors import SourceError
+from neurotouch_hid.source.simulator import find_scene
 
 OUT, IN = 0x21, 0xA1
 SET_CUR, GET_CUR, GET_INFO = 0x01, 0x81, 0x86
@@ -259,6 +261,7 @@ def test_faults_of_other_cameras_are_refused(fault):
 
 
 def test_a_scene_is_filmed():
-    film = film_scene("tour", 0.1)
+    script = replace(find_scene("tour"), duration_us=100_000)
+    film = film_script(script)
     assert film.pictures.shape == (12, 260, 346)
     assert film.pictures.std() > 10

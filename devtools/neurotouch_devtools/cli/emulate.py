@@ -120,13 +120,7 @@ def _show_film(
     seconds: float | None,
 ) -> None:
     """Plugs a UVC camera in."""
-    from neurotouch_devtools.emulator.uvc import (
-        CONTROLS,
-        UvcCamera,
-        UvcConfig,
-        UvcIdentity,
-        film_scene,
-    )
+    from neurotouch_devtools.emulator.uvc import CONTROLS, UvcCamera, UvcConfig, UvcIdentity
     from neurotouch_hid.errors import SourceError
 
     if unknown := set(without) - set(CONTROLS):
@@ -140,6 +134,8 @@ def _show_film(
             f"A webcam cannot see '{source}'.", hint="Name a scene, for example sim:tour."
         )
     identity = UvcIdentity(serial=serial, super_speed=super_speed, without=frozenset(without))
+    from neurotouch_devtools.emulator.uvc.filming import film_scene
+
     click.echo("Taking the pictures before they are shown; this can take a minute ...", err=True)
     camera = UvcCamera(film_scene(name), UvcConfig(identity), faults)
     _plug_in(camera, f"Webcam {serial} is plugged in and sees {source}", seconds)

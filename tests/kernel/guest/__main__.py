@@ -81,6 +81,8 @@ VIDEO: dict[str, Callable[[Path], Any]] = {
     "uvc_description": uvc.describe,
     "uvc_pictures": uvc.take_pictures,
     "uvc_faults": uvc.suffer,
+    "uvc_source": uvc.read,
+    "uvc_play": uvc.play,
 }
 MACHINES = {"pads": PADS, "cameras": CAMERAS, "processors": PROCESSORS, "video": VIDEO}
 CHAPTERS = PADS | CAMERAS | PROCESSORS | VIDEO

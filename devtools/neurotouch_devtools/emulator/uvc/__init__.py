@@ -3,7 +3,7 @@
 from neurotouch_devtools.emulator.uvc.camera import UvcCamera, UvcConfig, UvcControl, UvcStream
 from neurotouch_devtools.emulator.uvc.controls import CONTROLS
 from neurotouch_devtools.emulator.uvc.descriptors import UvcIdentity
-from neurotouch_devtools.emulator.uvc.film import Film, film_scene
+from neurotouch_devtools.emulator.uvc.film import Film
 from neurotouch_devtools.emulator.uvc.modes import MODES, Mode, PixelFormat
 
 __all__ = [
@@ -17,5 +17,4 @@ __all__ = [
     "UvcControl",
     "UvcIdentity",
     "UvcStream",
-    "film_scene",
 ]
