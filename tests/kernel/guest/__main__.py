@@ -102,7 +102,7 @@ def main() -> None:
     if not CAMERAS.keys().isdisjoint(chapters):
         with suppress(TimeoutError):  # then the chapters will say what is wrong
             load_kernels()
-    if not (PADS | PROCESSORS).keys().isdisjoint(chapters):
+    if not (PADS | PROCESSORS | VIDEO).keys().isdisjoint(chapters):
         driver.load_kernels()
     for name in chapters:
         begun = time.monotonic()
