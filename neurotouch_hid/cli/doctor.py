@@ -23,6 +23,7 @@ _COLOURS = {"OK": "green", "WARNING": "yellow", "FAILED": "red", "SKIPPED": "cya
     epilog="\b\nExamples:\n"
     "  neurotouch doctor\n"
     "  neurotouch doctor --keys                   only try the keys that stop everything\n"
+    "  neurotouch doctor --source video:          a video camera and the gel before it\n"
     "  neurotouch doctor --directions             also find a mirrored or turned picture\n"
     "  neurotouch doctor --fix-script > fix.sh    read it, then: sh fix.sh\n"
     "  neurotouch doctor --json | jq '.[] | select(.status == \"FAILED\")'\n\n"
@@ -45,7 +46,9 @@ _COLOURS = {"OK": "green", "WARNING": "yellow", "FAILED": "red", "SKIPPED": "cya
     help="Where to save the picture of the gel. Default: in your cache folder.",
 )
 @click.option(
-    "--source", help="Check this source instead of the camera: file:NAME.aedat4 or sim:NAME."
+    "--source",
+    help="Check this source instead of the DAVIS: video:NAME (a video camera), file:NAME.aedat4 or "
+    "sim:NAME.",
 )
 @plain_option
 @json_option

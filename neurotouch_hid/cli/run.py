@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     "  neurotouch run --source sim:tour --device memory --seconds 20   simulated, no gamepad\n"
     "  neurotouch run --profile spacecraft\n"
     "  neurotouch run --source file:play.aedat4 --speed max --device memory --trace play.jsonl\n"
+    "  neurotouch run --source video:                   the webcam that shows a gel\n"
     "  neurotouch run --copilot auto                    a game pad plays along\n"
     "  neurotouch run --player 2 --source davis:00000002 --device hid --profile racing\n\n"
     "Ctrl-C ends; the pad goes neutral first. Exit code 0 at the end, also after --seconds or\n"

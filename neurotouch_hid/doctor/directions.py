@@ -26,7 +26,7 @@ from neurotouch_hid.profile.reading import load_settings
 from neurotouch_hid.runtime import Pipeline
 from neurotouch_hid.source import Source, open_source
 from neurotouch_hid.source.davis import find_cameras
-from neurotouch_hid.tracker.gel_finder import GelFinder
+from neurotouch_hid.tracker import GelFinder
 from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_kind
 
 _LEAST_MM: Final = 2.5

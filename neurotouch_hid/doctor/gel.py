@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid import client as driver
 from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
+from neurotouch_hid.doctor.video import judge_pictures
 from neurotouch_hid.driver.camera_settings import load_camera_config
 from neurotouch_hid.errors import NotRunningError
 from neurotouch_hid.gel_sentences import explain_gel, name_dots
@@ -27,12 +28,13 @@ from neurotouch_hid.messages import (
 )
 from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.recording.wire import receive_packets
-from neurotouch_hid.source import open_source
+from neurotouch_hid.source import PictureSource, open_source
 from neurotouch_hid.source.davis import find_cameras
-from neurotouch_hid.tracker import RestConfig, RestDetector
+from neurotouch_hid.source.video.live import VideoCameraSource, VideoStats
+from neurotouch_hid.tracker import GelFinder, RestConfig, RestDetector
 from neurotouch_hid.tracker.blobs import BlobFinder
-from neurotouch_hid.tracker.gel_finder import GelFinder
 from neurotouch_hid.tracker.lattice import LatticeConfig, find_lattice
+from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
 LOOK_S: Final = 5.0
 FRAMES_HZ: Final = 25.0
@@ -68,6 +70,8 @@ class _Seen:
         events: number of events.
         lost: number of lost events.
         frames: all frames.
+        video: what a video camera counted; None if it is none.
+        is_video: the source has pictures alone.
     """
 
     source: str
@@ -75,6 +79,8 @@ class _Seen:
     events: int
     lost: int
     frames: tuple[Frame, ...]
+    video: VideoStats | None = None
+    is_video: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +114,7 @@ class GelView:
     def __init__(self, picture: Path | None = None, source: str | None = None) -> None:
         self._picture = picture or find_picture()
         self._source = source
+        self._is_video = False
 
     def check_stream(self) -> Finding:  # noqa: PLR0911
         """Checks whether frames and events arrive at the usual rates."""
@@ -116,6 +123,8 @@ class GelView:
             return skip("Needs a camera that can be opened, or a running driver.")
         if not seen.seconds:
             return fail(f"No data from {seen.source}.", "Unplug the camera and plug it in again.")
+        if seen.video is not None:
+            return judge_pictures(seen.source, seen.video)
         frames_hz, events_hz = len(seen.frames) / seen.seconds, seen.events / seen.seconds
         sentence = f"{seen.source}: {frames_hz:.0f} frames/s, {events_hz:,.0f} events/s."
         if not seen.frames:
@@ -123,6 +132,8 @@ class GelView:
                 f"{sentence} There is no picture.",
                 "Another program may have changed a setting: plug the camera in again.",
             )
+        if seen.is_video:
+            return approve(f"{seen.source}: {frames_hz:.0f} frames/s.")
         if not seen.events:
             return fail(f"{sentence} There are no events.", "Is the lens cap off, the lamp on?")
         if abs(frames_hz - FRAMES_HZ) > _MOST_OFF_HZ:
@@ -184,7 +195,7 @@ class GelView:
     def _seen(self) -> _Seen | None:
         with ExitStack() as stack:
             opened = self._open(stack)
-            return None if opened is None else _collect(*opened)
+            return None if opened is None else _collect(*opened, is_video=self._is_video)
 
     @cached_property
     def _gel(self) -> _Gel | None:
@@ -222,6 +233,7 @@ class GelView:
         stack.callback(line.close)
         line.settimeout(2 * LOOK_S)
         simulated = "SIMULATED " if answer.get("simulated") is True else ""
+        self._is_video = find_source_kind(str(answer.get("source"))) is SourceKind.VIDEO
         name = f"the running driver ({simulated}{answer.get('source', 'unknown source')})"
         return name, receive_packets(line)
 
@@ -250,7 +262,7 @@ class GelView:
         return f"the picture with boxes is {self._picture}."
 
 
-def _collect(source: str, packets: Iterable[EventPacket]) -> _Seen:
+def _collect(source: str, packets: Iterable[EventPacket], *, is_video: bool) -> _Seen:
     """Collects packets for five seconds, by the camera's clock or ours, whichever ends first."""
     deadline = time.monotonic() + 2 * LOOK_S
     frames: list[Frame] = []
@@ -265,7 +277,15 @@ def _collect(source: str, packets: Iterable[EventPacket]) -> _Seen:
         if end_us - begin_us >= LOOK_S * 1e6 or time.monotonic() > deadline:
             break
     seconds = 0.0 if begin_us is None or end_us is None else (end_us - begin_us) / 1e6
-    return _Seen(source, seconds, events, lost, tuple(frames))
+    return _Seen(
+        source,
+        seconds,
+        events,
+        lost,
+        tuple(frames),
+        packets.stats() if isinstance(packets, VideoCameraSource) else None,
+        is_video or isinstance(packets, PictureSource),
+    )
 
 
 def _find_fault(gel: _Gel, contrast: float) -> tuple[str, str]:

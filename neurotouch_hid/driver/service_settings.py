@@ -10,9 +10,10 @@ from neurotouch_hid.errors import DeviceError, ProfileError
 from neurotouch_hid.players import find_user_file
 from neurotouch_hid.profile.reading import load_settings
 from neurotouch_hid.profile.schema import Strict, check_version, make_optional
-from neurotouch_hid.vocabulary import NAME_PATTERN
+from neurotouch_hid.vocabulary import NAME_PATTERN, SourceKind, find_source_kind
 
 FILE: Final = "service.yaml"
+_CAMERA: Final = r"^([A-Za-z0-9._-]{1,64}|video:[^\x00-\x1f\x7f]{0,128})$"
 
 
 class ServiceSettings(Strict):
@@ -29,10 +30,11 @@ class ServiceSettings(Strict):
         "user.yaml.",
         json_schema_extra=make_optional(),
     )
-    camera: Annotated[str, Field(pattern=r"^[A-Za-z0-9._-]{1,64}$")] | None = Field(
+    camera: Annotated[str, Field(pattern=_CAMERA)] | None = Field(
         default=None,
-        description="The serial number of the camera, as text in quotes; 'neurotouch devices' "
-        "shows it. Default: the first that is found.",
+        description="The serial number of the camera, as text in quotes, or video: with the place "
+        "or name of a video camera; 'neurotouch devices' shows them. Default: the first DAVIS that "
+        "is found.",
         json_schema_extra=make_optional(),
     )
 
@@ -51,7 +53,9 @@ class ServiceSettings(Strict):
     @property
     def source(self) -> str:
         """The source to open."""
-        return f"davis:{self.camera or ''}"
+        camera = self.camera or ""
+        is_video = find_source_kind(camera) is SourceKind.VIDEO
+        return camera if is_video else f"davis:{camera}"
 
 
 def find_service_file(player: int | None = None) -> Path:

@@ -5,7 +5,7 @@ from neurotouch_hid.driver.camera_settings import load_camera_config
 from neurotouch_hid.driver.options import DriverOptions
 from neurotouch_hid.errors import AlreadyRunningError, CameraError
 from neurotouch_hid.source import Source, Troubled, open_source
-from neurotouch_hid.tracker.gel_finder import GelFinder
+from neurotouch_hid.tracker import GelFinder
 
 
 def open_driver_source(options: DriverOptions) -> Source:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
         ActivityAware,
         FactTelling,
         Periodic,
+        PictureSource,
         PolledSource,
         Source,
         Troubled,
@@ -25,7 +26,8 @@ else:
         {
             "check": "FORMS check_source",
             "opening": "open_source",
-            "protocol": "ActivityAware FactTelling Periodic PolledSource Source Troubled",
+            "protocol": "ActivityAware FactTelling Periodic PictureSource PolledSource Source "
+            "Troubled",
             "slicer": "Slicer slice_recording",
         },
     )
@@ -35,6 +37,7 @@ __all__ = [
     "ActivityAware",
     "FactTelling",
     "Periodic",
+    "PictureSource",
     "PolledSource",
     "Slicer",
     "Source",

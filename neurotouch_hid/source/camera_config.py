@@ -8,7 +8,7 @@ from neurotouch_hid.source.video.config import VideoConfig
 
 @dataclass(frozen=True, slots=True)
 class CameraConfig:
-    """How a camera is set up, whichever it is.
+    """The settings of a camera, of either kind.
 
     Attributes:
         davis: of a DAVIS.

@@ -1,4 +1,4 @@
-"""What all cameras have in common as sources: a thread, a queue, and a way back after a failure."""
+"""The part of a source that all cameras share: a thread, a queue, a way back after a failure."""
 
 import logging
 import threading

@@ -7,11 +7,16 @@ from typing import Final
 from neurotouch_hid.errors import SourceError
 from neurotouch_hid.plugins import SOURCES, list_plugins
 from neurotouch_hid.source.davis.enumeration import choose_camera, find_cameras
-from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_kind
+from neurotouch_hid.vocabulary import (
+    RECORDING_ENDINGS,
+    RUNNING_DRIVER,
+    SourceKind,
+    find_source_kind,
+)
 
 FORMS: Final = (
     *("davis:", "davis:SERIAL", "video:", "video:NAME"),
-    *("file:NAME.aedat4", "sim:NAME", RUNNING_DRIVER),
+    *("file:NAME.aedat4", "file:NAME.mkv", "sim:NAME", RUNNING_DRIVER),
 )
 """How the sources of this package are written."""
 
@@ -41,7 +46,7 @@ def check_source(spec: str) -> None:
 
         select_video_cameras(find_video_cameras(), rest)
     elif kind is SourceKind.RECORDING:
-        from neurotouch_hid.recording.container import check_recording  # noqa: PLC0415
+        from neurotouch_hid.recording.check import check_recording  # noqa: PLC0415
 
         check_recording(find_path(spec))
     elif kind is SourceKind.DRIVER:
@@ -86,7 +91,7 @@ def refuse_source(spec: str) -> SourceError:
     elif Path(spec).is_dir():
         hint = f"It is a folder. Give a recording in it: file:{spec}/NAME.aedat4"
     elif Path(spec).is_file():
-        hint = f"Recordings end in .aedat4; if it is one: file:{spec}"
+        hint = f"Recordings end in {', '.join(RECORDING_ENDINGS)}; if it is one: file:{spec}"
     elif near := difflib.get_close_matches(f"{kind.lower()}:", forms, 1, 0.75):
         hint = f"Did you mean {near[0]}{rest}?"
     else:

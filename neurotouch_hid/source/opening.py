@@ -8,7 +8,7 @@ from neurotouch_hid.source.check import find_path, refuse_source
 from neurotouch_hid.source.pacing import PacedSource
 from neurotouch_hid.source.plugin import open_plugin
 from neurotouch_hid.source.protocol import Source
-from neurotouch_hid.vocabulary import SourceKind, Speed, find_source_kind
+from neurotouch_hid.vocabulary import SourceKind, Speed, find_source_kind, is_clip
 
 if TYPE_CHECKING:
     from neurotouch_hid.source.camera_config import CameraConfig
@@ -27,18 +27,19 @@ def open_source(
     speed: Speed = "recorded",
     seed: int = 0,
     camera: "CameraConfig | None" = None,
-    finder: "GelFinder | None" = None,
     wait: bool = False,
     max_delay_us: int | None = None,
     repeats: bool = False,
+    finder: "GelFinder | None" = None,
 ) -> Source:
     """Returns the source of a name.
 
     Args:
         spec: ``davis:`` (the first camera) or ``davis:SERIAL``, ``video:`` (the only video camera
-            that shows a gel) or ``video:NAME``, ``file:NAME.aedat4`` (or just the path),
-            ``sim:NAME``, ``driver:`` (packets of the running driver), or ``KIND:REST`` of
-            another package: its entry point KIND in ``neurotouch.sources`` is called as
+            that shows a gel) or ``video:NAME``, ``file:NAME.aedat4`` or a video clip,
+            ``file:NAME.mkv``, ``.avi`` or ``.mp4`` (or just the path), ``sim:NAME``, ``driver:``
+            (packets of the running driver), or ``KIND:REST`` of another package: its entry point
+            KIND in ``neurotouch.sources`` is called as
             ``make(REST, slice_us=..., seed=...)``.
         slice_us: length of a slice of sensor time; without, ``LIVE_US`` of a DAVIS, what suits the
             rate of a video camera, and ``PAPER_US`` of anything else.
@@ -46,11 +47,11 @@ def open_source(
             for a camera.
         seed: of the simulator's chance; recordings have none.
         camera: how a camera is set up.
-        finder: finds the gel in the pictures of a video camera; without, they are shown whole.
         wait: a camera need not be there yet.
         max_delay_us: slices of a camera that wait longer to be taken are dropped;
             if None, a limit that suits the pipeline.
         repeats: a simulated scene starts again at its end, for ever.
+        finder: finds the gel in the pictures of a video; without, frames show whole pictures.
 
     Raises:
         SourceError: there is no such source.
@@ -86,12 +87,23 @@ def open_source(
             wait=wait,
             max_delay_us=max_delay_us or MAX_DELAY_US,
         )
-    source = _open(kind, spec, slice_us or PAPER_US, seed, repeats)
+    source = _open(kind, spec, slice_us or PAPER_US, seed, repeats, finder)
     return PacedSource(source) if speed == "recorded" and not source.is_live else source
 
 
-def _open(kind: SourceKind, spec: str, slice_us: int, seed: int, repeats: bool) -> Source:
+def _open(
+    kind: SourceKind,
+    spec: str,
+    slice_us: int,
+    seed: int,
+    repeats: bool,
+    finder: "GelFinder | None",
+) -> Source:
     # Imported here: a replay needs no simulator and its compiled kernels, and the other way round.
+    if kind is SourceKind.RECORDING and is_clip(spec):
+        from neurotouch_hid.source.video.clip import ClipReplay  # noqa: PLC0415
+
+        return ClipReplay(find_path(spec), finder, slice_us=slice_us)
     if kind is SourceKind.RECORDING:
         from neurotouch_hid.source.replay import Replay  # noqa: PLC0415
 

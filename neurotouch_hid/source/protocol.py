@@ -7,6 +7,8 @@ from typing import Protocol, Self, runtime_checkable
 from neurotouch_hid.driver_state import SourceFacts
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EventPacket
+from neurotouch_hid.recording.clip import Picture
+from neurotouch_hid.source.view import View
 
 
 class Source(Protocol):
@@ -91,6 +93,20 @@ class Periodic(Protocol):
     @property
     def period_s(self) -> float:
         """Time from picture to picture as it was lately; 0 before the first."""
+        ...
+
+
+@runtime_checkable
+class PictureSource(Source, Protocol):
+    """A source whose sensor gives pictures alone, of a size of its own."""
+
+    @property
+    def view(self) -> View | None:
+        """The map from the sensor's pictures to the frames now; None before the first picture."""
+        ...
+
+    def pictures(self) -> Iterator[Picture]:
+        """Yields the sensor's pictures as they are, instead of packets."""
         ...
 
 

@@ -37,14 +37,16 @@ def test_there_are_examples_and_a_wrong_one_is_found():
 
 @pytest.mark.parametrize("spoil", [False, True])
 def test_camera_settings_can_be_loaded(tmp_path: Path, spoil: bool):
-    (text,) = find_yaml("hardware.md")
+    text, video = find_yaml("hardware.md")
     path = tmp_path / "camera.yaml"
+    path.write_text(video)
+    assert load_settings(path, CameraSettings).config.video.format == "MJPG"
     path.write_text(text.replace("exposure_us", "exposure") if spoil else text)
     if spoil:
         with pytest.raises(NeuroTouchError):
             load_settings(path, CameraSettings)
     else:
-        assert load_settings(path, CameraSettings).config.hot_pixels == ((17, 203),)
+        assert load_settings(path, CameraSettings).config.davis.hot_pixels == ((17, 203),)
 
 
 def test_rig_file_can_be_loaded(tmp_path: Path):

@@ -37,6 +37,12 @@ def test_everything_chosen(file):
     assert (settings.device, settings.identity) == ("hid", "generic")
 
 
+@pytest.mark.parametrize("name", ["video:", "video:usb-0000:00:14.0-2", "video:HD Camera"])
+def test_a_video_camera_can_be_chosen(file, name):
+    file.write_text(f"camera: '{name}'\n")
+    assert load_service_settings().source == name
+
+
 @pytest.mark.parametrize(
     ("text", "place", "word"),
     [

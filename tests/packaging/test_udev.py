@@ -9,8 +9,10 @@ import pytest
 from neurotouch_hid.source.davis.registers import PRODUCT_ID, VENDOR_ID
 
 ROOT = Path(__file__).parents[2]
-RULES = sorted((ROOT / "udev").glob("*.rules"))
-OF_CAMERA = [path for path in RULES if "idVendor" in path.read_text()]
+EXAMPLES = sorted((ROOT / "packaging/systemd/examples").glob("*.rules"))
+"""Rules that an administrator puts in."""
+RULES = [*sorted((ROOT / "udev").glob("*.rules")), *EXAMPLES]
+OF_CAMERA = [path for path in RULES if "idVendor" in path.read_text() and path not in EXAMPLES]
 
 
 def read_lines(path: Path) -> list[str]:
@@ -78,9 +80,21 @@ def test_the_camera_wants_the_unit_that_is_shipped():
     assert (ROOT / "packaging/systemd" / wanted).is_file()
 
 
-def test_the_group_is_the_one_that_is_made():
-    rule = (ROOT / "udev/70-neurotouch-service.rules").read_text()
-    group = rule.split('GROUP="')[1].split('"')[0]
+def test_a_video_camera_goes_to_the_service_as_one_model_and_wants_the_same_unit():
+    (path,) = (path for path in EXAMPLES if "video" in path.name)
+    text = path.read_text()
+    assert 'SUBSYSTEM!="video4linux", GOTO=' in text
+    assert text.count('ATTRS{idVendor}!="') == text.count('ATTRS{idProduct}!="') == 1
+    assert 'ENV{SYSTEMD_WANTS}+="neurotouch.service"' in text
+    unit = path.with_name("video.conf").read_text()
+    assert "DeviceAllow=char-video4linux rw\n" in unit
+
+
+@pytest.mark.parametrize(
+    "path", [ROOT / "udev/70-neurotouch-service.rules", *EXAMPLES], ids=lambda path: path.name
+)
+def test_the_group_is_the_one_that_is_made(path):
+    group = path.read_text().split('GROUP="')[1].split('"')[0]
     users = read_lines(ROOT / "packaging/sysusers.d/neurotouch.conf")
     assert [line.split()[:2] for line in users] == [["u", group]]
 

@@ -277,3 +277,41 @@ def test_while_a_live_source_has_nothing_the_loop_turns_obeys_and_ends(push, lin
     stats = run_pipeline(Live(), line, MemoryDevice(), stop=stop, on_round=count)
     assert stats.slices == 50
     assert len(n_turns) == 60
+
+
+@pytest.mark.parametrize("fps", [125, 60, 30, 15])
+def test_a_source_of_pictures_may_miss_one_and_is_given_up_before_three(
+    push, line, monkeypatch, fps
+):
+    guards = []
+
+    class Kept(StallGuard):
+        def __init__(self, device, stall_s):
+            super().__init__(device, stall_s)
+            guards.append(self)
+
+    monkeypatch.setattr("neurotouch_hid.runtime.loop.StallGuard", Kept)
+
+    class Video:
+        name, rig = "video:", None
+        is_live, is_simulated = True, False
+        period_s = 1 / fps
+
+        def __iter__(self):
+            raise AssertionError
+
+        def poll(self):
+            yield from push.packets[:50]
+
+        def close(self):
+            pass
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *_):
+            pass
+
+    run_pipeline(Video(), line, MemoryDevice())
+    (guard,) = guards
+    assert 2 / fps < guard.stall_s < max(0.1, 3 / fps)

@@ -1,38 +1,20 @@
 """A camera that is set up and streams: grey pictures with stamps."""
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import CameraError
+from neurotouch_hid.recording import Picture
 from neurotouch_hid.source.video.capture import CaptureDevice
 from neurotouch_hid.source.video.config import VideoConfig
 from neurotouch_hid.source.video.controls import fix_controls
-from neurotouch_hid.source.video.formats import KNOWN, GreyReader
+from neurotouch_hid.source.video.formats import COMPRESSED, KNOWN, GreyReader
 from neurotouch_hid.source.video.modes import Mode, choose_mode, list_modes
 from neurotouch_hid.source.video.v4l2 import Linux
 
 _USUAL_EXPOSURE_US: Final = 8_000
 """Assumed of a camera that does not state its exposure."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class GreyPicture:
-    """A picture of a camera.
-
-    Attributes:
-        pixels: (h, w) uint8; valid until the next picture.
-        exposure_begin_us: start of the exposure, µs of CLOCK_MONOTONIC.
-        exposure_end_us: its end.
-    """
-
-    pixels: NDArray[np.uint8]
-    exposure_begin_us: int
-    exposure_end_us: int
 
 
 class VideoCamera(Closing):
@@ -62,12 +44,16 @@ class VideoCamera(Closing):
         self._device = device = CaptureDevice(node, linux)
         try:
             if not device.is_camera:
-                raise CameraError(f"{node} is no camera.", hint="See: neurotouch devices")
+                raise CameraError(
+                    f"The device {node} is no camera.", hint="See: neurotouch devices"
+                )
             self.name, self.bus_info = device.name, device.bus_info
             wanted = choose_mode(list_modes(device), config)
             agreed = device.set_format(wanted.fourcc, wanted.width, wanted.height)
             if agreed.fourcc not in KNOWN:
-                raise CameraError(f"{device} sends {agreed.fourcc}, which cannot be read.")
+                raise CameraError(
+                    f"The camera {device} sends {agreed.fourcc}, which cannot be read."
+                )
             interval = device.set_interval(wanted.interval) or wanted.interval
             self.mode = Mode(agreed.fourcc, agreed.width, agreed.height, interval)
             fixed = fix_controls(device, config, 1e6 * float(interval))
@@ -85,8 +71,14 @@ class VideoCamera(Closing):
         """
         self._device.start()
 
-    def take(self, timeout_s: float) -> GreyPicture | None:
+    def take(self, timeout_s: float, *, keeps_jpeg: bool = False) -> Picture | None:
         """Returns the newest picture; None if none came in time, or one that is damaged.
+
+        Its pixels are valid until the next one; its times are those of CLOCK_MONOTONIC.
+
+        Args:
+            timeout_s: how long to wait for one.
+            keeps_jpeg: the picture has its JPEG as well, if the camera sent one.
 
         Raises:
             CameraError: the camera is gone, or has failed.
@@ -102,7 +94,9 @@ class VideoCamera(Closing):
             return None
         exposure_us = _USUAL_EXPOSURE_US if self.exposure_us is None else self.exposure_us
         begin_us = picture.t_us if picture.is_start else picture.t_us - exposure_us
-        return GreyPicture(pixels, begin_us, begin_us + exposure_us)
+        is_jpeg = keeps_jpeg and self.mode.fourcc in COMPRESSED
+        jpeg = picture.data.tobytes() if is_jpeg else None
+        return Picture(pixels, begin_us, begin_us + exposure_us, jpeg)
 
     def close(self) -> None:
         """Stops and closes it; a second call does nothing."""

@@ -120,6 +120,7 @@ class CaptureDevice(Closing):
         self._taken: int | None = None
         self._last_sequence: int | None = None
         self._last_us = 0
+        self.name = ""
         try:
             self._descriptor: int | None = self._linux.open(node)
         except OSError as error:
@@ -279,7 +280,9 @@ class CaptureDevice(Closing):
             try:
                 mapped = self._linux.map(self._require_open(), buffer.length, buffer.offset)
             except (OSError, ValueError) as error:
-                raise CameraError(f"{self}: a buffer cannot be mapped: {error}.") from error
+                raise CameraError(
+                    f"The camera {self}: a buffer cannot be mapped: {error}."
+                ) from error
             self._buffers.append(mapped)
             self._views.append(np.frombuffer(mapped, np.uint8))
         for index in range(request.count):
@@ -307,7 +310,7 @@ class CaptureDevice(Closing):
             return None
         newest, n_older = self._take_newest()
         if newest is None:
-            raise CameraGoneError(f"{self} reports an error instead of a picture.")
+            raise CameraGoneError(f"The camera {self} reports an error instead of a picture.")
         self._taken = newest.index
         return self._describe(newest, n_older)
 
@@ -384,12 +387,11 @@ class CaptureDevice(Closing):
             self._linux.close(descriptor)
 
     def __str__(self) -> str:
-        name = getattr(self, "name", "")
-        return f"The camera {name} ({self.node})" if name else f"The camera {self.node}"
+        return f"{self.name} ({self.node})" if self.name else str(self.node)
 
     def _require_open(self) -> int:
         if self._descriptor is None:
-            raise CameraGoneError(f"{self} is closed.")
+            raise CameraGoneError(f"The camera {self} is closed.")
         return self._descriptor
 
     def _make_buffer(self, index: int) -> v4l2.Buffer:
@@ -416,21 +418,22 @@ class CaptureDevice(Closing):
 
     def _explain(self, error: OSError, what: str) -> CameraError:
         if error.errno in (errno.ENODEV, errno.ENXIO, errno.ENOENT):
-            return CameraGoneError(f"{self} is not plugged in.")
+            return CameraGoneError(f"The camera {self} is not plugged in.")
         if error.errno == errno.EBUSY:
             return CameraBusyError(
-                f"{self} is in use by another program.", hint="End that program first."
+                f"The camera {self} is in use by another program.", hint="End that program first."
             )
         if error.errno in (errno.EACCES, errno.EPERM):
             return CameraError(
-                f"{self} cannot be {what}: no right to use it.",
+                f"The camera {self} cannot be {what}: no right to use it.",
                 hint="Log in at the machine itself, or give your user the group 'video'.",
             )
-        return CameraError(f"{self} cannot be {what}: {error.strerror or error}.")
+        return CameraError(f"The camera {self} cannot be {what}: {error.strerror or error}.")
 
     def _refuse(self, answer: str) -> CameraError:
         return CameraError(
-            f"{self} offers {answer}, which makes no sense.", hint="Unplug it and plug it in again."
+            f"The camera {self} offers {answer}, which makes no sense.",
+            hint="Unplug it and plug it in again.",
         )
 
 

@@ -19,7 +19,7 @@ _LINE_FREQUENCIES: Final = {0: 0, 50: 1, 60: 2}
 
 @dataclass(frozen=True, slots=True)
 class FixedControls:
-    """What was fixed of a camera.
+    """The settings that a camera took, and those that it lacks.
 
     Attributes:
         exposure_us: the exposure; None if the camera does not say.

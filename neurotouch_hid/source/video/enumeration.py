@@ -30,7 +30,7 @@ class VideoInfo:
 
     @property
     def place(self) -> str:
-        """How it is called in a source: its place at the USB, which stays, or its node."""
+        """Its name in a source: its place at the USB, which stays the same, or its node."""
         return self.bus_info if self.bus_info.startswith("usb-") else str(self.node)
 
     def __str__(self) -> str:

@@ -3,6 +3,7 @@
 import logging
 import time
 from collections import deque
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from statistics import median
 from typing import Final
@@ -11,9 +12,10 @@ import numpy as np
 
 from neurotouch_hid.driver_state import SourceFacts
 from neurotouch_hid.errors import CameraError
+from neurotouch_hid.recording import Picture
 from neurotouch_hid.source.camera_errors import CameraAbsentError
 from neurotouch_hid.source.camera_source import MAX_DELAY_US, POLL_S, CameraSource
-from neurotouch_hid.source.video.camera import GreyPicture, VideoCamera
+from neurotouch_hid.source.video.camera import VideoCamera
 from neurotouch_hid.source.video.config import VideoConfig
 from neurotouch_hid.source.video.enumeration import (
     VideoInfo,
@@ -24,6 +26,7 @@ from neurotouch_hid.source.video.modes import Mode
 from neurotouch_hid.source.video.source import PictureSlicer
 from neurotouch_hid.source.video.v4l2 import Linux
 from neurotouch_hid.source.video.view_search import GelFinder
+from neurotouch_hid.source.view import View
 
 SLICES_US: Final = (4_000, 10_000)
 """Shortest and longest slice: one picture each, where its rate allows that."""
@@ -36,6 +39,8 @@ _SLOW: Final = 0.8
 _RATE_PICTURES: Final = 30
 _LEARN: Final = 1 / 8  # weight of a picture in the estimate of the period
 _MOST_GROWTH: Final = 4.0  # periods; a longer time between two pictures is a pause, not a rate
+_MOST_PICTURES: Final = 64
+"""Pictures that may wait for a recorder."""
 _WARM_SIZE: Final = (720, 960)
 
 log = logging.getLogger(__name__)
@@ -118,11 +123,26 @@ class VideoCameraSource(CameraSource):
         self._end_us = 0
         self._period_s = 0.0
         self._said: set[str] = set()
+        self._pictures: deque[Picture] | None = None
+        self._slicer: PictureSlicer | None = None
+        self._n_dropped = 0
         self._latencies_us: deque[int] = deque(maxlen=250)
         _load_kernels(finder)
         if not wait:
             self._open()
         self.name = f"video:{self._describe() if self._info else camera}"
+
+    @property
+    def view(self) -> View | None:
+        """The map from the camera's pictures to the frames; None before the first picture."""
+        return None if self._slicer is None else self._slicer.view
+
+    def pictures(self) -> Iterator[Picture]:
+        """Yields the camera's pictures as they arrive, instead of packets."""
+        self._pictures = pictures = deque[Picture]()
+        for _ in self.poll():
+            while pictures:
+                yield pictures.popleft()
 
     def tell_facts(self) -> SourceFacts:
         """Returns how many pictures were lost, for viewers."""
@@ -155,7 +175,7 @@ class VideoCameraSource(CameraSource):
             lacking=() if camera is None else camera.lacking,
             fps=1.0 / self._period_s if self._period_s else 0.0,
             n_connects=self._n_connects,
-            n_lost=n_lost,
+            n_lost=n_lost + self._n_dropped,
             n_damaged=n_damaged,
             n_unstamped=n_unstamped,
             latency_us=float(median(latencies)) if latencies else 0.0,
@@ -203,7 +223,7 @@ class VideoCameraSource(CameraSource):
         names = ", ".join(map(str, showing or candidates))
         if showing:
             raise CameraError(
-                f"{len(showing)} cameras show a gel: {names}.",
+                f"Several cameras show a gel: {names}.",
                 hint=f"Choose one, for example: --source video:{showing[0].node}",
             )
         raise CameraError(
@@ -225,7 +245,7 @@ class VideoCameraSource(CameraSource):
                             picture.pixels, picture.exposure_begin_us, picture.exposure_end_us
                         ):
                             pass
-                    if slicer.view is not None:
+                    if slicer.is_found:
                         return True
         except CameraError as error:
             log.info("%s", error.message)
@@ -247,7 +267,7 @@ class VideoCameraSource(CameraSource):
         if camera is None:
             return
         before = self.stats()
-        self._counts = before.n_lost, before.n_damaged, before.n_unstamped
+        self._counts = before.n_lost - self._n_dropped, before.n_damaged, before.n_unstamped
         self._played = camera
         with camera:
             self._say(camera)
@@ -255,8 +275,8 @@ class VideoCameraSource(CameraSource):
             interval_us = 1e6 * float(camera.mode.interval)
             self._period_s = 1e-6 * interval_us
             slice_us = self._slice_us or round(min(max(interval_us, SLICES_US[0]), SLICES_US[1]))
-            slicer = PictureSlicer(self._finder, slice_us, mirrored=self._config.mirrored)
-            self._run(camera, slicer)
+            self._slicer = PictureSlicer(self._finder, slice_us, mirrored=self._config.mirrored)
+            self._run(camera, self._slicer)
 
     def _run(self, camera: VideoCamera, slicer: PictureSlicer) -> None:
         """Hands over the slices of a camera until it fails or the source is closed."""
@@ -265,7 +285,7 @@ class VideoCameraSource(CameraSource):
         n_pictures = 0
         while not self._closing.is_set():
             looked_s = time.monotonic()
-            picture = camera.take(POLL_S)
+            picture = camera.take(POLL_S, keeps_jpeg=self._pictures is not None)
             if picture is None:
                 if looked_s - heard_s > silence_s:
                     what = "only damaged pictures" if camera.n_damaged else "no pictures"
@@ -283,24 +303,37 @@ class VideoCameraSource(CameraSource):
             if n_pictures == _RATE_PICTURES:
                 self._check_rate(camera, (n_pictures - 1) / max(now_s - begun_s, 1e-6))
 
-    def _start(self, picture: GreyPicture) -> None:
+    def _start(self, picture: Picture) -> None:
         if self._origin_us is None:
             self._origin_us = picture.exposure_end_us
         self._end_us = max(self._end_us, picture.exposure_end_us - self._origin_us)
         self._note_start(self._end_us)
 
-    def _hand_over(self, slicer: PictureSlicer, picture: GreyPicture, *, is_first: bool) -> None:
+    def _hand_over(self, slicer: PictureSlicer, picture: Picture, *, is_first: bool) -> None:
         origin_us = self._origin_us or 0
         # Stamps of a camera that is back may be earlier than the last slice.
         end_us = max(picture.exposure_end_us - origin_us, self._end_us)
         exposure_us = picture.exposure_end_us - picture.exposure_begin_us
         gap = int(is_first and self._n_connects > 1)
+        if self._pictures is not None:
+            self._keep(
+                replace(picture, exposure_begin_us=end_us - exposure_us, exposure_end_us=end_us)
+            )
+            self._end_us = end_us + 1
+            return
         for packet in slicer.push(picture.pixels, end_us - exposure_us, end_us):
             self._queue.put(replace(packet, gap=gap) if gap else packet)
             self._end_us = max(self._end_us, packet.t_end_us)
             gap = 0
         self._latencies_us.append(time.monotonic_ns() // 1000 - picture.exposure_end_us)
         self._note_progress(self._end_us)
+
+    def _keep(self, picture: Picture) -> None:
+        """Keeps a picture for the recorder; one that finds no room is lost."""
+        if self._pictures is None or len(self._pictures) >= _MOST_PICTURES:
+            self._n_dropped += 1
+            return
+        self._pictures.append(replace(picture, pixels=picture.pixels.copy()))
 
     def _learn_period(self, since_s: float) -> None:
         since_s = min(since_s, _MOST_GROWTH * self._period_s)

@@ -56,7 +56,7 @@ def choose_mode(modes: Iterable[Mode], config: VideoConfig) -> Mode:
     """Returns the mode with the most pictures/s, among those that the settings allow.
 
     Of several, the one with the most pixels up to ``USEFUL_WIDTH_PX``, without compression if
-    it can be had.
+    there is one.
 
     Args:
         modes: all that the camera offers.

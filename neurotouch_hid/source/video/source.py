@@ -19,6 +19,9 @@ from neurotouch_hid.source.view import View, ViewTable, whole_view
 
 SEARCH_US: Final = 100_000
 """Time between two searched pictures."""
+_MOST_DOUBLED: Final = 3
+"""Repetitions of one picture that are left out in a row; a still picture without any noise goes
+on after them."""
 
 
 class PictureSlicer:
@@ -27,12 +30,16 @@ class PictureSlicer:
     The slice in which a picture's exposure ends has it as its frame, and comes at once: nothing
     else can happen in it. Until the gel is found, only pictures that are searched become
     frames, some in each second. So no later stage learns a gel whose place in the picture
-    is about to change.
+    is about to change. A picture that is the same as the one before, bit for bit, is left out:
+    a camera has sent it twice, and it would show that nothing moves.
 
     Args:
         finder: finds the gel; without, the view stays that of the whole picture.
         slice_us: length of a slice.
         mirrored: the pictures show the gel mirrored.
+
+    Attributes:
+        n_doubled: pictures that were left out because they repeated the one before.
     """
 
     def __init__(
@@ -48,12 +55,18 @@ class PictureSlicer:
         self._table: ViewTable | None = None
         self._search: ViewSearch | None = None
         self._searched_us: int | None = None
+        self._newest: NDArray[np.uint8] | None = None
+        self._n_same = self.n_doubled = 0
 
     @property
     def view(self) -> View | None:
-        """The view of the gel; None until it is found."""
-        is_found = self._search is not None and self._search.is_found
-        return self._table.view if self._table is not None and is_found else None
+        """The present view; None before the first picture."""
+        return None if self._table is None else self._table.view
+
+    @property
+    def is_found(self) -> bool:
+        """True once the view of the gel is known."""
+        return self._search is not None and self._search.is_found
 
     def push(
         self, pixels: NDArray[np.uint8], exposure_begin_us: int, exposure_end_us: int
@@ -91,4 +104,16 @@ class PictureSlicer:
         self._table = table
         canonical = np.empty((SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX), np.uint8)
         table.draw(pixels, canonical)
+        if self._is_doubled(canonical):
+            return None
         return Frame(canonical, begin_us, end_us)
+
+    def _is_doubled(self, canonical: NDArray[np.uint8]) -> bool:
+        """Returns whether a picture only repeats the newest one."""
+        before, self._newest = self._newest, canonical
+        is_same = before is not None and np.array_equal(before, canonical)
+        self._n_same = self._n_same + 1 if is_same else 0
+        if self._n_same % (_MOST_DOUBLED + 1) == 0:
+            return False
+        self.n_doubled += 1
+        return True

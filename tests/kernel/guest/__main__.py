@@ -78,6 +78,7 @@ PROCESSORS: dict[str, Callable[[Path], Any]] = {"processor": driver.lose_process
 VIDEO: dict[str, Callable[[Path], Any]] = {
     "vivid": vivid.look,
     "vivid_faults": vivid.suffer,
+    "vivid_replugged": vivid.replug,
     "uvc_description": uvc.describe,
     "uvc_pictures": uvc.take_pictures,
     "uvc_faults": uvc.suffer,

@@ -1,6 +1,8 @@
 """Plays ``vivid``, a camera that the kernel itself simulates, through our V4L2 layer."""
 
+import json
 import subprocess
+import sys
 import time
 from fractions import Fraction
 from pathlib import Path
@@ -15,6 +17,7 @@ from neurotouch_hid.source.video.capture import CaptureDevice
 from neurotouch_hid.source.video.config import VideoConfig
 from neurotouch_hid.source.video.enumeration import find_video_cameras
 from neurotouch_hid.source.video.formats import KNOWN, GreyReader
+from neurotouch_hid.source.video.live import VideoCameraSource
 from neurotouch_hid.source.video.modes import list_modes
 
 # Of drivers/media/test-drivers/vivid/vivid-ctrls.c.
@@ -53,7 +56,7 @@ def look(results: Path) -> dict[str, Any]:
     with CaptureDevice(node) as device:
         seen["formats"] = device.list_formats()
         modes = list_modes(device)
-        seen["modes"] = sorted({(m.fourcc, m.width, m.height, round(m.fps, 2)) for m in modes})
+        seen["modes"] = sorted({(m.width, m.height, round(m.fps, 2)) for m in modes})
         exposure = device.find_control(v4l2.CID_EXPOSURE_ABSOLUTE)
         seen["lacks_exposure"] = exposure is None
         gain = device.find_control(v4l2.CID_GAIN)
@@ -170,6 +173,47 @@ def suffer(results: Path) -> dict[str, Any]:
         seen["interval"] = camera.mode.interval == Fraction(1, 30)
     unload()
     return seen
+
+
+def replug(results: Path) -> dict[str, Any]:
+    """The live source on a camera that is unplugged and comes back; and what ``devices`` lists."""
+    node = load()
+    program = [sys.executable, "-m", "neurotouch_hid", "devices", "--json"]
+    listed = subprocess.run(program, capture_output=True, text=True, check=True)
+    seen: dict[str, Any] = {"listed": json.loads(listed.stdout)["video_cameras"]}
+    with VideoCameraSource("vivid", VideoConfig(fps=30, format="YUYV")) as source:
+        seen["name"] = source.name
+        packets = play_until(source, lambda: False, 2.0)
+        stats = source.stats()
+        seen["frames"] = sum(len(packet.frames) for packet in packets)
+        seen["lost"] = [stats.n_lost, stats.n_damaged]
+        seen["fps"] = stats.fps
+        seen["latency_us"] = stats.latency_us
+        with CaptureDevice(node) as other:
+            other.set_control(DISCONNECT, 1)
+        begun = time.monotonic()
+        play_until(source, lambda: source.trouble)
+        seen["trouble"] = [source.trouble, time.monotonic() - begun]
+        # Once nobody has it open, vivid plugs itself in again.
+        after = play_until(source, lambda: source.stats().n_connects == 2)
+        after += play_until(source, lambda: False, 1.0)
+        seen["gaps"] = [packet.gap for packet in after if packet.gap]
+        seen["frames_after"] = sum(len(packet.frames) for packet in after)
+        stamps = [frame.exposure_end_us for packet in packets + after for frame in packet.frames]
+        seen["ascend"] = bool((np.diff(stamps) > 0).all())
+    unload()
+    return seen
+
+
+def play_until(source: VideoCameraSource, condition: Any, seconds: float = PATIENCE_S) -> list[Any]:
+    """The packets until something is so, or for some seconds."""
+    packets: list[Any] = []
+    deadline = time.monotonic() + seconds
+    for packet in source.poll():
+        packets += [] if packet is None else [packet]
+        if condition() or time.monotonic() > deadline:
+            break
+    return packets
 
 
 def until_error(camera: VideoCamera) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 
 from neurotouch_hid.source.video.source import SEARCH_US, PictureSlicer
 
-GREY = np.full((480, 640), 90, np.uint8)
+RANDOM = np.random.default_rng(0)
 
 
 class Finder:
@@ -22,10 +22,13 @@ class Finder:
         assert pixels.shape == (260, 346)
 
 
-def play(slicer, ends_us, exposure_us=0):
-    return [
-        packet for end_us in ends_us for packet in slicer.push(GREY, end_us - exposure_us, end_us)
-    ]
+def draw():
+    """A noisy picture; no two are the same."""
+    return RANDOM.integers(80, 100, (480, 640)).astype(np.uint8)
+
+
+def play(slicer, ends_us):
+    return [packet for end_us in ends_us for packet in slicer.push(draw(), end_us, end_us)]
 
 
 def test_each_picture_is_in_the_slice_of_its_end_and_comes_at_once():
@@ -33,7 +36,7 @@ def test_each_picture_is_in_the_slice_of_its_end_and_comes_at_once():
     ends_us = [1_000, 9_300, 9_900, 41_000]
     last_us = None
     for end_us in ends_us:
-        packets = list(slicer.push(GREY, end_us - 500, end_us))
+        packets = list(slicer.push(draw(), end_us - 500, end_us))
         if packets:
             newest = packets[-1]
             assert newest.t_begin_us <= end_us < newest.t_end_us
@@ -70,12 +73,30 @@ def test_without_a_gel_some_pictures_of_a_second_are_searched_and_shown():
     shown = [frame.exposure_end_us for packet in packets for frame in packet.frames]
     assert all(after - before >= SEARCH_US for before, after in pairwise(shown))
     assert 9 <= len(shown) <= 11
-    assert slicer.view is None
+    assert not slicer.is_found
+    assert slicer.view.scale == min(346 / 640, 260 / 480)
     assert finder.n_asked <= 11 * 17
 
 
 def test_a_new_size_of_pictures_is_a_new_view():
     slicer = PictureSlicer(None, 10_000)
-    list(slicer.push(GREY, 0, 0))
+    list(slicer.push(draw(), 0, 0))
     (packet,) = slicer.push(np.full((240, 320), 200, np.uint8), 10_000, 10_000)
     assert (packet.frames[0].pixels == 200).all()
+
+
+def test_a_picture_that_came_twice_is_one_frame():
+    slicer = PictureSlicer(None, 10_000)
+    pictures = [draw() for _ in range(5)]
+    packets = [
+        packet for k in range(10) for packet in slicer.push(pictures[k // 2], k * 8_000, k * 8_000)
+    ]
+    shown = [frame.exposure_end_us for packet in packets for frame in packet.frames]
+    assert shown == [0, 16_000, 32_000, 48_000, 64_000]
+    assert slicer.n_doubled == 5
+
+
+def test_a_still_picture_without_noise_goes_on():
+    slicer, picture = PictureSlicer(None, 10_000), draw()
+    packets = [p for k in range(9) for p in slicer.push(picture, k * 10_000, k * 10_000)]
+    assert [len(packet.frames) for packet in packets] == [1, 0, 0, 0, 1, 0, 0, 0, 1]

@@ -43,7 +43,7 @@ def test_a_gel_is_found_and_brought_to_its_place(size_px, px_per_mm, rim):
     rig = middle_rig(size_px, px_per_mm, math.radians(7))
     picture = draw_gel(rig, size_px, rim)
     slicer, frames = watch([picture] * 16)
-    assert slicer.view is not None
+    assert slicer.is_found
     shown = slicer.view.to_canonical(place_dots(rig, size_px, rim))
     found = fit_rig(shown)
     assert found.px_per_mm == pytest.approx(2.5, rel=0.03)
@@ -60,6 +60,6 @@ def test_a_small_gel_beside_the_middle_of_a_cluttered_picture(off_px):
     size_px = (1920, 1200)
     rig = middle_rig(size_px, 3.5, off_px=off_px)
     slicer, _ = watch([draw_gel(rig, size_px, room=True)] * 16)
-    assert slicer.view is not None
+    assert slicer.is_found
     shown = slicer.view.to_canonical(rig.to_px(LATTICE_MM))
     assert fit_rig(shown).centre_px == pytest.approx((172.5, 129.5), abs=1.0)
