@@ -1,4 +1,4 @@
-"""What every USB device shares: standard descriptors, and the standard requests to endpoint 0."""
+"""Shared by every USB device: standard descriptors, and the standard requests to endpoint 0."""
 
 import struct
 from abc import ABC, abstractmethod

@@ -166,7 +166,7 @@ class UvcCamera:
         return False
 
     def _take(self, mode: Mode, exposed_ns: int, period_ns: int) -> Picture | None:
-        """Returns the next picture, or None if a fault takes it away."""
+        """Returns the next picture, or None if a fault strikes it."""
         kind = self.script.strike(Stage.PICTURE)
         match kind:
             case FaultKind.UNPLUG:

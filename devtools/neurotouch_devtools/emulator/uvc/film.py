@@ -1,4 +1,4 @@
-"""What the camera sees: pictures at a fixed rate, there before it is plugged in."""
+"""Pictures for the camera, at a fixed rate, there before it is plugged in."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""How host and camera agree on a mode: the probe and commit controls (UVC 1.1, 4.3.1.1)."""
+"""The agreement of host and camera on a mode: probe and commit controls (UVC 1.1, 4.3.1.1)."""
 
 import struct
 from collections.abc import Callable, Sequence
@@ -20,7 +20,7 @@ _FRAMING = 0b11  # the payloads say which picture they belong to, and where it e
 
 @dataclass(frozen=True, slots=True)
 class Agreement:
-    """What host and camera agree on: a mode and one of its intervals, in units of 100 ns."""
+    """A mode and one of its intervals, in units of 100 ns, on which host and camera agree."""
 
     mode: Mode
     interval: int
