@@ -3,7 +3,6 @@
 The slow guest only shows the pictures. What it compiles is compiled here.
 """
 
-import math
 import sys
 
 import cv2
@@ -11,24 +10,21 @@ import numpy as np
 from neurotouch_devtools.emulator.uvc.filming import film_script
 
 from neurotouch_hid.source import open_source
-from neurotouch_hid.source.simulator import StrokeTiming, pinch, push, sequence, twist
+from neurotouch_hid.source.simulator import StrokeTiming, pinch, push, sequence
 from neurotouch_hid.tracker.gel_finder import GelFinder
 
 SIZE = (320, 240)
-TIMING = StrokeTiming(attack_us=200_000, hold_us=150_000, release_us=200_000)
-STROKES = (
-    push(0.0, 10.0, timing=TIMING),
-    push(math.pi / 2, 10.0, timing=TIMING),
-    pinch(7.0, timing=TIMING),
-    twist(0.6, timing=TIMING),
-)
+TIMING = StrokeTiming(attack_us=400_000, hold_us=200_000, release_us=400_000)
+STROKES = (push(0.0, 10.0, timing=TIMING), pinch(7.0, timing=TIMING))
+TAKEN = 8
+"""One of so many pictures is shown: the guest is slow, and a push is no farther than 2 mm between
+two of them."""
 
 
 def main() -> None:
     film = film_script(sequence("some gestures", *STROKES, rest_us=400_000, gap_us=150_000))
-    # Every other picture: the guest takes half the time for a gesture.
-    half = film.pictures[::2]
-    small = [cv2.resize(picture, SIZE, interpolation=cv2.INTER_AREA) for picture in half]
+    shown = film.pictures[::TAKEN]
+    small = [cv2.resize(picture, SIZE, interpolation=cv2.INTER_AREA) for picture in shown]
     np.save(sys.argv[1], np.stack(small))
     with open_source("video:", finder=GelFinder(), wait=True):
         pass  # it has loaded its kernels

@@ -25,7 +25,7 @@ JPEG_ERROR = 3.0
 ALL = list(range(N_TAKEN))
 MOST_WAITING = 8
 """Pictures on their way when the stream ends: the kernel's buffers and what the camera holds."""
-MOVES = (("leftx", 1), ("lefty", 1), ("lefttrigger", 1), ("rightx", 1))
+MOVES = (("leftx", 1), ("lefttrigger", 1))
 """Of ``tests/kernel/film.py``, as ``profiles/spacecraft.yaml`` has them."""
 
 
@@ -148,7 +148,7 @@ def read(guest):
 
 
 def test_every_picture_that_was_sent_was_read_or_is_counted_as_lost(read):
-    assert read["n_read"] > 50
+    assert read["n_read"] > 10
     assert read["n_sent"] == read["n_read"] + read["n_lost"] + read["n_waiting"]
     assert read["n_waiting"] <= MOST_WAITING
 

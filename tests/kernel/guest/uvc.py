@@ -33,14 +33,14 @@ from tests.kernel.guest.sdl import look, open_games
 NODES = Path("/sys/class/video4linux")
 PATIENCE_S = 120.0
 READ_S = 15.0
-PLAY_S = 150.0
+PLAY_S = 90.0
 """Several times the length of the film, at the guest's rate."""
-PICTURES_PER_S = 10
+PICTURES_PER_S = 4
 """Of the camera whose pictures are played: what a guest without KVM can carry. The film has
-62 pictures a second, so it is seen in slow motion."""
+16 pictures a second, so it is seen in slow motion."""
 MOST_MARKERS = 170
-N_MOVES = 4
-FAR = 10_000
+N_MOVES = 2
+FAR = 8_000
 N_TAKEN = 10
 """Pictures; the kernel has a buffer for each, so that a slow reader loses none."""
 FAULT_AT = 4
@@ -148,21 +148,23 @@ def play(results: Path) -> dict[str, Any]:
     try:
         tell(ours, "plug")
         wait_for(list_nodes)
-        with started("spacecraft", "video:") as (process, reader):
+        with started("spacecraft", "video:", "--rate", "25") as (process, reader):
             wait_for(lambda: count_markers() > MOST_MARKERS)
             with open_games() as games:
                 before = tell(ours, "count"), ask_driver("status")
                 deadline = time.monotonic() + PLAY_S
                 while look_at(games["sdl2"], seen) < N_MOVES and time.monotonic() < deadline:
-                    time.sleep(0.02)
+                    time.sleep(0.1)
                 after = tell(ours, "count"), ask_driver("status")
-                reader.wait_for(is_pressed, PATIENCE_S)
+                with suppress(TimeoutError):  # the tests say what is wrong
+                    reader.wait_for(is_pressed, PATIENCE_S / 2)
                 tell(ours, "unplug")
                 reader.wait_until_quiet(3.0, PATIENCE_S)
                 n_unplugged = len(reader.events)
                 status = ask_driver("status")
                 tell(ours, "plug")
-                reader.wait_for(lambda events: is_pressed(events[n_unplugged:]), PATIENCE_S)
+                with suppress(TimeoutError):
+                    reader.wait_for(lambda events: is_pressed(events[n_unplugged:]), PATIENCE_S)
             process.terminate()
         return {
             **reader.report(),
@@ -260,6 +262,9 @@ def capture(node: str, pixel_format: PixelFormat) -> dict[str, Any]:
     content = data.read_bytes()
     ends = np.cumsum([size for _, size, _ in frames], dtype=int)
     pieces = [content[end - size : end] for end, (_, size, _) in zip(ends, frames, strict=True)]
+    # With two processors, uvcvideo may finish a picture before the one that came first.
+    order = sorted(range(len(frames)), key=lambda k: (frames[k][0], not frames[k][1]))
+    frames, pieces = [frames[k] for k in order], [pieces[k] for k in order]
     film = make_film().pictures
     known = {picture.tobytes(): k for k, picture in enumerate(film)}
     lumas = [read_luma(piece, pixel_format) for piece in pieces]
