@@ -142,7 +142,7 @@ def _report_camera(
 
 
 def _report_video(info: "VideoInfo", mode: str, reason: str) -> dict[str, Any]:
-    known = asdict(info) | {"node": str(info.node)}
+    known = asdict(info) | {"node": str(info.node), "source": f"video:{info.place}"}
     return {**known, "reason": reason or None, "mode": mode or None}
 
 

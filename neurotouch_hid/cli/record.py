@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 import click
 
 from neurotouch_hid import __version__
-from neurotouch_hid.cli.ui.options import Finite
+from neurotouch_hid.cli.ui.options import Finite, gel_option
 from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_json, say
 from neurotouch_hid.errors import NeuroTouchError, NotRunningError, RecordingError, SourceError
 from neurotouch_hid.partial_file import is_plain
 from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_kind, is_clip
 
 if TYPE_CHECKING:
+    from neurotouch_hid.geometry import Gel
     from neurotouch_hid.recording import Recorder, RecorderStats, Simulation
     from neurotouch_hid.recording.recorder import Item
     from neurotouch_hid.source import Source
@@ -54,6 +55,7 @@ class _Silence(KeyboardInterrupt):
     "  neurotouch record clip.aedat4                until Ctrl-C; also while the driver runs\n"
     "  neurotouch record clip.aedat4 --seconds 60 --source davis:00000216\n"
     "  neurotouch record tour.aedat4 --source sim:tour --seconds 20 --json\n"
+    "  neurotouch record clip.mkv --source video: --seconds 60\n"
     "  neurotouch record clip.mkv --source file:long.mp4 --seconds 60\n\n"
     "Play it: neurotouch run --source file:clip.aedat4"
 )
@@ -61,13 +63,14 @@ class _Silence(KeyboardInterrupt):
 @click.option(
     "--source",
     show_default="the running driver's data, else davis:",
-    help="davis:SERIAL (a camera), file:NAME.aedat4 (a recording), file:NAME.mkv (a video clip) or "
-    "sim:NAME (the simulator).",
+    help="davis:SERIAL (a camera), video:NAME (a webcam), file:NAME.aedat4 (a recording), "
+    "file:NAME.mkv (a video clip) or sim:NAME (the simulator).",
 )
 @click.option("--seconds", type=Finite(min=0.1), help="End after this many seconds of sensor time.")
 @click.option(
     "--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the simulator."
 )
+@gel_option
 @click.option("--force", is_flag=True, help="Replace OUT if it exists.")
 @plain_option
 @json_option
@@ -76,6 +79,7 @@ def command(
     source: str | None,
     seconds: float | None,
     seed: int,
+    gel: str | None,
     force: bool,
     plain: bool,
     as_json: bool,
@@ -96,14 +100,17 @@ def command(
         check_source(source)
     else:
         _require_driver_or_camera()
-    from neurotouch_hid.recording import ClipWriter, Recorder, RecordingWriter
+    from neurotouch_hid.driver.gel_settings import choose_gel, find_gel_file, read_gel_file
+    from neurotouch_hid.recording import ClipWriter, Recorder, RecordingWriter, write_gel
 
     _require_place(out, source, force=force)
+    played = source or "davis:"
+    made, gel_file = choose_gel(gel, played), read_gel_file(find_gel_file(gel, played))
     fault: NeuroTouchError | None = None
     with ExitStack() as stack:
         # The simulator has no end: without --seconds it is as slow as a camera.
         whole = source is not None and find_source_kind(source) is not SourceKind.SIMULATION
-        opened = _open(stack, source, "max" if seconds or whole else "recorded", seed)
+        opened = _open(stack, source, "max" if seconds or whole else "recorded", seed, made)
         stack.callback(_restore_signals)  # before the source is closed: that may hang
         mark = _mark(opened.source, source, seed)
         if is_clip(out):
@@ -129,7 +136,31 @@ def command(
                 "Nothing was recorded, so no file was made.",
                 hint="Is the camera plugged in? Check: neurotouch doctor",
             )
+        write_gel(out, gel_file)
+        if is_clip(out):
+            _keep_rig(source, out)
         _tell(opened.name, out, stats, fault, mark, as_json=as_json)
+
+
+def _keep_rig(source: str | None, out: Path) -> None:
+    """Writes the rig file of a clip: pictures are recorded as they are, mirrored too."""
+    from neurotouch_hid.driver.camera_settings import load_camera_config
+    from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_bytes
+    from neurotouch_hid.partial_file import write_whole
+    from neurotouch_hid.source.check import find_path
+    from neurotouch_hid.source.rig_file import rig_path
+
+    if source is None:
+        return
+    if find_source_kind(source) is SourceKind.VIDEO:
+        if load_camera_config().video.mirrored:
+            write_whole(rig_path(out), b"mirrored: true\n")
+        return
+    if not is_clip(source):
+        return
+    beside = rig_path(find_path(source))
+    if beside.exists():
+        write_whole(rig_path(out), read_bytes(beside, MAX_SETTINGS_BYTES))
 
 
 def _require_driver_or_camera() -> None:
@@ -174,14 +205,21 @@ def _require_events(opened: _Opened) -> None:
         )
 
 
-def _open(stack: ExitStack, source: str | None, speed: "Speed", seed: int) -> _Opened:
+def _open(stack: ExitStack, source: str | None, speed: "Speed", seed: int, gel: "Gel") -> _Opened:
     from neurotouch_hid.driver.camera_settings import load_camera_config
     from neurotouch_hid.source import open_source
 
     def open_one(name: str) -> "Source":
         camera = load_camera_config()
         return stack.enter_context(
-            open_source(name, speed=speed, seed=seed, camera=camera, max_delay_us=_MAX_DELAY_US)
+            open_source(
+                name,
+                speed=speed,
+                seed=seed,
+                camera=camera,
+                max_delay_us=_MAX_DELAY_US,
+                gel=gel,
+            )
         )
 
     if source is None:

@@ -11,6 +11,8 @@ FAST_MM_S: Final = 100.0
 """Speed of a hand that plays fast."""
 _LEAST_RATE: Final = 0.9
 """Share of the wanted rate below which a camera is too slow."""
+_MOST_LOST: Final = 0.05
+"""Share of pictures; while the gel is searched for, some are lost."""
 _MOST_BLUR_PX: Final = 3.0
 """Blur at that speed with which dots, 10 px apart, are still told apart."""
 
@@ -23,7 +25,7 @@ def check_video_cameras() -> Finding:
     usable = [info for info in cameras if not info.reason]
     if not usable:
         info = cameras[0]
-        return fail(
+        return warn(
             f"The video camera {info} cannot be used: {info.reason}.",
             "Log in at the machine itself, or give your user the group 'video' and log in again.",
             'sudo usermod -aG video "$(id -un)"',
@@ -49,14 +51,16 @@ def judge_pictures(source: str, stats: VideoStats) -> Finding:
     sentence = (
         f"{source}: {mode.width}x{mode.height} {mode.fourcc}, {stats.fps:.0f} of {mode.fps:.0f} "
         f"pictures/s; {_describe_exposure(stats.exposure_us)}; from its stamp to the driver "
-        f"{1e-3 * stats.latency_us:.1f} ms; {stats.n_lost} lost, {stats.n_damaged} damaged."
+        f"{1e-3 * stats.latency_us:.1f} ms; {stats.n_lost} pictures lost, {stats.n_damaged} "
+        f"damaged, {stats.n_pictures} read."
     )
+    n_missing = stats.n_lost + stats.n_damaged
+    if n_missing > _MOST_LOST * (stats.n_pictures + n_missing):
+        return warn(sentence, "Close other programs; use another USB socket or cable.")
     if stats.fps < _LEAST_RATE * mode.fps:
         return warn(
             sentence, "More light, a shorter exposure_us in camera.yaml, or another USB socket."
         )
-    if stats.n_lost or stats.n_damaged:
-        return warn(sentence, "Close other programs; use another USB socket or cable.")
     if stats.exposure_us is not None and _blur_px(stats.exposure_us) > _MOST_BLUR_PX:
         return warn(sentence, "More light, and a shorter exposure_us in camera.yaml.")
     if stats.lacking:

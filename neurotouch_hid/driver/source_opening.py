@@ -4,12 +4,13 @@ from neurotouch_hid.client import is_service_running
 from neurotouch_hid.driver.camera_settings import load_camera_config
 from neurotouch_hid.driver.options import DriverOptions
 from neurotouch_hid.errors import AlreadyRunningError, CameraError
-from neurotouch_hid.source import Source, Troubled, open_source
+from neurotouch_hid.geometry import Gel
+from neurotouch_hid.source import Periodic, Source, Troubled, open_source
 from neurotouch_hid.tracker import GelFinder
 
 
-def open_driver_source(options: DriverOptions) -> Source:
-    """Opens the source of the options.
+def open_driver_source(options: DriverOptions, gel: Gel) -> Source:
+    """Opens the source of the options; a simulation has this gel.
 
     Raises:
         AlreadyRunningError: the service has the camera.
@@ -22,8 +23,9 @@ def open_driver_source(options: DriverOptions) -> Source:
             speed=options.speed,
             seed=options.seed,
             camera=load_camera_config(options.player),
-            finder=GelFinder(),
             wait=options.wait,
+            gel=gel,
+            finder=GelFinder(gel),
         )
     except CameraError as error:
         from neurotouch_hid.source.davis import find_cameras  # noqa: PLC0415
@@ -40,6 +42,8 @@ def open_driver_source(options: DriverOptions) -> Source:
 def describe_source(source: Source) -> str:
     """Returns the name of a source, how often it failed, and why nothing comes from it."""
     said = source.name
+    if isinstance(source, Periodic) and source.n_lost:
+        said += f", pictures lost: {source.n_lost}"
     if isinstance(source, Troubled):
         if source.n_restarts:
             said += f", restarts because its data made no sense: {source.n_restarts}"

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.source.camera_source import MAX_DELAY_US
 from neurotouch_hid.source.check import find_path, refuse_source
 from neurotouch_hid.source.pacing import PacedSource
@@ -30,6 +31,7 @@ def open_source(
     wait: bool = False,
     max_delay_us: int | None = None,
     repeats: bool = False,
+    gel: Gel = PAPER_GEL,
     finder: "GelFinder | None" = None,
 ) -> Source:
     """Returns the source of a name.
@@ -51,6 +53,7 @@ def open_source(
         max_delay_us: slices of a camera that wait longer to be taken are dropped;
             if None, a limit that suits the pipeline.
         repeats: a simulated scene starts again at its end, for ever.
+        gel: the gel that is simulated.
         finder: finds the gel in the pictures of a video; without, frames show whole pictures.
 
     Raises:
@@ -87,7 +90,7 @@ def open_source(
             wait=wait,
             max_delay_us=max_delay_us or MAX_DELAY_US,
         )
-    source = _open(kind, spec, slice_us or PAPER_US, seed, repeats, finder)
+    source = _open(kind, spec, slice_us or PAPER_US, seed, repeats, gel, finder)
     return PacedSource(source) if speed == "recorded" and not source.is_live else source
 
 
@@ -97,6 +100,7 @@ def _open(
     slice_us: int,
     seed: int,
     repeats: bool,
+    gel: Gel,
     finder: "GelFinder | None",
 ) -> Source:
     # Imported here: a replay needs no simulator and its compiled kernels, and the other way round.
@@ -120,5 +124,5 @@ def _open(
     name, nuisances = read_simulation(spec.partition(":")[2])
     scene = find_scene(name)
     scene = replace(scene, endless=repeats or scene.endless)
-    config = scene_config(name)
+    config = scene_config(name).show(gel)
     return Simulator(scene, config, nuisances=nuisances, seed=seed, slice_us=slice_us)

@@ -95,6 +95,11 @@ class Periodic(Protocol):
         """Time from picture to picture as it was lately; 0 before the first."""
         ...
 
+    @property
+    def n_lost(self) -> int:
+        """Pictures that were lost, or could not be read."""
+        ...
+
 
 @runtime_checkable
 class PictureSource(Source, Protocol):

@@ -105,10 +105,12 @@ class ViewTable:
 
     Args:
         view: the map.
+        inverted: light becomes dark: the dots of the gel are dark, and all later stages know
+            light ones.
     """
 
-    def __init__(self, view: View) -> None:
-        self.view = view
+    def __init__(self, view: View, *, inverted: bool = False) -> None:
+        self.view, self.inverted = view, inverted
         self._n = n = min(max(round(1.0 / view.scale), 1), _LARGEST_BOX_PX)
         width, height = view.width_px // n, view.height_px // n
         if width < 2 or height < 2:
@@ -142,7 +144,9 @@ class ViewTable:
         if self._n > 1:
             kernels.average_boxes(part, self._n, self._row, self._boxed)
             part = self._boxed
-        kernels.interpolate(part, self._left, self._top, self._share, out)
+        kernels.interpolate(
+            part, self._left, self._top, self._share, 255 if self.inverted else 0, out
+        )
 
 
 def _list_points(view: View) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -3,27 +3,29 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import LATTICE_MM
+from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.tracker.blobs import BlobFinder
-from neurotouch_hid.tracker.lattice import LatticeConfig, find_lattice
+from neurotouch_hid.tracker.lattice import LatticeFinder
 
 
 class GelFinder:
-    """Finds the gel in one canonical picture, touched or not.
+    """Finds a gel in one canonical picture, touched or not.
+
+    Args:
+        gel: the gel.
 
     Attributes:
-        points_mm: (177, 2) float64 mm, ``geometry.LATTICE_MM``.
+        gel: the gel.
     """
 
-    points_mm = LATTICE_MM
-
-    def __init__(self) -> None:
-        self._blobs, self._config = BlobFinder(), LatticeConfig()
+    def __init__(self, gel: Gel = PAPER_GEL) -> None:
+        self.gel = gel
+        self._blobs, self._lattice = BlobFinder(), LatticeFinder(gel)
 
     def find(self, pixels: NDArray[np.uint8]) -> NDArray[np.float64] | None:
-        """Returns the dots in a picture, (260, 346) uint8, as (177, 2) px; None without a gel."""
-        centroid_px = self._blobs.find(pixels).centroid_px
-        lattice, config = find_lattice(centroid_px, self._config), self._config
-        if lattice is None or lattice.n_found < config.min_found:
+        """Returns the dots in a picture, (260, 346) uint8, as (n, 2) px; None without the gel."""
+        lattice = self._lattice.find(self._blobs.find(pixels).centroid_px)
+        limits = self._lattice.config
+        if lattice is None or lattice.share < limits.min_share or lattice.aside > limits.max_aside:
             return None
-        return None if lattice.aside_mm > config.max_aside_mm else lattice.position_px
+        return lattice.position_px

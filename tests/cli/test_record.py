@@ -15,10 +15,12 @@ from dataclasses import asdict
 
 import pytest
 
+from neurotouch_hid.cli.record import _keep_rig
 from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.recording import Clip, Recording, RecordingWriter
 from neurotouch_hid.recording.wire import send_packet
 from neurotouch_hid.source.idle import LONGEST_US
+from neurotouch_hid.source.rig_file import load_rig_file
 from tests.recording.clips import draw, write_clip
 from tests.recording.streams import make_packets
 from tests.recording.test_writer import count, count_with_the_maker
@@ -439,6 +441,7 @@ def test_a_clip_is_recorded_as_it_is(record, tmp_path):
     pictures = [draw(k) for k in range(20)]
     stamps = [0, *(k * 8_000 + 123 for k in range(1, 20))]
     source = write_clip(tmp_path / "a.mp4", pictures, stamps)
+    (tmp_path / "a.rig.yaml").write_text("mirrored: true\n")
     done = record(tmp_path / "b.mkv", "--source", f"file:{source}", "--json")
     assert done.returncode == 0, done.stderr
     report = json.loads(done.stdout)
@@ -446,6 +449,7 @@ def test_a_clip_is_recorded_as_it_is(record, tmp_path):
     before, after = list(Clip(source)), list(Clip(tmp_path / "b.mkv"))
     assert [p.exposure_end_us for p in after] == stamps
     assert [p.jpeg for p in after] == [p.jpeg for p in before]
+    assert (tmp_path / "b.rig.yaml").read_text() == "mirrored: true\n"
 
 
 def test_a_clip_is_recorded_in_part(record, tmp_path):
@@ -473,3 +477,14 @@ def test_what_does_not_go_together_is_refused(record, tmp_path, out, source, wor
     assert done.returncode == 4
     assert words in done.stderr
     assert not (tmp_path / out).exists()
+
+
+@pytest.mark.parametrize("is_mirrored", [True, False])
+def test_a_camera_that_sees_the_gel_mirrored_leaves_a_rig_file(tmp_path, monkeypatch, is_mirrored):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    (tmp_path / "neurotouch").mkdir()
+    (tmp_path / "neurotouch/camera.yaml").write_text(f"mirrored: {str(is_mirrored).lower()}\n")
+    _keep_rig("video:", tmp_path / "a.mkv")
+    rig = tmp_path / "a.rig.yaml"
+    assert rig.exists() is is_mirrored
+    assert not is_mirrored or load_rig_file(rig).mirrored

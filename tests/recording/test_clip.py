@@ -160,13 +160,13 @@ def test_a_playlist_under_a_clip_s_name_opens_nothing(tmp_path):
             Clip(path)
 
 
-def test_a_clip_that_refers_to_another_file_gets_nothing_from_it(tmp_path):
-    """QuickTime's data references can name other files; here the media data lie elsewhere."""
+def test_a_clip_whose_data_are_said_to_lie_elsewhere_is_refused(tmp_path):
+    """QuickTime's data references can name other files."""
     pictures = [draw(k, (320, 240)) for k in range(3)]
     whole = write_clip(tmp_path / "b.mp4", pictures, [0, 33_000, 66_000], "mjpeg").read_bytes()
     here = b"\x00\x00\x00\x0curl \x00\x00\x00\x01"
     assert here in whole
-    # The same number of bytes, so that all places stay: an alias to a file called b.mp4.
+    # The same number of bytes, so that all places stay.
     begin = whole.index(b"mdat") + 4
     emptied = (
         whole[:begin] + bytes(whole.index(b"moov") - 4 - begin) + whole[whole.index(b"moov") - 4 :]

@@ -295,7 +295,7 @@ def test_a_source_of_pictures_may_miss_one_and_is_given_up_before_three(
     class Video:
         name, rig = "video:", None
         is_live, is_simulated = True, False
-        period_s = 1 / fps
+        period_s, n_lost = 1 / fps, 0
 
         def __iter__(self):
             raise AssertionError

@@ -70,7 +70,7 @@ class Comparison:
         if markers.rest_px is not self._rest_px:
             self._rest_px = markers.rest_px
             known = np.isfinite(markers.rest_px).all(axis=1).sum() >= 2
-            self.rig = fit_rig(markers.rest_px) if known else None
+            self.rig = fit_rig(markers.rest_px, markers.gel) if known else None
 
 
 def map_truth(truth: Truth, view: View | None) -> Truth:

@@ -149,7 +149,7 @@ def evaluate_file(path: Path, options: DriverOptions = REFERENCE) -> Played:
         comparison = Comparison(LabelTrack(labels), find_view)
         comparison.tally.host_s = driver.run([comparison]).host_s
         seen = [map_truth(label, find_view()) for label in labels]
-    statistics = LabelStatistics.of(seen, comparison.rig)
+    statistics = LabelStatistics.of(seen, comparison.rig, driver.gel)
     return Played(comparison.tally, comparison.worst.ranked(), statistics)
 
 

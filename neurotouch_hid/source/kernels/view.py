@@ -43,6 +43,7 @@ def interpolate(
     left: NDArray[np.int16],
     top: NDArray[np.int16],
     share: NDArray[np.uint16],
+    flipped: int,
     out: NDArray[np.uint8],
 ) -> None:
     """Writes a picture whose pixels lie between those of another.
@@ -53,6 +54,7 @@ def interpolate(
         top: (height, width) int16, the row above each point, at most h - 2.
         share: (2, height, width) uint16, weight of the pixel right of it and below it, 0 to
             ``ONE``.
+        flipped: bits that change: 0, or 255 for the negative.
         out: (height, width) uint8, written.
     """
     for y in range(out.shape[0]):
@@ -61,4 +63,5 @@ def interpolate(
             right, below = np.int32(share[0, y, x]), np.int32(share[1, y, x])
             upper = pixels[i, j] * (ONE - right) + pixels[i, j + 1] * right
             lower = pixels[i + 1, j] * (ONE - right) + pixels[i + 1, j + 1] * right
-            out[y, x] = (upper * (ONE - below) + lower * below + ONE * ONE // 2) // (ONE * ONE)
+            total = upper * (ONE - below) + lower * below
+            out[y, x] = (total + ONE * ONE // 2) // (ONE * ONE) ^ flipped

@@ -31,6 +31,7 @@ class VideoCamera(Closing):
         mode: the pictures that it agreed to send.
         exposure_us: their exposure; None if it does not say.
         lacking: what could not be fixed, a sentence each.
+        stamp_us: the stamp of the newest picture, µs of CLOCK_MONOTONIC.
         n_lost: pictures that were lost so far.
         n_damaged: pictures that came, but could not be read.
         n_unstamped: pictures without a usable stamp; they have the time of their arrival.
@@ -40,7 +41,7 @@ class VideoCamera(Closing):
     """
 
     def __init__(self, node: Path, config: VideoConfig, linux: Linux | None = None) -> None:
-        self.n_lost = self.n_damaged = self.n_unstamped = 0
+        self.stamp_us = self.n_lost = self.n_damaged = self.n_unstamped = 0
         self._device = device = CaptureDevice(node, linux)
         try:
             if not device.is_camera:
@@ -86,6 +87,7 @@ class VideoCamera(Closing):
         picture = self._device.take(timeout_s)
         if picture is None:
             return None
+        self.stamp_us = picture.t_us
         self.n_lost += picture.n_lost
         self.n_unstamped += not picture.has_stamp
         pixels = None if picture.is_damaged else self._reader.read(picture.data)

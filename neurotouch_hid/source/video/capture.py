@@ -308,16 +308,22 @@ class CaptureDevice(Closing):
             self._queue(index)
         if not self._linux.wait(self._require_open(), timeout_s):
             return None
-        newest, n_older = self._take_newest()
+        newest, n_older, n_empty = self._take_newest()
         if newest is None:
+            if n_empty:
+                return None
             raise CameraGoneError(f"The camera {self} reports an error instead of a picture.")
         self._taken = newest.index
         return self._describe(newest, n_older)
 
-    def _take_newest(self) -> tuple[v4l2.Buffer | None, int]:
-        """Returns the newest filled buffer, and how many older ones were given back."""
+    def _take_newest(self) -> tuple[v4l2.Buffer | None, int, int]:
+        """Returns the newest picture's buffer, and how many older and how many empty ones came.
+
+        After an error on the wire ``uvcvideo`` gives all buffers back empty, without number and
+        stamp; the numbers of the next pictures tell what was lost.
+        """
         newest: v4l2.Buffer | None = None
-        n_older = 0
+        n_older = n_empty = 0
         for _ in range(2 * len(self._views)):  # a driver that fills them faster than this lies
             buffer = self._make_buffer(0)
             try:
@@ -328,11 +334,15 @@ class CaptureDevice(Closing):
                 raise self._explain(error, "read") from error
             if buffer.index >= len(self._views):
                 raise self._refuse(f"buffer {buffer.index} of {len(self._views)}")
+            if buffer.flags & v4l2.BUF_FLAG_ERROR and not buffer.bytesused:
+                n_empty += 1
+                self._queue(buffer.index)
+                continue
             if newest is not None:
                 n_older += 1
                 self._queue(newest.index)
             newest = buffer
-        return newest, n_older
+        return newest, n_older, n_empty
 
     def _describe(self, buffer: v4l2.Buffer, n_older: int) -> Picture:
         view = self._views[buffer.index]

@@ -54,8 +54,8 @@ def find_video_cameras(linux: Linux | None = None) -> tuple[VideoInfo, ...]:
         except CameraBusyError:
             found.append(VideoInfo(node, reason="in use by another program"))
         except CameraError as error:
-            no_right = not os.access(node, os.R_OK | os.W_OK)
-            reason = f"no right to read and write {node}" if no_right else error.message
+            is_forbidden = isinstance(error.__cause__, PermissionError)
+            reason = f"no right to read and write {node}" if is_forbidden else error.message
             found.append(VideoInfo(node, reason=reason))
     return tuple(found)
 

@@ -10,7 +10,6 @@ from typing import Final
 
 import numpy as np
 
-from neurotouch_hid.driver_state import SourceFacts
 from neurotouch_hid.errors import CameraError
 from neurotouch_hid.recording import Picture
 from neurotouch_hid.source.camera_errors import CameraAbsentError
@@ -32,6 +31,8 @@ SLICES_US: Final = (4_000, 10_000)
 """Shortest and longest slice: one picture each, where its rate allows that."""
 SILENCE_S: Final = 2.0
 """A camera that sends no usable picture for this long has failed."""
+START_S: Final = 5.0
+"""The same before its first picture."""
 SEARCH_S: Final = 1.5
 """How long a camera is watched for a gel, if there are several."""
 _SLOW: Final = 0.8
@@ -57,10 +58,11 @@ class VideoStats:
         lacking: what could not be fixed, a sentence each.
         fps: pictures/s that come; 0 before the first.
         n_connects: times it was opened.
+        n_pictures: pictures that were read.
         n_lost: pictures that were lost.
         n_damaged: pictures that could not be read.
         n_unstamped: pictures without a usable stamp.
-        latency_us: median from the end of the exposure to the packet; 0 before the first picture.
+        latency_us: median from the stamp of a picture to its packet; 0 before the first.
         trouble: why it does not stream, or an empty string.
     """
 
@@ -70,6 +72,7 @@ class VideoStats:
     lacking: tuple[str, ...]
     fps: float
     n_connects: int
+    n_pictures: int
     n_lost: int
     n_damaged: int
     n_unstamped: int
@@ -116,6 +119,7 @@ class VideoCameraSource(CameraSource):
         self._linux = linux or Linux()
         self._info: VideoInfo | None = None
         self._present: tuple[VideoInfo, ...] = ()
+        self._others: set[str] = set()  # places of the cameras beside the one that played last
         self._camera: VideoCamera | None = None
         self._played: VideoCamera | None = None
         self._counts = (0, 0, 0)  # of the cameras before
@@ -125,7 +129,7 @@ class VideoCameraSource(CameraSource):
         self._said: set[str] = set()
         self._pictures: deque[Picture] | None = None
         self._slicer: PictureSlicer | None = None
-        self._n_dropped = 0
+        self._n_dropped = self._n_pictures = 0
         self._latencies_us: deque[int] = deque(maxlen=250)
         _load_kernels(finder)
         if not wait:
@@ -144,10 +148,11 @@ class VideoCameraSource(CameraSource):
             while pictures:
                 yield pictures.popleft()
 
-    def tell_facts(self) -> SourceFacts:
-        """Returns how many pictures were lost, for viewers."""
+    @property
+    def n_lost(self) -> int:
+        """Pictures that were lost, or could not be read."""
         stats = self.stats()
-        return {"lost": stats.n_lost + stats.n_damaged}
+        return stats.n_lost + stats.n_damaged
 
     @property
     def period_s(self) -> float:
@@ -175,6 +180,7 @@ class VideoCameraSource(CameraSource):
             lacking=() if camera is None else camera.lacking,
             fps=1.0 / self._period_s if self._period_s else 0.0,
             n_connects=self._n_connects,
+            n_pictures=self._n_pictures,
             n_lost=n_lost + self._n_dropped,
             n_damaged=n_damaged,
             n_unstamped=n_unstamped,
@@ -189,8 +195,6 @@ class VideoCameraSource(CameraSource):
         candidates = self._list_candidates()
         try:
             info = candidates[0] if len(candidates) == 1 else self._find_gel(candidates)
-            if info.reason:
-                raise CameraError(f"The camera {info} cannot be opened: {info.reason}.")
             self._camera = VideoCamera(info.node, self._config, self._linux)
         except CameraAbsentError:
             raise
@@ -198,17 +202,22 @@ class VideoCameraSource(CameraSource):
             self._n_failures += 1
             raise
         self._info = info
+        self._others = {each.bus_info for each in self._present if each != info}
 
     def _list_candidates(self) -> tuple[VideoInfo, ...]:
-        """Returns the cameras to choose from: the one that played last, or those of the name."""
+        """Returns the cameras to choose from: the one that played last, or those of the name.
+
+        Of several of one model, the one that played last is known by its place, or by a new place.
+        """
         before = self._info
         if before is None:
             return select_video_cameras(self._present, self._chosen)
         same = [info for info in self._present if info.name == before.name]
         there = [info for info in same if info.bus_info == before.bus_info]
-        if not same:
+        moved = [info for info in same if info.bus_info not in self._others]
+        if not (there or moved):
             raise CameraAbsentError(f"The camera {before.name} is not plugged in.")
-        return tuple(there or same)[:1]
+        return tuple(there or moved)[:1]
 
     def _find_gel(self, candidates: tuple[VideoInfo, ...]) -> VideoInfo:
         """Returns the only camera that shows a gel.
@@ -282,37 +291,40 @@ class VideoCameraSource(CameraSource):
         """Hands over the slices of a camera until it fails or the source is closed."""
         heard_s = begun_s = time.monotonic()
         silence_s = max(SILENCE_S, 4.0 * self._period_s)
-        n_pictures = 0
+        n_pictures = n_lost = 0
         while not self._closing.is_set():
             looked_s = time.monotonic()
             picture = camera.take(POLL_S, keeps_jpeg=self._pictures is not None)
             if picture is None:
-                if looked_s - heard_s > silence_s:
+                if looked_s - heard_s > (silence_s if n_pictures else START_S):
                     what = "only damaged pictures" if camera.n_damaged else "no pictures"
                     raise CameraError(f"The camera {camera.name} sends {what}.")
                 continue
             now_s = time.monotonic()
             if n_pictures == 0:
                 self._start(picture)
-                begun_s = now_s
+                begun_s, n_lost = now_s, camera.n_lost
             else:
                 self._learn_period(now_s - heard_s)
             heard_s = now_s
             self._hand_over(slicer, picture, is_first=n_pictures == 0)
+            self._latencies_us.append(time.monotonic_ns() // 1000 - camera.stamp_us)
             n_pictures += 1
+            self._n_pictures += 1
             if n_pictures == _RATE_PICTURES:
-                self._check_rate(camera, (n_pictures - 1) / max(now_s - begun_s, 1e-6))
+                n_sent = n_pictures - 1 + camera.n_lost - n_lost
+                self._check_rate(camera, n_sent / max(now_s - begun_s, 1e-6))
 
     def _start(self, picture: Picture) -> None:
-        if self._origin_us is None:
-            self._origin_us = picture.exposure_end_us
-        self._end_us = max(self._end_us, picture.exposure_end_us - self._origin_us)
-        self._note_start(self._end_us)
+        """Notes the first picture; its time is never before the end of the last slice."""
+        latest_us = picture.exposure_end_us - self._end_us
+        origin_us = latest_us if self._origin_us is None else min(self._origin_us, latest_us)
+        self._origin_us = origin_us
+        self._note_start(picture.exposure_end_us - origin_us)
 
     def _hand_over(self, slicer: PictureSlicer, picture: Picture, *, is_first: bool) -> None:
         origin_us = self._origin_us or 0
-        # Stamps of a camera that is back may be earlier than the last slice.
-        end_us = max(picture.exposure_end_us - origin_us, self._end_us)
+        end_us = picture.exposure_end_us - origin_us
         exposure_us = picture.exposure_end_us - picture.exposure_begin_us
         gap = int(is_first and self._n_connects > 1)
         if self._pictures is not None:
@@ -325,7 +337,6 @@ class VideoCameraSource(CameraSource):
             self._queue.put(replace(packet, gap=gap) if gap else packet)
             self._end_us = max(self._end_us, packet.t_end_us)
             gap = 0
-        self._latencies_us.append(time.monotonic_ns() // 1000 - picture.exposure_end_us)
         self._note_progress(self._end_us)
 
     def _keep(self, picture: Picture) -> None:

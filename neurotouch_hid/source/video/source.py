@@ -17,8 +17,10 @@ from neurotouch_hid.source.slicer import Slicer
 from neurotouch_hid.source.video.view_search import GelFinder, ViewSearch
 from neurotouch_hid.source.view import View, ViewTable, whole_view
 
-SEARCH_US: Final = 100_000
-"""Time between two searched pictures."""
+SEARCH_US: Final = (500_000, 100_000)
+"""Time between two searched pictures, usually and at the start."""
+CHECK_US: Final = 2_000_000
+"""Time between two looks whether the gel is still in its view."""
 _MOST_DOUBLED: Final = 3
 """Repetitions of one picture that are left out in a row; a still picture without any noise goes
 on after them."""
@@ -91,15 +93,19 @@ class PictureSlicer:
         table = self._table
         if table is None or pixels.shape != (table.view.height_px, table.view.width_px):
             height_px, width_px = pixels.shape
-            table = ViewTable(whole_view(width_px, height_px, mirrored=self._mirrored))
+            whole = whole_view(width_px, height_px, mirrored=self._mirrored)
+            is_dark = self._finder is not None and not self._finder.gel.light
+            table = ViewTable(whole, inverted=is_dark)
             self._search = None if self._finder is None else ViewSearch(self._finder, table)
             self._searched_us = None
-        if (search := self._search) is not None and not search.is_found:
-            waits = self._searched_us is not None and end_us < self._searched_us + SEARCH_US
-            if waits and not search.is_promising:
+        if (search := self._search) is not None:
+            after_us = CHECK_US if search.is_found else SEARCH_US[search.is_eager]
+            waits = self._searched_us is not None and end_us < self._searched_us + after_us
+            if not waits or search.is_promising:
+                self._searched_us = end_us
+                search.update(pixels)
+            elif not search.is_found:
                 return None
-            self._searched_us = end_us
-            search.update(pixels)
             table = search.table
         self._table = table
         canonical = np.empty((SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX), np.uint8)

@@ -89,6 +89,12 @@ class FakeCamera:
         """Sends some pictures now."""
         self._send([time.monotonic() for _ in range(n)])
 
+    def fail(self):
+        """An error on the wire: a picture is lost, and all buffers come back empty (uvcvideo)."""
+        self.n_sent += 1
+        while self.queued:
+            self.filled.append((self.queued.popleft(), None, 0, 0.0))
+
     def _send(self, times_s):
         for at_s in times_s:
             k = self.n_sent
@@ -97,7 +103,9 @@ class FakeCamera:
                 continue
             index = self.queued.popleft()
             data = self.encode(k) if self.encode else self._encode(k)
-            self.memory[index][: len(data)] = data
+            memory = self.memory[index % len(self.memory)] or bytearray()
+            data = data[: len(memory)]  # of another size, if it has lied
+            memory[: len(data)] = data
             self.filled.append((index, k, len(data), at_s))
             self.sent_s.append(at_s)
 
@@ -197,8 +205,8 @@ class FakeCamera:
         if not self.filled:
             raise OSError(errno.EAGAIN, "nothing there")
         index, k, n_bytes, at_s = self.filled.popleft()
-        answer.index, answer.bytesused, answer.sequence = index, n_bytes, k
-        answer.flags = self.flags
+        answer.index, answer.bytesused, answer.sequence = index, n_bytes, k or 0
+        answer.flags = self.flags | v4l2.BUF_FLAG_ERROR * (k is None)
         answer.timestamp.seconds, rest_s = divmod(at_s, 1)[0].__int__(), at_s % 1
         answer.timestamp.microseconds = int(1e6 * rest_s)
 
@@ -253,7 +261,7 @@ class FakeLinux:
     def map(self, descriptor, length, offset):
         camera = self._open[descriptor]
         memory = mmap.mmap(-1, length)
-        camera.memory[offset // camera.n_bytes] = memory
+        camera.memory[offset // camera.n_bytes % len(camera.memory)] = memory
         camera.n_mapped += 1
         return memory
 

@@ -7,10 +7,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from neurotouch_hid import open_gel
+from neurotouch_hid import Driver, DriverOptions, open_gel
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.evaluation.accuracy import evaluate_files
-from neurotouch_hid.geometry import fit_rig
+from neurotouch_hid.geometry import PAPER_GEL, fit_rig
 from neurotouch_hid.recording import (
     Clip,
     ClipWriter,
@@ -67,7 +67,9 @@ def test_every_size_shows_the_gel_in_its_place(tmp_path, lens):
     with open_source(f"file:{path}", speed="max", finder=GelFinder()) as source:
         assert isinstance(source, PictureSource)
         frames = [frame for packet in source for frame in packet.frames]
-    found = fit_rig(GelFinder().find(frames[1].pixels))  # the first one that was confirmed
+    found = fit_rig(
+        GelFinder().find(frames[1].pixels), PAPER_GEL
+    )  # the first one that was confirmed
     assert found.px_per_mm == pytest.approx(2.5, rel=0.03)
     assert found.centre_px == pytest.approx((172.5, 129.5), abs=2.0)
     assert source.view.width_px, source.view.height_px == lens.size_px
@@ -128,3 +130,40 @@ def test_a_real_gel_is_read_with_its_stamps(real_gel):
     assert clip.n_left_out == 0
     assert all(20 < p.pixels.mean() < 235 for p in pictures)
     assert len({p.pixels.tobytes() for p in pictures}) > 200
+
+
+REAL_GEL = """\
+version: 1
+name: gelsight-mini
+layout: {kind: grid, columns: 10, rows: 7, pitch_mm: 2.03}
+dot_mm: 0.63
+dots: dark
+dome_height_mm: 0
+"""
+
+
+def test_a_real_gel_is_found_and_followed_to_the_end(real_gel, tmp_path):
+    path = tmp_path / "real.avi"
+    shutil.copy(real_gel, path)
+    (tmp_path / "real.gel.yaml").write_text(REAL_GEL)
+    options = DriverOptions(source=f"file:{path}", device="memory", speed="max", listens=False)
+    with Driver(options) as driver:
+        steps = list(driver.steps())
+        view = driver.source.view
+    assert steps[4].gel.is_found  # the first picture is at 0 s
+    fields = [step.markers for step in steps[4:]]
+    assert {len(field.valid) for field in fields} == {70}
+    # One column of ten is half out of the picture while fingers push it there.
+    assert min(field.valid.sum() for field in fields) >= 54
+    moved = np.hypot(*(fields[-1].position_px - fields[-1].rest_px).T)
+    assert np.median(moved) < 1.0  # the fingers have gone: a dot of its own, not its neighbour
+    assert moved.max() < 4.0  # of 10 px to the next one
+    largest = max(np.hypot(*(f.position_px - f.rest_px).T).max() for f in fields)
+    assert largest > 3.0  # it was really pushed
+    kinds = {step.gesture.kind for step in steps}
+    assert kinds == {GestureKind.NONE, GestureKind.PUSH}  # looked at: one finger at a time
+    assert all(step.gesture.kind is GestureKind.NONE for step in steps if step.gesture.t_us < 2e6)
+    contacts = np.concatenate([s.gesture.contacts_px for s in steps if s.gesture.kind])
+    seen = view.to_sensor(contacts)
+    assert (seen > -32).all()  # within a pitch of the picture
+    assert (seen < (352, 272)).all()

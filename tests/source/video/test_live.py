@@ -8,9 +8,9 @@ from itertools import islice, pairwise
 import numpy as np
 import pytest
 
+from neurotouch_hid.driver.source_opening import describe_source
 from neurotouch_hid.errors import CameraError
 from neurotouch_hid.source import (
-    FactTelling,
     Periodic,
     PictureSource,
     PolledSource,
@@ -73,7 +73,7 @@ def assert_sound(packets):
 def test_each_picture_is_a_frame_of_one_of_the_slices():
     fake = FakeCamera(formats=FAST)
     with open_video(FakeLinux(fake)) as source:
-        for protocol in (PolledSource, Periodic, Troubled, FactTelling):
+        for protocol in (PolledSource, Periodic, Troubled):
             assert isinstance(source, protocol)
         assert source.name == "video:usb-0000:00:14.0-2"
         packets = take(source, 30)
@@ -85,9 +85,22 @@ def test_each_picture_is_a_frame_of_one_of_the_slices():
     assert len(levels) + stats.n_lost >= 25
     assert packets[0].t_begin_us == 0
     assert (stats.n_connects, stats.n_damaged, stats.trouble) == (1, 0, "")
-    assert source.tell_facts() == {"lost": stats.n_lost}
+    assert source.n_lost == stats.n_lost
+    words = f", pictures lost: {stats.n_lost}" if stats.n_lost else ""
+    assert describe_source(source) == f"{source.name}{words}"
     assert 0.005 < source.period_s < 0.05
     assert fake.n_open == 0
+
+
+def test_frames_keep_the_stamps_of_the_driver_also_within_a_slice():
+    fake = FakeCamera(formats={"YUYV": {(320, 240): (100,)}})
+    fake.is_asked = True
+    with open_video(FakeLinux(fake), slice_us=50_000) as source:
+        packets = take(source, 3)
+    ends_us = [frame.exposure_end_us for packet in packets for frame in packet.frames]
+    sent_us = [round(1e6 * (sent_s - fake.sent_s[0])) for sent_s in fake.sent_s[: len(ends_us)]]
+    assert len(ends_us) > 5
+    assert ends_us == pytest.approx(sent_us, abs=2, rel=0)
 
 
 def test_a_camera_that_is_back_is_the_same_one_at_its_place_or_by_its_name(caplog):
@@ -114,6 +127,22 @@ def test_a_camera_that_is_back_is_the_same_one_at_its_place_or_by_its_name(caplo
     assert "The camera usb-0000:00:14.0-3 plays." in caplog.text
 
 
+def test_another_camera_of_the_same_model_never_takes_its_place():
+    ours, twin = FakeCamera("Rig", "usb-2", FAST), FakeCamera("Rig", "usb-3", FAST)
+    linux = FakeLinux(ours, twin)
+    with open_video(linux, "usb-2") as source:
+        take(source, 2)
+        linux.unplug(0)
+        play_until(source, lambda: source.trouble)
+        time.sleep(0.1)
+        assert source.trouble == "The camera Rig is not plugged in."
+        assert twin.n_mapped == 0
+        ours.bus_info = "usb-4"
+        linux.cameras[0] = ours
+        play_until(source, lambda: not source.trouble)
+        assert source.stats().info.bus_info == "usb-4"
+
+
 def test_a_camera_that_stops_is_started_again(monkeypatch):
     monkeypatch.setattr("neurotouch_hid.source.video.live.SILENCE_S", 0.1)
     fake = FakeCamera(formats=FAST)
@@ -137,7 +166,7 @@ def test_a_camera_that_sends_only_damaged_pictures_says_so(monkeypatch):
         play_until(source, lambda: source.trouble)
         assert source.trouble == "The camera UVC Camera sends only damaged pictures."
         assert source.stats().n_damaged > 0
-        assert source.tell_facts()["lost"] >= source.stats().n_damaged
+        assert source.n_lost >= source.stats().n_damaged
 
 
 def test_a_camera_that_lies_about_its_rate_is_told_once_and_its_true_period_counts(
