@@ -20,6 +20,11 @@ class PacketQueue:
         self._ready = threading.Condition()
         self._ended = False
 
+    def make_room(self, least: int) -> None:
+        """Lets at least so many slices wait."""
+        with self._ready:
+            self._limit = max(self._limit, least)
+
     def put(self, packet: EventPacket) -> None:
         """Adds a slice; drops the oldest if there are too many."""
         with self._ready:

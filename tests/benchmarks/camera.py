@@ -24,8 +24,9 @@ from pathlib import Path
 import numpy as np
 from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera
 from neurotouch_devtools.emulator import registers as reg
-from neurotouch_devtools.emulator.requests import ControlEndpoint, Setup
+from neurotouch_devtools.emulator.requests import ControlEndpoint
 from neurotouch_devtools.emulator.transfers import DataEndpoint
+from neurotouch_devtools.emulator.usb import Setup
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 from neurotouch_hid.source.camera_source import PatientWatch

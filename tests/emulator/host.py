@@ -3,7 +3,7 @@
 import numpy as np
 from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera
 from neurotouch_devtools.emulator.port import Port
-from neurotouch_devtools.emulator.requests import Setup
+from neurotouch_devtools.emulator.usb import Setup
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 from tests.emulator.listener import Listener

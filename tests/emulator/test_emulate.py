@@ -36,3 +36,16 @@ def test_a_fault_it_does_not_know_is_refused():
     done = emulate("--fault", "smoke")
     assert done.returncode == 3
     assert "'smoke' is not a fault" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--without", "gain"], "Only a webcam can lack a setting"),
+        (["--camera", "ps3"], "Choices: davis, uvc"),
+    ],
+)
+def test_what_does_not_fit_together_is_refused(arguments, words):
+    done = emulate(*arguments)
+    assert done.returncode == 2
+    assert words in done.stderr

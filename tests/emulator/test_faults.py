@@ -73,7 +73,7 @@ def test_a_request_is_never_answered_but_can_be_cancelled():
     assert not host.port.cancel(1)
 
 
-@pytest.mark.parametrize("stage", Stage)
+@pytest.mark.parametrize("stage", [stage for stage in Stage if stage is not Stage.PICTURE])
 def test_it_can_be_unplugged_at_every_stage(stage):
     host = Host(make_scene(), faults=[Fault(FaultKind.UNPLUG, stage)])
     steps = {

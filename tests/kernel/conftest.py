@@ -52,7 +52,7 @@ def machines(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
             [*program, machine],
             folder,
             time_limit_s=TIME_LIMIT_S,
-            n_processors=2 if machine == "processors" else 1,
+            n_processors=2 if machine in ("processors", "video") else 1,
         )
         (folder / "console.txt").write_text(console)
         return folder
@@ -96,6 +96,8 @@ def prepare(machine: str, recording: Path) -> None:
     run("tests.kernel.tour", str(recording))
     if machine == "cameras":
         run("tests.kernel.davis")
+    if machine == "video":
+        run("tests.kernel.film", str(recording.with_name("film.npy")))
     COMPILED.mkdir(parents=True, exist_ok=True)
     with (COMPILED / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)  # both machines play the line; it is compiled once

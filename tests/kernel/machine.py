@@ -24,6 +24,7 @@ PACKAGES = {
     "ip": "iproute2",
     "qemu-system-x86_64": "qemu-system-x86",
     "udevadm": "udev",
+    "v4l2-ctl": "v4l-utils",
 }
 """The programs that are needed here or in the guest, and the Debian packages that hold them."""
 
@@ -45,7 +46,7 @@ def choose_machine(test_file: str) -> str:
     """Which of the machines plays the chapters that a file of tests asks about."""
     if test_file.startswith("test_processor"):
         return "processors"
-    if test_file.startswith("test_video"):
+    if test_file.startswith(("test_video", "test_uvc")):
         return "video"
     return "cameras" if test_file.startswith(CAMERA_TESTS) else "pads"
 

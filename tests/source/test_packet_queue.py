@@ -27,3 +27,12 @@ def test_a_head_that_was_not_taken_in_time_is_forgotten():
     assert queue.take(0) is whole
     assert whole.gap == 0
     assert queue.take(0) is None
+
+
+def test_slices_that_come_at_once_find_room():
+    queue = PacketQueue(2)
+    queue.make_room(4)
+    for k in range(5):
+        queue.put(make(k))
+    assert [queue.take(0).t_begin_us for _ in range(4)] == [1, 2, 3, 4]
+    assert queue.take(0) is None

@@ -10,6 +10,8 @@ import click
 from neurotouch_hid.cli.ui.options import seconds_option
 
 if TYPE_CHECKING:
+    from neurotouch_devtools.emulator import Fault
+    from neurotouch_devtools.emulator.port import Camera
     from neurotouch_hid.messages import EventPacket
 
 _POLL_S = 0.5
@@ -20,15 +22,25 @@ _POLL_S = 0.5
     "  sudo modprobe vhci-hcd                           once, on Debian and most others\n"
     "  sudo neurotouch emulate                          then, elsewhere: neurotouch run\n"
     "  sudo neurotouch emulate --source file:play.aedat4 --serial 00000042 --usb2\n"
-    "  sudo neurotouch emulate --fault stall@configure+3 --fault unplug@stream+1000\n\n"
+    "  sudo neurotouch emulate --fault stall@configure+3 --fault unplug@stream+1000\n"
+    "  sudo neurotouch emulate --camera uvc              then: neurotouch run --source video:\n"
+    "  sudo neurotouch emulate --camera uvc --without gain --fault dropped+500x20\n\n"
     "Ctrl-C unplugs it. neurotouch emulate --list-faults lists the faults."
+)
+@click.option(
+    "--camera",
+    "kind",
+    type=click.Choice(["davis", "uvc"]),
+    default="davis",
+    show_default=True,
+    help="A DAVIS-346, or a webcam that takes up to 125 pictures a second.",
 )
 @click.option(
     "--source",
     default="sim:tour",
     show_default=True,
     help="What the camera sees: sim:NAME (with nuisances: sim:tour,bump=3,mild) or "
-    "file:NAME.aedat4; again from the start when it ends.",
+    "file:NAME.aedat4, which a webcam cannot show; again from the start when it ends.",
 )
 @click.option("--serial", default="00000001", show_default=True, help="Eight digits on real ones.")
 @click.option("--usb2", is_flag=True, help="As on a USB 2 port.")
@@ -37,19 +49,27 @@ _POLL_S = 0.5
     "faults",
     multiple=True,
     metavar="KIND[@STAGE][+AFTER][xTIMES]",
-    help="A fault: kind, stage, requests or transfers before it, and how often; repeatable.",
+    help="A fault: kind, stage, what goes well before it, and how often; repeatable.",
+)
+@click.option(
+    "--without",
+    multiple=True,
+    metavar="SETTING",
+    help="A setting that the webcam has not, such as exposure, gain, focus; repeatable.",
 )
 @click.option("--list-faults", is_flag=True, help="Print the kinds and stages of faults.")
 @seconds_option
 def command(
+    kind: str,
     source: str,
     serial: str,
     usb2: bool,
     faults: tuple[str, ...],
+    without: tuple[str, ...],
     list_faults: bool,
     seconds: float | None,
 ) -> None:
-    """Plug an emulated DAVIS-346 into this machine's kernel: every program sees a camera.
+    """Plug an emulated camera into this machine's kernel: every program sees a camera.
 
     It needs Linux, root and the module vhci-hcd; nothing else and no camera.
     """
@@ -59,31 +79,78 @@ def command(
         click.echo(f"Kinds: {', '.join(FaultKind)}.\nStages: {', '.join(Stage)}.")
         return
     chosen = [Fault.parse(text) for text in faults]
+    if without and kind != "uvc":
+        raise click.UsageError("Only a webcam can lack a setting: --camera uvc.")
 
-    import time
-
-    from neurotouch_devtools.emulator import (
-        CameraConfig,
-        EmulatedCamera,
-        Identity,
-        Prefetch,
-        UsbIp,
-        find_port,
-    )
-    from neurotouch_hid.source import open_source
+    from neurotouch_devtools.emulator import find_port
 
     find_port(super_speed=not usb2)  # before anything is compiled
-    config = CameraConfig(identity=Identity(serial=serial, super_speed=not usb2))
+    if kind == "uvc":
+        _show_film(source, serial, without, chosen, super_speed=not usb2, seconds=seconds)
+    else:
+        _show_packets(source, serial, chosen, super_speed=not usb2, seconds=seconds)
+
+
+def _show_packets(
+    source: str, serial: str, faults: "list[Fault]", *, super_speed: bool, seconds: float | None
+) -> None:
+    """Plugs a DAVIS-346 in."""
+    from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera, Identity, Prefetch
+    from neurotouch_hid.source import open_source
+
+    config = CameraConfig(identity=Identity(serial=serial, super_speed=super_speed))
     with ExitStack() as stack:
         packets = stack.enter_context(open_source(source, speed="max"))
         seen = iter(_repeat(packets))
         first = next(seen)  # the kernels are compiled before the camera is plugged in
         ahead = stack.enter_context(Prefetch(chain([first], seen)))
-        camera = EmulatedCamera(ahead, config, chosen)
-        cable = stack.enter_context(UsbIp(camera))
-        click.echo(
-            f"Camera {serial} is plugged in and sees {packets.name}; Ctrl-C unplugs it.", err=True
+        camera = EmulatedCamera(ahead, config, faults)
+        _plug_in(camera, f"Camera {serial} is plugged in and sees {packets.name}", seconds)
+    if camera.n_dropped:
+        click.echo(f"{camera.n_dropped} events were lost: the driver was too slow.", err=True)
+
+
+def _show_film(
+    source: str,
+    serial: str,
+    without: tuple[str, ...],
+    faults: "list[Fault]",
+    *,
+    super_speed: bool,
+    seconds: float | None,
+) -> None:
+    """Plugs a UVC camera in."""
+    from neurotouch_devtools.emulator.uvc import CONTROLS, UvcCamera, UvcConfig, UvcIdentity
+    from neurotouch_hid.errors import SourceError
+
+    if unknown := set(without) - set(CONTROLS):
+        raise SourceError(
+            f"'{min(unknown)}' is not a setting of a camera.",
+            hint=f"Settings: {', '.join(CONTROLS)}.",
         )
+    prefix, _, name = source.partition(":")
+    if prefix != "sim":
+        raise SourceError(
+            f"A webcam cannot see '{source}'.", hint="Name a scene, for example sim:tour."
+        )
+    identity = UvcIdentity(serial=serial, super_speed=super_speed, without=frozenset(without))
+    from neurotouch_devtools.emulator.uvc.filming import film_scene
+
+    click.echo("Taking the pictures before they are shown; this can take a minute ...", err=True)
+    camera = UvcCamera(film_scene(name), UvcConfig(identity), faults)
+    _plug_in(camera, f"Webcam {serial} is plugged in and sees {source}", seconds)
+    lost = f"; {camera.n_lost} were lost: the reader was too slow" if camera.n_lost else ""
+    click.echo(f"{camera.n_sent} pictures were sent{lost}.", err=True)
+
+
+def _plug_in(camera: "Camera", words: str, seconds: float | None) -> None:
+    """Shows a camera to the kernel until it is unplugged, here or there, or time is up."""
+    import time
+
+    from neurotouch_devtools.emulator import UsbIp
+
+    with UsbIp(camera) as cable:
+        click.echo(f"{words}; Ctrl-C unplugs it.", err=True)
         begun = time.monotonic()
         try:
             while not cable.wait(_POLL_S):
@@ -93,8 +160,6 @@ def command(
                 click.echo("The camera was unplugged.", err=True)
         except KeyboardInterrupt:
             pass  # the way to end it
-    if camera.n_dropped:
-        click.echo(f"{camera.n_dropped} events were lost: the driver was too slow.", err=True)
 
 
 def _repeat(packets: "Iterable[EventPacket]") -> "Iterator[EventPacket]":

@@ -1,4 +1,4 @@
-"""An emulated DAVIS-346, for tests and for people without a camera."""
+"""Emulated cameras, for tests and for people without one: a DAVIS-346; a webcam in ``uvc``."""
 
 from neurotouch_devtools.emulator.camera import CameraConfig, EmulatedCamera
 from neurotouch_devtools.emulator.descriptors import Identity

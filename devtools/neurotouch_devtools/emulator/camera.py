@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from neurotouch_devtools.emulator import registers as reg
 from neurotouch_devtools.emulator.descriptors import Identity
-from neurotouch_devtools.emulator.faults import Fault, FaultKind, Script
+from neurotouch_devtools.emulator.faults import Fault, FaultKind, Script, Stage
 from neurotouch_devtools.emulator.filters import EventFilter
 from neurotouch_devtools.emulator.frames import FrameReader
 from neurotouch_devtools.emulator.imu import Imu
@@ -14,6 +14,7 @@ from neurotouch_devtools.emulator.readout import Words
 from neurotouch_devtools.emulator.registers import Registers
 from neurotouch_devtools.emulator.scene import Scene
 from neurotouch_devtools.emulator.words import WordEncoder
+from neurotouch_hid.errors import SourceError
 from neurotouch_hid.messages import EventPacket
 
 _READY_BYTES = 1 << 16
@@ -64,6 +65,9 @@ class EmulatedCamera:
         faults: the faults to inject.
         clock_ns: host time.
 
+    Raises:
+        SourceError: one of the faults cannot happen to such a camera.
+
     Attributes:
         registers: the register file.
         script: counts the host's requests and transfers, and injects faults.
@@ -78,6 +82,9 @@ class EmulatedCamera:
         *,
         clock_ns: Callable[[], int] = time.monotonic_ns,
     ) -> None:
+        for fault in faults:
+            if fault.stage is Stage.PICTURE:
+                raise SourceError(f"The fault {fault.kind} happens to UVC cameras only.")
         self.config = config or CameraConfig()
         self.registers = Registers(
             orientation=self.config.orientation,
@@ -121,6 +128,11 @@ class EmulatedCamera:
         """Empties the FIFO."""
         self.advance()
         self._fifo.clear()
+
+    @property
+    def super_speed(self) -> bool:
+        """True if it is plugged into a port of USB 3."""
+        return self.config.identity.super_speed
 
     @property
     def streaming(self) -> bool:

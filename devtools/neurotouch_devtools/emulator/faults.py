@@ -19,6 +19,8 @@ class Stage(StrEnum):
     """Vendor requests that write, until the stream is stopped."""
     STREAM = "stream"
     """Bulk transfers with data."""
+    PICTURE = "picture"
+    """Pictures of a UVC camera, each made of several transfers."""
     STOP = "stop"
     """Vendor requests that write, starting with the first that switches something off."""
 
@@ -64,14 +66,33 @@ class FaultKind(StrEnum):
     SUSPEND = "suspend"
     """The camera loses its power for a moment: all registers are as after being plugged in."""
 
+    DROPPED = "dropped"
+    """A picture that is never sent."""
+    DOUBLED = "doubled"
+    """A picture in whose place the one before it is sent again."""
+    DAMAGED = "damaged"
+    """A picture with noise in its middle, which a JPEG decoder cannot read."""
+    ERROR = "error"
+    """A picture that the camera itself calls faulty, by the error bit of its headers."""
+    SLOW = "slow"
+    """A picture that takes twice its time, as do all after it: the rate is half of the promise."""
 
-_ONLY_STREAM = frozenset(FaultKind) - {
+
+_ANYWHERE = {
     FaultKind.UNPLUG,
     FaultKind.STALL,
     FaultKind.TIMEOUT,
     FaultKind.PROTOCOL,
     FaultKind.SHORT,
 }
+_OF_PICTURES = {
+    FaultKind.DROPPED,
+    FaultKind.DOUBLED,
+    FaultKind.DAMAGED,
+    FaultKind.ERROR,
+    FaultKind.SLOW,
+}
+_AT_PICTURES = _OF_PICTURES | {FaultKind.UNPLUG, FaultKind.SILENCE}
 _FORM = re.compile(r"(?P<kind>\w+)(@(?P<stage>\w+))?(\+(?P<after>\d+))?(x(?P<times>\d+))?")
 
 
@@ -92,8 +113,16 @@ class Fault:
     times: int = 1
 
     def __post_init__(self) -> None:
-        if self.kind in _ONLY_STREAM and self.stage is not Stage.STREAM:
-            raise SourceError(f"The fault {self.kind} happens to the stream, not at {self.stage}.")
+        match self.stage:
+            case Stage.PICTURE:
+                happens = self.kind in _AT_PICTURES
+            case Stage.STREAM:
+                happens = self.kind not in _OF_PICTURES
+            case _:
+                happens = self.kind in _ANYWHERE
+        if not happens:
+            place = "pictures" if self.kind in _OF_PICTURES else "the stream"
+            raise SourceError(f"The fault {self.kind} happens to {place}, not at {self.stage}.")
 
     @classmethod
     def parse(cls, text: str) -> "Fault":
@@ -108,7 +137,9 @@ class Fault:
         if not found:
             raise SourceError(f"'{text}' is not a fault.", hint=hint)
         try:
-            kind, stage = FaultKind(found["kind"]), Stage(found["stage"] or Stage.STREAM)
+            kind = FaultKind(found["kind"])
+            usual = Stage.PICTURE if kind in _OF_PICTURES else Stage.STREAM
+            stage = Stage(found["stage"] or usual)
         except ValueError as error:
             raise SourceError(f"'{text}' is not a fault.", hint=hint) from error
         return cls(kind, stage, int(found["after"] or 0), int(found["times"] or 1))

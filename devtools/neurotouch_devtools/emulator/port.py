@@ -4,12 +4,17 @@ import errno
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Protocol
 
 from neurotouch_devtools.emulator.camera import EmulatedCamera
-from neurotouch_devtools.emulator.descriptors import DATA_ENDPOINT
 from neurotouch_devtools.emulator.faults import FaultError, FaultKind
-from neurotouch_devtools.emulator.requests import ControlEndpoint, Setup
+from neurotouch_devtools.emulator.requests import ControlEndpoint
 from neurotouch_devtools.emulator.transfers import DataEndpoint
+from neurotouch_devtools.emulator.usb import Endpoint0, Setup
+from neurotouch_devtools.emulator.uvc import UvcCamera, UvcControl, UvcStream
+
+Camera = EmulatedCamera | UvcCamera
+"""Every camera that can be plugged in."""
 
 _STATUS = {
     FaultKind.STALL: -errno.EPIPE,
@@ -42,6 +47,34 @@ class Completion:
     length: int
 
 
+class Stream(Protocol):
+    """The endpoint of a device that streams.
+
+    Attributes:
+        address: its address.
+    """
+
+    address: int
+
+    def answer(self, length: int) -> bytes | None:
+        """Returns the data of a transfer of ``length`` bytes, or None while there is none.
+
+        Raises:
+            FaultError: the transfer ends otherwise. With TIMEOUT and LOST it never ends.
+        """
+
+    def clear_halt(self) -> None:
+        """Carries out the host's request that ends a halt."""
+
+
+def open_endpoints(camera: Camera) -> tuple[Endpoint0, Stream]:
+    """Returns the endpoints of a camera that was just plugged in."""
+    if isinstance(camera, UvcCamera):
+        return UvcControl(camera), UvcStream(camera)
+    data = DataEndpoint(camera)
+    return ControlEndpoint(camera, data), data
+
+
 class Port:
     """Takes the host's transfers and ends them, in the order of each endpoint.
 
@@ -50,12 +83,9 @@ class Port:
         clock_ns: host time.
     """
 
-    def __init__(
-        self, camera: EmulatedCamera, clock_ns: Callable[[], int] = time.monotonic_ns
-    ) -> None:
+    def __init__(self, camera: Camera, clock_ns: Callable[[], int] = time.monotonic_ns) -> None:
         self._camera, self._clock_ns = camera, clock_ns
-        self._data = DataEndpoint(camera)
-        self._control = ControlEndpoint(camera, self._data)
+        self._control, self._data = open_endpoints(camera)
         self._waiting: dict[int, int] = {}  # number: length, oldest first
         self._hanging: set[int] = set()  # will never end by themselves
         self._lost: set[int] = set()  # will never end
@@ -68,8 +98,8 @@ class Port:
         return self._camera.patience_us / 1e6 if self._camera.streaming else None
 
     def submit(self, number: int, endpoint: int, length: int) -> None:
-        """Queues a transfer from an endpoint; the debug endpoint never has anything to say."""
-        if endpoint != DATA_ENDPOINT:
+        """Queues a transfer from an endpoint; no other than the stream's ever has data."""
+        if endpoint != self._data.address:
             self._hanging.add(number)
             return
         self._last_submit_ns = self._clock_ns()

@@ -3,6 +3,7 @@
 import numpy as np
 
 from neurotouch_devtools.emulator.camera import EmulatedCamera
+from neurotouch_devtools.emulator.descriptors import DATA_ENDPOINT
 from neurotouch_devtools.emulator.faults import FaultError, FaultKind, Stage
 
 _END_TRANSFER = frozenset({FaultKind.UNPLUG, FaultKind.TIMEOUT, FaultKind.LOST, FaultKind.PROTOCOL})
@@ -16,7 +17,12 @@ class DataEndpoint:
 
     Args:
         camera: the camera.
+
+    Attributes:
+        address: the endpoint's address.
     """
+
+    address = DATA_ENDPOINT
 
     def __init__(self, camera: EmulatedCamera) -> None:
         self._camera = camera

@@ -17,15 +17,9 @@ from collections.abc import Callable
 from typing import Any
 
 from neurotouch_devtools.emulator.camera import EmulatedCamera
-from neurotouch_devtools.emulator.descriptors import (
-    CONFIGURATION,
-    DEVICE,
-    PRODUCT_ID,
-    VENDOR_ID,
-    Identity,
-)
+from neurotouch_devtools.emulator.descriptors import PRODUCT_ID, VENDOR_ID, Identity
 from neurotouch_devtools.emulator.port import Port, UnpluggedError
-from neurotouch_devtools.emulator.requests import Setup
+from neurotouch_devtools.emulator.usb import CONFIGURATION, DEVICE, Setup
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import SourceError
 

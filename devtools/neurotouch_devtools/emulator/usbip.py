@@ -14,9 +14,8 @@ import struct
 import threading
 from pathlib import Path
 
-from neurotouch_devtools.emulator.camera import EmulatedCamera
-from neurotouch_devtools.emulator.port import Completion, Port, UnpluggedError
-from neurotouch_devtools.emulator.requests import IN, Setup
+from neurotouch_devtools.emulator.port import Camera, Completion, Port, UnpluggedError
+from neurotouch_devtools.emulator.usb import IN, Setup
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import NeuroTouchError, SourceError
 
@@ -45,14 +44,14 @@ class UsbIp(Closing):
         SourceError: the kernel offers no virtual host controller, or this user may not use it.
     """
 
-    def __init__(self, camera: EmulatedCamera) -> None:
+    def __init__(self, camera: Camera) -> None:
         self._port = Port(camera)
         self._error: NeuroTouchError | None = None
         self._ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
         self._thread = threading.Thread(target=self._serve, name="usbip", daemon=True)
         try:
             with theirs:
-                self.number = _attach(theirs, super_speed=camera.config.identity.super_speed)
+                self.number = _attach(theirs, super_speed=camera.super_speed)
         except BaseException:
             self._ours.close()
             raise

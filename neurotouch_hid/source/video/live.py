@@ -1,6 +1,7 @@
 """A video camera as a source: plugged in, unplugged and plugged in again."""
 
 import logging
+import math
 import time
 from collections import deque
 from collections.abc import Iterator
@@ -285,6 +286,8 @@ class VideoCameraSource(CameraSource):
             interval_us = 1e6 * float(camera.mode.interval)
             self._period_s = 1e-6 * interval_us
             slice_us = self._slice_us or round(min(max(interval_us, SLICES_US[0]), SLICES_US[1]))
+            # A picture brings all slices since the one before it at once.
+            self._queue.make_room(2 * math.ceil(interval_us / slice_us))
             self._slicer = PictureSlicer(self._finder, slice_us, mirrored=self._config.mirrored)
             self._run(camera, self._slicer)
 

@@ -34,6 +34,7 @@ from tests.kernel.guest import (
     pad,
     resident,
     rumble,
+    uvc,
     vivid,
     watching,
 )
@@ -78,6 +79,11 @@ VIDEO: dict[str, Callable[[Path], Any]] = {
     "vivid": vivid.look,
     "vivid_faults": vivid.suffer,
     "vivid_replugged": vivid.replug,
+    "uvc_description": uvc.describe,
+    "uvc_pictures": uvc.take_pictures,
+    "uvc_faults": uvc.suffer,
+    "uvc_source": uvc.read,
+    "uvc_play": uvc.play,
 }
 MACHINES = {"pads": PADS, "cameras": CAMERAS, "processors": PROCESSORS, "video": VIDEO}
 CHAPTERS = PADS | CAMERAS | PROCESSORS | VIDEO
@@ -90,14 +96,14 @@ CHAPTER_LIMIT_S = 900.0
 def main() -> None:
     results = Path(sys.argv[1])
     (results / "booted").touch()
-    modules = ["uinput", "uhid", "evdev", "joydev", "hid-generic", "vhci-hcd"]
+    modules = ["uinput", "uhid", "evdev", "joydev", "hid-generic", "vhci-hcd", "uvcvideo"]
     subprocess.run(["modprobe", "-a", *modules], check=True)
     chapters = list(MACHINES.get(sys.argv[2], sys.argv[2:]))
     # Once for all of them: a camera must not stop to think, and drivers start in half the time.
     if not CAMERAS.keys().isdisjoint(chapters):
         with suppress(TimeoutError):  # then the chapters will say what is wrong
             load_kernels()
-    if not (PADS | PROCESSORS).keys().isdisjoint(chapters):
+    if not (PADS | PROCESSORS | VIDEO).keys().isdisjoint(chapters):
         driver.load_kernels()
     for name in chapters:
         begun = time.monotonic()

@@ -4,8 +4,9 @@ import time
 
 from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera
 from neurotouch_devtools.emulator.faults import FaultError, FaultKind
-from neurotouch_devtools.emulator.requests import ControlEndpoint, Setup
+from neurotouch_devtools.emulator.requests import ControlEndpoint
 from neurotouch_devtools.emulator.transfers import DataEndpoint
+from neurotouch_devtools.emulator.usb import Setup
 
 from neurotouch_hid.errors import CameraError
 from neurotouch_hid.source.camera_errors import CameraAbsentError, CameraGoneError
