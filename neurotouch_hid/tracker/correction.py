@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from neurotouch_hid.geometry import N_MARKERS
 from neurotouch_hid.messages import Frame, RestField
 from neurotouch_hid.tracker.blobs import Blobs
-from neurotouch_hid.tracker.kernels import correction
+from neurotouch_hid.tracker.kernels import correction, frames_alone
 from neurotouch_hid.tracker.kernels import neighbours as neighbour_kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
 
@@ -21,6 +21,17 @@ class FrameCorrection:
         self._tracks, self._tuning = tracks, tuning
         self._expected_px = np.empty((N_MARKERS, 2))
         self._spread_px = np.empty(N_MARKERS)
+
+    def follow(self, frame: Frame, blobs: Blobs) -> None:
+        """Moves all tracks to the blobs of a frame, where no events come between frames."""
+        frames_alone.follow(
+            frame.t_us,
+            frame.exposure_end_us,
+            blobs.centroid_px,
+            blobs.begin,
+            self._tracks,
+            self._tuning,
+        )
 
     def apply(self, frame: Frame, blobs: Blobs) -> None:
         """Corrects all tracks by the blobs of a frame whose exposure has ended recently."""
