@@ -25,8 +25,7 @@ LONGEST_US = 50_000  # a velocity that is older says nothing
 ROUNDS = 6  # from a gel that is still to the middle of the fastest fingertip
 SMOOTH_PX = 2.0  # neighbours differ by less in how far they are from their expected places ...
 SMOOTH_RATIO = 2.0  # ... or by no more than so many spreads of these
-TRUST = 0.8  # of the newest change of speed; the rest may be noise
-COMMON_SHARE = 0.5  # of a velocity, from the neighbours
+COMMON_SHARE = 0.3  # of a change of velocity, from the neighbours; half would let ripples grow
 
 NO_BLOB: Final = -1
 
@@ -161,14 +160,11 @@ def follow(
     state, n = tracks.state, len(tracks.state)
     if len(points_px) < MIN_MATCHED:
         return 0
-    expected_px, place_px, speed = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2))
+    expected_px, place_px, change_px = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2))
     for i in range(n):
         s = state[i]
         elapsed_us = middle_us - s.t_us
-        if elapsed_us <= 0.0:
-            expected_px[i, 0], expected_px[i, 1] = s.x, s.y
-            continue
-        step = elapsed_us * SECOND if elapsed_us <= LONGEST_US else 0.0
+        step = elapsed_us * SECOND if 0.0 < elapsed_us <= LONGEST_US else 0.0
         expected_px[i, 0], expected_px[i, 1] = s.x + s.vx * step, s.y + s.vy * step
     blob = np.empty(n, np.int32)
     pair_blobs(
@@ -177,31 +173,24 @@ def follow(
     n_seen = 0
     for i in range(n):
         n_seen += blob[i] >= 0
+        change_px[i] = place_px[i] - expected_px[i]
     if n_seen < MIN_MATCHED:
         return 0
     for i in range(n):
-        s, elapsed_us = state[i], middle_us - state[i].t_us
-        speed[i, 0], speed[i, 1] = s.vx, s.vy
-        if elapsed_us > 0.0:
-            share = TRUST / (max(elapsed_us, 1_000.0) * SECOND)
-            if elapsed_us > LONGEST_US:
-                share = 0.0
-                speed[i, 0] = speed[i, 1] = 0.0
-            speed[i, 0] += share * (place_px[i, 0] - expected_px[i, 0])
-            speed[i, 1] += share * (place_px[i, 1] - expected_px[i, 1])
-    for i in range(n):
-        x, y, used = 0.0, 0.0, 0
-        for k in range(8):
-            j = tracks.neighbours[i, k]
-            if j >= 0 and blob[j] >= 0:
-                x, y, used = x + speed[j, 0], y + speed[j, 1], used + 1
-        own = 1.0 if not used else 1.0 - COMMON_SHARE if blob[i] >= 0 else 0.0
         s = state[i]
-        if used:
-            s.vx = own * speed[i, 0] + (1.0 - own) * x / used
-            s.vy = own * speed[i, 1] + (1.0 - own) * y / used
-        else:
-            s.vx, s.vy = speed[i, 0], speed[i, 1]
+        elapsed_us = middle_us - s.t_us
+        if elapsed_us > LONGEST_US:
+            s.vx = s.vy = 0.0
+        elif elapsed_us > 0.0:
+            x, y, used = 0.0, 0.0, 0
+            for k in range(8):
+                j = tracks.neighbours[i, k]
+                if j >= 0 and blob[j] >= 0:
+                    x, y, used = x + change_px[j, 0], y + change_px[j, 1], used + 1
+            share = COMMON_SHARE if blob[i] >= 0 else 1.0
+            own, common = (1.0 - share, share / used) if used else (1.0, 0.0)
+            s.vx += (own * change_px[i, 0] + common * x) / (elapsed_us * SECOND)
+            s.vy += (own * change_px[i, 1] + common * y) / (elapsed_us * SECOND)
         s.x, s.y, s.t_us = place_px[i, 0], place_px[i, 1], float(middle_us)
         s.n_missed = 0 if blob[i] >= 0 else s.n_missed + 1
         tracks.lost[i] = s.n_missed >= MAX_MISSED
