@@ -1,9 +1,11 @@
-"""The newest state of the pipeline as bytes: a head of JSON, then all 177 markers.
+"""The newest state of the pipeline as bytes: a head of JSON, then all markers.
 
 4 bytes   length of the head, little-endian
+4 bytes   number of markers n, little-endian, at most 400
 head      UTF-8 JSON, see ``State``
-708 bytes int16 (177, 2): how far each marker is from its own rest, x and y, in 0.01 mm
-177 bytes uint8: 1 where the marker is measured, 0 where it is a guess
+4 n bytes int16 (n, 2): place of each marker on the gel at rest, x and y, in 0.01 mm
+4 n bytes int16 (n, 2): how far it is from there, x and y, in 0.01 mm
+n bytes   uint8: 1 where it is measured, 0 where it is a guess
 """
 
 import json
@@ -12,12 +14,16 @@ from typing import Final, NotRequired, TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import N_MARKERS, fit_rig
+from neurotouch_hid.errors import DriverError
+from neurotouch_hid.geometry import Gel, fit_rig
 from neurotouch_hid.messages import MarkerField
 from neurotouch_hid.status import GelFacts, PadFacts, RumbleState
 from neurotouch_hid.vocabulary import Phase, PipelineState
 
 STEP_MM: Final = 0.01
+MOST_MARKERS: Final = 400
+_BEGIN: Final = 8
+_MARKER_BYTES: Final = 9
 
 _encode: Final = json.JSONEncoder(separators=(",", ":"), ensure_ascii=False).encode
 
@@ -112,7 +118,7 @@ class Health(TypedDict):
         frames_hz: frames per second.
         lost: events lost since the start.
         backlog_ms: how long a slice waits before the pipeline.
-        tracked: markers that are measured, of 177.
+        tracked: markers that are measured.
         rezero_s: how long ago the gel was seen at rest; None before the first time.
         window_ms: length of a slice.
         stages: median and 95 % of the host time a slice in ms, by stage.
@@ -183,34 +189,42 @@ class MarkerWriter:
     """Encodes marker displacements; fits the rig again only when the rest position has changed."""
 
     def __init__(self) -> None:
+        self._gel: Gel | None = None
+        self._places = b""
         self._rest_px: NDArray[np.float32] | None = None
         self._to_steps: np.complex64 | None = None
 
     def write(self, markers: MarkerField) -> bytes:
-        """Returns displacements and flags of all markers; zeros while no gel has been found."""
+        """Returns places, displacements and flags of all markers.
+
+        Displacements and flags are zeros while no gel has been found.
+        """
+        if self._gel is not markers.gel:
+            self._gel = markers.gel
+            self._places = np.rint(self._gel.points_mm / STEP_MM).astype(np.int16).tobytes()
         steps = self._find_moved(markers)
         if steps is None:
-            return bytes(5 * N_MARKERS)
-        return steps.astype(np.int16).tobytes() + markers.valid.tobytes()
+            return self._places + bytes(5 * self._gel.n_markers)
+        return self._places + steps.astype(np.int16).tobytes() + markers.valid.tobytes()
 
     def measure(self, markers: MarkerField) -> NDArray[np.float32]:
-        """Returns how far each marker is from its rest: (177, 2) float32, mm; zeros if unknown."""
+        """Returns how far each marker is from its rest: (n, 2) float32, mm; zeros if unknown."""
         steps = self._find_moved(markers)
         if steps is None:
-            return np.zeros((N_MARKERS, 2), np.float32)
+            return np.zeros(markers.rest_px.shape, np.float32)
         return steps * np.float32(STEP_MM)
 
     def _find_moved(self, markers: MarkerField) -> NDArray[np.float32] | None:
         if markers.rest_px is not self._rest_px:
             self._rest_px = markers.rest_px
-            self._to_steps = _find_steps(markers.rest_px)
+            self._to_steps = _find_steps(markers.rest_px, markers.gel)
         if self._to_steps is None:
             return None
         moved_px = (markers.position_px - markers.rest_px).view(np.complex64)
         return (moved_px * self._to_steps).view(np.float32)
 
 
-def _find_steps(rest_px: NDArray[np.float32]) -> np.complex64 | None:
+def _find_steps(rest_px: NDArray[np.float32], gel: Gel) -> np.complex64 | None:
     """Returns what turns and scales displacements x + iy in pixels to steps.
 
     None while they are unknown.
@@ -220,19 +234,25 @@ def _find_steps(rest_px: NDArray[np.float32]) -> np.complex64 | None:
     """
     if not np.isfinite(rest_px).all():
         return None
-    x, y = fit_rig(rest_px).vector_to_mm(np.array([[1.0, 0.0]]))[0] / STEP_MM
+    x, y = fit_rig(rest_px, gel).vector_to_mm(np.array([[1.0, 0.0]]))[0] / STEP_MM
     return np.complex64(complex(x, y))
 
 
 def pack(state: State, markers: bytes) -> bytes:
-    """Returns the bytes of a state."""
+    """Returns the bytes of a state; ``markers`` as of ``MarkerWriter.write``."""
     head = _encode(state).encode()
-    return len(head).to_bytes(4, "little") + head + markers
+    n = len(markers) // _MARKER_BYTES
+    return len(head).to_bytes(4, "little") + n.to_bytes(4, "little") + head + markers
 
 
 def read_head(state: bytes) -> State:
-    """Returns the head of a state."""
-    head: State = json.loads(state[4 : _find_markers(state)])
+    """Returns the head of a state.
+
+    Raises:
+        DriverError: this is no state of this version.
+    """
+    begin, _ = _find_markers(state)
+    head: State = json.loads(state[_BEGIN:begin])
     return head
 
 
@@ -240,14 +260,25 @@ def read_markers(state: bytes) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
     """Returns the markers of a state.
 
     Returns:
-        (177, 2) float32, how far each marker is from its rest, columns x, y, in mm; and (177,)
-        bool, True where the marker is measured.
+        (n, 2) float32, how far each marker is from its rest, columns x, y, in mm; and (n,) bool,
+        True where the marker is measured.
+
+    Raises:
+        DriverError: this is no state of this version.
     """
-    begin = _find_markers(state)
-    steps = np.frombuffer(state, np.int16, 2 * N_MARKERS, begin).reshape(-1, 2)
-    valid = np.frombuffer(state, np.bool_, N_MARKERS, begin + steps.nbytes)
+    begin, n = _find_markers(state)
+    steps = np.frombuffer(state, np.int16, 2 * n, begin + 4 * n).reshape(-1, 2)
+    valid = np.frombuffer(state, np.bool_, n, begin + 8 * n)
     return steps * np.float32(STEP_MM), valid
 
 
-def _find_markers(state: bytes) -> int:
-    return 4 + int.from_bytes(state[:4], "little")
+def _find_markers(state: bytes) -> tuple[int, int]:
+    """Returns where the markers begin, and their number."""
+    begin = _BEGIN + int.from_bytes(state[:4], "little")
+    n = int.from_bytes(state[4:_BEGIN], "little")
+    if not 0 < n <= MOST_MARKERS or len(state) != begin + _MARKER_BYTES * n:
+        raise DriverError(
+            "The driver's state has an unknown form.",
+            hint="The driver may be of another version than this program: start it again.",
+        )
+    return begin, n

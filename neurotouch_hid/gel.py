@@ -41,8 +41,8 @@ class Touch:
         scale: its scaling, 1 at rest, below 1 for a pinch.
         confidence: 0 to 1.
         pad: the state of the virtual gamepad.
-        markers_mm: (177, 2) float32, how far each marker is from its rest, columns x, y, in mm.
-        measured: (177,) bool, True where a marker is measured, False where it is a guess.
+        markers_mm: (n, 2) float32, how far each marker is from its rest, columns x, y, in mm.
+        measured: (n,) bool, True where a marker is measured, False where it is a guess.
         events: (n,) of ``EVENT_DTYPE``, the events of the slice; None of a running driver.
         frames: the frames of the slice; empty of a running driver.
     """
@@ -114,6 +114,7 @@ def open_gel(
     *,
     profile: str | Path = "default",
     method: str = "neurotouch",
+    gel: str | Path | None = None,
     speed: Speed = "recorded",
     rate_hz: float | None = None,
     seed: int = 0,
@@ -129,6 +130,8 @@ def open_gel(
             other options do not apply to it, except ``player``.
         profile: name or path of the profile that makes ``Touch.pad``.
         method: the recogniser.
+        gel: name or path of the gel's file; None means the one of the recording or of the person,
+            ``paper`` the gel of the paper.
         speed: ``recorded`` plays as recorded, ``max`` as fast as possible.
         rate_hz: slices a second, 25 to 1000; None means the usual rate of the source.
         seed: the seed of the simulation, 0 or more.
@@ -150,6 +153,7 @@ def open_gel(
         speed=speed,
         rate_hz=rate_hz,
         method=method,
+        gel=None if gel is None else str(gel),
         seed=seed,
         personal=personal,
         listens=False,

@@ -1,27 +1,34 @@
 """The sentences about the gel: what the camera sees of it, and what to do."""
 
 from collections.abc import Mapping
+from functools import lru_cache
 from itertools import groupby
 from typing import Final, NamedTuple
 
 import numpy as np
 
-from neurotouch_hid.geometry import LATTICE_MM, N_MARKERS
+from neurotouch_hid.geometry import NOMINAL_PITCH_PX, PAPER_GEL, Gel
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, GelProblem, GelState
 from neurotouch_hid.status import GelFacts
 
 _MOST_NAMED: Final = 8
+_MOST_OFF: Final = 0.15
+"""Share of the pitch by which a dot may be off its place."""
+
 _MAINS_HZ: Final = ((95.0, 105.0), (115.0, 125.0))
 """Twice the frequency of the mains, in both parts of the world."""
 
-_PLACES: Final[Mapping[int, tuple[int, int]]] = {
-    marker: (row, number)
-    for row, (_, markers) in enumerate(
-        groupby(range(N_MARKERS), key=lambda marker: float(LATTICE_MM[marker, 1])), 1
-    )
-    for number, marker in enumerate(markers, 1)
-}
-"""Row from the top and number from the left of each marker."""
+
+@lru_cache(maxsize=4)
+def _find_places(gel: Gel) -> dict[int, tuple[int, int]]:
+    """Returns row from the top and number from the left of each marker."""
+    x, y = np.round(gel.points_mm, 3).T
+    rows = groupby(np.lexsort((x, y)).tolist(), key=lambda marker: float(y[marker]))
+    return {
+        marker: (row, number)
+        for row, (_, markers) in enumerate(rows, 1)
+        for number, marker in enumerate(markers, 1)
+    }
 
 
 class GelSentence(NamedTuple):
@@ -69,11 +76,11 @@ _SENTENCES: Final[Mapping[GelProblem, tuple[str, str]]] = {
     ),
     GelProblem.SMALL: (
         "the gel is too small in the picture: {px_per_mm:.1f} px/mm",
-        "Move the camera nearer, until the gel fills half of the picture's height (2.5 px/mm).",
+        "Move the camera nearer, until the gel fills half of the picture's height ({usual}).",
     ),
     GelProblem.LARGE: (
         "the gel is too large in the picture: {px_per_mm:.1f} px/mm",
-        "Move the camera away, until the whole gel is in the picture (2.5 px/mm).",
+        "Move the camera away, until the whole gel is in the picture ({usual}).",
     ),
     GelProblem.OUTSIDE: (
         "a part of the gel is outside of the picture{side}",
@@ -93,7 +100,7 @@ _SENTENCES: Final[Mapping[GelProblem, tuple[str, str]]] = {
     ),
     GelProblem.IRREGULAR: (
         "single dots are off their places by {scatter_px:.1f} px",
-        "Paint the dots again, 4 mm apart. Each may be off by 0.6 mm.",
+        "Paint the dots again, {pitch_mm:g} mm apart. Each may be off by {off_mm:g} mm.",
     ),
     GelProblem.BENT: (
         "the pattern of dots is bent by {bend_px:.1f} px",
@@ -129,11 +136,11 @@ def explain_gel(gel: GelState) -> GelSentence:
     if gel.problem is GelProblem.FLICKER and _is_mains(gel.flicker_hz or 0.0):
         fix = _MAINS_FIX
     why = why.format(
-        n_markers=N_MARKERS,
+        n_markers=gel.layout.n_markers,
         n_seen=gel.n_seen,
         n_missing=len(gel.missing),
         n_glints=gel.n_glints,
-        named=name_dots(gel.missing),
+        named=name_dots(gel.missing, gel.layout),
         side=_find_side(gel),
         px_per_mm=gel.px_per_mm or 0.0,
         bend_px=gel.bend_px or 0.0,
@@ -142,14 +149,20 @@ def explain_gel(gel: GelState) -> GelSentence:
         flicker_hz=gel.flicker_hz or 0.0,
         moved_mm=gel.moved_mm,
     )
+    made = gel.layout
+    fix = fix.format(
+        usual=f"{NOMINAL_PITCH_PX / made.pitch_mm:.1f} px/mm",
+        pitch_mm=round(made.pitch_mm, 2),
+        off_mm=round(_MOST_OFF * made.pitch_mm, 2),
+    )
     return GelSentence(head, why, fix)
 
 
-def name_dots(markers: tuple[int, ...]) -> str:
+def name_dots(markers: tuple[int, ...], gel: Gel = PAPER_GEL) -> str:
     """Returns for example ``row 3: 2, 5; row 8: 1``, counted from the top and from the left."""
     rows: dict[int, list[str]] = {}
     for marker in markers[:_MOST_NAMED]:
-        row, number = _PLACES[marker]
+        row, number = _find_places(gel)[marker]
         rows.setdefault(row, []).append(str(number))
     named = "; ".join(f"row {row}: {', '.join(numbers)}" for row, numbers in rows.items())
     left = len(markers) - _MOST_NAMED
@@ -161,12 +174,13 @@ def report_gel(gel: GelState) -> GelFacts:
     sentence = explain_gel(gel)
     return {
         "found": gel.is_found,
+        "markers": gel.layout.n_markers,
         "problem": gel.problem.value,
         "text": sentence.text,
         "fix": sentence.fix,
         "seen": gel.n_seen,
         "missing": list(gel.missing),
-        "named": name_dots(gel.missing),
+        "named": name_dots(gel.missing, gel.layout),
         "missing_px": [list(place) for place in gel.missing_px],
         "px_per_mm": gel.px_per_mm,
         "rotation_deg": gel.rotation_deg,

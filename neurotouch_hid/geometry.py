@@ -1,38 +1,162 @@
-"""The gel and the rig: marker lattice at rest, its neighbours, and pixels <-> millimetres."""
+"""The gel and the rig: markers at rest, their neighbours, and pixels <-> millimetres."""
 
+import cmath
 import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-GEL_RADIUS_MM = 30.0  # [NT, "System Overview"]: dome of 60 mm diameter
-PITCH_MM = 4.0  # [NT, "System Overview"]: markers regularly spaced 4 mm apart
-MARKER_DIAMETER_MM = 1.0  # [NT, "System Overview"]
+Floats = NDArray[np.float64]
+
 NOMINAL_PX_PER_MM = 2.5  # [NT, "Results"]: r = 30 px is about 12 mm
+NOMINAL_PITCH_PX = 10.0  # the same for markers that are 4 mm apart
+_NEAR = 1.6  # pitches: the diagonal of a square is nearer, the next but one marker is not
+_ROUNDING_MM = 1e-9
+_SAME = 0.05  # of the pitch
+_MOST_TURNS = 12
+_MOST_NEIGHBOURS = 8  # as many as a square lattice has
 
 
-def _lattice() -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-    n = int(GEL_RADIUS_MM // PITCH_MM)
+@dataclass(frozen=True, slots=True, eq=False)
+class Gel:
+    """A gel with its markers, as it was made.
+
+    Attributes:
+        name: its name.
+        points_mm: (n, 2) float64, every marker at rest in gel coordinates.
+        neighbours: (n, 8) intp, the markers around each, from the top and from the left; -1 fills
+            the row.
+        pitch_mm: distance of neighbours.
+        radius_mm: of the gel around the origin.
+        dot_mm: diameter of a marker.
+        light: True for light markers on a dark gel, False for dark ones on a light gel.
+        dome_height_mm: height of the middle over the rim; 0 for a flat gel.
+    """
+
+    name: str
+    points_mm: Floats
+    neighbours: NDArray[np.intp]
+    pitch_mm: float
+    radius_mm: float
+    dot_mm: float
+    light: bool
+    dome_height_mm: float
+
+    @property
+    def n_markers(self) -> int:
+        """The number of markers."""
+        return len(self.points_mm)
+
+
+def make_gel(
+    name: str,
+    points_mm: Floats,
+    *,
+    pitch_mm: float,
+    radius_mm: float,
+    dot_mm: float = 1.0,
+    light: bool = True,
+    dome_height_mm: float = 15.0,
+) -> Gel:
+    """Returns a gel with the neighbours of its markers; the arguments are as of ``Gel``."""
+    points_mm = np.array(points_mm, np.float64)
+    neighbours = _find_neighbours(points_mm, _NEAR * pitch_mm)
+    for array in (points_mm, neighbours):
+        array.setflags(write=False)
+    return Gel(name, points_mm, neighbours, pitch_mm, radius_mm, dot_mm, light, dome_height_mm)
+
+
+def place_square(pitch_mm: float, radius_mm: float) -> Floats:
+    """Returns a square lattice within a radius of the origin, which is one of its points.
+
+    Returns:
+        (n, 2) float64 mm, rows from the top, columns from the left.
+    """
+    n = int(radius_mm // pitch_mm)
     rows, columns = np.mgrid[-n : n + 1, -n : n + 1]
-    inside = np.hypot(rows, columns) * PITCH_MM <= GEL_RADIUS_MM
-    index = np.stack([columns[inside], rows[inside]], axis=1)
-    lookup = {(int(x), int(y)): i for i, (x, y) in enumerate(index)}
-    around = [(dx, dy) for dy in (-1, 0, 1) for dx in (-1, 0, 1) if (dx, dy) != (0, 0)]
-    neighbours = [
-        [lookup.get((int(x) + dx, int(y) + dy), -1) for dx, dy in around] for x, y in index
-    ]
-    return index * PITCH_MM, np.array(neighbours, dtype=np.intp)
+    inside = np.hypot(rows, columns) * pitch_mm <= radius_mm
+    points: Floats = np.stack([columns[inside], rows[inside]], axis=1) * pitch_mm
+    return points
 
 
-LATTICE_MM, NEIGHBOURS = _lattice()
-"""``LATTICE_MM``: (177, 2) float64, every marker at rest in gel coordinates, rows from the top,
-columns from the left: 177 is exactly the number of points of a 4 mm square lattice within 30 mm of
-the centre. ``NEIGHBOURS``: (177, 8) intp, the lattice neighbours of each marker (row above, left
-and right, row below), -1 where there is none."""
-LATTICE_MM.setflags(write=False)
-NEIGHBOURS.setflags(write=False)
-N_MARKERS = len(LATTICE_MM)
+def place_hex(pitch_mm: float, radius_mm: float) -> Floats:
+    """Returns a hexagonal lattice within a radius of the origin, which is one of its points.
+
+    Returns:
+        (n, 2) float64 mm, rows from the top, columns from the left.
+    """
+    n = int(2.0 * radius_mm // pitch_mm) + 1
+    j, i = np.mgrid[-n : n + 1, -n : n + 1].reshape(2, -1)
+    points: Floats = pitch_mm * np.column_stack([i + 0.5 * j, math.sqrt(0.75) * j])
+    inside: Floats = points[np.hypot(*points.T) <= radius_mm + _ROUNDING_MM]
+    return inside
+
+
+def place_rings(pitch_mm: float, radius_mm: float) -> Floats:
+    """Returns the origin and the points of rings around it, 6 more on each; all (n, 2) mm."""
+    points = [np.zeros((1, 2))]
+    for k in range(1, int((radius_mm + _ROUNDING_MM) // pitch_mm) + 1):
+        angle = 2.0 * math.pi * np.arange(6 * k) / (6 * k)
+        points.append(k * pitch_mm * np.column_stack([np.cos(angle), np.sin(angle)]))
+    return np.concatenate(points)
+
+
+def place_grid(columns: int, rows: int, x_mm: float, y_mm: float) -> Floats:
+    """Returns a rectangle of points around the origin, (n, 2) mm, row by row.
+
+    Args:
+        columns: points from left to right.
+        rows: points from top to bottom.
+        x_mm: distance from left to right.
+        y_mm: distance from top to bottom.
+    """
+    j, i = np.mgrid[:rows, :columns].reshape(2, -1)
+    points: Floats = np.column_stack(
+        [x_mm * (i - 0.5 * (columns - 1)), y_mm * (j - 0.5 * (rows - 1))]
+    )
+    return points
+
+
+def measure_pitch(points: Floats) -> float:
+    """Returns the median distance of points, (n, 2), from the nearest other one."""
+    away = np.hypot(*(points[:, None] - points).transpose(2, 0, 1))
+    np.fill_diagonal(away, np.inf)
+    return float(np.median(away.min(axis=1)))
+
+
+def count_turns(points_mm: Floats) -> int:
+    """Returns how many turns about their middle, within a whole one, map points to themselves."""
+    z = (points_mm - points_mm.mean(axis=0)) @ (1, 1j)
+    near_mm = _SAME * measure_pitch(points_mm)
+    for n in range(_MOST_TURNS, 1, -1):
+        turned = z * cmath.rect(1.0, 2.0 * math.pi / n)
+        if np.abs(turned[:, None] - z).min(axis=1).max() < near_mm:
+            return n
+    return 1
+
+
+def _find_neighbours(points_mm: Floats, near_mm: float) -> NDArray[np.intp]:
+    """Returns the nearest markers around each within a distance, row by row; -1 fills the rows."""
+    step = points_mm[None] - points_mm[:, None]
+    away = np.hypot(step[..., 0], step[..., 1])
+    np.fill_diagonal(away, np.inf)
+    neighbours = np.full((len(points_mm), _MOST_NEIGHBOURS), -1, np.intp)
+    for i, row in enumerate(away):
+        near = np.argsort(row, kind="stable")[:_MOST_NEIGHBOURS]
+        near = near[row[near] < near_mm]
+        x, y = step[i, near].T
+        near = near[np.lexsort((x, y))]
+        neighbours[i, : len(near)] = near
+    return neighbours
+
+
+PAPER_GEL = make_gel(
+    "paper", place_square(4.0, 30.0), pitch_mm=4.0, radius_mm=30.0, dot_mm=1.0, dome_height_mm=15.0
+)
+"""The gel of the paper [NT, "System Overview"]: a dome of 60 mm diameter with 1 mm markers 4 mm
+apart. 177 is exactly the number of points of that lattice within 30 mm of the centre. The height
+of the dome is that of the simulator."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,15 +199,16 @@ class Rig:
         return np.array([[c, -s], [s, c]])
 
 
-def fit_rig(rest_px: NDArray[np.floating]) -> Rig:
-    """Returns the rig whose similarity maps the lattice to the markers at rest by least squares.
+def fit_rig(rest_px: NDArray[np.floating], gel: Gel = PAPER_GEL) -> Rig:
+    """Returns the rig whose similarity maps a gel to its markers at rest by least squares.
 
     Args:
-        rest_px: (177, 2) px, the markers at rest in the order of ``LATTICE_MM``; rows that are not
+        rest_px: (n, 2) px, the markers at rest in the order of ``Gel.points_mm``; rows that are not
             finite are left out.
+        gel: the gel.
     """
     known = np.isfinite(rest_px).all(axis=1)
-    source = LATTICE_MM[known] @ (1, 1j)
+    source = gel.points_mm[known] @ (1, 1j)
     target = np.asarray(rest_px[known], np.float64) @ (1, 1j)
     ds, dt = source - source.mean(), target - target.mean()
     factor = np.vdot(ds, dt) / np.vdot(ds, ds).real

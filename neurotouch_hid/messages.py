@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.vocabulary import Axis, Button, GelProblem, GestureKind
 
 __all__ = [
@@ -88,7 +89,7 @@ class RestField:
 
     Attributes:
         t_us: the moment of the frame (middle of its exposure).
-        position_px: (177, 2) float32, columns x, y, in the order of ``geometry.LATTICE_MM``.
+        position_px: (n, 2) float32, columns x, y, in the order of ``Gel.points_mm``.
         is_new: True if earlier rest positions were wrong.
         blur_px: standard deviation of the point spread if the lens is out of focus, else 0.
     """
@@ -104,12 +105,13 @@ class GelState:
     """The gel as the camera sees it; a new object only when something has changed.
 
     Attributes:
+        layout: the gel as it was made.
         is_found: the places of the markers at rest are known, so gestures count.
         was_found: they have been known before; without ``is_found`` the gel is lost.
         problem: the problem. A gel that is found may have one too.
         n_seen: markers seen at their places; all bright dots, if they form no lattice.
-        missing: markers that are not seen, as places in ``geometry.LATTICE_MM``; empty if the
-            places of the markers are unknown.
+        missing: markers that are not seen, as places in ``Gel.points_mm``; empty if the places of
+            the markers are unknown.
         missing_px: where they should be in the image, (x, y) px each.
         px_per_mm: scale of the image; None if it is unknown, as are the next four.
         rotation_deg: turn of the lattice in the image, clockwise, with ``is_found`` only.
@@ -121,6 +123,7 @@ class GelState:
         moved_mm: how far the gel is from where it was found first.
     """
 
+    layout: Gel = field(default=PAPER_GEL, repr=False)
     is_found: bool = False
     was_found: bool = False
     problem: GelProblem = GelProblem.WAITING
@@ -139,20 +142,22 @@ class GelState:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MarkerField:
-    """All markers at one moment, in the order of ``geometry.LATTICE_MM``.
+    """All markers at one moment, in the order of ``Gel.points_mm``.
 
     Attributes:
         t_us: the end of the slice.
-        rest_px: (177, 2) float32, columns x, y: where each marker is while the gel is
+        rest_px: (n, 2) float32, columns x, y: where each marker is while the gel is
             undeformed. The same array object until it changes; all NaN before the gel is found.
-        position_px: (177, 2) float32: where each marker is now.
-        valid: (177,) bool: the position is measured, not a guess from the neighbours.
+        position_px: (n, 2) float32: where each marker is now.
+        valid: (n,) bool: the position is measured, not a guess from the neighbours.
+        gel: the gel with these markers.
     """
 
     t_us: int
     rest_px: NDArray[np.float32]
     position_px: NDArray[np.float32]
     valid: NDArray[np.bool_]
+    gel: Gel = PAPER_GEL
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -234,7 +239,7 @@ class Truth:
         kind: the gesture type.
         contacts_px: (K, 2) float64, image points of the contacts, columns x, y.
         intensity_mm: mean displacement of the contact points since the gesture began.
-        markers_px: (177, 2) float32, true marker positions, or None where they are unknown.
+        markers_px: (n, 2) float32, true marker positions, or None where they are unknown.
     """
 
     t_us: int

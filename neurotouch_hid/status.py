@@ -47,6 +47,7 @@ class GelFacts(TypedDict):
 
     Attributes:
         found: the places of the dots are known, so gestures count.
+        markers: number of all dots of the gel.
         problem: the problem in a word; empty without one.
         text: ``found``, or the problem in a sentence.
         fix: the fix; empty without a problem.
@@ -65,6 +66,7 @@ class GelFacts(TypedDict):
     """
 
     found: bool
+    markers: int
     problem: str
     text: str
     fix: str
@@ -90,7 +92,7 @@ class PipelineStatus(TypedDict):
         state: whether gestures act.
         profile: name of the profile that is active.
         layer: name of its layer that is active.
-        markers_tracked: how many of the 177 are measured.
+        markers_tracked: how many of the gel's markers are measured.
         gel: the gel as the camera sees it.
         gesture: the gesture now, ``none`` at rest.
         ignored: the last gesture that had no effect, and why, in a sentence; None without.

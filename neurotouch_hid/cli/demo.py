@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.ui.options import method_option, seconds_option
+from neurotouch_hid.cli.ui.options import gel_option, method_option, seconds_option
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 
 if TYPE_CHECKING:
@@ -32,6 +32,7 @@ _PROFILE = "spacecraft"
     help="Name or path.",
 )
 @method_option
+@gel_option
 @seconds_option
 @click.option(
     "--show",
@@ -46,6 +47,7 @@ def command(
     page: bool,
     profile: str | None,
     method: str,
+    gel: str | None,
     seconds: float | None,
     show: str,
 ) -> None:
@@ -67,6 +69,7 @@ def command(
         source=played,
         profile=profile or (_find_favourite() if mouse else None) or _PROFILE,
         method=method,
+        gel=gel,
         copilot="",
         needs_device=False,
     )
@@ -74,15 +77,17 @@ def command(
     from neurotouch_hid.cli.shared.demo_page import open_page
     from neurotouch_hid.cli.shared.play import announce, play
     from neurotouch_hid.driver import Driver
+    from neurotouch_hid.driver.gel_settings import choose_gel
     from neurotouch_hid.players import find_runtime_folder
     from neurotouch_hid.source import open_source
     from neurotouch_hid.source.mouse_gel import MouseSource
 
+    drawn = choose_gel(gel, options.source)
     make_source: Callable[[], Source] | None = None
     if mouse:
-        make_source = partial(MouseSource, find_runtime_folder())
+        make_source = partial(MouseSource, find_runtime_folder(), gel=drawn)
     elif seconds is not None:
-        make_source = partial(open_source, options.source, repeats=True)
+        make_source = partial(open_source, options.source, repeats=True, gel=drawn)
     with (
         Driver(options, announce=announce, make_source=make_source) as driver,
         ExitStack() as stack,

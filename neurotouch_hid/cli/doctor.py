@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.ui.options import OutFile
+from neurotouch_hid.cli.ui.options import OutFile, gel_option
 from neurotouch_hid.cli.ui.output import echo, json_option, paint, plain_option, print_json
 
 if TYPE_CHECKING:
@@ -47,6 +47,7 @@ _COLOURS = {"OK": "green", "WARNING": "yellow", "FAILED": "red", "SKIPPED": "cya
 @click.option(
     "--source", help="Check this source instead of the camera: file:NAME.aedat4 or sim:NAME."
 )
+@gel_option
 @plain_option
 @json_option
 def command(
@@ -55,6 +56,7 @@ def command(
     fix_script: bool,
     picture: Path | None,
     source: str | None,
+    gel: str | None,
     plain: bool,
     as_json: bool,
 ) -> None:
@@ -68,7 +70,7 @@ def command(
         check_source(source)
     from neurotouch_hid.doctor import CheckStatus, examine, list_checks
 
-    checks = [] if keys else list_checks(picture, source)
+    checks = [] if keys else list_checks(picture, source, gel)
     quiet = as_json or fix_script
     findings = []
     for finding in examine(checks, tell=lambda text: echo(text, err=True)):
@@ -80,7 +82,7 @@ def command(
         if not quiet:
             _show(findings[-1], plain=plain)
     if directions:
-        finding, advice = _try_directions(source)
+        finding, advice = _try_directions(source, gel)
         findings.append(finding)
         if not quiet:
             _show(finding, plain=plain)
@@ -141,10 +143,11 @@ def _try_keys() -> "Finding":
     return replace(finding, check=name)
 
 
-def _try_directions(source: str | None) -> "tuple[Finding, Advice | None]":
+def _try_directions(source: str | None, gel: str | None) -> "tuple[Finding, Advice | None]":
     from neurotouch_hid.doctor.directions import try_directions
     from neurotouch_hid.doctor.finding import CheckStatus, Finding, skip
     from neurotouch_hid.doctor.inventory import find_driver
+    from neurotouch_hid.driver.gel_settings import choose_gel
     from neurotouch_hid.errors import NeuroTouchError
 
     name = "directions"
@@ -153,7 +156,10 @@ def _try_directions(source: str | None) -> "tuple[Finding, Advice | None]":
     if source is None and find_driver() is not None:
         echo("The running driver reacts to your hand too. To stop it: neurotouch pause", err=True)
     try:
-        finding, advice = try_directions(source, lambda text: echo(text, err=True), _is_skipped)
+        made = choose_gel(gel, source or "davis:")
+        finding, advice = try_directions(
+            source, lambda text: echo(text, err=True), _is_skipped, made
+        )
     except NeuroTouchError as error:
         finding, advice = Finding(CheckStatus.FAILED, error.message, error.hint), None
     return replace(finding, check=name), advice

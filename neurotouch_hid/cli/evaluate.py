@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from neurotouch_hid.cli.ui.options import MethodName, OutFile, rate_option
+from neurotouch_hid.cli.ui.options import MethodName, OutFile, gel_option, rate_option
 from neurotouch_hid.cli.ui.output import echo, save_json
 
 
@@ -53,10 +53,12 @@ from neurotouch_hid.cli.ui.output import echo, save_json
     help="Recordings to play at once.",
 )
 @rate_option
+@gel_option
 def command(
     files: tuple[Path, ...],
     methods: tuple[str, ...],
     rate_hz: float | None,
+    gel: str | None,
     json_path: Path | None,
     report_path: Path | None,
     jobs: int,
@@ -90,7 +92,7 @@ def command(
     for method in methods:
         if len(methods) > 1:
             echo(f"Method {method}", err=True)
-        options = replace(REFERENCE, method=method, rate_hz=rate_hz)
+        options = replace(REFERENCE, method=method, rate_hz=rate_hz, gel=gel)
         evaluations[method] = evaluate_files(files, options, jobs=jobs, progress=tell)
     reports = {method: evaluation.report() for method, evaluation in evaluations.items()}
     origin = trace_origin(files, shlex.join(["neurotouch", *sys.argv[1:]]))

@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 import click
 
 from neurotouch_hid import __version__
-from neurotouch_hid.cli.ui.options import Finite
+from neurotouch_hid.cli.ui.options import Finite, gel_option
 from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_json, say
 from neurotouch_hid.errors import NeuroTouchError, NotRunningError, RecordingError, SourceError
 from neurotouch_hid.partial_file import is_plain
 from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_kind
 
 if TYPE_CHECKING:
+    from neurotouch_hid.geometry import Gel
     from neurotouch_hid.recording import Recorder, RecorderStats, Simulation
     from neurotouch_hid.source import Source
     from neurotouch_hid.vocabulary import Speed
@@ -65,6 +66,7 @@ class _Silence(KeyboardInterrupt):
 @click.option(
     "--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the simulator."
 )
+@gel_option
 @click.option("--force", is_flag=True, help="Replace OUT if it exists.")
 @plain_option
 @json_option
@@ -73,6 +75,7 @@ def command(
     source: str | None,
     seconds: float | None,
     seed: int,
+    gel: str | None,
     force: bool,
     plain: bool,
     as_json: bool,
@@ -91,14 +94,17 @@ def command(
         check_source(source)
     else:
         _require_driver_or_camera()
-    from neurotouch_hid.recording import Recorder, RecordingWriter
+    from neurotouch_hid.driver.gel_settings import choose_gel, find_gel_file, read_gel_file
+    from neurotouch_hid.recording import Recorder, RecordingWriter, write_gel
 
     _require_place(out, source, force=force)
+    played = source or "davis:"
+    made, gel_file = choose_gel(gel, played), read_gel_file(find_gel_file(gel, played))
     fault: NeuroTouchError | None = None
     with ExitStack() as stack:
         # The simulator has no end: without --seconds it is as slow as a camera.
         whole = source is not None and find_source_kind(source) is not SourceKind.SIMULATION
-        opened = _open(stack, source, "max" if seconds or whole else "recorded", seed)
+        opened = _open(stack, source, "max" if seconds or whole else "recorded", seed, made)
         stack.callback(_restore_signals)  # before the source is closed: that may hang
         mark = _mark(opened.source, source, seed)
         recorder = Recorder(RecordingWriter(out, in_place=True, simulation=mark))
@@ -120,6 +126,7 @@ def command(
                 "Nothing was recorded, so no file was made.",
                 hint="Is the camera plugged in? Check: neurotouch doctor",
             )
+        write_gel(out, gel_file)
         _tell(opened.name, out, stats, fault, mark, as_json=as_json)
 
 
@@ -155,14 +162,21 @@ def _require_place(out: Path, source: str | None, *, force: bool) -> None:
         )
 
 
-def _open(stack: ExitStack, source: str | None, speed: "Speed", seed: int) -> _Opened:
+def _open(stack: ExitStack, source: str | None, speed: "Speed", seed: int, gel: "Gel") -> _Opened:
     from neurotouch_hid.driver.camera_settings import load_camera_config
     from neurotouch_hid.source import open_source
 
     def open_one(name: str) -> "Source":
         camera = load_camera_config()
         return stack.enter_context(
-            open_source(name, speed=speed, seed=seed, camera=camera, max_delay_us=_MAX_DELAY_US)
+            open_source(
+                name,
+                speed=speed,
+                seed=seed,
+                camera=camera,
+                max_delay_us=_MAX_DELAY_US,
+                gel=gel,
+            )
         )
 
     if source is None:

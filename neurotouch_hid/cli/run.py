@@ -7,6 +7,7 @@ import click
 
 from neurotouch_hid.cli.ui.options import (
     OutFile,
+    gel_option,
     method_option,
     profile_option,
     rate_option,
@@ -62,6 +63,7 @@ if TYPE_CHECKING:
 @speed_option
 @rate_option
 @method_option
+@gel_option
 @seed_option
 @seconds_option
 @click.option(
@@ -87,6 +89,7 @@ def command(
     speed: Literal["recorded", "max"],
     rate_hz: float | None,
     method: str,
+    gel: str | None,
     seed: int,
     seconds: float | None,
     trace: Path | None,
@@ -114,6 +117,7 @@ def command(
         speed=speed,
         rate_hz=rate_hz,
         method=method,
+        gel=gel,
         seed=seed,
         shows_rumble=rumble,
     )

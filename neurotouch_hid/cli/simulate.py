@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from neurotouch_hid.cli.ui.options import Finite
+from neurotouch_hid.cli.ui.options import Finite, gel_option
 from neurotouch_hid.cli.ui.output import echo
 
 
@@ -40,7 +40,7 @@ def _list_nuisances() -> None:
     epilog="\b\nExamples:\n"
     "  neurotouch simulate play --users 1 --minutes 1\n"
     "  neurotouch simulate paper-like              the paper's length: 5 users, 25 minutes\n"
-    "  neurotouch simulate hard --gel both --minutes 8\n"
+    "  neurotouch simulate hard --elasticity both --minutes 8\n"
     "  neurotouch simulate room --nuisance mild --nuisance bump=3\n"
     "  neurotouch simulate --nuisance list         all nuisances, with their usual strength"
 )
@@ -61,7 +61,7 @@ def _list_nuisances() -> None:
     help="Another seed, other people.",
 )
 @click.option(
-    "--gel",
+    "--elasticity",
     type=click.Choice(["half-space", "solid", "both"]),
     default="half-space",
     show_default=True,
@@ -76,14 +76,16 @@ def _list_nuisances() -> None:
     callback=_read_nuisances,
     help="Something that makes recordings harder; repeatable. 'list' shows all.",
 )
+@gel_option
 @click.option("--force", is_flag=True, help="Replace recordings that were made with other options.")
 def command(
     out: Path,
     users: int,
     minutes: float,
     seed: int,
-    gel: str,
+    elasticity: str,
     nuisances: dict[str, float],
+    gel: str | None,
     force: bool,
 ) -> None:
     """Write simulated recordings with labels into the folder OUT.
@@ -92,6 +94,7 @@ def command(
     there. A set that was made with other options is never replaced without --force.
     """
     from neurotouch_hid.cli.shared.command_line import make_command_line
+    from neurotouch_hid.driver.gel_settings import choose_gel, find_gel_file, read_gel_file
     from neurotouch_hid.source.simulator.dataset import Progress, write_dataset
     from neurotouch_hid.source.simulator.gel import ELASTICITIES
 
@@ -106,7 +109,7 @@ def command(
             spent = time.monotonic() - begun
             echo(f"{percent:3d} %  {progress.path.name}  {spent:.0f} s", err=True)
 
-    gels = [name for name in ELASTICITIES if gel in (name, "both")]
+    gels = [name for name in ELASTICITIES if elasticity in (name, "both")]
     paths = write_dataset(
         out,
         users,
@@ -117,6 +120,8 @@ def command(
         nuisances=nuisances,
         replace=force,
         command=make_command_line(),
+        gel=choose_gel(gel, "sim:"),
+        gel_file=read_gel_file(find_gel_file(gel, "sim:")),
     )
     size_mb = sum(path.stat().st_size for path in paths) / 1e6
     echo(f"{len(paths)} SIMULATED recordings with labels, {size_mb:.0f} MB, are in {out}.")

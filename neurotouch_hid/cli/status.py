@@ -85,7 +85,7 @@ def _describe_gel(gel: "GelFacts", n_tracked: int) -> list[str]:
     """Returns what the camera sees of the gel."""
     if not gel["found"]:
         return ["gel: not found, so the pad is neutral"]
-    lines = [f"gel: {gel['text']}, {n_tracked} of 177 markers tracked"]
+    lines = [f"gel: {gel['text']}, {n_tracked} of {gel['markers']} markers tracked"]
     if gel["fix"]:
         lines.append(f"Fix: {gel['fix']}")
     if gel["missing"]:

@@ -10,17 +10,20 @@ from neurotouch_hid.doctor.examination import Check
 from neurotouch_hid.doctor.finding import Finding
 
 
-def list_checks(picture: Path | None = None, source: str | None = None) -> tuple[Check, ...]:
+def list_checks(
+    picture: Path | None = None, source: str | None = None, gel: str | None = None
+) -> tuple[Check, ...]:
     """Returns all checks, in the order from the machine to the person.
 
     Args:
         picture: path of the saved picture of the gel.
         source: source to examine instead of the camera.
+        gel: name or path of the gel's file.
     """
 
     @cache
     def view() -> Any:  # three checks share one look at the gel
-        return _import("gel").GelView(picture, source)
+        return _import("gel").GelView(picture, source, gel)
 
     return (
         Check("python", _find("machine", "check_python")),

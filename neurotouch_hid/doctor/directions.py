@@ -18,6 +18,7 @@ from neurotouch_hid.driver.camera_settings import (
 from neurotouch_hid.driver.last_gel import LastGel
 from neurotouch_hid.errors import NotRunningError
 from neurotouch_hid.gel_sentences import explain_gel
+from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EventPacket, GelProblem, Gesture, GestureKind, Step
 from neurotouch_hid.players import find_machine_folder, find_runtime_folder
@@ -82,6 +83,7 @@ def watch_view(
     say: Callable[[str], object],
     is_skipped: Callable[[], bool],
     near_rad: float = 0.0,
+    gel: Gel = PAPER_GEL,
 ) -> View | None:
     """Asks for the two gestures and returns how the camera sees the gel.
 
@@ -90,11 +92,12 @@ def watch_view(
         say: shows the person a sentence.
         is_skipped: tells whether the person wants to skip; called for every packet.
         near_rad: turn of the gel in the picture that is expected.
+        gel: the gel.
 
     Returns:
         None if the person has skipped, or the source has ended.
     """
-    pipeline = Pipeline.build(load_profile("default"), GestureConfig(), near_rad=near_rad)
+    pipeline = Pipeline.build(load_profile("default"), GestureConfig(), near_rad=near_rad, gel=gel)
     steps = _advance(pipeline, packets, say, is_skipped)
     view = None
     while view is None:
@@ -154,7 +157,10 @@ def advise(view: View) -> Advice:
 
 
 def try_directions(
-    source: str | None, say: Callable[[str], object], is_skipped: Callable[[], bool]
+    source: str | None,
+    say: Callable[[str], object],
+    is_skipped: Callable[[], bool],
+    gel: Gel = PAPER_GEL,
 ) -> tuple[Finding, Advice | None]:
     """Asks for a push and a twist before a live source.
 
@@ -162,19 +168,20 @@ def try_directions(
         source: its name; None: what the running driver sees, or the first camera.
         say: shows the person a sentence.
         is_skipped: tells whether the person wants to skip.
+        gel: the gel.
     """
     with ExitStack() as stack:
-        opened = _open(stack, source)
+        opened = _open(stack, source, gel)
         if opened is None:
             return skip("It needs a camera, or a running driver. A recording shows no hand."), None
-        view = watch_view(opened, say, is_skipped, LastGel().rotation_rad)
+        view = watch_view(opened, say, is_skipped, LastGel().rotation_rad, gel)
     if view is None:
         return skip("You skipped the directions."), None
     advice = advise(view)
     return judge_view(view, advice), advice
 
 
-def _open(stack: ExitStack, source: str | None) -> Source | None:
+def _open(stack: ExitStack, source: str | None, gel: Gel) -> Source | None:
     """Opens a live or simulated source; None without one."""
     if source is None:
         with suppress(NotRunningError):
@@ -184,7 +191,7 @@ def _open(stack: ExitStack, source: str | None) -> Source | None:
         return stack.enter_context(open_source("davis:", camera=load_camera_config()))
     if find_source_kind(source) is SourceKind.RECORDING:
         return None
-    return stack.enter_context(open_source(source))
+    return stack.enter_context(open_source(source, gel=gel))
 
 
 def _advance(

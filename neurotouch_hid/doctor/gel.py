@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 
 from neurotouch_hid import client as driver
 from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
+from neurotouch_hid.driver.gel_settings import choose_gel
 from neurotouch_hid.errors import NotRunningError
 from neurotouch_hid.gel_sentences import explain_gel, name_dots
-from neurotouch_hid.geometry import N_MARKERS, fit_rig
+from neurotouch_hid.geometry import fit_rig
 from neurotouch_hid.messages import (
     SENSOR_HEIGHT_PX,
     SENSOR_WIDTH_PX,
@@ -30,7 +31,7 @@ from neurotouch_hid.source import open_source
 from neurotouch_hid.source.davis import find_cameras
 from neurotouch_hid.tracker import RestConfig, RestDetector
 from neurotouch_hid.tracker.blobs import BlobFinder
-from neurotouch_hid.tracker.lattice import LatticeConfig, find_lattice
+from neurotouch_hid.tracker.lattice import LatticeFinder
 
 LOOK_S: Final = 5.0
 FRAMES_HZ: Final = 25.0
@@ -38,7 +39,8 @@ _MOST_OFF_HZ: Final = 5.0
 _MOST_EVENTS_HZ: Final = 500_000.0
 """Limit for a gel at rest: a tenth of the rate that the pipeline can follow."""
 
-_LEAST_MARKERS: Final = 160
+_LEAST_SHARE: Final = 0.9
+"""Share of the markers that a good picture shows."""
 _LEAST_CONTRAST: Final = 40
 """Grey levels between markers and gel; the detector's own limit for a dark picture is 50."""
 
@@ -84,7 +86,7 @@ class _Gel:
         state: what the frames show of the gel.
         chamfer_px2: Chamfer distance of the last frame.
         is_at_rest: the last frame shows the gel at rest.
-        first_px, last_px: (177, 2) px, the markers at rest; None if they never were.
+        first_px, last_px: (n, 2) px, the markers at rest; None if they never were.
     """
 
     n_found: int
@@ -101,11 +103,15 @@ class GelView:
     Args:
         picture: path for the picture with the markers; None: a file in the cache folder.
         source: the source; None: the running driver's data, or the first camera.
+        gel: name or path of the gel's file; None: the one that applies to the source.
     """
 
-    def __init__(self, picture: Path | None = None, source: str | None = None) -> None:
+    def __init__(
+        self, picture: Path | None = None, source: str | None = None, gel: str | None = None
+    ) -> None:
         self._picture = picture or find_picture()
         self._source = source
+        self._made = choose_gel(gel, source or "davis:")
 
     def check_stream(self) -> Finding:  # noqa: PLR0911
         """Checks whether frames and events arrive at the usual rates."""
@@ -142,7 +148,11 @@ class GelView:
         frame = seen.frames[-1]
         saved = self._save(frame, gel)
         low, high = (float(np.percentile(frame.pixels, share)) for share in (50.0, 99.5))
-        what = f"{gel.n_found} of {N_MARKERS} markers" if gel.n_found else "No gel can be found"
+        what = (
+            f"{gel.n_found} of {self._made.n_markers} markers"
+            if gel.n_found
+            else "No gel can be found"
+        )
         sentence = f"{what}, contrast {high - low:.0f}; {saved}"
         if gel.state.problem:
             why = explain_gel(gel.state)
@@ -164,7 +174,7 @@ class GelView:
                 "neurotouch profile set user neutral resting",
             )
         moved_px = np.hypot(*(gel.last_px - gel.first_px).T)
-        drift_mm = float(np.median(moved_px)) / fit_rig(gel.last_px).px_per_mm
+        drift_mm = float(np.median(moved_px)) / fit_rig(gel.last_px, self._made).px_per_mm
         drift = f"drift {drift_mm:.2f} mm in {LOOK_S:.0f} s."
         if not gel.is_at_rest:
             return warn(f"At the end the gel is touched; {drift}", "Take the hand off the gel.")
@@ -188,14 +198,14 @@ class GelView:
     def _gel(self) -> _Gel | None:
         if self._seen is None or not self._seen.frames:
             return None
-        detector = RestDetector()
+        detector = RestDetector(gel=self._made)
         fields = [detector.update(frame) for frame in self._seen.frames]
         rests = [field.position_px for field in fields if field is not None]
         stats = detector.stats()
         n_found = stats.n_found
         if not rests:  # then that is the number of bright dots, markers or not
             dots = BlobFinder().find(self._seen.frames[-1].pixels).centroid_px
-            lattice = find_lattice(dots, LatticeConfig())
+            lattice = LatticeFinder(self._made).find(dots)
             n_found = 0 if lattice is None else lattice.n_found
         first, last = (rests[0], rests[-1]) if rests else (None, None)
         return _Gel(n_found, detector.gel, stats.chamfer_px2, not stats.problem, first, last)
@@ -203,7 +213,7 @@ class GelView:
     def _open(self, stack: ExitStack) -> tuple[str, Iterable[EventPacket]] | None:
         """Returns the source's name and its packets; None without a source."""
         if self._source is not None:
-            source = stack.enter_context(open_source(self._source, speed="max"))
+            source = stack.enter_context(open_source(self._source, speed="max", gel=self._made))
             return f"{'SIMULATED ' if source.is_simulated else ''}{self._source}", source
         try:
             answer, line = driver.open_stream("record")
@@ -264,8 +274,8 @@ def _collect(source: str, packets: Iterable[EventPacket]) -> _Seen:
 
 def _find_fault(gel: _Gel, contrast: float) -> tuple[str, str]:
     """Returns what is wrong with a gel that is found, and the fix; empty if nothing is."""
-    if gel.n_found < _LEAST_MARKERS:
-        missing = name_dots(gel.state.missing)
+    if gel.n_found < _LEAST_SHARE * gel.state.layout.n_markers:
+        missing = name_dots(gel.state.missing, gel.state.layout)
         return (
             f" Dots not seen: {missing}.",
             "Clean the gel and the lens, and light all of the gel.",
@@ -273,7 +283,7 @@ def _find_fault(gel: _Gel, contrast: float) -> tuple[str, str]:
     if contrast < _LEAST_CONTRAST:
         return "", "The picture is faint: is the LED ring at full brightness?"
     if gel.last_px is not None:
-        centre = fit_rig(gel.last_px).centre_px
+        centre = fit_rig(gel.last_px, gel.state.layout).centre_px
         off = np.subtract(centre, ((SENSOR_WIDTH_PX - 1) / 2, (SENSOR_HEIGHT_PX - 1) / 2))
         if np.hypot(*off) > _MOST_OFF_CENTRE_PX:
             return (

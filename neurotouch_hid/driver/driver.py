@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack
-from functools import partial
 from threading import Event
 from typing import Self
 
@@ -14,6 +13,7 @@ from neurotouch_hid.driver.attachments import Attachments
 from neurotouch_hid.driver.check import check_copilot
 from neurotouch_hid.driver.chosen import Chosen, choose_first
 from neurotouch_hid.driver.control_socket import ControlSocket
+from neurotouch_hid.driver.gel_settings import choose_gel
 from neurotouch_hid.driver.kernel_loading import load_kernels
 from neurotouch_hid.driver.last_gel import LastGel
 from neurotouch_hid.driver.options import DriverOptions
@@ -29,6 +29,7 @@ from neurotouch_hid.errors import (
     NeuroTouchError,
     require_type,
 )
+from neurotouch_hid.geometry import Gel
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import Step
 from neurotouch_hid.players import find_runtime_folder
@@ -59,6 +60,7 @@ class Driver(Closing):
         pipeline: the stages.
         device: the pad.
         profile: the profile at the start.
+        gel: the gel.
         taps: read every Step; add your own before ``run``.
 
     Raises:
@@ -71,6 +73,7 @@ class Driver(Closing):
     pipeline: Pipeline
     device: Device
     profile: Profile
+    gel: Gel
 
     def __init__(
         self,
@@ -86,7 +89,7 @@ class Driver(Closing):
         self.options = options
         self.taps: list[Tap] = []
         self._announce = announce
-        self._make_source = make_source or partial(open_driver_source, options)
+        self._make_source = make_source or self._open_source
         self._make_device = make_device
         self._guests = guests
         self._people = people
@@ -220,6 +223,7 @@ class Driver(Closing):
             and (self.source.is_live or self.source.is_simulated)
             # A recording gives the same steps at any speed, also one of a simulation.
             and find_source_kind(options.source) is not SourceKind.RECORDING,
+            gel=self.gel,
         )
         closing.callback(self.pipeline.close)
         if last is not None:
@@ -277,10 +281,17 @@ class Driver(Closing):
     def _choose(self) -> Chosen:
         chosen = choose_first(self.options, self._people, self._announce)
         self.profile = chosen.profile
+        options = self.options
+        self.gel = choose_gel(
+            options.gel, options.source, options.player, personal=options.personal
+        )
         return chosen
 
+    def _open_source(self) -> Source:
+        return open_driver_source(self.options, self.gel)
+
     def _load_kernels(self) -> None:
-        load_kernels(self.options, self.profile, self._announce)
+        load_kernels(self.options, self.profile, self.gel, self._announce)
 
     def _listen(self) -> ControlSocket | None:
         """Opens the control socket; where none can be made, says so and goes on without.

@@ -7,6 +7,7 @@ from threading import Timer
 from typing import Final
 
 from neurotouch_hid.driver.options import DriverOptions
+from neurotouch_hid.geometry import Gel
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.process.kernel_cache import find_cache_trouble
 from neurotouch_hid.profile import Profile
@@ -21,7 +22,7 @@ _WARM_SLICES: Final = 5
 
 
 def load_kernels(
-    options: DriverOptions, profile: Profile, announce: Callable[[str], object]
+    options: DriverOptions, profile: Profile, gel: Gel, announce: Callable[[str], object]
 ) -> None:
     """Loads or compiles the kernels, so that no first slice waits for them.
 
@@ -30,13 +31,14 @@ def load_kernels(
     Args:
         options: of the driver; its method and source decide which kernels.
         profile: the profile at the start.
+        gel: the gel.
         announce: is told when loading takes long, and when kernels cannot be kept.
     """
     text = "Loading (the first time compiles for this processor, half a minute) ..."
     with _notice(text, announce):
-        warm_up(Pipeline.build(profile, GestureConfig(method=options.method)))
+        warm_up(Pipeline.build(profile, GestureConfig(method=options.method), gel=gel), gel)
         if find_source_kind(options.source) is SourceKind.SIMULATION:
-            with open_source(options.source, speed="max") as first_slices:
+            with open_source(options.source, speed="max", gel=gel) as first_slices:
                 for _ in islice(first_slices, _WARM_SLICES):
                     pass
     if trouble := find_cache_trouble():

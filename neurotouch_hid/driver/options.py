@@ -21,6 +21,7 @@ _TYPES: Final[dict[str, tuple[type, str]]] = {
     "speed": (str, "a text such as 'max'"),
     "rate_hz": (Real, "a number such as 250"),
     "method": (str, "a text such as 'neurotouch'"),
+    "gel": (str, "a name or path such as 'own.gel.yaml'"),
     "seed": (Integral, "a whole number such as 0"),
     "shows_rumble": _WHETHER,
     "wait": _WHETHER,
@@ -47,6 +48,8 @@ class DriverOptions:
         speed: ``recorded`` plays as recorded, ``max`` as fast as possible.
         rate_hz: slices a second, 25 to 1000; None means the usual rate of the source.
         method: the recogniser.
+        gel: name or path of the gel's file; None means the one of the recording or of the person,
+            ``paper`` the gel of the paper.
         seed: the seed of the simulation, 0 or more.
         shows_rumble: the pad claims to rumble although only the live view shows it.
         wait: neither the camera nor the co-pilot's device needs to be there yet.
@@ -70,6 +73,7 @@ class DriverOptions:
     speed: Speed = "recorded"
     rate_hz: float | None = None
     method: str = "neurotouch"
+    gel: str | None = None
     seed: int = 0
     shows_rumble: bool = False
     wait: bool = False

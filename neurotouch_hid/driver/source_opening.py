@@ -4,11 +4,12 @@ from neurotouch_hid.client import is_service_running
 from neurotouch_hid.driver.camera_settings import load_camera_config
 from neurotouch_hid.driver.options import DriverOptions
 from neurotouch_hid.errors import AlreadyRunningError, CameraError
+from neurotouch_hid.geometry import Gel
 from neurotouch_hid.source import Source, Troubled, open_source
 
 
-def open_driver_source(options: DriverOptions) -> Source:
-    """Opens the source of the options.
+def open_driver_source(options: DriverOptions, gel: Gel) -> Source:
+    """Opens the source of the options; a simulation has this gel.
 
     Raises:
         AlreadyRunningError: the service has the camera.
@@ -22,6 +23,7 @@ def open_driver_source(options: DriverOptions) -> Source:
             seed=options.seed,
             camera=load_camera_config(options.player),
             wait=options.wait,
+            gel=gel,
         )
     except CameraError as error:
         from neurotouch_hid.source.davis import find_cameras  # noqa: PLC0415

@@ -15,7 +15,7 @@ class GestureConfig:
             another package's method (``neurotouch.methods``).
         neutral: the pose that counts as no gesture: ``lifted``, the gel untouched, or ``resting``,
             a hand that rests on it, see ``Neutral``.
-        min_tracked: with fewer measured markers than this, about half, there is no gesture. A lost
+        min_tracked: with a smaller share of measured markers than this there is no gesture. A lost
             gel presses no buttons.
         radius_px: of ``paper``: r, 30 px or about 12 mm, the radius of a fingertip [NT, "Results"].
         threshold_ratio: of ``paper``: a, reprojection threshold over mean displacement.
@@ -29,7 +29,7 @@ class GestureConfig:
 
     method: str = "neurotouch"
     neutral: NeutralPose = "lifted"
-    min_tracked: int = 90
+    min_tracked: float = 0.505
     radius_px: float = 30.0
     threshold_ratio: float = 0.6
     min_neighbours: int = 4

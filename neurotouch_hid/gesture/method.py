@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.errors import PluginError
-from neurotouch_hid.geometry import Rig
+from neurotouch_hid.geometry import PAPER_GEL, Gel, Rig
 from neurotouch_hid.gesture.config import GestureConfig
 from neurotouch_hid.messages import Gesture, GestureKind
 from neurotouch_hid.plugins import METHODS, Plugin, check_call, find_plugin, list_plugins
@@ -38,11 +38,11 @@ class GestureMethod(Protocol):
         Args:
             t_us: the end of the slice, µs of sensor time.
             step_us: the time since the previous slice, µs.
-            rest_px: (177, 2) float32 px, the markers at rest, columns x, y; a new array object when
-                they have changed.
-            moved_px: (177, 2) float64 px, displacement of each marker from the neutral pose;
+            rest_px: (n, 2) float32 px, the markers at rest, columns x, y; a new array object when
+                they have changed. Their number n depends on the gel.
+            moved_px: (n, 2) float64 px, displacement of each marker from the neutral pose;
                 without meaning where ``use`` is False.
-            use: (177,) bool, True for measured markers.
+            use: (n,) bool, True for measured markers.
             rig: fitted to ``rest_px``; converts pixels to mm and back.
         """
 
@@ -55,8 +55,8 @@ def list_methods() -> tuple[str, ...]:
     return *BUILT_IN, *(name for name in list_plugins(METHODS) if name not in BUILT_IN)
 
 
-def make_method(config: GestureConfig) -> GestureMethod:
-    """Returns a new recogniser of ``config.method``.
+def make_method(config: GestureConfig, gel: Gel = PAPER_GEL) -> GestureMethod:
+    """Returns a new recogniser of ``config.method`` for a gel.
 
     Raises:
         PluginError: there is no such method, or it cannot be used.
@@ -64,7 +64,7 @@ def make_method(config: GestureConfig) -> GestureMethod:
     if config.method == "neurotouch":
         from neurotouch_hid.gesture.elastic import ElasticMethod  # noqa: PLC0415
 
-        return ElasticMethod(config)
+        return ElasticMethod(config, gel)
     if config.method == "paper":
         # It imports OpenCV, which takes 60 MB and a twentieth of the time of a start.
         from neurotouch_hid.gesture.paper.method import PaperMethod  # noqa: PLC0415

@@ -53,13 +53,13 @@ class Neutral:
         """Returns the displacement from the neutral pose.
 
         Args:
-            moved_px: (177, 2) float64 px, displacement since rest.
-            use: (177,) bool, measured markers.
+            moved_px: (n, 2) float64 px, displacement since rest.
+            use: (n,) bool, measured markers.
             px_per_mm: of the rig.
             step_us: time since the previous slice.
 
         Returns:
-            (177, 2) float64 px, or None while the pose is being captured or the hand is lifted.
+            (n, 2) float64 px, or None while the pose is being captured or the hand is lifted.
         """
         if self._is_resting:
             self._watch(moved_px, use, px_per_mm, step_us)
@@ -77,7 +77,7 @@ class Neutral:
         """Lets the pose drift with a resting hand that is still and makes no gesture.
 
         Args:
-            moved_px: (177, 2) float64 px, displacement from the pose.
+            moved_px: (n, 2) float64 px, displacement from the pose.
             step_us: time since the previous slice.
         """
         if self.pose_px is not None and self._still_us > 0:
@@ -88,7 +88,7 @@ class Neutral:
 
         Args:
             points_px: (k, 2) float64 px.
-            rest_px: (177, 2) float64 px, the markers at rest.
+            rest_px: (n, 2) float64 px, the markers at rest.
 
         Returns:
             (k, 2) float64 px.

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import Rig, fit_rig
+from neurotouch_hid.geometry import PAPER_GEL, Gel, Rig, fit_rig
 from neurotouch_hid.gesture.config import GestureConfig, NeutralPose
 from neurotouch_hid.gesture.kernels.displacement import displace
 from neurotouch_hid.gesture.method import make_method
@@ -18,8 +18,8 @@ FIRST_STEP_US = 10_000  # assumed for the first slice: the length of a slice [NT
 class GestureRecognizer:
     """Recognises the gesture from MarkerFields in order of time."""
 
-    def __init__(self, config: GestureConfig | None = None) -> None:
-        self._config = config or GestureConfig()
+    def __init__(self, config: GestureConfig | None = None, gel: Gel = PAPER_GEL) -> None:
+        self._config, self._gel = config or GestureConfig(), gel
         self._rest_px: NDArray[np.float32] | None = None
         self._rig: Rig | None = None
         self._t_us: int | None = None
@@ -33,7 +33,7 @@ class GestureRecognizer:
     def choose_neutral(self, pose: NeutralPose) -> None:
         """Switches to another neutral pose; a gesture in progress ends."""
         self._config = replace(self._config, neutral=pose)
-        self._method = make_method(self._config)
+        self._method = make_method(self._config, self._gel)
         self._neutral = Neutral(is_resting=pose == "resting")
 
     def rezero(self) -> None:
@@ -47,13 +47,13 @@ class GestureRecognizer:
         if rest_px is not self._rest_px:
             self._rest_px = rest_px
             known = np.isfinite(rest_px).all(axis=1).sum() >= 2
-            self._rig = fit_rig(rest_px) if known else None
+            self._rig = fit_rig(rest_px, self._gel) if known else None
             self._neutral.anchor()
         step_us = FIRST_STEP_US if self._t_us is None else t_us - self._t_us
         self._t_us = t_us
         moved_px, use = np.empty(rest_px.shape), np.empty(len(rest_px), np.bool_)
         n_used = displace(rest_px, markers.position_px, markers.valid, moved_px, use)
-        if self._rig is None or n_used < self._config.min_tracked:
+        if self._rig is None or n_used < self._config.min_tracked * len(rest_px):
             self._method.reset()
             return no_gesture(t_us)
         from_pose_px = self._neutral.subtract(moved_px, use, self._rig.px_per_mm, step_us)

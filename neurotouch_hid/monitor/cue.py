@@ -4,8 +4,6 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
 from neurotouch_hid.gel_sentences import explain_gel
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import GelProblem, GelState, GestureKind, Step
@@ -19,7 +17,7 @@ ACCEPT_VOLUME: Final = 60
 """Volume in percent for a person who has chosen none and whose gestures act only after a while."""
 
 _LOST: Final = GestureConfig().min_tracked
-_FOUND: Final = _LOST + 30
+_FOUND: Final = _LOST + 0.17
 """Above the other limit, so that a gel near the limit does not switch with every slice."""
 
 
@@ -61,7 +59,7 @@ class CueFacts:
         layer: its active layer.
         gel: whether the gel is found, and its problem.
         gel_words: the same in words.
-        tracked: markers that are measured.
+        tracked: share of the markers that are measured.
         gesture: the type of the gesture, ``none`` at rest.
         decisions: the latest ones, oldest first.
     """
@@ -71,7 +69,7 @@ class CueFacts:
     layer: str
     gel: tuple[bool, str]
     gel_words: str
-    tracked: int
+    tracked: float
     gesture: str
     decisions: tuple[MappingDecision, ...]
 
@@ -85,7 +83,7 @@ def take_facts(step: Step | None, mapping: "Mapping") -> CueFacts:
         mapping.layer,
         (gel.is_found, gel.problem),
         explain_gel(gel).text,
-        0 if step is None else int(np.count_nonzero(step.markers.valid)),
+        0.0 if step is None else float(step.markers.valid.mean()),
         GestureKind.NONE.label if step is None else step.gesture.kind.label,
         mapping.decisions(),
     )

@@ -44,7 +44,7 @@ class StreamSound(Closing):
             head["layer"],
             (gel["found"], gel["problem"]),
             gel["text"],
-            int(read_markers(state)[1].sum()),
+            float(read_markers(state)[1].mean()),
             head["gesture"]["kind"],
             tuple(MappingDecision(*action) for action in head["actions"]),  # type: ignore[arg-type]
         )

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from neurotouch_hid.gel_sentences import explain_gel
-from neurotouch_hid.geometry import LATTICE_MM, PITCH_MM, fit_rig
+from neurotouch_hid.geometry import fit_rig
 from neurotouch_hid.messages import Axis, Button, GamepadState, GelProblem, GestureKind, Step
 from neurotouch_hid.monitor.sentence import describe_gesture, describe_outputs
 from neurotouch_hid.monitor.text_output import Writable
@@ -148,7 +148,7 @@ def draw_step(step: Step, title: str, begun_us: int = 0) -> list[str]:
     right = [
         f"gesture    {describe_gesture(gesture)}",
         f"intensity  {_bar(gesture.intensity_mm / 18)} {gesture.intensity_mm:5.1f} mm",
-        f"markers    {tracked} of {len(LATTICE_MM)} tracked",
+        f"markers    {tracked} of {step.markers.gel.n_markers} tracked",
         f"gel        {explain_gel(step.gel).text}",
         *(f"{axis:<14} {_axis(axis, pad.axes.get(axis, 0.0))}" for axis in Axis),
         "",
@@ -162,8 +162,9 @@ def draw_step(step: Step, title: str, begun_us: int = 0) -> list[str]:
 
 
 def _gel(step: Step) -> list[str]:
-    columns = np.rint(LATTICE_MM / PITCH_MM).astype(int)
-    size = int(columns.max())
+    made = step.markers.gel
+    columns = np.rint(made.points_mm / made.pitch_mm).astype(int)
+    size = int(np.abs(columns).max())
     grid = [[" "] * (4 * size + 1) for _ in range(2 * size + 1)]
     moved = step.markers.position_px - step.markers.rest_px
     for (cx, cy), (dx, dy), valid in zip(columns, moved, step.markers.valid, strict=True):
@@ -171,8 +172,8 @@ def _gel(step: Step) -> list[str]:
         sign = _ARROWS[round(np.degrees(np.arctan2(dy, dx)) / 45) % 8] if far else "·"
         grid[cy + size][2 * (cx + size)] = sign if valid else "?"
     if step.gesture.kind is not GestureKind.NONE and np.isfinite(step.markers.rest_px).any():
-        rig = fit_rig(step.markers.rest_px)
-        for x, y in np.rint(rig.to_mm(step.gesture.contacts_px) / PITCH_MM).astype(int):
+        rig = fit_rig(step.markers.rest_px, made)
+        for x, y in np.rint(rig.to_mm(step.gesture.contacts_px) / made.pitch_mm).astype(int):
             if abs(x) <= size and abs(y) <= size:
                 grid[y + size][2 * (x + size)] = "●"
     return ["".join(row) for row in grid]

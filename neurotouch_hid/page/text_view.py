@@ -55,7 +55,7 @@ class LineWriter:
             yield f"hand: {head['say']}"
         if now_s - self._health_s >= HEALTH_S and slow["slices_hz"]:
             self._health_s = now_s
-            yield describe_health(slow)
+            yield describe_health(head)
             yield describe_times(slow)
 
     def _write_gel(self, gel: GelFacts) -> Iterator[str]:
@@ -75,13 +75,15 @@ class LineWriter:
             self._told = (actions[-1][0], actions[-1][2]) if actions else (-1, "")
 
 
-def describe_health(slow: Health) -> str:
+def describe_health(head: State) -> str:
     """Returns for example ``health: 177 of 177 markers tracked, 25.0 frames a second, …``."""
+    slow = head["slow"]
     rest = slow["rezero_s"]
     return (
-        f"health: {slow['tracked']} of 177 markers tracked, {slow['frames_hz']:g} frames, "
-        f"{slow['slices_hz']} slices and {slow['events_hz']:,} events a second, "
-        f"{slow['lost']:,} events lost, backlog {slow['backlog_ms']:g} ms, "
+        f"health: {slow['tracked']} of {head['gel']['markers']} markers tracked, "
+        f"{slow['frames_hz']:g} frames, {slow['slices_hz']} slices and "
+        f"{slow['events_hz']:,} events a second, {slow['lost']:,} events lost, "
+        f"backlog {slow['backlog_ms']:g} ms, "
         + ("rest not seen yet" if rest is None else f"rest seen {rest:g} s ago")
     )
 
@@ -113,7 +115,7 @@ def draw_picture(head: State) -> list[str]:
         f"{gesture['movement'].replace('_', ' '):<12} {bar} {gesture['felt_mm']:5.1f} mm",
         "",
     ]
-    lines += [describe_health(slow), describe_times(slow), ""]
+    lines += [describe_health(head), describe_times(slow), ""]
     lines += [
         f"{(t_us - head['t_us']) / 1e6:8.1f} s  {describe_decision(verdict, what, why)}"
         for t_us, verdict, what, why in reversed(head["actions"][-8:])

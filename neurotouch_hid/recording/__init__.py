@@ -1,5 +1,6 @@
 """Reads and writes AEDAT4 recordings and the labels beside them."""
 
+from neurotouch_hid.recording.gel_file import gel_path, write_gel
 from neurotouch_hid.recording.labels import check_labelled, labels_path, read_labels, write_labels
 from neurotouch_hid.recording.reader import Batch, Recording
 from neurotouch_hid.recording.recorder import Recorder, RecorderStats
@@ -14,7 +15,9 @@ __all__ = [
     "RecordingWriter",
     "Simulation",
     "check_labelled",
+    "gel_path",
     "labels_path",
     "read_labels",
+    "write_gel",
     "write_labels",
 ]

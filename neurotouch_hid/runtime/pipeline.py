@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import Final
 
-from neurotouch_hid.geometry import Rig
+from neurotouch_hid.geometry import PAPER_GEL, Gel, Rig
 from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
 from neurotouch_hid.messages import (
     EventPacket,
@@ -68,6 +68,7 @@ class Pipeline:
         rig: Rig | None = None,
         near_rad: float = 0.0,
         frame_thread: bool = False,
+        gel: Gel = PAPER_GEL,
     ) -> "Pipeline":
         """Builds the pipeline as it is shipped.
 
@@ -79,19 +80,22 @@ class Pipeline:
             near_rad: without, the turn of the lattice in the image that is expected.
             frame_thread: process frames in a thread beside the pipeline. Otherwise the pipeline
                 does it itself, so that a recording gives the same Steps bit for bit at any speed.
+            gel: the gel before the camera.
         """
         if user is not None:
             gesture = replace(gesture, neutral=user.neutral)
         finder = BlobFinder()
-        detector = RestDetector(rig=rig, finder=finder, near_rad=near_rad)
+        detector = RestDetector(rig=rig, finder=finder, near_rad=near_rad, gel=gel)
         rest: FrameExchange = (
             ThreadedRest(detector, finder) if frame_thread else InlineRest(detector)
         )
-        tracker = MarkerTracker(finder=finder)  # with a frame thread it finds nothing itself
+        tracker = MarkerTracker(
+            finder=finder, gel=gel
+        )  # with a frame thread it finds nothing itself
         return cls(
             rest,
             tracker,
-            GestureRecognizer(gesture),
+            GestureRecognizer(gesture, gel),
             Mapping(profile, user),
             frame_thread=frame_thread,
         )

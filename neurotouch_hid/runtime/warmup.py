@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import LATTICE_MM, NOMINAL_PX_PER_MM, Rig
+from neurotouch_hid.geometry import NOMINAL_PX_PER_MM, PAPER_GEL, Gel, Rig
 from neurotouch_hid.messages import (
     EVENT_DTYPE,
     SENSOR_HEIGHT_PX,
@@ -18,13 +18,17 @@ _RIG = Rig((SENSOR_WIDTH_PX / 2, SENSOR_HEIGHT_PX / 2), NOMINAL_PX_PER_MM)
 _SLICE_US = 50_000  # so long that the noise of a gel at rest is measured in the second one
 
 
-def warm_up(pipeline: Pipeline) -> None:
+def warm_up(pipeline: Pipeline, gel: Gel = PAPER_GEL) -> None:
     """Takes a few drawn slices through ``pipeline``: gel at rest, then pushed to the right.
 
     Use a pipeline of its own for this and throw it away: it remembers what it saw.
+
+    Args:
+        pipeline: built for the gel.
+        gel: the gel that is drawn.
     """
-    still = _RIG.to_px(LATTICE_MM)
-    pushed = still + np.exp(-((LATTICE_MM / 12) ** 2).sum(1, keepdims=True)) * (10.0, 0.0)
+    still = _RIG.to_px(gel.points_mm)
+    pushed = still + np.exp(-((gel.points_mm / 12) ** 2).sum(1, keepdims=True)) * (10.0, 0.0)
     pipeline.advance(EventPacket(-_SLICE_US, 0, _spread(still, -_SLICE_US)))  # no frame yet
     for k, position_px in enumerate((still, still, pushed, pushed)):
         t_us = k * _SLICE_US

@@ -11,9 +11,10 @@ from typing import Final
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.driver_state import SourceFacts
 from neurotouch_hid.errors import SourceError
-from neurotouch_hid.geometry import Rig
+from neurotouch_hid.geometry import PAPER_GEL, Gel, Rig
 from neurotouch_hid.ipc import HAND, is_own_peer, listen_at
 from neurotouch_hid.messages import EventPacket, Step
+from neurotouch_hid.source.simulator.config import SimulatorConfig
 from neurotouch_hid.source.simulator.hand_model import GuidedHand, HandCommand, read_hand_command
 from neurotouch_hid.source.simulator.simulator import Simulator
 
@@ -34,6 +35,9 @@ class MouseSource(Closing):
 
     Args:
         folder: the driver's own; the socket is made there.
+        slice_us: length of a slice.
+        seed: of all that is random.
+        gel: the gel that is simulated.
 
     Raises:
         SourceError: no socket can be made there.
@@ -44,7 +48,9 @@ class MouseSource(Closing):
 
     rig: Rig | None = None
 
-    def __init__(self, folder: Path, *, slice_us: int = SLICE_US, seed: int = 0) -> None:
+    def __init__(
+        self, folder: Path, *, slice_us: int = SLICE_US, seed: int = 0, gel: Gel = PAPER_GEL
+    ) -> None:
         self.name = "sim:mouse"
         self._path = folder / HAND
         try:
@@ -58,7 +64,8 @@ class MouseSource(Closing):
         self._pending: deque[tuple[int, float]] = deque(maxlen=1000)
         self._late_s = 0.0
         self._lags_ms: deque[float] = deque(maxlen=250)
-        self._simulator = Simulator(GuidedHand(self._ask, self._note), seed=seed, slice_us=slice_us)
+        hand, config = GuidedHand(self._ask, self._note), SimulatorConfig().show(gel)
+        self._simulator = Simulator(hand, config, seed=seed, slice_us=slice_us)
 
     def __iter__(self) -> Iterator[EventPacket]:
         packets = iter(self._simulator)

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.source.check import find_path, refuse_source
 from neurotouch_hid.source.pacing import PacedSource
 from neurotouch_hid.source.plugin import open_plugin
@@ -28,6 +29,7 @@ def open_source(
     wait: bool = False,
     max_delay_us: int | None = None,
     repeats: bool = False,
+    gel: Gel = PAPER_GEL,
 ) -> Source:
     """Returns the source of a name.
 
@@ -46,6 +48,7 @@ def open_source(
         max_delay_us: slices of a camera that wait longer to be taken are dropped;
             if None, a limit that suits the pipeline.
         repeats: a simulated scene starts again at its end, for ever.
+        gel: the gel that is simulated.
 
     Raises:
         SourceError: there is no such source.
@@ -70,11 +73,11 @@ def open_source(
             wait=wait,
             max_delay_us=max_delay_us or MAX_DELAY_US,
         )
-    source = _open(kind, spec, slice_us or PAPER_US, seed, repeats)
+    source = _open(kind, spec, slice_us or PAPER_US, seed, repeats, gel)
     return PacedSource(source) if speed == "recorded" and not source.is_live else source
 
 
-def _open(kind: SourceKind, spec: str, slice_us: int, seed: int, repeats: bool) -> Source:
+def _open(kind: SourceKind, spec: str, slice_us: int, seed: int, repeats: bool, gel: Gel) -> Source:
     # Imported here: a replay needs no simulator and its compiled kernels, and the other way round.
     if kind is SourceKind.RECORDING:
         from neurotouch_hid.source.replay import Replay  # noqa: PLC0415
@@ -92,5 +95,5 @@ def _open(kind: SourceKind, spec: str, slice_us: int, seed: int, repeats: bool) 
     name, nuisances = read_simulation(spec.partition(":")[2])
     scene = find_scene(name)
     scene = replace(scene, endless=repeats or scene.endless)
-    config = scene_config(name)
+    config = scene_config(name).show(gel)
     return Simulator(scene, config, nuisances=nuisances, seed=seed, slice_us=slice_us)

@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import N_MARKERS
 from neurotouch_hid.messages import Frame, RestField
 from neurotouch_hid.tracker.blobs import Blobs
 from neurotouch_hid.tracker.kernels import correction, frames_alone
@@ -19,8 +18,8 @@ class FrameCorrection:
 
     def __init__(self, tracks: track_kernels.Tracks, tuning: track_kernels.Tuning) -> None:
         self._tracks, self._tuning = tracks, tuning
-        self._expected_px = np.empty((N_MARKERS, 2))
-        self._spread_px = np.empty(N_MARKERS)
+        self._expected_px = np.empty_like(tracks.rest_px)
+        self._spread_px = np.empty(len(tracks.rest_px))
 
     def follow(self, frame: Frame, blobs: Blobs) -> None:
         """Moves all tracks to the blobs of a frame, where no events come between frames."""
@@ -54,7 +53,7 @@ class FrameCorrection:
         At rest the position identifies each marker. A track that was elsewhere had followed a
         neighbour, so it moves to the place that its own neighbours give.
         """
-        then_px = np.empty((N_MARKERS, 2))
+        then_px = np.empty_like(self._expected_px)
         if not correction.recall(rest.t_us, self._tracks, then_px):
             return
         tracks = self._tracks

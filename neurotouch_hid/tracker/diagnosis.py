@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import GEL_RADIUS_MM, N_MARKERS, NEIGHBOURS, PITCH_MM, fit_rig
+from neurotouch_hid.geometry import Gel, fit_rig
 from neurotouch_hid.messages import (
     SENSOR_HEIGHT_PX,
     SENSOR_WIDTH_PX,
@@ -16,15 +16,16 @@ from neurotouch_hid.messages import (
     GelState,
 )
 from neurotouch_hid.tracker.blobs import Blobs
+from neurotouch_hid.tracker.growth import find_net
 from neurotouch_hid.tracker.kernels import matching
-from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig, find_lattice
+from neurotouch_hid.tracker.lattice import Lattice, LatticeFinder
 from neurotouch_hid.tracker.sharpness import is_blurred, measure_blur
 from neurotouch_hid.tracker.spectrum import find_pattern
 
 _DARK, _DIM = 16.0, 50.0  # grey levels that 199 of 200 pixels of a dark picture do not reach
 _SATURATED, _BRIGHT_SHARE = 250, 0.1  # share of saturated pixels of a picture that is too bright
-_WIDE: Final = (0.7, 8.5)  # px/mm, searched for a gel that is too small or too large
-_MOST_SCATTER_MM: Final = 0.35  # single markers farther off their places are irregular
+_WIDE: Final = (2.8, 34.0)  # pitch in px, searched for a gel that is too small or too large
+_MOST_SCATTER: Final = 0.0875  # of the pitch; single markers farther off their places are irregular
 _GLINT: Final = 1.2  # as much brighter than the markers around it is a reflection ...
 _USUAL: Final = 0.9  # ... than the brighter ones of them: some may be faint
 _BENT_PX: Final = 0.8  # a smaller bend is no touch
@@ -63,13 +64,16 @@ class Diagnosis:
     """Explains frames without a gel.
 
     Args:
-        config: the limits within which the gel is found.
-        near_rad: the turn that is expected, see ``find_lattice``.
+        finder: finds the gel within its limits.
+        near_rad: the turn that is expected, see ``LatticeFinder``.
     """
 
-    def __init__(self, config: LatticeConfig, near_rad: float) -> None:
-        self._config, self._near_rad = config, near_rad
-        self._wide = replace(config, min_px_per_mm=_WIDE[0], max_px_per_mm=_WIDE[1])
+    def __init__(self, finder: LatticeFinder, near_rad: float) -> None:
+        self._gel, self._config, self._near_rad = finder.gel, finder.config, near_rad
+        wide = replace(finder.config, min_pitch_px=_WIDE[0], max_pitch_px=_WIDE[1])
+        self._wide = LatticeFinder(finder.gel, wide)
+        net = find_net(finder.gel)
+        self._is_square = net is not None and net.n_turns == 4
 
     def explain(
         self,
@@ -92,7 +96,7 @@ class Diagnosis:
         if problem in (GelProblem.TOUCHED, GelProblem.LEARNING) and lattice is not None:
             return self._explain_bent(frame, blobs, lattice, problem, moves=moves)
         if light := _judge_light(frame.pixels):
-            return GelState(problem=light, n_seen=len(blobs.centroid_px))
+            return GelState(layout=self._gel, problem=light, n_seen=len(blobs.centroid_px))
         return self._look_again(frame, blobs, moves=moves)
 
     def _explain_bent(
@@ -105,7 +109,7 @@ class Diagnosis:
         moves: bool | None,
     ) -> GelState:
         """Explains a lattice with enough markers that are not where they should be."""
-        state = _measure(frame, blobs, lattice)
+        state = _measure(frame, blobs, lattice, self._gel)
         if problem is GelProblem.LEARNING or moves is None:
             return replace(state, problem=GelProblem.LEARNING)
         if is_blurred(state.blur_px, state.px_per_mm or 1.0):
@@ -118,10 +122,10 @@ class Diagnosis:
 
     def _look_again(self, frame: Frame, blobs: Blobs, *, moves: bool | None) -> GelState:
         """Looks for a gel that is too small, too large or not whole."""
-        lattice = find_lattice(blobs.centroid_px, self._wide, near_rad=self._near_rad)
+        lattice = self._wide.find(blobs.centroid_px, near_rad=self._near_rad)
         if lattice is None:
             return self._explain_scattered(frame, blobs)
-        state = _measure(frame, blobs, lattice)
+        state = _measure(frame, blobs, lattice, self._gel)
         return replace(state, problem=self._judge(state, lattice, blobs, moves=moves))
 
     def _judge(
@@ -135,27 +139,30 @@ class Diagnosis:
             return GelProblem.OUTSIDE
         if moves is not False and lattice.bend_px > _BENT_PX:
             return GelProblem.TOUCHED if moves else GelProblem.LEARNING
-        if lattice.print_px > _MOST_SCATTER_MM * px_per_mm:
+        if lattice.print_px > _MOST_SCATTER * self._gel.pitch_mm * px_per_mm:
             return GelProblem.IRREGULAR
         return GelProblem.GLINTS if state.n_glints > len(state.missing) else GelProblem.MISSING
 
     def _judge_view(self, px_per_mm: float, blur_px: float | None) -> GelProblem:
         """Returns what is wrong with the scale or the focus."""
-        if px_per_mm < self._config.min_px_per_mm:
+        pitch_px = px_per_mm * self._gel.pitch_mm
+        if pitch_px < self._config.min_pitch_px:
             return GelProblem.SMALL
-        if px_per_mm > self._config.max_px_per_mm:
+        if pitch_px > self._config.max_pitch_px:
             return GelProblem.LARGE
         return GelProblem.BLURRED if is_blurred(blur_px, px_per_mm) else GelProblem.NONE
 
     def _explain_scattered(self, frame: Frame, blobs: Blobs) -> GelState:
         """Explains bright dots that form no lattice."""
-        state = GelState(problem=GelProblem.NO_DOTS, n_seen=len(blobs.centroid_px))
+        n_seen = len(blobs.centroid_px)
+        state = GelState(layout=self._gel, problem=GelProblem.NO_DOTS, n_seen=n_seen)
         pitch_px = _find_pitch(blobs.centroid_px)
         if pitch_px is not None and _touches_border(blobs.centroid_px, pitch_px):
-            scale = round(pitch_px / PITCH_MM, 2)
+            scale = round(pitch_px / self._gel.pitch_mm, 2)
             problem = self._judge_view(scale, None) or GelProblem.OUTSIDE
             return replace(state, problem=problem, px_per_mm=scale)
-        pattern = find_pattern(frame.pixels)
+        # Only a square lattice looks the same after a quarter turn, which the pattern relies on.
+        pattern = find_pattern(frame.pixels, self._gel) if self._is_square else None
         if pattern is None:
             is_dim = float(np.percentile(frame.pixels, 99.5)) < _DIM
             return replace(state, problem=GelProblem.DARK) if is_dim else state
@@ -184,20 +191,21 @@ def _judge_light(pixels: NDArray[np.uint8]) -> GelProblem:
     return GelProblem.NONE
 
 
-def _measure(frame: Frame, blobs: Blobs, lattice: Lattice) -> GelState:
+def _measure(frame: Frame, blobs: Blobs, lattice: Lattice, gel: Gel) -> GelState:
     """Returns the figures of a lattice."""
-    px_per_mm = fit_rig(lattice.position_px).px_per_mm
+    px_per_mm = fit_rig(lattice.position_px, gel).px_per_mm
     missing = np.flatnonzero(lattice.blob < 0)
     places = lattice.position_px[missing].tolist()
     return GelState(
+        layout=gel,
         n_seen=lattice.n_found,
         missing=tuple(missing.tolist()),
         missing_px=tuple((round(x, 1), round(y, 1)) for x, y in places),
         px_per_mm=round(px_per_mm, 2),
         bend_px=round(lattice.bend_px, 1),
         scatter_px=round(lattice.print_px, 1),
-        blur_px=measure_blur(frame.pixels, blobs, px_per_mm),
-        n_glints=count_glints(frame.pixels, blobs, lattice.blob),
+        blur_px=measure_blur(frame.pixels, blobs, px_per_mm, gel),
+        n_glints=count_glints(frame.pixels, blobs, lattice.blob, gel),
     )
 
 
@@ -209,8 +217,8 @@ def _is_outside(state: GelState, dots_px: NDArray[np.float64]) -> bool:
     if beyond.sum() > 0.4 * len(places):
         return True
     px_per_mm = state.px_per_mm or 1.0
-    is_small = 2.2 * GEL_RADIUS_MM * px_per_mm < SENSOR_HEIGHT_PX
-    return is_small and _touches_border(dots_px, PITCH_MM * px_per_mm)
+    is_small = 2.2 * state.layout.radius_mm * px_per_mm < SENSOR_HEIGHT_PX
+    return is_small and _touches_border(dots_px, state.layout.pitch_mm * px_per_mm)
 
 
 def _touches_border(dots_px: NDArray[np.float64], pitch_px: float) -> bool:
@@ -219,29 +227,32 @@ def _touches_border(dots_px: NDArray[np.float64], pitch_px: float) -> bool:
     return int(max(low.max(), high.max())) >= _EDGE_DOTS
 
 
-def count_glints(pixels: NDArray[np.uint8], blobs: Blobs, blob: NDArray[np.integer]) -> int:
+def count_glints(
+    pixels: NDArray[np.uint8], blobs: Blobs, blob: NDArray[np.integer], gel: Gel
+) -> int:
     """Returns how many bright dots on the gel are brighter than the markers around them.
 
     Args:
         pixels: (260, 346) uint8.
         blobs: the bright dots.
-        blob: (177,), the one of each marker; negative without one.
+        blob: (n,), the one of each marker; negative without one.
+        gel: the gel.
     """
     seen = np.flatnonzero(blob >= 0)
     if not len(seen):
         return 0
     dots_px = blobs.centroid_px
     peak = _find_peaks(pixels, dots_px)
-    marker = np.full(N_MARKERS + 1, np.nan)  # the last one for neighbours that there are none
+    marker = np.full(gel.n_markers + 1, np.nan)  # the last one for neighbours that there are none
     marker[seen] = peak[blob[seen]]
-    around = np.sort(marker[NEIGHBOURS], axis=1)  # NaN last
+    around = np.sort(marker[gel.neighbours], axis=1)  # NaN last
     n_around = np.isfinite(around).sum(axis=1)
-    usual = around[np.arange(N_MARKERS), (_USUAL * np.maximum(n_around - 1, 0)).astype(np.intp)]
+    usual = around[np.arange(gel.n_markers), (_USUAL * np.maximum(n_around - 1, 0)).astype(np.intp)]
     nearest = np.full(len(dots_px), -1)
     nearest[blob[seen]] = seen
     free = np.flatnonzero(nearest < 0)
     apart = np.hypot(*(dots_px[free, None] - dots_px[blob[seen]]).transpose(2, 0, 1))
-    pitch_px = math.sqrt(_measure_area(dots_px[blob[seen]]) / N_MARKERS)
+    pitch_px = math.sqrt(_measure_area(dots_px[blob[seen]]) / gel.n_markers)
     beside = apart.min(axis=1) < pitch_px
     nearest[free[beside]] = seen[apart[beside].argmin(axis=1)]
     on_gel = nearest >= 0

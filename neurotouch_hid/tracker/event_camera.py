@@ -11,11 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import N_MARKERS, PITCH_MM, Rig, fit_rig
+from neurotouch_hid.geometry import Rig, fit_rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, EventPacket, Frame
 from neurotouch_hid.tracker.blobs import BlobConfig, BlobFinder
 from neurotouch_hid.tracker.kernels import event_camera as kernels
-from neurotouch_hid.tracker.lattice import LatticeConfig, assign, find_lattice, fit_model
+from neurotouch_hid.tracker.lattice import LatticeFinder
+from neurotouch_hid.tracker.smooth_map import assign, fit_model
 
 _PERIOD_US = 40_000  # from one picture to the next
 _FADE_US = 2_000_000.0  # time constant with which noise fades while the gel is at rest
@@ -30,13 +31,15 @@ _GREY = 2.5  # grey levels of a deviation of the noise in the picture of dark sp
 _REMEMBER = 0.9  # of older dark spots, which complete the lattice
 _GATE = 0.42  # of the pitch, from a marker to its spot
 _RATIO = 10.0  # how much brighter than the gel a marker is drawn
-_SIGMA_MM = 0.45  # of a marker
+_SIGMA = 0.45  # of a marker, in diameters
 _FULL = 0.8  # of the depth of the spot of a marker that has left it
 _FAINT = 0.15  # of it; less may be noise
 _FULL_SHARE = 97  # percentile of the depths that is certainly full
-_SPOT_GATE_MM = 2.4  # from the dark to the bright spot of a marker that has moved a little
+_SPOT_GATE = (
+    0.6  # of the pitch, from the dark to the bright spot of a marker that has moved a little
+)
 _MODEL_WEIGHT = 1.0  # of a place that the others give, in places seen once
-_MAX_OWN_MM = 0.5  # from there; farther off is another spot
+_MAX_OWN = 0.125  # of the pitch, from there; farther off is another spot
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,8 +47,8 @@ class _Spots:
     """The spots of markers that have moved.
 
     Attributes:
-        position_px: (177, 2) float64 px, where each was at rest.
-        weight: (177,) float64, how surely the spots tell that, 0 to 1.
+        position_px: (n, 2) float64 px, where each was at rest.
+        weight: (n,) float64, how surely the spots tell that, 0 to 1.
         px_per_mm: scale.
         full: depth of a dark spot in events.
     """
@@ -59,12 +62,20 @@ class _Spots:
 class EventCamera:
     """Finds the markers in events, then draws them.
 
+    Args:
+        lattice: finds the gel among spots.
+        rig: where the gel is known to be; None searches for it.
+        near_rad: the turn that is expected, see ``LatticeFinder``.
+
     Attributes:
         n_found: markers whose dark spots were seen.
         n_learnt: how often the places of the markers at rest were learnt.
     """
 
-    def __init__(self, rig: Rig | None = None, near_rad: float = 0.0) -> None:
+    def __init__(
+        self, lattice: LatticeFinder, rig: Rig | None = None, near_rad: float = 0.0
+    ) -> None:
+        self._lattice, self._gel = lattice, lattice.gel
         self._rig, self._near_rad = rig, near_rad
         shape = (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
         self._net, self._low, self._most, self._now, self._before, self._dark, self._rest = (
@@ -73,8 +84,8 @@ class EventCamera:
         self._finder = BlobFinder(BlobConfig(min_clear=0))  # its pictures are smooth already
         self._next_us: int | None = None
         self._most_changed = self._still_us = 0
-        self._total_px = np.zeros((N_MARKERS, 2))
-        self._weight = np.zeros(N_MARKERS)
+        self._total_px = np.zeros(self._gel.points_mm.shape)
+        self._weight = np.zeros(self._gel.n_markers)
         self._log_per_event = 0.0
         self._noise = _LEAST_NOISE
         self.n_found = self.n_learnt = 0
@@ -140,19 +151,21 @@ class EventCamera:
         if known.any():
             mean_px = self._total_px[known] / self._weight[known, None]
             off_px = np.median(np.hypot(*(mean_px - spots.position_px[known]).T))
-            if off_px > 0.5 * PITCH_MM * spots.px_per_mm:  # the lattice was a pitch beside it
+            if (
+                off_px > 0.5 * self._gel.pitch_mm * spots.px_per_mm
+            ):  # the lattice was a pitch beside it
                 self._total_px[:], self._weight[:] = 0.0, 0.0
         self._total_px += spots.weight[:, None] * spots.position_px
         self._weight += spots.weight
         seen = self._weight > 0.0
         mean_px = self._total_px / np.maximum(self._weight, 1e-9)[:, None]
-        model_px = fit_model(mean_px, np.where(seen, np.arange(N_MARKERS), -1))
+        model_px = fit_model(mean_px, np.where(seen, np.arange(len(seen)), -1), self._gel)
         own_px = np.hypot(*(mean_px - model_px).T)
-        seen &= own_px <= _MAX_OWN_MM * spots.px_per_mm
+        seen &= own_px <= _MAX_OWN * self._gel.pitch_mm * spots.px_per_mm
         share = np.where(seen, self._weight / (self._weight + _MODEL_WEIGHT), 0.0)[:, None]
         position_px = share * mean_px + (1.0 - share) * model_px
         self._log_per_event = math.log1p(_RATIO) / spots.full
-        sigma_px = _SIGMA_MM * spots.px_per_mm
+        sigma_px = _SIGMA * self._gel.dot_mm * spots.px_per_mm
         kernels.draw_rest(position_px, sigma_px, _RATIO, self._log_per_event, self._rest)
         self.n_learnt += 1
 
@@ -160,16 +173,16 @@ class EventCamera:
         """Finds the markers by the spots that they have left."""
         dark = -self._low
         np.maximum(_REMEMBER * self._dark, dark, out=self._dark)
-        config = LatticeConfig()
-        lattice = find_lattice(
-            self._find_blobs(self._dark), config, self._rig, near_rad=self._near_rad
+        gel = self._gel
+        lattice = self._lattice.find(
+            self._find_blobs(self._dark), self._rig, near_rad=self._near_rad
         )
         self.n_found = 0 if lattice is None else lattice.n_found
-        if lattice is None or self.n_found < config.min_found:
+        if lattice is None or lattice.share < self._lattice.config.min_share:
             return None
-        px_per_mm = fit_rig(lattice.position_px).px_per_mm
+        px_per_mm = fit_rig(lattice.position_px, gel).px_per_mm
         spots_px = self._find_blobs(dark)
-        blob = assign(lattice.position_px, spots_px, _GATE * PITCH_MM * px_per_mm)
+        blob = assign(lattice.position_px, spots_px, _GATE * gel.pitch_mm * px_per_mm)
         seen = blob >= 0
         position_px = np.where(seen[:, None], spots_px[blob], lattice.position_px)
         x, y = np.rint(position_px).astype(np.intp).T
@@ -182,10 +195,10 @@ class EventCamera:
             to_bright = bright_px - position_px[i]
             apart_px = np.hypot(*to_bright.T)
             k = int(apart_px.argmin())
-            if apart_px[k] > _SPOT_GATE_MM * px_per_mm:
+            if apart_px[k] > _SPOT_GATE * gel.pitch_mm * px_per_mm:
                 weight[i] = 0.0
                 continue
-            lead_px = find_lead(float(apart_px[k]), _SIGMA_MM * px_per_mm)
+            lead_px = find_lead(float(apart_px[k]), _SIGMA * gel.dot_mm * px_per_mm)
             position_px[i] += lead_px / apart_px[k] * to_bright[k]
         return _Spots(position_px, weight, px_per_mm, full)
 

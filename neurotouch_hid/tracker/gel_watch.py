@@ -7,11 +7,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import N_MARKERS, PITCH_MM, fit_rig
+from neurotouch_hid.geometry import fit_rig
 from neurotouch_hid.messages import Frame, GelProblem, GelState
 from neurotouch_hid.tracker.blobs import Blobs
 from neurotouch_hid.tracker.diagnosis import Diagnosis, Motion, count_glints
-from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig
+from neurotouch_hid.tracker.lattice import Lattice, LatticeFinder
 from neurotouch_hid.tracker.sharpness import is_blurred, measure_blur
 
 _SURE_US: Final = 400_000  # a problem lasts as long before it replaces another one
@@ -31,8 +31,8 @@ class GelWatch:
     """Turns the results for single frames into the state of the gel.
 
     Args:
-        config: the limits within which the gel is found.
-        near_rad: the turn that is expected, see ``find_lattice``.
+        finder: finds the gel within its limits.
+        near_rad: the turn that is expected, see ``LatticeFinder``.
 
     Attributes:
         state: what is known of the gel; a new object when something changes.
@@ -40,14 +40,15 @@ class GelWatch:
         is_drawn: frames are drawn from events, because the camera sends none.
     """
 
-    def __init__(self, config: LatticeConfig, near_rad: float = 0.0) -> None:
-        self.state = GelState()
+    def __init__(self, finder: LatticeFinder, near_rad: float = 0.0) -> None:
+        self._gel = gel = finder.gel
+        self.state = GelState(layout=gel)
         self.flicker_hz: float | None = None
         self.is_drawn = False
-        self._diagnosis = Diagnosis(config, near_rad)
+        self._diagnosis = Diagnosis(finder, near_rad)
         self._motion = Motion()
         self._first_px: NDArray[np.float64] | None = None
-        self._place_px: NDArray[np.float64] = np.zeros((N_MARKERS, 2))
+        self._place_px: NDArray[np.float64] = np.zeros(gel.points_mm.shape)
         self._n_found = 0
         self._centre_px, self._radius_px = np.zeros(2), 0.0
         self._px_per_mm, self._rotation_deg = 1.0, 0.0
@@ -61,7 +62,7 @@ class GelWatch:
         self._light_px = 0.0
         self._rests = False
         self._begin_us: int | None = None
-        self._seen = GelState()
+        self._seen = GelState(layout=gel)
 
     @property
     def blur_px(self) -> float:
@@ -73,7 +74,9 @@ class GelWatch:
         """Notes that there are events, but no frames yet."""
         self._begin_us = t_us if self._begin_us is None else self._begin_us
         if t_us - self._begin_us >= _NO_FRAMES_US:
-            self._consider(GelState(problem=GelProblem.NO_FRAMES, n_seen=n_seen), t_us)
+            self._consider(
+                GelState(layout=self._gel, problem=GelProblem.NO_FRAMES, n_seen=n_seen), t_us
+            )
 
     def search(
         self, frame: Frame, blobs: Blobs, lattice: Lattice | None, problem: GelProblem
@@ -95,11 +98,11 @@ class GelWatch:
         """Notes a reference: where the markers are at rest, from now on.
 
         Args:
-            position_px: (177, 2) px.
+            position_px: (n, 2) px.
             n_found: how many of them were seen.
             frame: the frame that shows them.
         """
-        rig = fit_rig(position_px)
+        rig = fit_rig(position_px, self._gel)
         if self._first_px is None:
             self._first_px = position_px
         moved_px = float(np.median(np.hypot(*(position_px - self._first_px).T)))
@@ -110,7 +113,7 @@ class GelWatch:
         self._px_per_mm, self._rotation_deg = rig.px_per_mm, math.degrees(rig.rotation_rad)
         self._centre_px = np.array(rig.centre_px)
         reach = np.hypot(*(position_px - self._centre_px).T).max()
-        self._radius_px = float(reach) + PITCH_MM * rig.px_per_mm
+        self._radius_px = float(reach) + self._gel.pitch_mm * rig.px_per_mm
         self._touch_us = None
 
     def rest(self, frame: Frame, blobs: Blobs, blob: NDArray[np.integer], bend_px: float) -> None:
@@ -119,7 +122,7 @@ class GelWatch:
         Args:
             frame: the frame.
             blobs: its bright dots.
-            blob: (177,), the dot of each marker; negative without one.
+            blob: (n,), the dot of each marker; negative without one.
             bend_px: bend of the lattice.
         """
         self._touch_us, self._rests, self._last_us = None, False, frame.t_us
@@ -172,6 +175,7 @@ class GelWatch:
         place_px = self._place_px
         missing = np.flatnonzero(blob < 0)
         return GelState(
+            layout=self._gel,
             is_found=True,
             was_found=True,
             problem=GelProblem.NONE,
@@ -181,8 +185,8 @@ class GelWatch:
             px_per_mm=round(self._px_per_mm, 2),
             rotation_deg=round(self._rotation_deg, 1),
             bend_px=round(bend_px, 1),
-            blur_px=measure_blur(frame.pixels, blobs, self._px_per_mm),
-            n_glints=count_glints(frame.pixels, blobs, blob),
+            blur_px=measure_blur(frame.pixels, blobs, self._px_per_mm, self._gel),
+            n_glints=count_glints(frame.pixels, blobs, blob, self._gel),
         )
 
     def _find_flaw(self, t_us: int) -> GelProblem:

@@ -1,27 +1,17 @@
-"""Finds the known lattice of 177 markers among the blobs of a frame of the gel at rest."""
+"""Finds the markers of a known gel among the blobs of a frame of the gel at rest."""
 
-import cmath
 import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import GEL_RADIUS_MM, LATTICE_MM, N_MARKERS, NEIGHBOURS, PITCH_MM, Rig
-from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+from neurotouch_hid.geometry import PAPER_GEL, Gel, Rig, count_turns
+from neurotouch_hid.tracker.alignment import Alignment
+from neurotouch_hid.tracker.growth import Growth, find_net
+from neurotouch_hid.tracker.smooth_map import GATE, assign, fit_model
 
-_SITES = np.rint(LATTICE_MM / PITCH_MM).astype(np.intp)
-_REACH = int(GEL_RADIUS_MM // PITCH_MM)  # sites are -7..7
-_DISC = np.zeros((2 * _REACH + 1, 2 * _REACH + 1), dtype=np.bool_)
-_DISC[_SITES[:, 1] + _REACH, _SITES[:, 0] + _REACH] = True
-
-_GRID = np.stack(np.meshgrid(*2 * [np.arange(-2 * _REACH, 2 * _REACH + 1)]), axis=-1).reshape(-1, 2)
-_GRID_FAR = np.hypot(*_GRID.T)
-_GATE = 0.42  # of the pitch: a dot farther from its site may belong to the next one
-_CELL_PX, _N_SMOOTH, _N_PEAK = 0.25, 3, 6  # of the vote for the lattice's side
-_LEAST_VOTE = 2.5  # times the mean vote; dots without any lattice reach less
 _PRINT_BEND = 1.1  # the largest of 177 means of nine, in tolerances of single markers
-_AROUND = np.column_stack([np.arange(N_MARKERS), NEIGHBOURS])  # each marker and its neighbours
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,21 +19,22 @@ class LatticeConfig:
     """Limits within which blobs are accepted as the gel.
 
     Attributes:
-        min_px_per_mm, max_px_per_mm: range of scales searched; nominal 2.5 [NT, "Results"].
-        min_found: least number of markers that must be seen; the model gives the others. A gel made
-            by hand lacks some here and there.
-        max_aside_mm: largest distance of the middle of the seen markers from the gel's centre. If
-            markers lack on one side, the picture does not show the whole gel.
+        min_pitch_px, max_pitch_px: range of scales searched; nominal 10 [NT, "Results"].
+        min_share: least share of the markers that must be seen; the model gives the others. A gel
+            made by hand lacks some here and there.
+        max_aside: largest distance of the middle of the seen markers from that of all, as a share
+            of the gel's radius. If markers lack on one side, the picture does not show the whole
+            gel.
         max_bend_px: largest ``Lattice.bend_px`` of an undeformed gel. Measured on simulated gels:
             0.2 for strong optics and a print tolerance of 0.1 mm, 0.7 to 1.4 for one finger that
             pushes by 1 mm.
         max_displaced: largest ``Lattice.n_displaced`` of an undeformed gel.
     """
 
-    min_px_per_mm: float = 1.4
-    max_px_per_mm: float = 4.6
-    min_found: int = 120
-    max_aside_mm: float = 2.5
+    min_pitch_px: float = 5.6
+    max_pitch_px: float = 18.4
+    min_share: float = 0.675
+    max_aside: float = 2.5 / 30.0
     max_bend_px: float = 0.6
     max_displaced: int = 4
 
@@ -53,13 +44,14 @@ class Lattice:
     """The lattice that was found.
 
     Attributes:
-        position_px: (177, 2) float64 px, columns x, y, in the order of ``geometry.LATTICE_MM``;
-            the model gives markers that were not seen.
-        blob: (177,) intp, the blob of each marker, -1 for a marker that was not seen.
+        position_px: (n, 2) float64 px, columns x, y, in the order of ``Gel.points_mm``; the model
+            gives markers that were not seen.
+        blob: (n,) intp, the blob of each marker, -1 for a marker that was not seen.
         bend_px: the largest mean deviation from the model of a marker and its neighbours, beyond
             what the tolerance of single markers explains: what bends has neighbours that bend.
         print_px: the tolerance of single markers, standard deviation on one axis.
-        aside_mm: distance of the middle of the seen markers from the gel's centre.
+        aside: distance of the middle of the seen markers from that of all, as a share of the gel's
+            radius.
         n_displaced: number of markers that were not seen at their place, but have a blob near it
             that is no other marker.
     """
@@ -68,7 +60,7 @@ class Lattice:
     blob: NDArray[np.intp]
     bend_px: float
     print_px: float
-    aside_mm: float
+    aside: float
     n_displaced: int
 
     @property
@@ -76,231 +68,89 @@ class Lattice:
         """The number of markers that were seen."""
         return int((self.blob >= 0).sum())
 
+    @property
+    def share(self) -> float:
+        """The share of the markers that were seen."""
+        return self.n_found / len(self.blob)
 
-def find_lattice(
-    centroid_px: NDArray[np.float64],
-    config: LatticeConfig,
-    rig: Rig | None = None,
-    *,
-    near_rad: float = 0.0,
-) -> Lattice | None:
-    """Returns the lattice among blobs, or None if nothing looks like one.
 
-    1. The most frequent vector between neighbours gives scale and rotation. A square lattice allows
-       four rotations; the nearest to ``near_rad`` counts.
-    2. The lattice grows from blob to blob, along a smooth map of those that it has.
-    3. It is placed on the disc of 177 sites so that most sites are taken.
-    4. A smooth model (similarity, perspective, dome and lens to fifth order) decides which blobs
-       belong to it.
+class LatticeFinder:
+    """Finds the markers of one gel.
 
     Args:
-        centroid_px: (n, 2) float64 px.
+        gel: the gel.
         config: the ranges searched.
-        rig: where the gel is, if that is known.
-        near_rad: the turn of the lattice that is expected.
     """
-    if len(centroid_px) < N_MARKERS // 4:
-        return None
-    if rig is None:
-        basis = _find_basis(centroid_px, config)
-        if basis is None:
+
+    def __init__(self, gel: Gel = PAPER_GEL, config: LatticeConfig | None = None) -> None:
+        self.gel, self.config = gel, config or LatticeConfig()
+        # Each marker and its neighbours.
+        self._around = np.column_stack([np.arange(gel.n_markers), gel.neighbours])
+        low_px, high_px = self.config.min_pitch_px, self.config.max_pitch_px
+        net, n_turns = find_net(gel), count_turns(gel.points_mm)
+        self._search: Growth | Alignment = (
+            Alignment(gel, n_turns, low_px, high_px)
+            if net is None
+            else Growth(gel, net, n_turns, low_px, high_px)
+        )
+
+    def find(
+        self, centroid_px: NDArray[np.float64], rig: Rig | None = None, *, near_rad: float = 0.0
+    ) -> Lattice | None:
+        """Returns the lattice among blobs, or None if nothing looks like one.
+
+        A first model comes from the rig, from the growth of a lattice, or from the alignment of a
+        gel that is on none. A smooth model (similarity, perspective, dome and lens to fifth order)
+        then decides which blobs belong to the gel.
+
+        Args:
+            centroid_px: (m, 2) float64 px.
+            rig: where the gel is, if that is known.
+            near_rad: the turn of the gel that is expected: of several that look the same, the
+                nearest to it counts.
+        """
+        gel, n = self.gel, self.gel.n_markers
+        if len(centroid_px) < n // 4:
             return None
-        quarters = round((near_rad - cmath.phase(basis)) / (math.pi / 2.0))
-        basis *= 1j**quarters
-        sites = _grow(centroid_px, basis)
-        model = _place(centroid_px, sites)
-    else:
-        model = rig.to_px(LATTICE_MM)
-        basis = cmath.rect(rig.px_per_mm * PITCH_MM, rig.rotation_rad)
-    if model is None:
-        return None
-    blob = assign(model, centroid_px, 0.4 * abs(basis))
-    for _ in range(3):
-        if (blob >= 0).sum() < N_MARKERS // 3:
+        if rig is None:
+            found = self._search.search(centroid_px, near_rad)
+            if found is None:
+                return None
+            model, pitch_px = found
+        else:
+            model, pitch_px = rig.to_px(gel.points_mm), rig.px_per_mm * gel.pitch_mm
+        blob = assign(model, centroid_px, 0.4 * pitch_px)
+        for _ in range(3):
+            if (blob >= 0).sum() < n // 3:
+                return None
+            model = fit_model(centroid_px, blob, gel)
+            blob = assign(model, centroid_px, GATE * pitch_px)
+        is_seen = blob >= 0
+        if is_seen.sum() < n // 3:
             return None
-        model = fit_model(centroid_px, blob)
-        blob = assign(model, centroid_px, _GATE * abs(basis))
-    found = blob >= 0
-    if found.sum() < N_MARKERS // 3:
-        return None
-    position = model.copy()
-    position[found] = centroid_px[blob[found]]
-    off = np.where(found[:, None], position - model, 0.0)
-    bend, own = _average(off, found)
-    tolerance = 1.4826 * float(np.median(np.abs(own[found])))
-    bend2 = float((bend**2).sum(axis=1).max()) - (_PRINT_BEND * tolerance) ** 2
-    free = np.setdiff1d(np.arange(len(centroid_px)), blob[found])
-    displaced = assign(model[~found], centroid_px[free], abs(basis)) >= 0
-    aside_mm = float(np.hypot(*LATTICE_MM[found].mean(axis=0)))
-    bend_px = math.sqrt(max(bend2, 0.0))
-    return Lattice(position, blob, bend_px, tolerance, aside_mm, int(displaced.sum()))
+        position = model.copy()
+        position[is_seen] = centroid_px[blob[is_seen]]
+        off = np.where(is_seen[:, None], position - model, 0.0)
+        bend, own = self._average(off, is_seen)
+        tolerance = 1.4826 * float(np.median(np.abs(own[is_seen])))
+        bend2 = float((bend**2).sum(axis=1).max()) - (_PRINT_BEND * tolerance) ** 2
+        free = np.setdiff1d(np.arange(len(centroid_px)), blob[is_seen])
+        displaced = assign(model[~is_seen], centroid_px[free], pitch_px) >= 0
+        aside_mm = np.hypot(*(gel.points_mm[is_seen].mean(axis=0) - gel.points_mm.mean(axis=0)))
+        bend_px = math.sqrt(max(bend2, 0.0))
+        aside = float(aside_mm) / gel.radius_mm
+        return Lattice(position, blob, bend_px, tolerance, aside, int(displaced.sum()))
 
+    def _average(
+        self, off_px: NDArray[np.float64], found: NDArray[np.bool_]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Returns each marker's deviation averaged with its neighbours', and what that leaves over.
 
-def _average(
-    off_px: NDArray[np.float64], found: NDArray[np.bool_]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Returns each marker's deviation averaged with its neighbours', and what that leaves over.
-
-    Args:
-        off_px: (177, 2) float64 px, deviations from the model, 0 for markers that are not seen.
-        found: (177,) bool, markers that are seen.
-    """
-    use = (_AROUND >= 0) & found[_AROUND]
-    total = np.where(use[:, :, None], off_px[_AROUND], 0.0).sum(axis=1)
-    mean = total / np.maximum(use.sum(axis=1, keepdims=True), 4)  # few neighbours prove nothing
-    return mean, off_px - mean
-
-
-def _find_basis(points: NDArray[np.float64], config: LatticeConfig) -> complex | None:
-    """Returns the least rotated lattice vector, x + iy in px, by a vote of close pairs."""
-    z = points @ (1, 1j)
-    vectors = (z[:, None] - z[None, :]).ravel()
-    length = np.abs(vectors)
-    low, high = config.min_px_per_mm * PITCH_MM, config.max_px_per_mm * PITCH_MM
-    near = (length > low) & (length < high)
-    length, angle = length[near], np.angle(vectors[near] ** 4) / 4
-    n_lengths, n_angles = max(round((high - low) / _CELL_PX), 8), 30
-    vote, edges, _ = np.histogram2d(
-        length, angle, (n_lengths, n_angles), ((low, high), (-math.pi / 4, math.pi / 4))
-    )
-    # Pairs that belong to no lattice are as frequent in each cell as their lengths allow.
-    vote /= (edges[:-1, None] + edges[1:, None]) / 2.0
-    for _ in range(_N_SMOOTH):
-        vote = (np.roll(vote, 1, axis=1) + 2.0 * vote + np.roll(vote, -1, axis=1)) / 4.0
-        wide = np.pad(vote, ((1, 1), (0, 0)), mode="edge")
-        vote = (wide[:-2] + 2.0 * vote + wide[2:]) / 4.0
-    best = vote.max()
-    if not best > _LEAST_VOTE * vote.mean():  # also if no pair has such a length
-        return None
-    # The diagonal of a small lattice can be as frequent as its side, so the shortest wins.
-    row = int(np.flatnonzero(vote.max(axis=1) > 0.7 * best)[0])
-    row += int(np.argmax(vote[row : row + _N_PEAK].max(axis=1)))
-    column = int(np.argmax(vote[row]))
-    centre_length = (edges[row] + edges[row + 1]) / 2
-    centre_angle = (column + 0.5) * math.pi / 2 / n_angles - math.pi / 4
-    turn = np.angle(np.exp(4j * (angle - centre_angle))) / 4
-    members = (np.abs(length - centre_length) < 1.0) & (np.abs(turn) < 0.12)
-    rotation = centre_angle + float(np.median(turn[members]))
-    return cmath.rect(float(np.median(length[members])), rotation)
-
-
-def _grow(points: NDArray[np.float64], basis: complex) -> dict[tuple[int, int], int]:
-    """Returns the blob of each lattice site, grown ring by ring from a blob in the middle.
-
-    A smooth map of the sites that have their blobs tells where the next ring is, because the
-    lattice may be bent, and single dots may be off their places, or missing.
-    """
-    z = points @ (1, 1j)
-    best: dict[tuple[int, int], int] = {}
-    seeds = np.argsort(np.abs(z - np.median(z.real) - 1j * np.median(z.imag)))[:12]
-    for seed in seeds:
-        if int(seed) in best.values():
-            continue
-        sites = _grow_from(points, points[seed], basis)
-        if len(sites) > len(best):
-            best = sites
-        if len(best) > N_MARKERS // 2:
-            break
-    return best
-
-
-def _grow_from(
-    points: NDArray[np.float64], start_px: NDArray[np.float64], basis: complex
-) -> dict[tuple[int, int], int]:
-    """Returns the blob of each lattice site around a blob at ``start_px``."""
-    step = np.array([[basis.real, basis.imag], [-basis.imag, basis.real]])
-    model, n_before = start_px + _GRID @ step, 0
-    blob = np.full(len(_GRID), -1, dtype=np.intp)
-    for reach in range(1, 2 * _REACH + 1):
-        near = np.flatnonzero(reach + 0.5 > _GRID_FAR)
-        for _ in range(2):
-            blob[:] = -1
-            blob[near] = assign(model[near], points, _GATE * abs(basis))
-            seen = np.flatnonzero(blob >= 0)
-            if len(seen) < 4:
-                break
-            order = 1 if len(seen) < 16 else 2 if len(seen) < 40 else 3
-            model = _extend_map(_GRID, seen, points[blob[seen]], order)
-        if len(seen) == n_before or len(seen) < 4:  # the ring is empty: this is the rim
-            break
-        n_before = len(seen)
-    found = np.flatnonzero(blob >= 0)
-    return {(int(_GRID[k, 0]), int(_GRID[k, 1])): int(blob[k]) for k in found}
-
-
-def _extend_map(
-    sites: NDArray[np.intp], seen: NDArray[np.intp], target: NDArray[np.float64], order: int
-) -> NDArray[np.float64]:
-    """Returns a polynomial map of all sites, (n, 2) px, fitted to those that are seen."""
-    x, y = (sites / _REACH).T
-    design = np.stack([x**a * y**b for a in range(order + 1) for b in range(order + 1 - a)], axis=1)
-    solution = np.linalg.lstsq(design[seen], target, rcond=None)[0]
-    model: NDArray[np.float64] = design @ solution
-    return model
-
-
-def _place(
-    points: NDArray[np.float64], sites: dict[tuple[int, int], int]
-) -> NDArray[np.float64] | None:
-    """Returns a first model, (177, 2) px: the grown lattice placed on the disc of sites."""
-    if len(sites) < N_MARKERS // 3:
-        return None
-    where = np.array(list(sites))
-    blob = np.array(list(sites.values()))
-    margin = 3 * _REACH
-    grid = np.zeros((2 * margin + 1, 2 * margin + 1), dtype=np.bool_)
-    grid[where[:, 1] + margin, where[:, 0] + margin] = True
-    size = 2 * _REACH + 1
-    centre = np.array((SENSOR_WIDTH_PX / 2, SENSOR_HEIGHT_PX / 2))
-    best_score, best_model = (-1, -math.inf), None
-    windows = np.lib.stride_tricks.sliding_window_view(grid, (size, size))
-    hits = (windows & _DISC).sum(axis=(2, 3))
-    for row, column in np.argwhere(hits >= hits.max()):
-        shift = np.array((column, row)) + _REACH - margin
-        inside = np.abs(where - shift).max(axis=1) <= _REACH
-        inside[inside] = _DISC[tuple((where[inside] - shift + _REACH).T[::-1])]
-        lookup = {
-            tuple(site): b for site, b in zip(where[inside] - shift, blob[inside], strict=True)
-        }
-        assigned = np.array([lookup.get((int(x), int(y)), -1) for x, y in _SITES], dtype=np.intp)
-        model = fit_model(points, assigned)
-        score = (int(hits[row, column]), -float(np.hypot(*(model.mean(axis=0) - centre))))
-        if score > best_score:
-            best_score, best_model = score, model
-    return best_model
-
-
-def fit_model(points: NDArray[np.float64], blob: NDArray[np.intp]) -> NDArray[np.float64]:
-    """Returns a smooth map of the lattice, (177, 2) px, fitted robustly to seen markers."""
-    u = LATTICE_MM / GEL_RADIUS_MM
-    x, y = u[:, 0], u[:, 1]
-    r2 = x * x + y * y
-    design = np.stack(
-        [np.ones_like(x), x, y, x * x, x * y, y * y, x * r2, y * r2, x * r2**2, y * r2**2], axis=1
-    )
-    use = np.flatnonzero(blob >= 0)
-    target = points[blob[use]]
-    model: NDArray[np.float64] = LATTICE_MM
-    for _ in range(3):
-        solution = np.linalg.lstsq(design[use], target, rcond=None)[0]
-        model = design @ solution
-        error = np.hypot(*(target - model[use]).T)
-        keep = error <= max(3.0 * float(np.median(error)), 0.5)
-        if keep.all() or keep.sum() < N_MARKERS // 4:
-            break
-        use, target = use[keep], target[keep]
-    return model
-
-
-def assign(
-    model: NDArray[np.float64], points: NDArray[np.float64], gate_px: float
-) -> NDArray[np.intp]:
-    """Returns the blob of each marker, nearest to the model within the gate; -1 without one."""
-    if not len(model) or not len(points):
-        return np.full(len(model), -1, dtype=np.intp)
-    distance = np.hypot(*(model[:, None, :] - points[None, :, :]).transpose(2, 0, 1))
-    blob = distance.argmin(axis=1)
-    marker = distance.argmin(axis=0)
-    rows = np.arange(len(model))
-    good = (marker[blob] == rows) & (distance[rows, blob] < gate_px)
-    return np.where(good, blob, -1).astype(np.intp)
+        Args:
+            off_px: (n, 2) float64 px, deviations from the model, 0 for markers that are not seen.
+            found: (n,) bool, markers that are seen.
+        """
+        use = (self._around >= 0) & found[self._around]
+        total = np.where(use[:, :, None], off_px[self._around], 0.0).sum(axis=1)
+        mean = total / np.maximum(use.sum(axis=1, keepdims=True), 4)  # few neighbours prove nothing
+        return mean, off_px - mean

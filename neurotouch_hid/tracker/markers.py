@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import N_MARKERS, NEIGHBOURS
+from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, MarkerField, RestField
 from neurotouch_hid.tracker.blobs import BlobFinder, Blobs
 from neurotouch_hid.tracker.correction import FrameCorrection
@@ -32,9 +32,6 @@ _NEVER_US = -(1 << 60)
 _EVENTLESS_US = 1_000_000  # after this time without an event, frames alone show where markers go
 _MAX_HOLE_US = 100_000  # after a longer gap, positions do not identify the markers
 _SHOWN_DRIFT_PX = 0.1  # later stages do not see smaller changes of the rest position
-_ALL = np.arange(N_MARKERS, dtype=np.int32)
-_NOWHERE_PX = np.full((N_MARKERS, 2), np.nan, np.float32)
-_NOWHERE_PX.setflags(write=False)
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,21 +145,28 @@ def make_tracks(neighbours: NDArray[np.intp], config: TrackerConfig) -> track_ke
 
 
 class MarkerTracker:
-    """Follows the 177 markers from the first rest position on."""
+    """Follows the markers of a gel from the first rest position on."""
 
     def __init__(
-        self, config: TrackerConfig | None = None, finder: BlobFinder | None = None
+        self,
+        config: TrackerConfig | None = None,
+        finder: BlobFinder | None = None,
+        gel: Gel = PAPER_GEL,
     ) -> None:
         """Starts without a gel; the first ``anchor`` gives one.
 
         Args:
             config: of the event filter.
             finder: finds the blobs of frames, see ``RestDetector``.
+            gel: the gel.
         """
         self._config = config or TrackerConfig()
         self._tuning, self._blur_px = self._config.tuning(), 0.0
-        n = N_MARKERS
-        self._tracks = make_tracks(NEIGHBOURS, self._config)
+        self._gel, n = gel, gel.n_markers
+        self._all = np.arange(n, dtype=np.int32)
+        self._nowhere_px = np.full((n, 2), np.nan, np.float32)
+        self._nowhere_px.setflags(write=False)
+        self._tracks = make_tracks(gel.neighbours, self._config)
         self._finder = finder or BlobFinder()
         self._correction = FrameCorrection(self._tracks, self._tuning)
         self._flicker = FlickerFilter()
@@ -200,7 +204,8 @@ class MarkerTracker:
             tracks.rest_px[:], self._n_mean = measured, 1
             if not self._anchored:
                 t_us = float(rest.t_us if self._end_us is None else self._end_us)
-                track_kernels.place(np.arange(N_MARKERS), measured, 1.0, t_us, tracks, self._tuning)
+                everyone = np.arange(self._gel.n_markers)
+                track_kernels.place(everyone, measured, 1.0, t_us, tracks, self._tuning)
                 self._restart(int(t_us))
                 self._anchored = True
         else:
@@ -228,7 +233,8 @@ class MarkerTracker:
                 self._anchored = False
                 return self._unknown(packet.t_end_us)
             self._restart(packet.t_begin_us)
-        position_px, valid = np.empty((N_MARKERS, 2), np.float32), np.empty(N_MARKERS, np.bool_)
+        n = self._gel.n_markers
+        position_px, valid = np.empty((n, 2), np.float32), np.empty(n, np.bool_)
         start, tracks, tuning = 0, self._tracks, self._tuning
         for frame in packet.frames:
             until_us = min(frame.exposure_end_us, packet.t_end_us)
@@ -239,7 +245,7 @@ class MarkerTracker:
         kernels.filter_slice(events, start, packet.t_end_us, tracks, tuning, position_px, valid)
         self._end_us = packet.t_end_us
         self._n_events += len(packet.events)
-        return MarkerField(packet.t_end_us, self._rest_px, position_px, valid)
+        return MarkerField(packet.t_end_us, self._rest_px, position_px, valid, self._gel)
 
     def forget(self) -> None:
         """Knows no places any more, because the gel is lost, until the next ``anchor``."""
@@ -273,7 +279,7 @@ class MarkerTracker:
         """Moves the rest position with the rig, if the rig has moved."""
         rest_px = self._tracks.rest_px
         moved_px = np.empty_like(rest_px)
-        far_px = rigid.follow_rig(rest_px, measured_px, _ALL, moved_px)
+        far_px = rigid.follow_rig(rest_px, measured_px, self._all, moved_px)
         if far_px > _MAX_DRIFT_PX:
             rest_px[:] = moved_px
         elif far_px > _RIG_PX:
@@ -326,7 +332,8 @@ class MarkerTracker:
 
     def _unknown(self, t_us: int) -> MarkerField:
         self._end_us = t_us
-        return MarkerField(t_us, _NOWHERE_PX, _NOWHERE_PX, np.zeros(N_MARKERS, np.bool_))
+        nowhere_px, unmeasured = self._nowhere_px, np.zeros(self._gel.n_markers, np.bool_)
+        return MarkerField(t_us, nowhere_px, nowhere_px, unmeasured, self._gel)
 
     def _restart(self, t_us: int) -> None:
         """Forgets velocities and the past, because events are missing, but keeps positions."""

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import N_MARKERS, PITCH_MM, fit_rig
+from neurotouch_hid.geometry import Gel, fit_rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.tracker.blobs import Blobs
 from neurotouch_hid.tracker.kernels import image as kernels
@@ -21,23 +21,23 @@ class Reference:
     """The gel at rest: marker positions, and white pixels for the Chamfer distance.
 
     Attributes:
-        position_px: (177, 2) float64 px, the mean of the first frames at rest; never changed in
+        position_px: (n, 2) float64 px, the mean of the first frames at rest; never changed in
             place.
     """
 
-    def __init__(self, lattice: Lattice, blobs: Blobs) -> None:
+    def __init__(self, lattice: Lattice, blobs: Blobs, gel: Gel) -> None:
         self.bend_px = lattice.bend_px
         self.n_found = lattice.n_found
-        rig = fit_rig(lattice.position_px)
+        rig = fit_rig(lattice.position_px, gel)
         self.px_per_mm = rig.px_per_mm
-        self.gate_px = 0.35 * PITCH_MM * rig.px_per_mm
+        self.gate_px = 0.35 * gel.pitch_mm * rig.px_per_mm
         reach = np.hypot(*(lattice.position_px - rig.centre_px).T).max()
-        self._radius_px = float(reach) + PITCH_MM * rig.px_per_mm
+        self._radius_px = float(reach) + gel.pitch_mm * rig.px_per_mm
         shape = (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
         self._mask = np.zeros(shape, np.uint8)
         self._distance_px2 = np.empty(shape, np.int32)
         self._white = np.empty(SENSOR_HEIGHT_PX * SENSOR_WIDTH_PX, np.int32)
-        self._match = np.empty(N_MARKERS, np.int32)
+        self._match = np.empty(gel.n_markers, np.int32)
         self._n_frames = 1
         self.move(lattice.position_px, blobs)
 
@@ -57,7 +57,7 @@ class Reference:
 
         Args:
             centroid_px: (m, 2) px, its blobs.
-            match: (177,) int32, the blob of each marker; negative without one.
+            match: (n,) int32, the blob of each marker; negative without one.
         """
         if self._n_frames < MEAN_FRAMES:
             self._n_frames += 1
@@ -68,7 +68,7 @@ class Reference:
     def find_moved(
         self, blobs: Blobs, n_left_out: int, limit_px: float
     ) -> NDArray[np.float64] | None:
-        """Returns where the markers would be, (177, 2) px, if only the rig had moved.
+        """Returns where the markers would be, (n, 2) px, if only the rig had moved.
 
         Args:
             blobs: of a frame.

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import N_MARKERS, Rig, fit_rig
+from neurotouch_hid.geometry import PAPER_GEL, Gel, Rig, fit_rig
 from neurotouch_hid.messages import (
     EventPacket,
     Frame,
@@ -22,7 +22,7 @@ from neurotouch_hid.tracker.event_camera import EventCamera
 from neurotouch_hid.tracker.gel_watch import GelWatch
 from neurotouch_hid.tracker.kept_motion import KeptMotion
 from neurotouch_hid.tracker.kernels import correction, matching
-from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig, find_lattice
+from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig, LatticeFinder
 from neurotouch_hid.tracker.reference import MOST_LEFT, Reference
 
 _SAME_BEND_PX = 0.1  # two pictures of one undeformed gel differ by less
@@ -122,6 +122,7 @@ class RestDetector:
         rig: Rig | None = None,
         finder: BlobFinder | None = None,
         near_rad: float = 0.0,
+        gel: Gel = PAPER_GEL,
     ) -> None:
         """Starts without a reference.
 
@@ -129,20 +130,22 @@ class RestDetector:
             config: thresholds.
             rig: where the gel is known to be; None searches for it.
             finder: finds the blobs of frames; sharing it within a thread saves work.
-            near_rad: the turn of the lattice that is expected, see ``find_lattice``.
+            near_rad: the turn of the lattice that is expected, see ``LatticeFinder``.
+            gel: the gel.
         """
         self._config = config or RestConfig()
+        self._gel, self._lattice = gel, LatticeFinder(gel, self._config.lattice)
         self._rig, self._near_rad = rig, near_rad
         self._finder = finder or BlobFinder(self._config.blobs)
         self._reference: Reference | None = None
-        self._camera: EventCamera | None = EventCamera(rig, near_rad)
-        self._match = np.empty(N_MARKERS, np.int32)
+        self._camera: EventCamera | None = EventCamera(self._lattice, rig, near_rad)
+        self._match = np.empty(gel.n_markers, np.int32)
         self._moved_px: NDArray[np.float64] | None = None
         self._kept = KeptMotion()
         self._still_px: NDArray[np.float64] = np.empty((0, 2))
         self._n_still = 0
         self._bend_px = np.inf
-        self._watch = GelWatch(self._config.lattice, near_rad)
+        self._watch = GelWatch(self._lattice, near_rad)
         self._stats = RestStats(0, 0, 0, 0, float("nan"), float("nan"), GelProblem.WAITING)
 
     def stats(self) -> RestStats:
@@ -193,9 +196,7 @@ class RestDetector:
 
     def _take(self, frame: Frame, blobs: Blobs) -> RestField | None:
         """Takes a frame as the reference that shows markers where they are at rest."""
-        lattice = find_lattice(
-            blobs.centroid_px, self._config.lattice, self._rig, near_rad=self._near_rad
-        )
+        lattice = self._lattice.find(blobs.centroid_px, self._rig, near_rad=self._near_rad)
         if lattice is None:
             return None
         self._set_reference(lattice, frame, blobs)
@@ -210,9 +211,7 @@ class RestDetector:
 
     def _search(self, frame: Frame, blobs: Blobs) -> RestField | None:
         """Takes the frame as the reference if it shows the undeformed lattice."""
-        lattice = find_lattice(
-            blobs.centroid_px, self._config.lattice, self._rig, near_rad=self._near_rad
-        )
+        lattice = self._lattice.find(blobs.centroid_px, self._rig, near_rad=self._near_rad)
         settled = self._count_still(blobs)
         n_found = len(blobs.centroid_px) if lattice is None else lattice.n_found
         doubt = self._doubt(lattice)
@@ -309,7 +308,7 @@ class RestDetector:
         """Takes a new reference if the gel is at rest elsewhere, and returns its markers."""
         if not self._count_still(blobs):
             return None
-        lattice = find_lattice(blobs.centroid_px, self._config.lattice, near_rad=self._near_rad)
+        lattice = self._lattice.find(blobs.centroid_px, near_rad=self._near_rad)
         if (
             lattice is None
             or self._judge(lattice, odd=True)
@@ -326,15 +325,17 @@ class RestDetector:
         self._still_px = now
         same = np.empty(len(before), np.int32)
         n, median = matching.measure_median(before, now, _STILL_GATE_PX, same)
-        if n < max(c.min_share * len(before), c.lattice.min_found):
+        if n < max(c.min_share * len(before), c.lattice.min_share * self._gel.n_markers):
             self._n_still = 0
             return False
         self._n_still = self._n_still + 1 if median <= c.max_still_px else 0
         return self._n_still > 0 and self._n_still % c.settle_frames == 0
 
     def _set_reference(self, lattice: Lattice, frame: Frame, blobs: Blobs) -> None:
-        self._reference = Reference(lattice, blobs)
-        self._near_rad = fit_rig(lattice.position_px).rotation_rad  # a gel that turns goes on so
+        self._reference = Reference(lattice, blobs, self._gel)
+        self._near_rad = fit_rig(
+            lattice.position_px, self._gel
+        ).rotation_rad  # a gel that turns goes on so
         self._watch.find(lattice.position_px, lattice.n_found, frame)
         self._n_still = 0
         s = self._stats
@@ -347,7 +348,7 @@ class RestDetector:
         c, most = self._config.lattice, self._config
         if lattice is None:
             return GelProblem.NO_DOTS
-        if lattice.n_found < c.min_found or lattice.aside_mm > c.max_aside_mm:
+        if lattice.share < c.min_share or lattice.aside > c.max_aside:
             return GelProblem.MISSING
         is_flat = lattice.bend_px <= c.max_bend_px
         max_bend_px = most.max_odd_bend_px if odd else c.max_bend_px

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import MARKER_DIAMETER_MM, PITCH_MM
+from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.tracker.blobs import Blobs
 
@@ -15,7 +15,9 @@ _GAUSSIAN: Final = 4.355  # area above half of the height of a Gaussian, in vari
 _LEAST_PX, _LEAST_MM = 1.5, 0.6  # a dot that is blurred by more than both is out of focus
 
 
-def measure_blur(pixels: NDArray[np.uint8], blobs: Blobs, px_per_mm: float) -> float | None:
+def measure_blur(
+    pixels: NDArray[np.uint8], blobs: Blobs, px_per_mm: float, gel: Gel = PAPER_GEL
+) -> float | None:
     """Returns the standard deviation of the point spread, px, to a tenth; None without dots.
 
     The area above half of a dot's height tells its width; a sharp dot has a known one.
@@ -24,8 +26,9 @@ def measure_blur(pixels: NDArray[np.uint8], blobs: Blobs, px_per_mm: float) -> f
         pixels: (260, 346) uint8.
         blobs: its bright dots.
         px_per_mm: scale of the image.
+        gel: the gel.
     """
-    reach = max(round(0.45 * PITCH_MM * px_per_mm), 2)
+    reach = max(round(0.45 * gel.pitch_mm * px_per_mm), 2)
     step = np.arange(-reach, reach + 1)
     near = np.hypot(*np.meshgrid(step, step)) <= reach
     x, y = np.rint(blobs.centroid_px).astype(np.intp).T
@@ -40,7 +43,7 @@ def measure_blur(pixels: NDArray[np.uint8], blobs: Blobs, px_per_mm: float) -> f
     dots = np.sort(pixels[rows, columns][:, near], axis=0)
     dot = dots[len(dots) // 4 : len(dots) - len(dots) // 4].mean(axis=0)
     area = float((dot > 0.5 * (dot.min() + dot.max())).sum())
-    sharp = math.pi / 4.0 * (MARKER_DIAMETER_MM * px_per_mm) ** 2
+    sharp = math.pi / 4.0 * (gel.dot_mm * px_per_mm) ** 2
     return round(math.sqrt(max(area - sharp, 0.0) / _GAUSSIAN), 1)
 
 

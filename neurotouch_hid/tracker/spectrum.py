@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import MARKER_DIAMETER_MM, PITCH_MM
+from neurotouch_hid.geometry import Gel
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 
 _SIZE: Final = 384  # of the spectrum; its middle is the frequency 0
@@ -36,8 +36,8 @@ class Pattern(NamedTuple):
     blur_px: float
 
 
-def find_pattern(pixels: NDArray[np.uint8]) -> Pattern | None:
-    """Returns the square pattern in a picture, (260, 346) uint8; None if there is none.
+def find_pattern(pixels: NDArray[np.uint8], gel: Gel) -> Pattern | None:
+    """Returns the square pattern of a gel in a picture, (260, 346) uint8; None if there is none.
 
     A square pattern has the same spectrum after a quarter turn. The blur is known from how much
     weaker the diagonal of the pattern is than its side.
@@ -59,8 +59,8 @@ def find_pattern(pixels: NDArray[np.uint8]) -> Pattern | None:
     pitch_px = _SIZE / abs(side)
     ratio = _find_largest(power, side) / max(_find_largest(power, side * to_diagonal), 1e-9)
     variance_px2 = (pitch_px / (2.0 * math.pi)) ** 2 * math.log(max(ratio, 1.0))
-    dot_px2 = (MARKER_DIAMETER_MM / PITCH_MM * pitch_px) ** 2 / 16.0
-    return Pattern(pitch_px / PITCH_MM, math.sqrt(max(variance_px2 - dot_px2, 0.0)))
+    dot_px2 = (gel.dot_mm / gel.pitch_mm * pitch_px) ** 2 / 16.0
+    return Pattern(pitch_px / gel.pitch_mm, math.sqrt(max(variance_px2 - dot_px2, 0.0)))
 
 
 def _find_largest(values: NDArray[np.float64], at: complex) -> float:

@@ -88,7 +88,7 @@ def _simulated():
 
 
 def _closed_forms():
-    from neurotouch_hid.geometry import LATTICE_MM
+    from neurotouch_hid.geometry import PAPER_GEL
     from neurotouch_hid.messages import GestureKind, Truth
     from tests.gesture.elastic import RIG, random_scene
 
@@ -100,9 +100,9 @@ def _closed_forms():
                 moved, contacts, size = scene.at(i / 100)
                 seen = kind if size >= 0.3 else GestureKind.NONE
                 points = RIG.to_px(contacts) if size >= 0.3 else np.zeros((0, 2))
-                markers = RIG.to_px(LATTICE_MM + moved)
+                markers = RIG.to_px(PAPER_GEL.points_mm + moved)
                 truths.append(Truth((i + 1) * SLICE_US, seen, points, size, markers))
-            yield _track(RIG.to_px(LATTICE_MM), truths, rng)
+            yield _track(RIG.to_px(PAPER_GEL.points_mm), truths, rng)
 
 
 def _track(rest_px, truths, rng):

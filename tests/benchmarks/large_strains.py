@@ -22,7 +22,7 @@ from scipy.sparse.linalg import splu
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
-from neurotouch_hid.geometry import GEL_RADIUS_MM, LATTICE_MM, Rig  # noqa: E402
+from neurotouch_hid.geometry import PAPER_GEL, Rig  # noqa: E402
 from neurotouch_hid.gesture import GestureRecognizer  # noqa: E402
 from neurotouch_hid.messages import MarkerField  # noqa: E402
 
@@ -74,7 +74,7 @@ class Dome:
         half = N_SIDE // 2
         ticks = CELL_MM * (np.arange(N_SIDE) - half)
         middle = ticks[:-1] + 0.5 * CELL_MM
-        inside = np.hypot(middle[:, None], middle) <= GEL_RADIUS_MM + 0.2 * CELL_MM
+        inside = np.hypot(middle[:, None], middle) <= PAPER_GEL.radius_mm + 0.2 * CELL_MM
         rows, columns = np.nonzero(inside)
         corners = np.stack([rows, rows, rows + 1, rows + 1], 1) * N_SIDE
         corners += np.stack([columns, columns + 1, columns + 1, columns], 1)
@@ -84,8 +84,8 @@ class Dome:
         self.node = np.full(N_SIDE * N_SIDE, -1)
         self.node[used] = np.arange(len(used))
         n, self.grip = len(used), gel.grip
-        sphere = (GEL_RADIUS_MM**2 + gel.rise_mm**2) / (2.0 * gel.rise_mm)
-        r = np.minimum(np.hypot(*self.plan.T), GEL_RADIUS_MM)
+        sphere = (PAPER_GEL.radius_mm**2 + gel.rise_mm**2) / (2.0 * gel.rise_mm)
+        r = np.minimum(np.hypot(*self.plan.T), PAPER_GEL.radius_mm)
         height = gel.rim_mm + np.sqrt(sphere**2 - r**2) - (sphere - gel.rise_mm)
         places = np.concatenate([np.column_stack([self.plan, s * height]) for s in LAYERS])
         self.bricks = np.concatenate(
@@ -226,11 +226,11 @@ def draw(kind, rng):
 def play(dome, fingers, rng):
     """Shares of slices with the right count; true and told intensity, mm; distance, mm."""
     fields = dome.deform(fingers)
-    seen = np.array([dome.read(field, LATTICE_MM) for field in fields])
+    seen = np.array([dome.read(field, PAPER_GEL.points_mm) for field in fields])
     seen = np.concatenate([np.zeros((1, *seen.shape[1:])), seen])
     moved = dome.read(fields[-1], np.array([finger.centre for finger in fingers]))[:, :2]
     contacts = moved + [finger.centre for finger in fingers]
-    rest_px = RIG.to_px(LATTICE_MM).astype(np.float32)
+    rest_px = RIG.to_px(PAPER_GEL.points_mm).astype(np.float32)
     recognizer, noise, told, use = GestureRecognizer(), np.zeros((177, 2)), [], np.ones(177, bool)
     for t_us in range(10_000, 650_001, 10_000):
         share = 0.5 - 0.5 * math.cos(math.pi * min(max((t_us - 100_000) / 300_000, 0.0), 1.0))
@@ -238,7 +238,7 @@ def play(dome, fingers, rng):
         field = seen[k] + (8 * share - k) * (seen[k + 1] - seen[k])
         sunk = np.clip(-field[:, 2:], -5.0, 8.0)
         noise = 0.7 * noise + rng.normal(0.0, NOISE_PX * math.sqrt(0.51), noise.shape)
-        px = RIG.to_px((LATTICE_MM + field[:, :2]) * (1.0 + sunk / SINK_MM)) + noise
+        px = RIG.to_px((PAPER_GEL.points_mm + field[:, :2]) * (1.0 + sunk / SINK_MM)) + noise
         gesture = recognizer.update(MarkerField(t_us, rest_px, px.astype(np.float32), use))
         if t_us > 450_000:
             told.append(gesture)

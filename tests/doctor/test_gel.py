@@ -6,7 +6,7 @@ import pytest
 
 from neurotouch_hid.doctor.finding import CheckStatus
 from neurotouch_hid.doctor.gel import GelView
-from neurotouch_hid.geometry import LATTICE_MM, NOMINAL_PX_PER_MM, Rig
+from neurotouch_hid.geometry import NOMINAL_PX_PER_MM, PAPER_GEL, Rig
 from neurotouch_hid.messages import EVENT_DTYPE, Frame
 from neurotouch_hid.recording import RecordingWriter
 
@@ -23,7 +23,7 @@ def draw(position_px, light=180.0):
 
 
 def gel(centre=CENTRE):
-    return Rig(centre, NOMINAL_PX_PER_MM).to_px(LATTICE_MM)
+    return Rig(centre, NOMINAL_PX_PER_MM).to_px(PAPER_GEL.points_mm)
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.evaluation.accuracy import Comparison, LabelTrack, summarise
-from neurotouch_hid.geometry import LATTICE_MM, Rig
+from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.messages import (
     EVENT_DTYPE,
     EventPacket,
@@ -21,7 +21,7 @@ from neurotouch_hid.messages import (
     Truth,
 )
 
-REST_PX = Rig((170.0, 130.0), 2.5).to_px(LATTICE_MM).astype(np.float32)
+REST_PX = Rig((170.0, 130.0), 2.5).to_px(PAPER_GEL.points_mm).astype(np.float32)
 POINT = np.array([[170.0, 130.0]])
 NO_POINT = np.zeros((0, 2))
 

@@ -25,7 +25,7 @@ from neurotouch_hid.evaluation.accuracy.report.gallery import Failure, draw_fail
 from neurotouch_hid.evaluation.accuracy.report.label_figures import draw_classes, draw_contacts
 from neurotouch_hid.evaluation.accuracy.report.style import apply_style
 from neurotouch_hid.evaluation.accuracy.type_timing import TypeTiming
-from neurotouch_hid.geometry import N_MARKERS
+from neurotouch_hid.geometry import PAPER_GEL
 from neurotouch_hid.messages import GestureKind
 from tests.evaluation.timelines import REST_PX, RIG, answer, label, markers
 
@@ -139,10 +139,10 @@ def test_a_failure_shows_markers_arrows_and_both_contacts():
     figure = draw_failure(failure)
     axes = figure.axes[0]
     arrows = next(c for c in axes.collections if isinstance(c, Quiver))
-    assert arrows.N == N_MARKERS
+    assert PAPER_GEL.n_markers == arrows.N
     assert set(zip(arrows.U.tolist(), arrows.V.tolist(), strict=True)) == {(3.0, -2.0)}
     measured, guessed, labelled, seen = (line.get_xydata() for line in axes.lines)
-    assert len(measured) == N_MARKERS - 1
+    assert len(measured) == PAPER_GEL.n_markers - 1
     assert guessed.tolist() == [(REST_PX[0] + (3, -2)).tolist()]
     assert labelled.tolist() == [[150, 130], [190, 130]]
     assert seen.tolist() == [[170, 120]]

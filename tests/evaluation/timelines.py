@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from neurotouch_hid.geometry import LATTICE_MM, Rig
+from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.messages import Gesture, GestureKind, MarkerField, Truth
 
 RIG = Rig((170.0, 130.0), 2.5)
-REST_PX = RIG.to_px(LATTICE_MM).astype(np.float32)
+REST_PX = RIG.to_px(PAPER_GEL.points_mm).astype(np.float32)
 
 
 def points(values):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from neurotouch_hid.geometry import LATTICE_MM, Rig
+from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.messages import GestureKind, MarkerField
 
 POISSON = 0.48
@@ -66,15 +66,15 @@ def field(centres, motions, turns=None):
     coupling = np.concatenate([drag(centres, c) for c in centres], axis=2)
     load = np.linalg.solve(coupling.reshape(2 * k, 2 * k), wanted.reshape(-1)).reshape(k, 2)
     return sum(
-        drag(LATTICE_MM, c) @ q + twist(LATTICE_MM, c) * w
+        drag(PAPER_GEL.points_mm, c) @ q + twist(PAPER_GEL.points_mm, c) * w
         for c, q, w in zip(centres, load, turns, strict=True)
     )
 
 
 def markers(displacement_mm, *, t_us=0, noise_px=0.0, rng=None, valid=None):
     """The MarkerField a tracker with that noise would give."""
-    rest = RIG.to_px(LATTICE_MM)
-    position = RIG.to_px(LATTICE_MM + displacement_mm)
+    rest = RIG.to_px(PAPER_GEL.points_mm)
+    position = RIG.to_px(PAPER_GEL.points_mm + displacement_mm)
     if noise_px:
         position = position + rng.normal(0, noise_px, position.shape)
     valid = np.ones(len(rest), bool) if valid is None else valid
@@ -99,7 +99,7 @@ class Scene:
         level = _smooth(rise) * (1 - _smooth(fall)) * self.strength
         on = level > 0.02
         if not on.any():
-            return np.zeros_like(LATTICE_MM), np.zeros((0, 2)), 0.0
+            return np.zeros_like(PAPER_GEL.points_mm), np.zeros((0, 2)), 0.0
         motion = self.peak[on] * level[on, None]
         u = field(self.centres[on], motion, self.turn * level[on])
         return u, self.centres[on] + motion, float(np.linalg.norm(motion, axis=1).mean())

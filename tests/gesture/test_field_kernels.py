@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from neurotouch_hid.geometry import LATTICE_MM
+from neurotouch_hid.geometry import PAPER_GEL
 from neurotouch_hid.gesture.elastic.kernels.field import (
     bound_gain,
     build_compliance,
@@ -81,7 +81,7 @@ def test_the_push_is_twice_as_large_along_as_across():
 @given(st.integers(0, 2**32 - 1))
 def test_gains_equal_their_twin(seed):
     rng = np.random.default_rng(seed)
-    points, sites = LATTICE_MM[::5], LATTICE_MM[60:110:9]
+    points, sites = PAPER_GEL.points_mm[::5], PAPER_GEL.points_mm[60:110:9]
     residual, weight = rng.normal(0, 1, points.shape), rng.random(len(points))
     gel = respond_everywhere(points, sites)
     gains = np.empty(len(sites))
@@ -94,7 +94,7 @@ def test_gains_equal_their_twin(seed):
 @given(st.integers(0, 2**32 - 1), st.sampled_from([0.01, 1.0, 20.0]))
 def test_no_gain_exceeds_the_bound(seed, size):
     rng = np.random.default_rng(seed)
-    points, sites = LATTICE_MM, LATTICE_MM[::3].copy()
+    points, sites = PAPER_GEL.points_mm, PAPER_GEL.points_mm[::3].copy()
     site = rng.integers(len(sites))
     gel = respond_everywhere(points, sites)
     finger = (gel.atoms[:, 3 * site : 3 * site + 3] @ rng.normal(0, size, 3)).reshape(-1, 2)
@@ -107,7 +107,7 @@ def test_no_gain_exceeds_the_bound(seed, size):
 
 
 def test_the_gain_of_a_finger_is_largest_where_it_is():
-    gel = respond_everywhere(LATTICE_MM, LATTICE_MM, 1e-6)
+    gel = respond_everywhere(PAPER_GEL.points_mm, PAPER_GEL.points_mm, 1e-6)
     for site in (88, 40, 120):
         field = (gel.atoms[:, 3 * site : 3 * site + 3] @ (1.0, -2.0, 0.1)).reshape(-1, 2)
         best, gain = find_site(gel, field, np.ones(len(field)), np.zeros((0, 2)), 5.0, 0.0)
@@ -119,7 +119,7 @@ def test_the_gain_of_a_finger_is_largest_where_it_is():
 @given(st.integers(0, 2**32 - 1), st.integers(1, 3))
 def test_no_site_is_found_near_a_known_finger(seed, k):
     rng = np.random.default_rng(seed)
-    points, sites = LATTICE_MM[::5], LATTICE_MM[::2].copy()
+    points, sites = PAPER_GEL.points_mm[::5], PAPER_GEL.points_mm[::2].copy()
     residual, weight = rng.normal(0, 1, points.shape), rng.random(len(points))
     centres = rng.uniform(-20, 20, (k, 2))
     gel = respond_everywhere(points, sites)
@@ -132,6 +132,6 @@ def test_no_site_is_found_near_a_known_finger(seed, k):
 
 
 def test_there_is_no_site_where_fingers_are_everywhere():
-    gel = respond_everywhere(LATTICE_MM, LATTICE_MM[:4])
-    field, weight = np.ones(LATTICE_MM.shape), np.ones(len(LATTICE_MM))
+    gel = respond_everywhere(PAPER_GEL.points_mm, PAPER_GEL.points_mm[:4])
+    field, weight = np.ones(PAPER_GEL.points_mm.shape), np.ones(len(PAPER_GEL.points_mm))
     assert find_site(gel, field, weight, gel.sites, 5.0, 0.0)[1] == 0.0

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from neurotouch_hid.geometry import LATTICE_MM, Rig
+from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.gesture.elastic.fingers import FingerConfig, FingerTracker
 from neurotouch_hid.gesture.elastic.kernels.field import fill_responses, find_site
 from neurotouch_hid.gesture.elastic.kernels.follow import NOW
 from tests.gesture.elastic import field
 
-SEES_ALL = np.ones(len(LATTICE_MM), np.bool_)
+SEES_ALL = np.ones(len(PAPER_GEL.points_mm), np.bool_)
 RIG = Rig((0.0, 0.0), 1.0)  # a pixel a millimetre
-REST_PX = LATTICE_MM.astype(np.float32)
+REST_PX = PAPER_GEL.points_mm.astype(np.float32)
 PLACES = np.array([[-9.0, 0.0], [9.0, 0.0]])
 
 
@@ -91,7 +91,9 @@ def test_slices_of_any_length_trust_and_check_their_fingers_alike():
 def test_a_search_that_stops_early_finds_the_same_fingers():
     rng = np.random.default_rng(3)
     sizes_mm = [0.0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0, 2.0, 4.0, 4.0, 2.0, 1.0, 0.2, 0.0]
-    fields = [pinch(size_mm) + rng.normal(0.0, 0.01, LATTICE_MM.shape) for size_mm in sizes_mm]
+    fields = [
+        pinch(size_mm) + rng.normal(0.0, 0.01, PAPER_GEL.points_mm.shape) for size_mm in sizes_mm
+    ]
     motions, asked = [], []
     for sure in (FingerConfig().sure, 0.0):  # 0: every site is computed every time
         fingers = FingerTracker(FingerConfig(sure=sure))
@@ -112,13 +114,13 @@ def test_every_fourth_site_shows_whether_there_is_a_finger_at_all():
     fingers = FingerTracker()
     fingers.place(REST_PX, RIG)
     gel, n_found = fingers.gel[0], 0
-    weight, known = np.ones(len(LATTICE_MM)), np.zeros((0, 2))
+    weight, known = np.ones(len(PAPER_GEL.points_mm)), np.zeros((0, 2))
     n_sites, n_coarse = len(gel["sites"]), int(gel["n_coarse"])
     assert n_coarse < 0.3 * n_sites
     for _ in range(200):
         place_mm = rng.uniform(-18.0, 18.0, (1, 2))
-        response = np.empty((2 * len(LATTICE_MM), 3))
-        fill_responses(LATTICE_MM, place_mm, rng.uniform(5.0, 8.0), response)
+        response = np.empty((2 * len(PAPER_GEL.points_mm), 3))
+        fill_responses(PAPER_GEL.points_mm, place_mm, rng.uniform(5.0, 8.0), response)
         field = (response @ rng.normal(0.0, (1.0, 1.0, 0.1))).reshape(-1, 2)
         gel["n_coarse"] = n_sites
         best = find_site(gel, field, weight, known, 5.0, 0.0)
@@ -140,13 +142,15 @@ def test_names_stay_with_fingers_until_they_are_forgotten():
     assert fingers.fits["ids"][NOW][:2].tolist() == names
     assert len(set(names)) == 2
     fingers.reset()
-    assert not fingers.update(np.zeros(LATTICE_MM.shape), SEES_ALL, 0.05, forming=True).n_fingers
+    assert not fingers.update(
+        np.zeros(PAPER_GEL.points_mm.shape), SEES_ALL, 0.05, forming=True
+    ).n_fingers
 
 
 def test_a_knock_has_no_finger_and_a_light_touch_is_no_knock():
     fingers = FingerTracker()
     fingers.place(REST_PX, RIG)
-    knock = np.full(LATTICE_MM.shape, 0.3)
+    knock = np.full(PAPER_GEL.points_mm.shape, 0.3)
     motion = fingers.update(knock, SEES_ALL, 0.05, forming=True)
     assert motion.n_fingers == 0
     assert motion.sway_mm == pytest.approx(np.hypot(0.3, 0.3))
@@ -159,12 +163,12 @@ def test_a_knock_has_no_finger_and_a_light_touch_is_no_knock():
 def test_a_gel_that_stays_elsewhere_sways_no_more():
     fingers = FingerTracker()
     fingers.place(REST_PX, RIG)
-    bumped = np.full(LATTICE_MM.shape, 1.4)
+    bumped = np.full(PAPER_GEL.points_mm.shape, 1.4)
     for _ in range(200):
         motion = fingers.update(bumped, SEES_ALL, 0.05, forming=True)
     assert motion.sway_mm < 0.05
     fingers.place(REST_PX + np.float32(1.4), RIG)  # the rest position follows: nothing moves
-    motion = fingers.update(np.zeros(LATTICE_MM.shape), SEES_ALL, 0.05, forming=True)
+    motion = fingers.update(np.zeros(PAPER_GEL.points_mm.shape), SEES_ALL, 0.05, forming=True)
     assert motion.sway_mm < 0.05
     push = bumped + field(PLACES[:1], np.array([[0.6, 0.0]]))
     fingers.place(REST_PX, RIG)
@@ -177,8 +181,8 @@ def test_a_gel_that_stays_elsewhere_sways_no_more():
 def test_contacts_are_in_gel_and_image_coordinates():
     rig = Rig((170.0, 130.0), 2.4, 0.2)
     fingers = FingerTracker()
-    fingers.place(rig.to_px(LATTICE_MM).astype(np.float32), rig)
-    moved_px = rig.to_px(LATTICE_MM + pinch(4.0)) - rig.to_px(LATTICE_MM)
+    fingers.place(rig.to_px(PAPER_GEL.points_mm).astype(np.float32), rig)
+    moved_px = rig.to_px(PAPER_GEL.points_mm + pinch(4.0)) - rig.to_px(PAPER_GEL.points_mm)
     for _ in range(4):
         motion = fingers.update(moved_px, SEES_ALL, 0.05, forming=False)
     contacts = fingers.locate_shown()

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from neurotouch_hid.geometry import LATTICE_MM, Rig
-from neurotouch_hid.gesture.elastic.fingers import FIT, FingerTracker
+from neurotouch_hid.geometry import PAPER_GEL, Rig
+from neurotouch_hid.gesture.elastic.fingers import FingerTracker
 from neurotouch_hid.gesture.elastic.kernels.field import build_compliance, rim_window
 from neurotouch_hid.gesture.elastic.kernels.fit import (
     accumulate,
@@ -20,10 +20,10 @@ from neurotouch_hid.gesture.elastic.kernels.fit import (
 )
 from tests.reference import gesture_elastic as reference
 
-WINDOW = np.array([rim_window(float(r2)) for r2 in (LATTICE_MM**2).sum(axis=1)])
-POINTS = np.ascontiguousarray(LATTICE_MM.T)
+WINDOW = np.array([rim_window(float(r2)) for r2 in (PAPER_GEL.points_mm**2).sum(axis=1)])
+POINTS = np.ascontiguousarray(PAPER_GEL.points_mm.T)
 TRACKER = FingerTracker()
-TRACKER.place(LATTICE_MM.astype(np.float32), Rig((0.0, 0.0), 1.0))  # a pixel a millimetre
+TRACKER.place(PAPER_GEL.points_mm.astype(np.float32), Rig((0.0, 0.0), 1.0))  # a pixel a millimetre
 GEL = TRACKER.gel
 
 
@@ -59,8 +59,8 @@ def make_fingers(k, seed):
 
 
 def describe(centres, radii, motions):
-    """Returns a ``FIT`` of these fingers."""
-    fits, k = np.zeros(1, FIT), len(centres)
+    """Returns a fit of these fingers."""
+    fits, k = np.zeros_like(TRACKER.fits[:1]), len(centres)
     fits["count"] = k
     fits["centres"][0, :k], fits["radii"][0, :k], fits["motions"][0, :k] = centres, radii, motions
     return fits
@@ -96,13 +96,15 @@ def test_columns_equal_their_twin(k):
     inverse = invert_coupling(centres, radii)
     build_columns(POINTS, WINDOW, centres, radii, motions, inverse, columns, bent)
     columns = columns.transpose(2, 1, 0)
-    expected = reference.columns(LATTICE_MM, centres, radii)
+    expected = reference.columns(PAPER_GEL.points_mm, centres, radii)
     np.testing.assert_allclose(columns[:, :, : 3 * k], expected, atol=1e-9)
     np.testing.assert_allclose(
-        columns[:, :, 3 * k : 4 * k], reference.presses(LATTICE_MM, centres, radii), atol=1e-12
+        columns[:, :, 3 * k : 4 * k],
+        reference.presses(PAPER_GEL.points_mm, centres, radii),
+        atol=1e-12,
     )
     np.testing.assert_allclose(
-        bent.T, reference.bend(LATTICE_MM, centres, radii, motions[:, 2]), atol=1e-9
+        bent.T, reference.bend(PAPER_GEL.points_mm, centres, radii, motions[:, 2]), atol=1e-9
     )
     np.testing.assert_array_equal(columns[5, :, 4 * k : 4 * k + 2], np.eye(2))
 
@@ -113,7 +115,7 @@ def test_slopes_equal_their_twin(k):
     columns = np.empty((3 * k, 2, 177))
     inverse = invert_coupling(centres, radii)
     build_slopes(POINTS, WINDOW, centres, radii, motions, inverse, columns)
-    expected = reference.slopes(LATTICE_MM, centres, radii, motions)
+    expected = reference.slopes(PAPER_GEL.points_mm, centres, radii, motions)
     np.testing.assert_allclose(columns.transpose(2, 1, 0), expected, atol=1e-9)
 
 
@@ -136,8 +138,8 @@ def test_normal_equations_equal_numpy(seed):
 def test_refine_finds_the_fingers_of_the_twin(k):
     centres, radii, motions = make_fingers(k, 10 + k)
     moved = np.einsum(
-        "nap,p->na", reference.columns(LATTICE_MM, centres, radii), motions.ravel()
-    ) + reference.bend(LATTICE_MM, centres, radii, motions[:, 2])
+        "nap,p->na", reference.columns(PAPER_GEL.points_mm, centres, radii), motions.ravel()
+    ) + reference.bend(PAPER_GEL.points_mm, centres, radii, motions[:, 2])
     fits, weight = describe(centres + 1.5, np.full(k, 6.5), np.zeros((k, 3))), np.ones(177)
     fit = fits[0]
     fit_to(fit, moved, weight, n_steps=0)
@@ -163,7 +165,9 @@ def test_without_information_the_cost_is_infinite():
 
 def test_markers_without_weight_do_not_count():
     centres, radii, motions = make_fingers(2, 3)
-    moved = np.einsum("nap,p->na", reference.columns(LATTICE_MM, centres, radii), motions.ravel())
+    moved = np.einsum(
+        "nap,p->na", reference.columns(PAPER_GEL.points_mm, centres, radii), motions.ravel()
+    )
     answers = []
     for spoil in (0.0, 30.0):
         weight = np.ones(177)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from neurotouch_hid.geometry import LATTICE_MM, Rig
+from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.gesture.elastic.fingers import FingerTracker
 from neurotouch_hid.gesture.elastic.kernels.follow import NOW
 from neurotouch_hid.gesture.elastic.kernels.motion import (
@@ -57,8 +57,8 @@ def test_landings_equal_their_twin(seed, step_us, k):
 
 def test_each_finger_lands_for_itself():
     tracker = FingerTracker()
-    tracker.place(LATTICE_MM.astype(np.float32), Rig((0.0, 0.0), 1.0))
-    sees_all, twin = np.ones(len(LATTICE_MM), np.bool_), reference.Landing()
+    tracker.place(PAPER_GEL.points_mm.astype(np.float32), Rig((0.0, 0.0), 1.0))
+    sees_all, twin = np.ones(len(PAPER_GEL.points_mm), np.bool_), reference.Landing()
     places = np.array([[-12.0, 0.0], [12.0, 0.0]])
     counts = []
     for t in range(30):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from neurotouch_hid.geometry import LATTICE_MM
+from neurotouch_hid.geometry import PAPER_GEL
 from neurotouch_hid.gesture import GestureConfig, GestureRecognizer, list_methods
 from neurotouch_hid.messages import GestureKind, MarkerField
 from tests.gesture.elastic import RIG, Scene, field, random_scene
@@ -21,12 +21,12 @@ class Player:
         self.rng = np.random.default_rng(seed)
         self.noise_px = noise_px
         self.recognizer = GestureRecognizer(GestureConfig(**config))
-        self.rest_px = RIG.to_px(LATTICE_MM).astype(np.float32)
+        self.rest_px = RIG.to_px(PAPER_GEL.points_mm).astype(np.float32)
         self.t_us = 0
 
     def see(self, displacement_mm, valid=None):
         self.t_us += SLICE_US
-        position = RIG.to_px(LATTICE_MM + displacement_mm)
+        position = RIG.to_px(PAPER_GEL.points_mm + displacement_mm)
         position = position + self.rng.normal(0, self.noise_px, position.shape)
         valid = np.ones(len(position), bool) if valid is None else valid
         return self.recognizer.update(
@@ -34,7 +34,7 @@ class Player:
         )
 
     def rest(self, slices=20):
-        return [self.see(np.zeros_like(LATTICE_MM)) for _ in range(slices)]
+        return [self.see(np.zeros_like(PAPER_GEL.points_mm)) for _ in range(slices)]
 
     def play(self, scene, seconds=1.6):
         """Gestures with the truth of each slice: kind, contacts, intensity."""
@@ -199,7 +199,7 @@ def test_mistracked_markers_do_not_count():
 
 def test_a_third_of_the_markers_hidden():
     scene = two([[5, 0], [-5, 0]])
-    valid = LATTICE_MM[:, 1] < 10.0
+    valid = PAPER_GEL.points_mm[:, 1] < 10.0
     player = Player()
     for i in range(60):
         displacement, _, intensity = scene.at(i / 100)
@@ -258,7 +258,7 @@ def test_small_gestures_count_in_a_rig_that_was_bumped():
     player = Player()
     player.rest()
     for _ in range(120):  # no frame has shown the gel at rest since
-        player.see(np.full(LATTICE_MM.shape, 1.4))
+        player.see(np.full(PAPER_GEL.points_mm.shape, 1.4))
     place = np.array([[3.0, -2.0]])
     shown = [
         player.see(1.4 + field(place, np.array([[size_mm, 0.0]]))).kind

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neurotouch_hid.geometry import LATTICE_MM
+from neurotouch_hid.geometry import PAPER_GEL
 from neurotouch_hid.gesture.neutral import LIFT_US, SMOOTH_US, STILL_MM_S, Neutral
 from neurotouch_hid.messages import GestureKind
 from tests.gesture.elastic import field
@@ -11,7 +11,7 @@ from tests.gesture.test_neurotouch import Player
 
 PALM = np.array([[-10.0, 12.0]]), np.array([[2.5, -2.0]])
 TIP = np.array([8.0, -6.0])
-EVERYTHING = np.ones(len(LATTICE_MM), bool)
+EVERYTHING = np.ones(len(PAPER_GEL.points_mm), bool)
 SETTLED = 400
 """Slices after which a hand on the gel counts as resting."""
 
@@ -172,13 +172,13 @@ def follow(neutral, moved, seconds, *, is_quiet=True):
 
 
 def test_slow_drift_is_followed_with_a_time_constant_of_half_a_minute():
-    start, drift = np.full_like(LATTICE_MM, 2.0), np.array([0.5, 0.0])
+    start, drift = np.full_like(PAPER_GEL.points_mm, 2.0), np.array([0.5, 0.0])
     assert follow(settle(start), start + drift, 30) == pytest.approx(0.5 / np.e, abs=0.05)
     assert follow(settle(start), start + drift, 30, is_quiet=False) == 0.5
 
 
 def test_motion_is_not_drift():
-    start = np.full_like(LATTICE_MM, 9.0)
+    start = np.full_like(PAPER_GEL.points_mm, 9.0)
     neutral = settle(start)
     for i in range(1000):
         motion = (5.0 * np.sin(2 * np.pi * i / 200), 0.0)  # 2 mm at half a hertz

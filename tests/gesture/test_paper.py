@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neurotouch_hid.geometry import LATTICE_MM
+from neurotouch_hid.geometry import PAPER_GEL
 from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
 from neurotouch_hid.messages import GestureKind, MarkerField
 from tests.gesture.elastic import RIG, field, markers, random_scene
@@ -23,7 +23,7 @@ def two_fingers(motion):
 def test_rest_with_noise_is_no_gesture():
     rng = np.random.default_rng(5)
     for _ in range(100):
-        gesture = recognize(np.zeros_like(LATTICE_MM), noise_px=0.3, rng=rng, t_us=7)
+        gesture = recognize(np.zeros_like(PAPER_GEL.points_mm), noise_px=0.3, rng=rng, t_us=7)
         assert gesture.kind is GestureKind.NONE
         assert gesture.contacts_px.shape == gesture.contacts_mm.shape == (0, 2)
         assert (gesture.t_us, gesture.intensity_mm) == (7, 0.0)
@@ -66,7 +66,7 @@ def test_two_fingers(motion, kind):
 def test_invalid_markers_do_not_count():
     displacement = two_fingers([[5, 0], [-5, 0]])
     expected = recognize(displacement)
-    valid = np.ones(len(LATTICE_MM), bool)
+    valid = np.ones(len(PAPER_GEL.points_mm), bool)
     valid[::13] = False
     spoiled = displacement.copy()
     spoiled[::13] = [25.0, -25.0]
@@ -85,7 +85,7 @@ def test_no_gesture_before_the_gel_is_found():
 def test_scale_of_the_image_gives_millimetres():
     displacement = field(np.array([[0.0, 0.0]]), np.array([[5.0, 2.0]]))
     gesture = recognize(displacement)
-    distance = (LATTICE_MM + displacement)[:, None] - gesture.contacts_mm
+    distance = (PAPER_GEL.points_mm + displacement)[:, None] - gesture.contacts_mm
     near = (np.linalg.norm(distance, axis=2) < 12.0).any(axis=1)
     assert gesture.intensity_mm == pytest.approx(
         np.linalg.norm(displacement[near], axis=1).mean(), abs=0.01
@@ -110,7 +110,11 @@ def test_equal_input_gives_equal_results_bit_for_bit():
 
 
 def test_each_slice_is_recognised_by_itself():
-    fields = [two_fingers([[5, 0], [-5, 0]]), np.zeros_like(LATTICE_MM), two_fingers([[0, 5]] * 2)]
+    fields = [
+        two_fingers([[5, 0], [-5, 0]]),
+        np.zeros_like(PAPER_GEL.points_mm),
+        two_fingers([[0, 5]] * 2),
+    ]
     one = GestureRecognizer(PAPER)
     for displacement in fields + fields[::-1]:
         assert one.update(markers(displacement)).kind is recognize(displacement).kind

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from neurotouch_hid.geometry import LATTICE_MM, Rig
+from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.messages import (
     EVENT_DTYPE,
     EventPacket,
@@ -15,7 +15,7 @@ from neurotouch_hid.messages import (
 from neurotouch_hid.profile import Mapping, Profile
 from neurotouch_hid.profile.reading.load import parse_profile
 
-REST_PX = Rig((173.0, 130.0), 2.5).to_px(LATTICE_MM).astype(np.float32)
+REST_PX = Rig((173.0, 130.0), 2.5).to_px(PAPER_GEL.points_mm).astype(np.float32)
 
 BUTTONS = """\
 version: 1

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.errors import NeuroTouchError
-from neurotouch_hid.geometry import LATTICE_MM, Rig
+from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.messages import (
     EVENT_DTYPE,
     Axis,
@@ -37,7 +37,7 @@ from neurotouch_hid.profile import MappingDecision
 
 FOUND = GelState(is_found=True, was_found=True, problem=GelProblem.NONE)
 RIG = Rig((173.0, 130.0), 2.5)
-REST_PX = RIG.to_px(LATTICE_MM).astype(np.float32)
+REST_PX = RIG.to_px(PAPER_GEL.points_mm).astype(np.float32)
 
 
 def step(t_us, kind, intensity_mm=0.0, translation_mm=(0.0, 0.0), contacts_mm=(), pad=None):

@@ -2,10 +2,12 @@
 
 import json
 
-from neurotouch_hid.driver_state import pack
+import numpy as np
+
+from neurotouch_hid.driver_state import MarkerWriter, pack
 from neurotouch_hid.gel_sentences import report_gel
-from neurotouch_hid.geometry import N_MARKERS
-from neurotouch_hid.messages import GelProblem, GelState
+from neurotouch_hid.geometry import PAPER_GEL
+from neurotouch_hid.messages import GelProblem, GelState, MarkerField
 from tests.page.waiting import wait_on
 
 HEALTH = {
@@ -23,6 +25,11 @@ HEALTH = {
     "device": "memory",
     "file": "",
 }
+MARKERS = MarkerWriter().write(
+    MarkerField(
+        0, *2 * [np.full((PAPER_GEL.n_markers, 2), np.nan, np.float32)], np.zeros(177, bool)
+    )
+)
 FOUND = GelState(is_found=True, was_found=True, problem=GelProblem.NONE, n_seen=177, px_per_mm=2.5)
 REST = {
     "n": 1,
@@ -88,7 +95,7 @@ class PlayedDriver:
 
     def show(self, **changes) -> None:
         """Sends a state: the hand at rest, but for the changes."""
-        self._line.send(pack({**REST, **changes}, bytes(5 * N_MARKERS)))
+        self._line.send(pack({**REST, **changes}, MARKERS))
 
     def wait_for_request(self, page) -> dict:
         """Returns the oldest request, without its number."""

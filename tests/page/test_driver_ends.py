@@ -12,7 +12,7 @@ from neurotouch_hid.ipc import FEED, listen_at
 from tests.page.played import REST
 from tests.page.processes import LIMIT_S, View
 
-MARKERS = bytes(5 * 177)
+MARKERS = bytes(9 * 177)
 
 
 def test_a_last_state_that_comes_with_the_end_is_no_driver(tmp_path):

@@ -125,11 +125,11 @@ def test_a_state_tells_what_the_line_does(line, listener):
     assert "< 5000 ms" in actions[0][3]
     state = states[heads.index(best)]
     length = int.from_bytes(state[:4], "little")
-    assert len(state) == 4 + length + 708 + 177
-    moved = np.frombuffer(state, "<i2", 354, 4 + length).reshape(177, 2) / 100
+    assert len(state) == 8 + length + 9 * 177
+    moved = np.frombuffer(state, "<i2", 354, 8 + length + 708).reshape(177, 2) / 100
     assert moved[:, 0].max() == pytest.approx(7.0, abs=0.8)
     assert np.abs(moved[:, 1]).max() < 3.0
-    valid = np.frombuffer(state, np.uint8, 177, 4 + length + 708)
+    valid = np.frombuffer(state, np.uint8, 177, 8 + length + 1416)
     assert valid.sum() == heads[heads.index(best)]["slow"]["tracked"] or valid.sum() > 150
 
 

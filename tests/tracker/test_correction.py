@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from neurotouch_hid.geometry import LATTICE_MM, NEIGHBOURS, Rig
+from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.tracker import TrackerConfig
 from neurotouch_hid.tracker.kernels import filter as kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
@@ -12,7 +12,7 @@ from neurotouch_hid.tracker.kernels.correction import assign_blobs, drift, media
 from neurotouch_hid.tracker.markers import make_tracks
 from tests.reference import tracker as reference
 
-REST_PX = Rig((172.0, 130.0), 2.5, 0.1).to_px(LATTICE_MM)
+REST_PX = Rig((172.0, 130.0), 2.5, 0.1).to_px(PAPER_GEL.points_mm)
 TUNING = TrackerConfig().tuning()
 
 
@@ -30,13 +30,13 @@ def test_blobs_are_those_of_the_plain_twin(seed, share):
     areas = np.where(rng.random(len(points)) < 0.05, 14, rng.integers(5, 8, len(points)))
     begin = np.concatenate([[0], np.cumsum(areas)]).astype(np.int32)
     sharp, missed = rng.random(177) < 0.95, rng.integers(0, 2, 177)
-    tracks = make_tracks(NEIGHBOURS, TrackerConfig())
+    tracks = make_tracks(PAPER_GEL.neighbours, TrackerConfig())
     tracks.rest_px[:], tracks.lost[:] = REST_PX, rng.random(177) < share
     tracks.state["n_missed"], blob = missed, np.empty(177, np.int32)
     assign_blobs(then, sharp, points, begin, tracks, TUNING, blob)
     twin, twin_missed = reference.assign_blobs(
         then.tolist(), sharp.tolist(), points.tolist(), areas.tolist(), missed.tolist(),
-        tracks.lost.tolist(), REST_PX.tolist(), NEIGHBOURS.tolist(), TUNING,
+        tracks.lost.tolist(), REST_PX.tolist(), PAPER_GEL.neighbours.tolist(), TUNING,
     )  # fmt: skip
     assert [None if j < 0 else j for j in blob.tolist()] == twin
     assert tracks.state["n_missed"].tolist() == twin_missed
@@ -44,7 +44,7 @@ def test_blobs_are_those_of_the_plain_twin(seed, share):
 
 
 def test_past_positions_are_interpolated_as_far_back_as_the_ring_reaches():
-    tracks = make_tracks(NEIGHBOURS, TrackerConfig())
+    tracks = make_tracks(PAPER_GEL.neighbours, TrackerConfig())
     tracks.rest_px[:] = REST_PX
     track_kernels.place(np.arange(177), REST_PX, 1.0, 0.0, tracks, TUNING)
     tracks.state["vx"] = 100.0

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from neurotouch_hid.geometry import LATTICE_MM, NEIGHBOURS, Rig
+from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.tracker import TrackerConfig
 from neurotouch_hid.tracker.kernels import filter as kernels
@@ -15,13 +15,13 @@ from neurotouch_hid.tracker.kernels.neighbours import expect, find_collisions, f
 from neurotouch_hid.tracker.markers import make_tracks as make_empty_tracks
 from tests.reference import tracker as reference
 
-REST_PX = Rig((172.0, 130.0), 2.5, 0.1).to_px(LATTICE_MM)
+REST_PX = Rig((172.0, 130.0), 2.5, 0.1).to_px(PAPER_GEL.points_mm)
 TUNING = TrackerConfig().tuning()
 
 
 def make_tracks(position_px, search="tiles"):
     n = len(position_px)
-    tracks = make_empty_tracks(NEIGHBOURS[:n], TrackerConfig(search=search))
+    tracks = make_empty_tracks(PAPER_GEL.neighbours[:n], TrackerConfig(search=search))
     tracks.rest_px[:] = position_px
     put(tracks, range(n), position_px)
     return tracks
@@ -105,8 +105,10 @@ def test_expectation_is_the_median_of_the_neighbours(seed, share):
     position = REST_PX + rng.normal(0, 5, REST_PX.shape)
     usable = rng.random(177) < share
     expected, spread = np.empty((177, 2)), np.empty(177)
-    expect(position, usable, REST_PX, NEIGHBOURS.copy(), expected, spread)
-    twin = reference.expect(position.tolist(), REST_PX.tolist(), NEIGHBOURS.tolist(), usable)
+    expect(position, usable, REST_PX, PAPER_GEL.neighbours.copy(), expected, spread)
+    twin = reference.expect(
+        position.tolist(), REST_PX.tolist(), PAPER_GEL.neighbours.tolist(), usable
+    )
     for i, answer in enumerate(twin):
         if answer is None:
             assert np.isnan(expected[i]).all()
@@ -116,7 +118,7 @@ def test_expectation_is_the_median_of_the_neighbours(seed, share):
 
 def test_check_repairs_a_stray_marker_and_accepts_a_steep_field():
     # 18 mm of push at 8 mm from the centre of a finger: 45 px here, 27 px one pitch further.
-    r = np.hypot(*(LATTICE_MM - (4.0, 2.0)).T)
+    r = np.hypot(*(PAPER_GEL.points_mm - (4.0, 2.0)).T)
     field = np.stack([45.0 / (1.0 + (r / 9.0) ** 2), np.zeros_like(r)], axis=1)
     tracks = make_tracks(REST_PX + field)
     tracks.rest_px[:] = REST_PX
@@ -138,8 +140,10 @@ def test_of_two_markers_at_one_place_one_is_wrong(seed):
     position = REST_PX + rng.normal(0, 4, REST_PX.shape)
     expected = REST_PX + rng.normal(0, 1, REST_PX.shape)
     out = np.zeros(177, np.bool_)
-    find_collisions(position, expected, NEIGHBOURS.copy(), out)
-    twin = reference.collide(position.tolist(), expected.tolist(), NEIGHBOURS.tolist(), 1.5)
+    find_collisions(position, expected, PAPER_GEL.neighbours.copy(), out)
+    twin = reference.collide(
+        position.tolist(), expected.tolist(), PAPER_GEL.neighbours.tolist(), 1.5
+    )
     assert set(np.flatnonzero(out).tolist()) == twin
 
 
@@ -150,13 +154,15 @@ def test_a_marker_that_moves_alone_would_tear_the_gel(seed, share):
     far = rng.random((177, 1)) < 0.3
     position = REST_PX + rng.normal(0, 1, REST_PX.shape) + far * rng.normal(0, 8, REST_PX.shape)
     usable, out = rng.random(177) < share, np.zeros(177, np.bool_)
-    find_tears(position, usable, REST_PX, NEIGHBOURS.copy(), 4.0, out)
-    twin = reference.tear(position.tolist(), usable, REST_PX.tolist(), NEIGHBOURS.tolist(), 4.0)
+    find_tears(position, usable, REST_PX, PAPER_GEL.neighbours.copy(), 4.0, out)
+    twin = reference.tear(
+        position.tolist(), usable, REST_PX.tolist(), PAPER_GEL.neighbours.tolist(), 4.0
+    )
     assert set(np.flatnonzero(out).tolist()) == twin
 
 
 def test_a_patch_one_place_off_recovers():
-    patch = np.flatnonzero((np.abs(LATTICE_MM) < 6.0).all(axis=1))  # 3 x 3 markers
+    patch = np.flatnonzero((np.abs(PAPER_GEL.points_mm) < 6.0).all(axis=1))  # 3 x 3 markers
     start = REST_PX.copy()
     start[patch] += (0.0, -10.0)
     tracks = make_tracks(start)
@@ -208,8 +214,8 @@ def test_weights_are_those_of_the_plain_twin(seed, n_checks, elapsed_us):
     motion = rows(tracks)[:, [2, 3, 7, 8, 9, 11, 12, 13]].tolist()
     twin = reference.weigh(
         10_000, motion, tracks.n_new.tolist(), tracks.rate_hz.tolist(),
-        float(tracks.common["noise_hz"][0]), NEIGHBOURS.tolist(), n_checks, 10_000 - elapsed_us,
-        TUNING,
+        float(tracks.common["noise_hz"][0]), PAPER_GEL.neighbours.tolist(), n_checks,
+        10_000 - elapsed_us, TUNING,
     )  # fmt: skip
     tracks.past_us[(n_checks - 1) % len(tracks.past_us)] = 10_000 - elapsed_us
     kernels.weigh(10_000, tracks, TUNING)

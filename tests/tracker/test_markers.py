@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from neurotouch_hid.geometry import LATTICE_MM, N_MARKERS, Rig
+from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, GestureKind, RestField
 from neurotouch_hid.source.simulator import Simulator, SimulatorConfig
 from neurotouch_hid.source.simulator.config import SensorConfig
@@ -14,7 +14,7 @@ from neurotouch_hid.source.simulator.script import Finger, Stroke, sequence
 from neurotouch_hid.tracker import BlobFinder, MarkerTracker, RestDetector, TrackerConfig
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
 
-REST_PX = Rig((172.0, 130.0), 2.5).to_px(LATTICE_MM).astype(np.float32)
+REST_PX = Rig((172.0, 130.0), 2.5).to_px(PAPER_GEL.points_mm).astype(np.float32)
 
 
 def stroke(*fingers, kind=GestureKind.PUSH, move_us=250_000, hold_us=150_000):
@@ -361,7 +361,7 @@ def test_swapped_markers_are_corrected_at_the_next_rest(gestures):
     fields = follow(packets[10:20], tracker, detector=detector)
     assert (errors(fields, truth[10:20])[-1] < 1.0).all()
     assert fields[-1].valid.all()
-    assert fields[0].position_px.shape == (N_MARKERS, 2)
+    assert fields[0].position_px.shape == (PAPER_GEL.n_markers, 2)
 
 
 def test_a_frame_does_not_correct_a_repaired_marker_twice(gestures):

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from neurotouch_hid.geometry import LATTICE_MM, Rig
+from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.messages import Frame, GelProblem
 from neurotouch_hid.tracker import BlobFinder, RestConfig, RestDetector
-from neurotouch_hid.tracker.lattice import LatticeConfig, find_lattice
+from neurotouch_hid.tracker.lattice import LatticeFinder
 from neurotouch_hid.tracker.sharpness import measure_blur
 
 RIG = Rig((172.0, 130.0), 2.5, 0.1)
@@ -16,19 +16,19 @@ RIG = Rig((172.0, 130.0), 2.5, 0.1)
 
 def push(mm, contact_mm=(3.0, -2.0)):
     """Returns the displacement (177, 2) mm of a finger that drags to the right."""
-    r = np.hypot(*(LATTICE_MM - contact_mm).T)
-    rim = np.clip(1 - (np.hypot(*LATTICE_MM.T) / 31) ** 2, 0, 1) ** 0.4
+    r = np.hypot(*(PAPER_GEL.points_mm - contact_mm).T)
+    rim = np.clip(1 - (np.hypot(*PAPER_GEL.points_mm.T) / 31) ** 2, 0, 1) ** 0.4
     return np.stack([mm * rim / (1 + (r / 9.0) ** 2), np.zeros_like(r)], axis=1)
 
 
 def picture(moved_mm=0.0, rig=RIG, level=150.0, spots=8, seed=0, brightness=None):
     """Returns a frame of the gel: dots of 1 mm, uneven light, noise, bright spots outside."""
-    brightness = np.ones(len(LATTICE_MM)) if brightness is None else brightness
+    brightness = np.ones(len(PAPER_GEL.points_mm)) if brightness is None else brightness
     rng = np.random.default_rng(seed)
     y, x = np.mgrid[:260, :346]
     light = level * (1 + 0.3 * (x - 173) / 173)
     image = 0.15 * light
-    for (u, v), white in zip(rig.to_px(LATTICE_MM + moved_mm), brightness, strict=True):
+    for (u, v), white in zip(rig.to_px(PAPER_GEL.points_mm + moved_mm), brightness, strict=True):
         a, b = slice(max(int(v) - 4, 0), int(v) + 6), slice(max(int(u) - 4, 0), int(u) + 6)
         near = np.hypot(x[a, b] - u, y[a, b] - v)
         image[a, b] += white * light[a, b] * np.clip(0.5 * rig.px_per_mm + 0.5 - near, 0, 1)
@@ -58,7 +58,7 @@ def test_the_first_picture_at_rest_gives_all_markers(px_per_mm, rotation_rad):
     assert rest is not None
     assert rest.t_us == 5_000
     assert rest.position_px.dtype == np.float32
-    assert np.abs(rest.position_px - rig.to_px(LATTICE_MM)).max() < 0.35
+    assert np.abs(rest.position_px - rig.to_px(PAPER_GEL.points_mm)).max() < 0.35
     assert detector.stats().n_found == 177
     assert not detector.stats().problem
 
@@ -67,7 +67,7 @@ def test_rest_is_measured_in_each_frame():
     rig = replace(RIG, centre_px=(172.3, 130.2))
     rest = show(RestDetector(), picture(), picture(rig=rig, seed=1))
     assert rest is not None
-    assert np.abs((rest.position_px - rig.to_px(LATTICE_MM)).mean(axis=0)).max() < 0.03
+    assert np.abs((rest.position_px - rig.to_px(PAPER_GEL.points_mm)).mean(axis=0)).max() < 0.03
 
 
 def blurred(seed, moved_mm=0.0):
@@ -75,7 +75,7 @@ def blurred(seed, moved_mm=0.0):
     rng = np.random.default_rng(seed)
     y, x = np.mgrid[:260, :346]
     image = np.full(x.shape, 12.0)
-    for u, v in RIG.to_px(LATTICE_MM + moved_mm):
+    for u, v in RIG.to_px(PAPER_GEL.points_mm + moved_mm):
         image += 12.0 * np.exp(-((x - u) ** 2 + (y - v) ** 2) / (2 * 2.6**2))
     return np.rint(image + rng.normal(0, 1.5, x.shape)).astype(np.uint8)
 
@@ -130,7 +130,7 @@ def test_the_end_of_a_touch_at_the_start_is_not_taken_for_rest():
         if found is not None:
             break
     assert found is not None
-    assert np.abs(found.position_px - RIG.to_px(LATTICE_MM)).max() < 0.6
+    assert np.abs(found.position_px - RIG.to_px(PAPER_GEL.points_mm)).max() < 0.6
 
 
 def test_a_lattice_that_stays_slightly_bent_is_accepted():
@@ -164,7 +164,7 @@ def test_a_bumped_camera_gives_a_new_reference_but_a_long_push_does_not():
     answers = [show(detector, picture(rig=bumped, seed=s)) for s in range(60)]
     assert detector.stats().n_references == 2
     assert answers[-1] is not None
-    assert np.abs(answers[-1].position_px - bumped.to_px(LATTICE_MM)).max() < 0.35
+    assert np.abs(answers[-1].position_px - bumped.to_px(PAPER_GEL.points_mm)).max() < 0.35
 
 
 @pytest.mark.parametrize(
@@ -179,7 +179,7 @@ def test_what_moves_rigidly_is_the_rig_so_play_goes_on(by_mm, turn_rad, scale):
         show(detector, picture(push(3.0), rig, seed=seed))
         rest = show(detector, picture(rig=rig, seed=seed), picture(rig=rig, seed=seed + 9))
         assert rest is not None
-        assert np.abs(rest.position_px - rig.to_px(LATTICE_MM)).max() < 0.35
+        assert np.abs(rest.position_px - rig.to_px(PAPER_GEL.points_mm)).max() < 0.35
     assert detector.stats().n_references == 2
 
 
@@ -202,7 +202,10 @@ def test_a_gel_that_keeps_a_part_of_a_large_motion_is_at_rest(
     assert (left[-1] is not None) == at_rest
     assert left[2] is None
     if at_rest:
-        assert np.abs(left[-1].position_px - RIG.to_px(LATTICE_MM + push(left_mm))).max() < 0.5
+        assert (
+            np.abs(left[-1].position_px - RIG.to_px(PAPER_GEL.points_mm + push(left_mm))).max()
+            < 0.5
+        )
     assert show(detector, picture()) is not None
 
 
@@ -227,40 +230,40 @@ def test_a_known_rig_is_taken():
     detector = RestDetector(rig=rig)
     rest = show(detector, picture(rig=rig))
     assert rest is not None
-    assert np.abs(rest.position_px - rig.to_px(LATTICE_MM)).max() < 0.35
+    assert np.abs(rest.position_px - rig.to_px(PAPER_GEL.points_mm)).max() < 0.35
 
 
 def test_a_gel_with_missing_and_faint_dots_is_learnt():
     rng = np.random.default_rng(3)
     for light in (0.0, 0.15):
-        brightness = np.ones(len(LATTICE_MM))
-        brightness[rng.permutation(len(LATTICE_MM))[:46]] = light
+        brightness = np.ones(len(PAPER_GEL.points_mm))
+        brightness[rng.permutation(len(PAPER_GEL.points_mm))[:46]] = light
         detector = RestDetector()
         first, later = (show(detector, picture(brightness=brightness, seed=s)) for s in (0, 1))
         assert first is not None
         assert later is not None
-        assert np.abs(later.position_px - RIG.to_px(LATTICE_MM)).max() < 0.8
+        assert np.abs(later.position_px - RIG.to_px(PAPER_GEL.points_mm)).max() < 0.8
         assert show(detector, picture(push(0.6), brightness=brightness, seed=2)) is None
 
 
 @pytest.mark.parametrize("off_mm", [0.3, 0.6])
 def test_a_gel_that_is_painted_by_hand_is_learnt_and_a_touch_of_it_is_not(off_mm):
-    way = np.random.default_rng(5).uniform(-np.pi, np.pi, len(LATTICE_MM))
+    way = np.random.default_rng(5).uniform(-np.pi, np.pi, len(PAPER_GEL.points_mm))
     painted = off_mm * np.stack([np.cos(way), np.sin(way)], axis=1)
     detector = RestDetector()
     assert show(detector, picture(painted + push(1.5))) is None
     rest = show(detector, *(picture(painted, seed=s) for s in range(1, 35)))  # 1.3 s
     assert rest is not None
-    assert np.abs(rest.position_px - RIG.to_px(LATTICE_MM + painted)).max() < 0.35
+    assert np.abs(rest.position_px - RIG.to_px(PAPER_GEL.points_mm + painted)).max() < 0.35
     assert show(detector, picture(painted + push(0.5), seed=2)) is None
 
 
 @pytest.mark.parametrize("bend", [-0.2, 0.2])
 def test_a_lens_that_bends_by_a_fifth_is_no_hindrance(bend):
-    bent = bend * LATTICE_MM * ((LATTICE_MM**2).sum(axis=1) / 900.0)[:, None]
+    bent = bend * PAPER_GEL.points_mm * ((PAPER_GEL.points_mm**2).sum(axis=1) / 900.0)[:, None]
     rest = show(RestDetector(), picture(bent))
     assert rest is not None
-    assert np.abs(rest.position_px - RIG.to_px(LATTICE_MM + bent)).max() < 0.35
+    assert np.abs(rest.position_px - RIG.to_px(PAPER_GEL.points_mm + bent)).max() < 0.35
 
 
 @pytest.mark.parametrize("px_per_mm", [1.6, 3.6, 4.2])
@@ -268,7 +271,7 @@ def test_the_gel_may_be_small_in_the_picture_or_fill_it(px_per_mm):
     rig = Rig((172.0, 130.0), px_per_mm, 0.05)
     rest = show(RestDetector(), picture(rig=rig))
     assert rest is not None
-    assert np.abs(rest.position_px - rig.to_px(LATTICE_MM)).max() < 0.6
+    assert np.abs(rest.position_px - rig.to_px(PAPER_GEL.points_mm)).max() < 0.6
 
 
 @pytest.mark.parametrize("off_px", [130.0, 160.0, 185.0])
@@ -282,12 +285,12 @@ def test_of_four_turns_that_look_the_same_the_expected_one_is_taken(turned_deg):
     rig = replace(RIG, rotation_rad=np.radians(turned_deg))
     for expected_deg in (turned_deg - 30.0, turned_deg + 30.0):
         rest = show(RestDetector(near_rad=np.radians(expected_deg)), picture(rig=rig))
-        assert np.abs(rest.position_px - rig.to_px(LATTICE_MM)).max() < 0.35
+        assert np.abs(rest.position_px - rig.to_px(PAPER_GEL.points_mm)).max() < 0.35
 
 
 def test_dots_that_are_too_far_apart_for_any_gel_are_no_fault():
     grid = np.stack(np.meshgrid(np.arange(10.0), np.arange(7.0)), axis=-1).reshape(-1, 2)
-    assert find_lattice(20.0 + 33.0 * grid, LatticeConfig()) is None
+    assert LatticeFinder().find(20.0 + 33.0 * grid) is None
 
 
 def test_a_hand_that_lies_still_from_the_start_is_refused():
@@ -297,7 +300,9 @@ def test_a_hand_that_lies_still_from_the_start_is_refused():
 
 
 def test_odd_optics_are_accepted_once_the_gel_is_still():
-    swirl = 0.1 * np.sin(LATTICE_MM[:, ::-1] / 4.0)  # waves of 1 mm, which no smooth model contains
+    swirl = 0.1 * np.sin(
+        PAPER_GEL.points_mm[:, ::-1] / 4.0
+    )  # waves of 1 mm, which no smooth model contains
     detector = RestDetector()
     answers = [show(detector, picture(4.0 * swirl, seed=s)) for s in range(27)]
     assert answers[0] is None

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from neurotouch_hid.geometry import LATTICE_MM, Rig
+from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.tracker.kernels import rigid
 
-AT_PX = Rig((172.0, 130.0), 2.5).to_px(LATTICE_MM)
+AT_PX = Rig((172.0, 130.0), 2.5).to_px(PAPER_GEL.points_mm)
 REACH_PX = 80.0
 
 
@@ -17,7 +17,7 @@ REACH_PX = 80.0
 def test_touched_and_unseen_markers_do_not_count(seed):
     rng = np.random.default_rng(seed)
     moved = Rig(tuple(rng.uniform(100, 200, 2)), rng.uniform(2.2, 2.8), rng.uniform(-0.2, 0.2))
-    true_px = moved.to_px(LATTICE_MM)
+    true_px = moved.to_px(PAPER_GEL.points_mm)
     order = rng.permutation(len(AT_PX))
     now_px = true_px + rng.normal(0, 0.05, true_px.shape)
     now_px[order[:30]] += rng.uniform(-8, 8, (30, 2))

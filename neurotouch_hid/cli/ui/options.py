@@ -71,6 +71,19 @@ class MethodName(click.ParamType):  # type: ignore[type-arg]  # generic from cli
         return [CompletionItem(name) for name in _list_methods() if name.startswith(incomplete)]
 
 
+def complete_gel(
+    _context: click.Context, _parameter: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """Returns the names of gels that start with the typed letters, and files."""
+    from neurotouch_hid.players import find_user_file
+
+    suffix = ".gel.yaml"
+    folder = find_user_file().parent
+    names = ["paper", *(path.name.removesuffix(suffix) for path in folder.glob(f"*{suffix}"))]
+    found = [CompletionItem(name) for name in sorted(names) if name.startswith(incomplete)]
+    return [*found, CompletionItem(incomplete, type="file")]
+
+
 def _list_methods() -> tuple[str, ...]:
     from neurotouch_hid.plugins import METHODS, list_plugins
 
@@ -94,6 +107,13 @@ source_option = click.option(
     default="davis:",
     show_default=True,
     help="davis: (the camera), file:NAME.aedat4 (a recording) or sim:NAME (the simulator).",
+)
+gel_option = click.option(
+    "--gel",
+    metavar="FILE or NAME",
+    shell_complete=complete_gel,
+    show_default="the recording's, then yours, then the paper's",
+    help="The gel: a .yaml file, NAME for ~/.config/neurotouch/NAME.gel.yaml, or paper.",
 )
 speed_option = click.option(
     "--speed",

@@ -63,4 +63,4 @@ class Comparison:
         if markers.rest_px is not self._rest_px:
             self._rest_px = markers.rest_px
             known = np.isfinite(markers.rest_px).all(axis=1).sum() >= 2
-            self.rig = fit_rig(markers.rest_px) if known else None
+            self.rig = fit_rig(markers.rest_px, markers.gel) if known else None

@@ -139,5 +139,5 @@ def evaluate_file(path: Path, options: DriverOptions = REFERENCE) -> Played:
     comparison = Comparison(LabelTrack(labels))
     with Driver(replace(options, source=f"file:{path}")) as driver:
         comparison.tally.host_s = driver.run([comparison]).host_s
-    statistics = LabelStatistics.of(labels, comparison.rig)
+    statistics = LabelStatistics.of(labels, comparison.rig, driver.gel)
     return Played(comparison.tally, comparison.worst.ranked(), statistics)

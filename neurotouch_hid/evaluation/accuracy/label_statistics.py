@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import Rig
+from neurotouch_hid.geometry import PAPER_GEL, Gel, Rig
 from neurotouch_hid.messages import Truth
 
 
@@ -20,15 +20,19 @@ class LabelStatistics:
         speed_mm_s: (m,) float64, change of intensity between neighbouring labels over their
             distance in time; negative on release.
         contacts_mm: (k, 2) float64, all labelled contact points on the gel, x right, y down.
+        radius_mm: of the gel, the largest of several.
     """
 
     kinds: NDArray[np.intp]
     intensity_mm: NDArray[np.float64]
     speed_mm_s: NDArray[np.float64]
     contacts_mm: NDArray[np.float64]
+    radius_mm: float
 
     @classmethod
-    def of(cls, labels: Sequence[Truth], rig: Rig | None) -> "LabelStatistics":
+    def of(
+        cls, labels: Sequence[Truth], rig: Rig | None, gel: Gel = PAPER_GEL
+    ) -> "LabelStatistics":
         """Returns the columns of one recording.
 
         Without a rig there are no contact points: their places on the gel are unknown.
@@ -44,6 +48,7 @@ class LabelStatistics:
             intensity_mm,
             np.diff(intensity_mm) / seconds,
             contacts_px if rig is None else rig.to_mm(contacts_px),
+            gel.radius_mm,
         )
 
     @classmethod
@@ -54,4 +59,5 @@ class LabelStatistics:
             np.concatenate([part.intensity_mm for part in parts]),
             np.concatenate([part.speed_mm_s for part in parts]),
             np.concatenate([part.contacts_mm for part in parts]),
+            max(part.radius_mm for part in parts),
         )

@@ -7,13 +7,16 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import LATTICE_MM, N_MARKERS, PITCH_MM, Rig
+from neurotouch_hid.geometry import PAPER_GEL, Gel, Rig, place_square
 from neurotouch_hid.gesture.elastic.kernels.field import fill_responses, rim_window
 from neurotouch_hid.gesture.elastic.kernels.follow import CHECK_US, N_FITS, follow, locate_shown
 from neurotouch_hid.gesture.elastic.kernels.markers import measure_spread
 from neurotouch_hid.messages import GestureKind
 
 Floats = NDArray[np.float64]
+
+SITE_MM: Final = 4.0
+"""Distance of the sites where fingers are searched for."""
 
 MOST: Final = 3
 """Fingers of a gesture [NT, "Creation of the Gesture Detection Dataset"]."""
@@ -76,42 +79,45 @@ CONFIG: Final = np.dtype(
 )
 """``FingerConfig`` as a record for kernels."""
 
-FIT: Final = np.dtype(
-    [
-        ("count", "i8"),
-        ("ids", "i8", MOST),
-        ("trust", "f8", MOST),
-        ("shown", "i8", MOST),
-        ("landed", "f8", (MOST, 3)),
-        ("landed_us", "i8", MOST),
-        ("centres", "f8", (MOST, 2)),
-        ("radii", "f8", MOST),
-        ("motions", "f8", (MOST, 3)),
-        ("press", "f8", MOST),
-        ("offset_x_mm", "f8"),
-        ("offset_y_mm", "f8"),
-        ("offset_rad", "f8"),
-        ("residual", "f8", (N_MARKERS, 2)),
-        ("cost", "f8"),
-        ("largest_mm", "f8"),
-    ],
-    align=True,
-)
-"""Fingers that explain one field.
 
-- ``count``: their number.
-- ``ids``: names that stay with them.
-- ``trust``: how surely earlier slices know their centres, 1/mm².
-- ``shown``: 1 for a finger that is shown as a contact, else 0.
-- ``landed``, ``landed_us``: how each finger landed, see ``subtract_landing``.
-- ``centres``, ``radii``: of the contact patches on the gel at rest, mm.
-- ``motions``: drag x, drag y in mm, sine of the turn.
-- ``press``: mm.
-- ``offset_x_mm``, ``offset_y_mm``, ``offset_rad``: motion of the whole gel.
-- ``residual``: the part of each marker's motion that is not explained, mm.
-- ``cost``: its weighted sum of squares, mm²; infinite where no fit was possible.
-- ``largest_mm``: the largest motion of a finger.
-"""
+def _lay_out_fit(n: int) -> np.dtype[np.void]:
+    """Returns the dtype of fingers that explain one field of n markers.
+
+    - ``count``: their number.
+    - ``ids``: names that stay with them.
+    - ``trust``: how surely earlier slices know their centres, 1/mm².
+    - ``shown``: 1 for a finger that is shown as a contact, else 0.
+    - ``landed``, ``landed_us``: how each finger landed, see ``subtract_landing``.
+    - ``centres``, ``radii``: of the contact patches on the gel at rest, mm.
+    - ``motions``: drag x, drag y in mm, sine of the turn.
+    - ``press``: mm.
+    - ``offset_x_mm``, ``offset_y_mm``, ``offset_rad``: motion of the whole gel.
+    - ``residual``: the part of each marker's motion that is not explained, mm.
+    - ``cost``: its weighted sum of squares, mm²; infinite where no fit was possible.
+    - ``largest_mm``: the largest motion of a finger.
+    """
+    return np.dtype(
+        [
+            ("count", "i8"),
+            ("ids", "i8", MOST),
+            ("trust", "f8", MOST),
+            ("shown", "i8", MOST),
+            ("landed", "f8", (MOST, 3)),
+            ("landed_us", "i8", MOST),
+            ("centres", "f8", (MOST, 2)),
+            ("radii", "f8", MOST),
+            ("motions", "f8", (MOST, 3)),
+            ("press", "f8", MOST),
+            ("offset_x_mm", "f8"),
+            ("offset_y_mm", "f8"),
+            ("offset_rad", "f8"),
+            ("residual", "f8", (n, 2)),
+            ("cost", "f8"),
+            ("largest_mm", "f8"),
+        ],
+        align=True,
+    )
+
 
 SLICE: Final = np.dtype(
     [("noise_mm", "f8"), ("step_us", "i8"), ("forming", "?"), ("falling", "?")], align=True
@@ -134,42 +140,45 @@ MOTION: Final = np.dtype(
 )
 """``FingerMotion`` as a record for kernels."""
 
-FINGERS: Final = np.dtype(
-    [
-        ("slice", SLICE),
-        ("motion", MOTION),
-        ("next_id", "i8"),
-        ("n_checks", "i8"),
-        ("unchecked_us", "i8"),
-        ("unsearched_us", "i8"),
-        ("n_searches", "i8"),
-        ("n_asked", "i8"),
-        ("noise_mm", "f8"),
-        ("common_x_mm", "f8"),
-        ("common_y_mm", "f8"),
-        ("standing_x_mm", "f8"),
-        ("standing_y_mm", "f8"),
-        ("moved", "f8", (N_MARKERS, 2)),
-        ("weight", "f8", N_MARKERS),
-        ("since", "f8", (MOST, 3)),
-    ],
-    align=True,
-)
-"""What the kernels remember beside the fits.
 
-- ``slice``, ``motion``: arguments and result of ``follow``.
-- ``next_id``: the next free name of a finger.
-- ``n_checks``: how often the number of fingers was checked since there are some.
-- ``unchecked_us``, ``unsearched_us``: time since that, and since fingers were last searched for
-  from nothing.
-- ``n_searches``, ``n_asked``: how often they were searched for, and how often all sites were asked.
-- ``noise_mm``: error of a marker on one axis.
-- ``common_x_mm``, ``common_y_mm``: how far the whole gel had moved at the last search.
-- ``standing_x_mm``, ``standing_y_mm``: the recent mean place of the whole gel.
-- ``moved``: displacement of each marker, mm.
-- ``weight``: trust in each marker, 0..1.
-- ``since``: motions of the fingers since they landed, as ``motions`` in ``FIT``.
-"""
+def _lay_out_state(n: int) -> np.dtype[np.void]:
+    """Returns the dtype of what the kernels remember of n markers beside the fits.
+
+    - ``slice``, ``motion``: arguments and result of ``follow``.
+    - ``next_id``: the next free name of a finger.
+    - ``n_checks``: how often the number of fingers was checked since there are some.
+    - ``unchecked_us``, ``unsearched_us``: time since that, and since fingers were last searched
+      for from nothing.
+    - ``n_searches``, ``n_asked``: how often they were searched for, and how often all sites were
+      asked.
+    - ``noise_mm``: error of a marker on one axis.
+    - ``common_x_mm``, ``common_y_mm``: how far the whole gel had moved at the last search.
+    - ``standing_x_mm``, ``standing_y_mm``: the recent mean place of the whole gel.
+    - ``moved``: displacement of each marker, mm.
+    - ``weight``: trust in each marker, 0..1.
+    - ``since``: motions of the fingers since they landed, as ``motions`` of a fit.
+    """
+    return np.dtype(
+        [
+            ("slice", SLICE),
+            ("motion", MOTION),
+            ("next_id", "i8"),
+            ("n_checks", "i8"),
+            ("unchecked_us", "i8"),
+            ("unsearched_us", "i8"),
+            ("n_searches", "i8"),
+            ("n_asked", "i8"),
+            ("noise_mm", "f8"),
+            ("common_x_mm", "f8"),
+            ("common_y_mm", "f8"),
+            ("standing_x_mm", "f8"),
+            ("standing_y_mm", "f8"),
+            ("moved", "f8", (n, 2)),
+            ("weight", "f8", n),
+            ("since", "f8", (MOST, 3)),
+        ],
+        align=True,
+    )
 
 
 RIG: Final = np.dtype([("x_px", "f8"), ("y_px", "f8"), ("along", "f8"), ("across", "f8")])
@@ -226,23 +235,23 @@ class FingerTracker:
     """Follows up to three fingers from slice to slice.
 
     Attributes:
-        fits: (N_FITS,) ``FIT``; the fingers of the last slice are in ``NOW``.
-        state: (1,) ``FINGERS``.
+        fits: (N_FITS,), see ``_lay_out_fit``; the fingers of the last slice are in ``NOW``.
+        state: (1,), see ``_lay_out_state``.
         gel: (1,), the markers at rest, see ``_lay_out_gel``.
     """
 
-    def __init__(self, config: FingerConfig | None = None) -> None:
+    def __init__(self, config: FingerConfig | None = None, gel: Gel = PAPER_GEL) -> None:
         self.config = config or FingerConfig()
-        self.fits = np.zeros(N_FITS, FIT)
+        self.fits = np.zeros(N_FITS, _lay_out_fit(gel.n_markers))
         self._rules = np.array([astuple(self.config)], CONFIG)
-        self.state = np.zeros(1, FINGERS)
+        self.state = np.zeros(1, _lay_out_state(gel.n_markers))
         self._slice, self._motion = self.state["slice"], self.state["motion"]
-        sites = LATTICE_MM[np.hypot(*LATTICE_MM.T) <= self.config.reach_mm]
-        is_between = (sites % (2.0 * PITCH_MM)).any(axis=1)
-        self.gel = np.zeros(1, _lay_out_gel(len(sites)))
+        sites = place_square(SITE_MM, min(self.config.reach_mm, gel.radius_mm))
+        is_between = (sites % (2.0 * SITE_MM)).any(axis=1)
+        self.gel = np.zeros(1, _lay_out_gel(gel.n_markers, len(sites)))
         self.gel["sites"] = sites[np.argsort(is_between, kind="stable")]
         self.gel["n_coarse"] = np.count_nonzero(~is_between)
-        self._built: Floats = np.full(LATTICE_MM.shape, np.inf)
+        self._built: Floats = np.full(gel.points_mm.shape, np.inf)
         self._rest_px: NDArray[np.float32] | None = None
         self.reset()
 
@@ -263,7 +272,7 @@ class FingerTracker:
         """Takes new positions of the markers at rest.
 
         Args:
-            rest_px: (177, 2) float32 px.
+            rest_px: (n, 2) float32 px.
             rig: fitted to them.
         """
         gel = self.gel[0]
@@ -305,8 +314,8 @@ class FingerTracker:
         """Fits the fingers to the displacements of one slice.
 
         Args:
-            moved_px: (177, 2) float64 px, displacement of each marker.
-            use: (177,) bool, True for measured markers.
+            moved_px: (n, 2) float64 px, displacement of each marker.
+            use: (n,) bool, True for measured markers.
             noise_mm: error of a marker on one axis.
             step_us: time since the previous slice.
             forming: the gesture may still become another one; also search for fingers from nothing.
@@ -328,8 +337,8 @@ class FingerTracker:
         return Contacts(*locate_shown(self.fits, self.gel, self._rules, least))
 
 
-def _lay_out_gel(n_sites: int) -> np.dtype[np.void]:
-    """Returns the dtype of the gel at rest.
+def _lay_out_gel(n: int, n_sites: int) -> np.dtype[np.void]:
+    """Returns the dtype of a gel of n markers at rest.
 
     - ``rig``: where it is in the image.
     - ``points``, ``window``: the markers, mm, with ``rim_window`` there.
@@ -341,12 +350,12 @@ def _lay_out_gel(n_sites: int) -> np.dtype[np.void]:
     return np.dtype(
         [
             ("rig", RIG),
-            ("points", "f8", (2, N_MARKERS)),
-            ("window", "f8", N_MARKERS),
+            ("points", "f8", (2, n)),
+            ("window", "f8", n),
             ("sites", "f8", (n_sites, 2)),
             ("n_coarse", "i8"),
             ("inverse", "f8", (n_sites, 3, 3)),
-            ("atoms", "f4", (2 * N_MARKERS, 3 * n_sites)),
+            ("atoms", "f4", (2 * n, 3 * n_sites)),
         ],
         align=True,
     )

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import Rig
+from neurotouch_hid.geometry import Gel, Rig
 from neurotouch_hid.gesture.config import GestureConfig
 from neurotouch_hid.gesture.elastic.fingers import FingerConfig, FingerTracker
 from neurotouch_hid.gesture.elastic.kind_decider import KindDecider, KindDeciderConfig
@@ -23,9 +23,9 @@ RESTING_FINGERS = FingerConfig(still_share=0.2)
 class ElasticMethod:
     """Remembers the fingers and the gesture from slice to slice."""
 
-    def __init__(self, config: GestureConfig) -> None:
+    def __init__(self, config: GestureConfig, gel: Gel) -> None:
         is_resting = config.neutral == "resting"
-        self._fingers = FingerTracker(RESTING_FINGERS if is_resting else FingerConfig())
+        self._fingers = FingerTracker(RESTING_FINGERS if is_resting else FingerConfig(), gel)
         self._decision = KindDecider(RESTING_KIND if is_resting else KindDeciderConfig())
         self._rest_px: NDArray[np.float32] | None = None
         self._noise_mm = 0.08

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
         Profile,
         SafetyGesture,
         check_version,
+        make_schema,
         profile_schema,
     )
     from neurotouch_hid.profile.schema.shaping import Expo, Points, Power, Shaped
@@ -45,7 +46,8 @@ else:
             "keyboard_keys": "KEYS parse_chord",
             "layering": "merge_bindings",
             "movements": "MOVEMENTS MovementName",
-            "profile": "FIRST_LAYER Binding Profile SafetyGesture check_version profile_schema",
+            "profile": "FIRST_LAYER Binding Profile SafetyGesture check_version make_schema "
+            "profile_schema",
             "shaping": "Expo Points Power Shaped",
             "strict": "Strict give_unit make_optional",
             "targets": "KeyTarget MouseButtonTarget MouseMotionTarget MouseWheelTarget",
@@ -83,6 +85,7 @@ __all__ = [
     "choose_filter",
     "give_unit",
     "make_optional",
+    "make_schema",
     "merge_bindings",
     "parse_chord",
     "profile_schema",

@@ -1,9 +1,9 @@
 """Settings of a simulated set-up: gel, camera, pixels, light."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal, get_args
 
-from neurotouch_hid.geometry import NOMINAL_PX_PER_MM, Rig
+from neurotouch_hid.geometry import NOMINAL_PX_PER_MM, PAPER_GEL, Gel, Rig
 
 SHIPPED_RIG = Rig((172.5, 129.5), NOMINAL_PX_PER_MM)  # the middle of the sensor
 
@@ -13,7 +13,7 @@ ELASTICITIES: tuple[Elasticity, ...] = get_args(Elasticity)
 
 @dataclass(frozen=True, slots=True)
 class GelConfig:
-    """Settings of the gel's elasticity.
+    """Settings of the gel: its dots and its elasticity.
 
     Attributes:
         lag: share of the motion that follows late; silicone loses about a tenth of its work.
@@ -21,12 +21,14 @@ class GelConfig:
         elasticity: closed forms of a half space (``kernels``) or the solid dome of finite elements
             (``solid``); they share no code.
         residue: share of each marker's largest motion that stays until the next touch.
+        layout: its dots.
     """
 
     lag: float = 0.1
     lag_us: int = 120_000
     elasticity: Elasticity = "half-space"
     residue: float = 0.0
+    layout: Gel = PAPER_GEL
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,3 +122,13 @@ class SimulatorConfig:
     camera: CameraConfig = field(default_factory=CameraConfig)
     sensor: SensorConfig = field(default_factory=SensorConfig)
     light: LightConfig = field(default_factory=LightConfig)
+
+    def show(self, gel: Gel) -> "SimulatorConfig":
+        """Returns the same set-up with another gel; the paper's changes nothing."""
+        if gel is PAPER_GEL:
+            return self
+        return replace(
+            self,
+            gel=replace(self.gel, layout=gel),
+            camera=replace(self.camera, height_mm=gel.dome_height_mm),
+        )

@@ -1,5 +1,6 @@
 """Writes a set of labelled recordings like the paper's, which has not been published."""
 
+import hashlib
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
@@ -11,9 +12,16 @@ import numpy as np
 from neurotouch_hid import __version__
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.files.small_file import read_text
+from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.partial_file import write_whole
-from neurotouch_hid.recording import RecordingWriter, Simulation, labels_path, write_labels
+from neurotouch_hid.recording import (
+    RecordingWriter,
+    Simulation,
+    labels_path,
+    write_gel,
+    write_labels,
+)
 from neurotouch_hid.source.simulator.gel import Elasticity
 from neurotouch_hid.source.simulator.script import PRESS_US, Script, Stroke
 from neurotouch_hid.source.simulator.simulated_people import (
@@ -36,7 +44,10 @@ SLICE_US = 20_000
 
 @dataclass(frozen=True, slots=True)
 class Recipe:
-    """Parameters of one recording; equal recipes give equal recordings."""
+    """Parameters of one recording; equal recipes give equal recordings.
+
+    ``gel_file`` is the SHA-256 of the gel's file; empty for the gel of the paper.
+    """
 
     model: int
     seed: int
@@ -45,6 +56,7 @@ class Recipe:
     duration_us: int
     gel: Elasticity = "half-space"
     nuisances: Mapping[str, float] = field(default_factory=dict)
+    gel_file: str = ""
 
     @property
     def name(self) -> str:
@@ -53,10 +65,11 @@ class Recipe:
         return name if self.gel == "half-space" else f"{name}-{self.gel}"
 
     def describe(self) -> dict[str, Any]:
-        """Returns the parameters for the manifest, where nuisances are named only if there are."""
+        """Returns the parameters for the manifest, without what is empty."""
         described = asdict(self)
-        if not self.nuisances:
-            del described["nuisances"]
+        for key in ("nuisances", "gel_file"):
+            if not described[key]:
+                del described[key]
         return described
 
 
@@ -88,6 +101,8 @@ def write_dataset(
     nuisances: Mapping[str, float] | None = None,
     replace: bool = False,
     command: str = "",
+    gel: Gel = PAPER_GEL,
+    gel_file: bytes = b"",
 ) -> list[Path]:
     """Writes one recording per gel, user and gesture, with labels; finished ones are kept.
 
@@ -104,6 +119,9 @@ def write_dataset(
         nuisances: strength of each nuisance in every recording, by its name.
         replace: also overwrite recordings that were made from other recipes.
         command: the command line, which the recordings name.
+        gel: the dots.
+        gel_file: content of its file, which is copied beside each recording; empty for the gel of
+            the paper.
 
     Returns:
         The recordings, gels and users one after another.
@@ -113,7 +131,8 @@ def write_dataset(
             were made from other recipes.
     """
     folder = Path(out_dir)
-    recipes = plan_dataset(users, minutes, seed, gels, nuisances)
+    digest = hashlib.sha256(gel_file).hexdigest() if gel_file else ""
+    recipes = plan_dataset(users, minutes, seed, gels, nuisances, digest)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -129,7 +148,7 @@ def write_dataset(
         if not (is_there and finished.get(recipe.name) == recipe.describe()):
             if finished.pop(recipe.name, None) is not None:
                 _write_manifest(folder, finished)
-            for share in _record(recipe, path, command):
+            for share in _record(recipe, path, command, gel, gel_file):
                 progress(Progress(path, i, len(paths), share))
             finished[recipe.name] = recipe.describe()
             _write_manifest(folder, finished)
@@ -143,23 +162,24 @@ def plan_dataset(
     seed: int,
     gels: Sequence[Elasticity] = ("half-space",),
     nuisances: Mapping[str, float] | None = None,
+    gel_file: str = "",
 ) -> list[Recipe]:
     """Returns the recipes of a set, gels and users one after another."""
     duration_us = round(minutes * 60e6 / (len(gels) * users * len(KINDS)))
     return [
-        Recipe(MODEL, seed, user, kind.label, duration_us, gel, dict(nuisances or {}))
+        Recipe(MODEL, seed, user, kind.label, duration_us, gel, dict(nuisances or {}), gel_file)
         for gel in gels
         for user in range(users)
         for kind in KINDS
     ]
 
 
-def simulate_recipe(recipe: Recipe) -> Simulator:
-    """Returns the simulation of a recording."""
+def simulate_recipe(recipe: Recipe, gel: Gel = PAPER_GEL) -> Simulator:
+    """Returns the simulation of a recording with the dots of a gel."""
     kind = GestureKind[recipe.gesture.upper()]
     apart = 0 if recipe.gel == "half-space" else 500
     person, config = meet_person(1000 * recipe.seed + recipe.user + apart)
-    config = replace(config, gel=replace(config.gel, elasticity=recipe.gel))
+    config = replace(config, gel=replace(config.gel, elasticity=recipe.gel)).show(gel)
     rng = np.random.default_rng((recipe.seed, recipe.user + apart, kind))
     script = draw_script(recipe.name, kind, recipe.duration_us, person, rng)
     own_seed = int(rng.integers(1 << 31))
@@ -191,15 +211,15 @@ def draw_script(
     return Script(name, tuple(strokes), duration_us)
 
 
-def _record(recipe: Recipe, path: Path, command: str) -> Iterator[float]:
-    """Writes a recording and its labels, yielding the share done about once a simulated second."""
+def _record(recipe: Recipe, path: Path, command: str, gel: Gel, gel_file: bytes) -> Iterator[float]:
+    """Writes a recording, labels and gel; yields the share done, once a simulated second."""
     yield 0.0
     truths = []
     nuisances = (f"{name}={strength:g}" for name, strength in recipe.nuisances.items())
     source = ",".join([recipe.name, *nuisances])
     mark = Simulation(f"neurotouch-hid {__version__}", source, command, recipe.seed)
     with (
-        simulate_recipe(recipe) as simulator,
+        simulate_recipe(recipe, gel) as simulator,
         RecordingWriter(path, simulation=mark) as writer,
     ):
         for packet in simulator:
@@ -208,6 +228,7 @@ def _record(recipe: Recipe, path: Path, command: str) -> Iterator[float]:
             if packet.t_end_us % 1_000_000 == 0:
                 yield min(packet.t_end_us / recipe.duration_us, 0.999)
         write_labels(labels_path(path), truths)
+        write_gel(path, gel_file)
 
 
 def _refuse_others(

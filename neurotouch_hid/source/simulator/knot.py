@@ -1,34 +1,35 @@
 """The gel at one moment, as the simulation makes it and as the sensor sees it."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import LATTICE_MM, N_MARKERS
+from neurotouch_hid.geometry import Gel
 from neurotouch_hid.messages import GestureKind
 
 Pose = tuple[float, float, float]
 """How a gel has moved in its mount: right and down in mm, clockwise in rad."""
 
 
-def _ones() -> NDArray[np.float64]:
-    return np.ones(N_MARKERS)
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Dots:
-    """The markers as they were made; by default all alike, on the lattice.
+    """The markers as they were made.
 
     Attributes:
-        points_mm: (177, 2) float64, where each is on the undeformed gel.
-        brightness: (177,) float64, 0 is missing.
-        size: (177,) float64, diameters relative to the usual one.
+        points_mm: (n, 2) float64, where each is on the undeformed gel.
+        brightness: (n,) float64, 0 is missing.
+        size: (n,) float64, diameters relative to the usual one.
     """
 
-    points_mm: NDArray[np.float64] = field(default_factory=lambda: LATTICE_MM)
-    brightness: NDArray[np.float64] = field(default_factory=_ones)
-    size: NDArray[np.float64] = field(default_factory=_ones)
+    points_mm: NDArray[np.float64]
+    brightness: NDArray[np.float64]
+    size: NDArray[np.float64]
+
+
+def make_dots(gel: Gel) -> Dots:
+    """Returns markers that are all alike, in their places."""
+    return Dots(gel.points_mm, np.ones(gel.n_markers), np.ones(gel.n_markers))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,7 +37,7 @@ class Knot:
     """The gel at one of the equally spaced moments.
 
     Attributes:
-        outline: (177, 6) float64, see ``CameraModel.outline``.
+        outline: (n, 6) float64, see ``CameraModel.outline``.
         kind: of the stroke at work, NONE at rest.
         contacts_px: (k, 2) float64, place of the largest deformation of each finger.
         seen_mm: (k,) float64, how far that place has moved in the image since rest.

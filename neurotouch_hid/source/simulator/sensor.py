@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import Rig
+from neurotouch_hid.geometry import PAPER_GEL, Gel, Rig
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
 from neurotouch_hid.source.simulator.config import LightConfig, SensorConfig
 from neurotouch_hid.source.simulator.kernels.optics import (
@@ -38,11 +38,18 @@ LEAK_SPREAD = 0.23  # log units; v2e spreads the rate by 0.1 decades
 class Sensor:
     """Events and frames of one camera that looks at one gel."""
 
-    def __init__(self, config: SensorConfig, light: LightConfig, rig: Rig, seed: int) -> None:
+    def __init__(
+        self,
+        config: SensorConfig,
+        light: LightConfig,
+        rig: Rig,
+        seed: int,
+        gel: Gel = PAPER_GEL,
+    ) -> None:
         self._config, self._seed = config, seed
         rng = np.random.default_rng((seed, 1))
         n = SENSOR_WIDTH_PX * SENSOR_HEIGHT_PX
-        base, white = (image.ravel() for image in compute_light(light, rig))
+        base, white = (image.ravel() for image in compute_light(light, rig, gel))
         canvas = np.zeros(n, POINT_DTYPE)
         canvas["base"] = canvas["image"] = base
         canvas["light"] = white
@@ -55,7 +62,7 @@ class Sensor:
         self._start = rng.random(n)
         levels, gains = response_tables(config.cutoff_hz)
         counts = np.zeros(1, COUNTS_DTYPE)
-        profile, profile_scale = marker_profile(config.blur_px)
+        profile, profile_scale = marker_profile(config.blur_px, gel.dot_mm)
         self._chip = Chip(
             Picture(canvas, np.zeros(n, np.int32), profile, profile_scale, counts),
             pixels,

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.errors import SourceError
+from neurotouch_hid.geometry import PAPER_GEL
 from neurotouch_hid.messages import Frame
 from neurotouch_hid.source.simulator.config import SimulatorConfig
-from neurotouch_hid.source.simulator.knot import Dots, Knot, Pose
+from neurotouch_hid.source.simulator.knot import Dots, Knot, Pose, make_dots
 from neurotouch_hid.source.simulator.script import Play, Script, Stroke
 
 USUAL_US = 15_000_000
@@ -91,7 +92,7 @@ class Setup:
     script: Play
     config: SimulatorConfig
     seed: int
-    dots: Dots = field(default_factory=Dots)
+    dots: Dots = field(default_factory=lambda: make_dots(PAPER_GEL))
     mount: tuple[Mount, ...] = ()
     marks: tuple[Marks, ...] = ()
     lamps: tuple[Lamp, ...] = ()

@@ -11,6 +11,7 @@ from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, Truth
 from neurotouch_hid.source.simulator.clock import Clock
 from neurotouch_hid.source.simulator.config import SimulatorConfig
 from neurotouch_hid.source.simulator.gel import KNOT_US, GelMotion
+from neurotouch_hid.source.simulator.knot import make_dots
 from neurotouch_hid.source.simulator.nuisances import disturb
 from neurotouch_hid.source.simulator.optics import CameraModel
 from neurotouch_hid.source.simulator.script import Play
@@ -48,15 +49,17 @@ class Simulator(Closing):
         seed: int = 0,
         slice_us: int = 10_000,
     ) -> None:
-        setup = disturb(Setup(script, config or SimulatorConfig(), seed), nuisances or {})
+        config = config or SimulatorConfig()
+        gel = config.gel.layout
+        setup = disturb(Setup(script, config, seed, make_dots(gel)), nuisances or {})
         self.name = f"sim:{script.name}"
         self._script, self._slice_us, self._wires = setup.script, slice_us, setup.wires
         config = setup.config
         self._frame_us = config.sensor.frame_us, config.sensor.exposure_us
-        camera = CameraModel(config.camera)
+        camera = CameraModel(config.camera, gel)
         self._motion = GelMotion(setup.script, camera, config.gel, setup.dots, setup.mount)
         self._view = View(self._motion, setup)
-        self._sensor = Sensor(config.sensor, config.light, config.camera.rig, seed)
+        self._sensor = Sensor(config.sensor, config.light, config.camera.rig, seed, gel)
         self._sensor.settle(self._view.outline(-1), self._view.light(-1))
         self._clock = Clock(setup.clock)
         self._packets = self._run()

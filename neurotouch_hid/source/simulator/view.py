@@ -9,7 +9,7 @@ from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.source.simulator.gel import KNOT_US, GelMotion
 from neurotouch_hid.source.simulator.kernels.optics import Lamps
-from neurotouch_hid.source.simulator.optics import RING_MM
+from neurotouch_hid.source.simulator.optics import find_ring
 from neurotouch_hid.source.simulator.sensor import TICK_US, USUAL_LIGHT
 from neurotouch_hid.source.simulator.setup import Setup
 
@@ -27,7 +27,7 @@ class View:
 
     def __init__(self, motion: GelMotion, setup: Setup) -> None:
         self._motion, self._setup = motion, setup
-        self._reach = _find_reach(setup.config.camera.rig)
+        self._reach = _find_reach(setup.config.camera.rig, find_ring(setup.config.gel.layout))
         self._outlines: deque[tuple[int, NDArray[np.float64]]] = deque(maxlen=N_KNOTS)
         self._shades: deque[tuple[int, NDArray[np.float32]]] = deque(maxlen=N_KNOTS)
 
@@ -70,8 +70,8 @@ class View:
         return shade
 
 
-def _find_reach(rig: Rig) -> NDArray[np.float32]:
+def _find_reach(rig: Rig, ring_mm: float) -> NDArray[np.float32]:
     """Returns where light comes through: within the rim, 1, and 0 where the housing is."""
     y, x = np.mgrid[:SENSOR_HEIGHT_PX, :SENSOR_WIDTH_PX]
     far_mm = np.hypot(x - rig.centre_px[0], y - rig.centre_px[1]) / rig.px_per_mm
-    return np.asarray(np.clip(RING_MM - far_mm, 0.0, 1.0), np.float32).ravel()
+    return np.asarray(np.clip(ring_mm - far_mm, 0.0, 1.0), np.float32).ravel()

@@ -101,9 +101,9 @@ def find_collisions(
 ) -> None:
     """Sets in ``out``, of two neighbours at one place, the one farther from its expected place."""
     for i in range(len(position_px)):
-        for k in range(4, 8):  # each pair once
+        for k in range(8):
             j = neighbours[i, k]
-            if j < 0:
+            if j <= i:  # none, or a pair that was seen from its other side
                 continue
             dx = position_px[i, 0] - position_px[j, 0]
             dy = position_px[i, 1] - position_px[j, 1]

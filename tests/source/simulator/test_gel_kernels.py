@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from neurotouch_hid.geometry import LATTICE_MM, NEIGHBOURS
+from neurotouch_hid.geometry import PAPER_GEL
 from neurotouch_hid.source.simulator.kernels import gel as kernels
 from tests.reference import gel as reference
 
@@ -20,7 +20,7 @@ def move(points, centres, radii, motions, depths, neighbours=NO_NEIGHBOURS, mobi
     return out
 
 
-def drag(delta=5.0, at=(8.0, 0.0), a=7.0, points=LATTICE_MM):
+def drag(delta=5.0, at=(8.0, 0.0), a=7.0, points=PAPER_GEL.points_mm):
     return move(points, [at], [a], [(delta, 0, 0)], [0.0])[:, :2] - points
 
 
@@ -49,7 +49,7 @@ def test_deform_equals_its_twin(fingers):
     centres = [(9.0, 1.0), (-8.0, 5.0), (-2.0, -12.0)][: len(fingers)]
     radii = [6.5, 5.5, 7.0][: len(fingers)]
     motions, depths = [f[:3] for f in fingers], [f[3] for f in fingers]
-    points = LATTICE_MM[::9]
+    points = PAPER_GEL.points_mm[::9]
     found = move(points, centres, radii, motions, depths)
     assert np.allclose(found, reference.deform(points, centres, radii, motions, depths), atol=1e-9)
 
@@ -92,8 +92,8 @@ def test_twist_agrees_with_finite_elements():
 
 
 def test_press_hardly_moves_markers_sideways():
-    moved = move(LATTICE_MM, [(8.0, 0.0)], [7.0], [(0, 0, 0)], [4.0])
-    sideways = np.linalg.norm(moved[:, :2] - LATTICE_MM, axis=1)
+    moved = move(PAPER_GEL.points_mm, [(8.0, 0.0)], [7.0], [(0, 0, 0)], [4.0])
+    sideways = np.linalg.norm(moved[:, :2] - PAPER_GEL.points_mm, axis=1)
     assert 0.1 <= sideways.max() <= 0.4
     assert moved[:, 2].max() == pytest.approx(4.0, abs=0.4)
 
@@ -105,18 +105,20 @@ def nearest(points):
 
 @pytest.mark.parametrize("at", [(-9.0, 0.0), (-9.0, 4.0)])
 def test_markers_pile_up_and_never_merge(at):
-    mobility = (np.hypot(*(LATTICE_MM - at).T) > 7.0).astype(float)
+    mobility = (np.hypot(*(PAPER_GEL.points_mm - at).T) > 7.0).astype(float)
     drags = [(18.0, 0.0, 0.0)]
-    moved = move(LATTICE_MM, [at], [7.0], drags, [0.0], NEIGHBOURS, mobility)
+    moved = move(PAPER_GEL.points_mm, [at], [7.0], drags, [0.0], PAPER_GEL.neighbours, mobility)
     assert 1.0 < nearest(moved[:, :2]) < 2.5
 
 
 def test_resist_squeeze_equals_its_twin():
     rng = np.random.default_rng(5)
     mobility = rng.uniform(0, 1, 177) * (rng.random(177) < 0.7)
-    moved = np.column_stack([0.5 * LATTICE_MM + rng.normal(0, 0.5, (177, 2)), np.zeros(177)])
-    expected = reference.resist_squeeze(LATTICE_MM, NEIGHBOURS, mobility, moved)
-    kernels.resist_squeeze(LATTICE_MM, NEIGHBOURS, mobility, moved)
+    moved = np.column_stack(
+        [0.5 * PAPER_GEL.points_mm + rng.normal(0, 0.5, (177, 2)), np.zeros(177)]
+    )
+    expected = reference.resist_squeeze(PAPER_GEL.points_mm, PAPER_GEL.neighbours, mobility, moved)
+    kernels.resist_squeeze(PAPER_GEL.points_mm, PAPER_GEL.neighbours, mobility, moved)
     assert np.allclose(moved, expected, atol=1e-6)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.errors import SourceError
-from neurotouch_hid.geometry import LATTICE_MM
+from neurotouch_hid.geometry import PAPER_GEL
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.source.simulator import (
     SensorConfig,
@@ -126,9 +126,9 @@ def test_missing_and_faint_dots_are_as_many_as_said():
 
 
 def test_painted_dots_are_off_by_as_many_mm_and_a_dome_crowds_them_at_its_rim():
-    off = set_up(painted=0.3).dots.points_mm - LATTICE_MM
+    off = set_up(painted=0.3).dots.points_mm - PAPER_GEL.points_mm
     assert np.hypot(*off.T) == pytest.approx(0.3)
-    far, usual = np.hypot(*set_up(dome=100.0).dots.points_mm.T), np.hypot(*LATTICE_MM.T)
+    far, usual = np.hypot(*set_up(dome=100.0).dots.points_mm.T), np.hypot(*PAPER_GEL.points_mm.T)
     share = far[usual > 0] / usual[usual > 0]
     assert share.min() == pytest.approx(share[usual[usual > 0].argmax()])
     assert 0.85 < share.min() < 0.93
@@ -170,14 +170,15 @@ def test_a_lens_moves_the_rim_by_its_strength():
     usual, barrel = (s.truth(0).markers_px for s in (simulate(), simulate(lens=-20.0)))
     centre = np.array(SimulatorConfig().camera.rig.centre_px)
     shares = np.hypot(*(barrel - centre).T) / np.maximum(np.hypot(*(usual - centre).T), 1e-9)
-    rim = np.hypot(*LATTICE_MM.T).argmax()
+    rim = np.hypot(*PAPER_GEL.points_mm.T).argmax()
     assert shares[rim] == pytest.approx(0.8, abs=0.06)
 
 
 def test_a_tilted_camera_sees_one_side_larger():
     points = simulate(tilt=10.0).truth(0).markers_px
     right, left = (
-        points[(place == LATTICE_MM).all(axis=1)][0] for place in ([24.0, 0.0], [-24.0, 0.0])
+        points[(place == PAPER_GEL.points_mm).all(axis=1)][0]
+        for place in ([24.0, 0.0], [-24.0, 0.0])
     )
     middle = points[88]
     ratio = (right[0] - middle[0]) / (middle[0] - left[0])

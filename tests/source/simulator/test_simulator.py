@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from neurotouch_hid.geometry import LATTICE_MM, Rig
+from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.source.simulator import (
     Finger,
@@ -164,7 +164,7 @@ def test_the_rest_frame_shows_177_dots_on_the_lattice_and_spots_outside():
     packets, simulator = play(sequence("rest", rest_us=60_000), config)
     pixels = packets[1].frames[0].pixels.astype(float)
     markers = simulator.truth(0).markers_px
-    plain = config.camera.rig.to_px(LATTICE_MM)
+    plain = config.camera.rig.to_px(PAPER_GEL.points_mm)
     # Perspective and lens move markers off the similarity, but never by a third of the pitch.
     assert 0.5 < np.linalg.norm(markers - plain, axis=1).max() < 5.0
     for x, y in markers:
@@ -225,7 +225,7 @@ def test_intensity_is_how_far_the_fingers_middles_go_and_contacts_lie_further_ou
     now = SimulatorConfig().camera.rig.to_mm(held.contacts_px)
     middles = []
     for finger, contact in zip(stroke.fingers, now, strict=True):
-        middle = np.hypot(*(LATTICE_MM - finger.contact_mm).T).argmin()
+        middle = np.hypot(*(PAPER_GEL.points_mm - finger.contact_mm).T).argmin()
         middles.append(moved[middle])
         assert np.hypot(*contact) > np.hypot(*finger.contact_mm) + 1.0
     assert held.intensity_mm == pytest.approx(np.mean(middles), rel=0.1)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neurotouch_hid.geometry import LATTICE_MM
+from neurotouch_hid.geometry import PAPER_GEL
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.source.simulator import GelConfig, SimulatorConfig, push, sequence
 from neurotouch_hid.source.simulator.gel import GelMotion, solid
@@ -80,7 +80,7 @@ def test_a_press_goes_down_and_hardly_aside():
 
 
 def test_the_longest_push_folds_nothing():
-    moved = LATTICE_MM + move(LATTICE_MM, (-18, 0, 0), 1.5, radius=6.5)[:, :2]
+    moved = PAPER_GEL.points_mm + move(PAPER_GEL.points_mm, (-18, 0, 0), 1.5, radius=6.5)[:, :2]
     apart = np.hypot(*(moved[:, None] - moved).T) + 99 * np.eye(len(moved))
     assert apart.min() > 0.6
 

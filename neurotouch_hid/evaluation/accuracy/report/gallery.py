@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from neurotouch_hid.evaluation.accuracy.files import Evaluation
 from neurotouch_hid.evaluation.accuracy.moments import N_WORST, WorstMoment
 from neurotouch_hid.evaluation.accuracy.report.style import BLUE, GRID, INK, MUTED, VERMILION
-from neurotouch_hid.geometry import GEL_RADIUS_MM
 from neurotouch_hid.messages import Gesture, Truth
 
-_REACH_MM = 1.15 * GEL_RADIUS_MM  # half of the picture's side
+_REACH = 1.15  # half of the picture's side, in radii of the gel
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +53,8 @@ def draw_failure(failure: Failure) -> Figure:
     _draw_markers(axes, moment)
     _draw_contacts(axes, moment.truth.contacts_px, "o", BLUE, 19)
     _draw_contacts(axes, moment.gesture.contacts_px, "x", VERMILION, 11)
-    (x, y), reach = moment.rig.centre_px, _REACH_MM * moment.rig.px_per_mm
+    (x, y), radius_mm = moment.rig.centre_px, moment.markers.gel.radius_mm
+    reach = _REACH * radius_mm * moment.rig.px_per_mm
     axes.set_xlim(x - reach, x + reach)
     axes.set_ylim(y + reach, y - reach)
     axes.set_aspect("equal")
@@ -69,7 +69,8 @@ def draw_failure(failure: Failure) -> Figure:
 
 def _draw_markers(axes: Axes, moment: WorstMoment) -> None:
     markers, rig = moment.markers, moment.rig
-    contour = Circle(rig.centre_px, GEL_RADIUS_MM * rig.px_per_mm, fill=False, color=GRID, lw=1.5)
+    radius_px = markers.gel.radius_mm * rig.px_per_mm
+    contour = Circle(rig.centre_px, radius_px, fill=False, color=GRID, lw=1.5)
     axes.add_patch(contour)
     moved = markers.position_px - markers.rest_px
     axes.quiver(

@@ -17,7 +17,6 @@ from neurotouch_hid.evaluation.accuracy.published_figures import (
 )
 from neurotouch_hid.evaluation.accuracy.report.style import BLUE, INK, MUTED, add_grid, add_legend
 from neurotouch_hid.evaluation.accuracy.tally import BIN_MM
-from neurotouch_hid.geometry import GEL_RADIUS_MM
 from neurotouch_hid.messages import GestureKind
 
 _NAMES = [kind.label.replace("_", " ") for kind in GestureKind]
@@ -53,12 +52,12 @@ def draw_contacts(labels: LabelStatistics) -> Figure:
     """Draws the contact points on the gel [NT, figure of the contact points]."""
     figure = Figure(figsize=(5.6, 5.2))
     axes = figure.subplots()
-    reach = GEL_RADIUS_MM + 2
+    reach = labels.radius_mm + 2
     image = axes.hexbin(
         *labels.contacts_mm.T, gridsize=32, extent=(-reach, reach, -reach, reach), mincnt=1,
         cmap=LinearSegmentedColormap.from_list("", [to_rgba(BLUE, 0.2), to_rgba(BLUE)]), lw=0,
     )  # fmt: skip
-    axes.add_patch(Circle((0, 0), GEL_RADIUS_MM, fill=False, color=INK, lw=1.5))
+    axes.add_patch(Circle((0, 0), labels.radius_mm, fill=False, color=INK, lw=1.5))
     axes.set_xlim(-reach, reach)
     axes.set_ylim(reach, -reach)
     axes.set_aspect("equal")

@@ -276,9 +276,9 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
 
     Args:
         gel: record of ``FingerTracker.gel``.
-        fit: record of ``FIT``, updated. Its cost is infinite if the fingers cannot be
+        fit: record of a fit, updated. Its cost is infinite if the fingers cannot be
             separated; nothing else in it then has a meaning.
-        fingers: record of ``FINGERS``; ``moved``, ``weight`` and ``noise_mm`` are read.
+        fingers: record of the state; ``moved``, ``weight`` and ``noise_mm`` are read.
         rules: record of ``CONFIG``; ``radius_mm`` and ``model_error`` are read.
         trust: (k or more,) float64 1/mm², how surely earlier slices know the centres.
         n_steps: of Gauss-Newton; 0 keeps centres and radii.

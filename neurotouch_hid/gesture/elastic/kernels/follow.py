@@ -1,7 +1,7 @@
 """Compiled rules that keep, add and remove fingers, and search for new ones.
 
-Fingers that explain a field are records of ``FIT``, in a few places of one array. ``NOW`` contains
-the fingers of the last slice.
+Fingers that explain a field are records in a few places of one array, see ``FingerTracker.fits``.
+``NOW`` contains the fingers of the last slice.
 """
 
 import math
@@ -57,12 +57,12 @@ def follow(
     """Fits the fingers to the displacements of one slice.
 
     Args:
-        state: (1,) ``FINGERS``; ``slice`` is read, all else is updated.
-        fits: (N_FITS,) ``FIT``, updated; the fingers of the slice are in ``NOW``.
+        state: (1,), see ``FingerTracker.state``; ``slice`` is read, all else is updated.
+        fits: (N_FITS,), updated; the fingers of the slice are in ``NOW``.
         gel: (1,), see ``FingerTracker.gel``.
         config: (1,) ``CONFIG``.
-        moved_px: (177, 2) float64 px, displacement of each marker.
-        use: (177,) bool, True for measured markers.
+        moved_px: (n, 2) float64 px, displacement of each marker.
+        use: (n,) bool, True for measured markers.
     """
     fingers, rules = state[0], config[0]
     motion, step_us = fingers.motion, fingers.slice.step_us
@@ -132,7 +132,7 @@ def locate_shown(
     """Returns the contacts of the fingers in ``NOW``, of which there is at least one.
 
     Args:
-        fits: (N_FITS,) ``FIT``; ``shown`` is updated.
+        fits: (N_FITS,); ``shown`` is updated.
         gel: (1,), see ``FingerTracker.gel``.
         config: (1,) ``CONFIG``.
         least: the least number of contacts, if there are as many fingers.

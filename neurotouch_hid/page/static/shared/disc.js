@@ -1,6 +1,6 @@
 // Draws the gel from above: markers and their motion, contacts and their uncertainty.
 
-import { colour, LATTICE, prepareCanvas } from "./wire.js";
+import { colour, prepareCanvas } from "./wire.js";
 
 const ARROW = 3; // arrows are three times as long as the motion
 const RADIUS_MM = 33;
@@ -18,18 +18,19 @@ export function drawDisc(canvas, state, { arrows = true } = {}) {
   drawDome(context);
   if (!state) return;
   const { moved, valid } = state;
+  const places = findPlaces(state);
   if (arrows) {
     context.lineWidth = 0.45;
     context.strokeStyle = colour("arrow");
     context.beginPath();
-    LATTICE.forEach(([x, y], i) => {
+    places.forEach(([x, y], i) => {
       const [dx, dy] = [moved[2 * i] / 100, moved[2 * i + 1] / 100];
       if (Math.hypot(dx, dy) < 0.25) return;
       drawArrow(context, x, y, x + ARROW * dx, y + ARROW * dy);
     });
     context.stroke();
   }
-  LATTICE.forEach(([x, y], i) => {
+  places.forEach(([x, y], i) => {
     const [dx, dy] = [moved[2 * i] / 100, moved[2 * i + 1] / 100];
     context.beginPath();
     context.arc(x + dx, y + dy, valid[i] ? 0.62 : 0.5, 0, 2 * Math.PI);
@@ -42,8 +43,14 @@ export function drawDisc(canvas, state, { arrows = true } = {}) {
       context.stroke();
     }
   });
-  drawMissing(context, state.gel.missing);
+  drawMissing(context, state.gel.missing.map((i) => places[i]));
   for (const [x, y] of state.gesture.contacts) drawContact(context, x, y);
+}
+
+// Where each marker is on the gel at rest, in mm.
+function findPlaces({ places }) {
+  return Array.from({ length: places.length / 2 }, (_, i) => [places[2 * i] / 100,
+    places[2 * i + 1] / 100]);
 }
 
 // A cross where the camera sees no dot.
@@ -51,7 +58,7 @@ function drawMissing(context, missing) {
   context.lineWidth = 0.5;
   context.strokeStyle = colour("contact");
   context.beginPath();
-  for (const [x, y] of missing.map((i) => LATTICE[i])) {
+  for (const [x, y] of missing) {
     context.moveTo(x - 1.1, y - 1.1);
     context.lineTo(x + 1.1, y + 1.1);
     context.moveTo(x - 1.1, y + 1.1);

@@ -2,7 +2,7 @@
 
 const KEY = "neurotouch-token";
 const AGAIN_MS = 1000;
-const N_MARKERS = 177;
+const MOST_MARKERS = 400;
 const decoder = new TextDecoder();
 
 // The token arrives in the fragment, which browsers send to no server and in no referrer. It moves
@@ -17,20 +17,16 @@ function takeToken() {
   return sessionStorage.getItem(KEY) || "";
 }
 
-// Positions of all markers at rest, rows from the top, as the program counts them.
-export const LATTICE = [];
-for (let y = -7; y <= 7; y++) {
-  for (let x = -7; x <= 7; x++) {
-    if (16 * (x * x + y * y) <= 900) LATTICE.push([4 * x, 4 * y]);
-  }
-}
-
+// Returns a state with its markers, in 0.01 mm; null if the driver is of another version.
 function readState(buffer) {
-  const length = new DataView(buffer).getUint32(0, true);
-  const state = JSON.parse(decoder.decode(new Uint8Array(buffer, 4, length)));
-  const begin = 4 + length;
-  state.moved = new Int16Array(buffer.slice(begin, begin + 4 * N_MARKERS)); // 0.01 mm
-  state.valid = new Uint8Array(buffer, begin + 4 * N_MARKERS, N_MARKERS);
+  const view = new DataView(buffer);
+  const [length, n] = [view.getUint32(0, true), view.getUint32(4, true)];
+  const begin = 8 + length;
+  if (n < 1 || n > MOST_MARKERS || buffer.byteLength !== begin + 9 * n) return null;
+  const state = JSON.parse(decoder.decode(new Uint8Array(buffer, 8, length)));
+  state.places = new Int16Array(buffer.slice(begin, begin + 4 * n));
+  state.moved = new Int16Array(buffer.slice(begin + 4 * n, begin + 8 * n));
+  state.valid = new Uint8Array(buffer, begin + 8 * n, n);
   return state;
 }
 
@@ -52,7 +48,11 @@ export function connect(hz, listeners) {
     socket.binaryType = "arraybuffer";
     socket.onopen = () => socket.send(JSON.stringify({ token, hz }));
     socket.onmessage = ({ data }) => {
-      if (typeof data !== "string") return call("state", readState(data));
+      if (typeof data !== "string") {
+        const state = readState(data);
+        if (state) return call("state", state);
+        return call("lost", "The driver is of another version than this page: start it again.");
+      }
       const message = JSON.parse(data);
       for (const [name, value] of Object.entries(message)) call(name, value, message);
     };

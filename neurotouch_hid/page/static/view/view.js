@@ -138,7 +138,8 @@ function showTitles(state) {
   const atRest = state.gesture.kind === "none";
   const hand = about && about.resting ? "hand resting" : "no hand";
   say("gel-words", describeGel(state.gel));
-  say("rest", !state.gel.found || slow.tracked < 40 ? "no gel" : atRest ? `neutral, ${hand}` : state.gesture.phase);
+  const isSeen = state.gel.found && slow.tracked >= state.gel.markers / 4;
+  say("rest", !isSeen ? "no gel" : atRest ? `neutral, ${hand}` : state.gesture.phase);
 }
 
 function describeGel({ found, text, missing, named, px_per_mm }) {
@@ -167,7 +168,7 @@ function showActions({ actions }) {
 }
 
 let slowest = "";
-function showSlow({ slow }) {
+function showSlow({ slow, gel }) {
   const key = JSON.stringify(slow);
   if (key === slowest) return;
   slowest = key;
@@ -193,7 +194,7 @@ function showSlow({ slow }) {
   const facts = {
     "events": `${slow.events_hz.toLocaleString("en")} per second`,
     "events lost": slow.lost.toLocaleString("en"),
-    "markers tracked": `${slow.tracked} of 177`,
+    "markers tracked": `${slow.tracked} of ${gel.markers}`,
     "since the last rest": slow.rezero_s === null ? "not seen yet" : `${slow.rezero_s} s`,
     "backlog": `${slow.backlog_ms} ms`,
     "frames": `${slow.frames_hz} per second`,
@@ -208,7 +209,7 @@ function showSlow({ slow }) {
   find("health").replaceChildren(...Object.entries(facts).flatMap(([name, fact]) =>
     [element("dt", { text: name }), element("dd", { text: fact })]));
   find("disc").setAttribute("aria-label",
-    `The gel from above: ${slow.tracked} of 177 markers tracked`);
+    `The gel from above: ${slow.tracked} of ${gel.markers} markers tracked`);
 }
 
 // The same marks for people who do not drag: a list, minus and plus.

@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import GEL_RADIUS_MM, N_MARKERS, NEIGHBOURS
+from neurotouch_hid.geometry import Gel
 from neurotouch_hid.messages import GestureKind, Truth
 from neurotouch_hid.source.simulator.config import GelConfig
 from neurotouch_hid.source.simulator.gel import solid
 from neurotouch_hid.source.simulator.kernels import gel as kernels
-from neurotouch_hid.source.simulator.knot import Dots, Knot, Pose
+from neurotouch_hid.source.simulator.knot import Dots, Knot, Pose, make_dots
 from neurotouch_hid.source.simulator.optics import CameraModel
 from neurotouch_hid.source.simulator.script import Grasp, Play
 
@@ -40,7 +40,8 @@ class GelMotion:
         mount: Sequence[Callable[[int], Pose]] = (),
     ) -> None:
         self._script, self._camera, self._gel, self._mount = script, camera, gel, mount
-        self._dots = dots or Dots()
+        self._dots = dots or make_dots(gel.layout)
+        self._n = gel.layout.n_markers
         self.untouched = self._lie(self._dots.points_mm)
         self._restart()
 
@@ -83,7 +84,7 @@ class GelMotion:
         self._history: deque[Knot] = deque(maxlen=N_HISTORY)
         self._next = 0
         self._grip: _Grip | None = None
-        self._residue = Residue(self._gel.residue)
+        self._residue = Residue(self._gel.residue, self._n)
         self._rest = self.untouched
 
     def _compute(self, index: int) -> Knot:
@@ -96,21 +97,21 @@ class GelMotion:
             return self._place(self._rest, at_us)
         grasp, t_us = found
         if self._grip is None or self._grip.grasp is not grasp:
-            self._grip = _Grip(grasp, self._camera, self._dots.points_mm)
+            self._grip = _Grip(grasp, self._camera, self._dots.points_mm, self._gel.layout)
         moved = self._grip.move(t_us, self._gel)
         if self._gel.residue:
-            markers = moved[:N_MARKERS, :2]
+            markers = moved[: self._n, :2]
             markers += self._residue.add(markers - self._dots.points_mm)
-        probes = self._camera.project(moved[N_MARKERS:])
+        probes = self._camera.project(moved[self._n :])
         contacts, seen_px, moved_px = self._grip.summarise(probes)
         scale = self._camera.rig.px_per_mm
-        outline = self._draw(moved[:N_MARKERS])
+        outline = self._draw(moved[: self._n])
         knot = Knot(outline, grasp.kind, contacts, seen_px / scale, moved_px / scale)
         return self._place(knot, at_us)
 
     def _lie(self, points_mm: NDArray[np.float64]) -> Knot:
-        """Returns the gel with no finger on it and its markers at (177, 2) mm."""
-        outline = self._draw(np.column_stack([points_mm, np.zeros(N_MARKERS)]))
+        """Returns the gel with no finger on it and its markers at (n, 2) mm."""
+        outline = self._draw(np.column_stack([points_mm, np.zeros(self._n)]))
         return Knot(outline, GestureKind.NONE, np.empty((0, 2)), np.empty(0), np.empty(0))
 
     def _draw(self, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -143,15 +144,16 @@ class Residue:
 
     Args:
         share: of the largest motion.
+        n: number of markers.
     """
 
-    def __init__(self, share: float) -> None:
+    def __init__(self, share: float, n: int) -> None:
         self._share = share
-        self._kept = np.zeros((N_MARKERS, 2))
-        self._largest = np.zeros((N_MARKERS, 2))
+        self._kept = np.zeros((n, 2))
+        self._largest = np.zeros((n, 2))
 
     def add(self, motion: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Returns what comes on top of an elastic motion, (177, 2) mm each, one knot later."""
+        """Returns what comes on top of an elastic motion, (n, 2) mm each, one knot later."""
         size, before = np.hypot(*motion.T), np.hypot(*self._largest.T)
         self._largest = np.where((size > before)[:, None], motion, self._largest)
         self._kept *= 1.0 - KNOT_US / UNDONE_US
@@ -160,26 +162,28 @@ class Residue:
         return self._kept + more
 
     def lift(self) -> NDArray[np.float64]:
-        """Returns what stays when the last finger has left, (177, 2) mm."""
+        """Returns what stays when the last finger has left, (n, 2) mm."""
         self._kept = self._kept + self._share * self._largest
-        self._largest = np.zeros((N_MARKERS, 2))
+        self._largest = np.zeros_like(self._kept)
         return self._kept.copy()
 
 
 class _Grip:
     """The fingers of one grasp on the gel, from the moment they touch."""
 
-    def __init__(self, grasp: Grasp, camera: CameraModel, points_mm: NDArray[np.float64]) -> None:
-        self.grasp = grasp
+    def __init__(
+        self, grasp: Grasp, camera: CameraModel, points_mm: NDArray[np.float64], gel: Gel
+    ) -> None:
+        self.grasp, self._neighbours = grasp, gel.neighbours
         fingers = grasp.fingers
         self._labelled = np.array([finger.labelled for finger in fingers])
         probes = [_probes(finger.contact_mm, finger.radius_mm) for finger in fingers]
         self._points = np.concatenate([points_mm, *probes])
         self._centres = np.array([finger.contact_mm for finger in fingers])
         self._radii = np.array([finger.radius_mm for finger in fingers])
-        self._mobility = _mobility(grasp, points_mm)
+        self._mobility = _mobility(grasp, points_mm, gel.radius_mm)
         self._late = np.column_stack([self._points, np.zeros(len(self._points))])
-        self._rest_px = camera.project(self._late[N_MARKERS:])
+        self._rest_px = camera.project(self._late[len(points_mm) :])
 
     def move(self, t_us: int, gel: GelConfig) -> NDArray[np.float64]:
         """Returns markers, then probes, (n, 3) mm, one knot after the last call."""
@@ -190,7 +194,7 @@ class _Grip:
             moved = solid.deform(*given)
         else:
             moved = np.empty_like(self._late)
-            kernels.move_points(*given, NEIGHBOURS, self._mobility, moved)
+            kernels.move_points(*given, self._neighbours, self._mobility, moved)
         self._late += (moved - self._late) * (1.0 - math.exp(-KNOT_US / gel.lag_us))
         moved += gel.lag * (self._late - moved)
         return moved
@@ -212,11 +216,11 @@ class _Grip:
         return contacts[chosen], (weights * far).sum(axis=1)[chosen], far[chosen, 0]
 
 
-def _mobility(grasp: Grasp, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Returns how freely each marker moves, (177,) float64: 0 under a finger, low at the rim."""
-    mobility: NDArray[np.float64] = np.maximum(
-        1.0 - (np.hypot(*points_mm.T) / GEL_RADIUS_MM) ** 2, 0.0
-    )
+def _mobility(
+    grasp: Grasp, points_mm: NDArray[np.float64], radius_mm: float
+) -> NDArray[np.float64]:
+    """Returns how freely each marker moves, (n,) float64: 0 under a finger, low at the rim."""
+    mobility: NDArray[np.float64] = np.maximum(1.0 - (np.hypot(*points_mm.T) / radius_mm) ** 2, 0.0)
     for finger in grasp.fingers:
         away = np.hypot(*(points_mm - finger.contact_mm).T)
         mobility[away <= finger.radius_mm] = 0.0

@@ -14,10 +14,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import GEL_RADIUS_MM
+from neurotouch_hid.geometry import PAPER_GEL
 
 Floats = NDArray[np.float64]
 
+RADIUS_MM = PAPER_GEL.radius_mm
 CELL_MM = 3.0  # side of a brick; a fingertip covers about fifteen
 N_SIDE = 23  # nodes from rim to rim and one beyond, so that a point always has four to each side
 LAYERS = (0.0, 0.3, 0.57, 0.8, 1.0)  # shares of the height; thin ones where the fingers are
@@ -154,7 +155,7 @@ def _plan() -> tuple[Floats, NDArray[np.intp], NDArray[np.intp]]:
     half = N_SIDE // 2
     ticks = CELL_MM * (np.arange(N_SIDE) - half)
     middle = ticks[:-1] + 0.5 * CELL_MM
-    rows, columns = np.nonzero(np.hypot(middle[:, None], middle) <= GEL_RADIUS_MM + 0.2 * CELL_MM)
+    rows, columns = np.nonzero(np.hypot(middle[:, None], middle) <= RADIUS_MM + 0.2 * CELL_MM)
     corners = np.stack([rows, rows, rows + 1, rows + 1], axis=1)
     across = np.stack([columns, columns + 1, columns + 1, columns], axis=1)
     used, cells = np.unique(corners * N_SIDE + across, return_inverse=True)
@@ -166,8 +167,8 @@ def _plan() -> tuple[Floats, NDArray[np.intp], NDArray[np.intp]]:
 
 def _height(r: Floats) -> Floats:
     """Returns the height of the dome in mm: a spherical cap on a flat ring."""
-    sphere = (GEL_RADIUS_MM**2 + RISE_MM**2) / (2.0 * RISE_MM)
-    cap = np.sqrt(sphere**2 - np.minimum(r, GEL_RADIUS_MM) ** 2) - (sphere - RISE_MM)
+    sphere = (RADIUS_MM**2 + RISE_MM**2) / (2.0 * RISE_MM)
+    cap = np.sqrt(sphere**2 - np.minimum(r, RADIUS_MM) ** 2) - (sphere - RISE_MM)
     height: Floats = RIM_MM + cap
     return height
 

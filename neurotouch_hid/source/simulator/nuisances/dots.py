@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from neurotouch_hid.geometry import N_MARKERS
 from neurotouch_hid.source.simulator.setup import Setup
 
 FAINT = 0.2  # brightness of a faint dot
@@ -27,7 +26,7 @@ def faint(setup: Setup, percent: float) -> Setup:
 
 def painted(setup: Setup, mm: float) -> Setup:
     """Puts each dot ``mm`` mm beside its place, in a random direction."""
-    way = setup.random("painted").uniform(-math.pi, math.pi, N_MARKERS)
+    way = setup.random("painted").uniform(-math.pi, math.pi, len(setup.dots.size))
     points = setup.dots.points_mm + mm * np.column_stack([np.cos(way), np.sin(way)])
     return replace(setup, dots=replace(setup.dots, points_mm=points))
 
@@ -36,8 +35,8 @@ def irregular(setup: Setup, percent: float) -> Setup:
     """Makes dots up to ``percent`` % larger or smaller, and as much dimmer."""
     rng = setup.random("irregular")
     spread = 0.01 * percent
-    size = setup.dots.size * rng.uniform(1.0 - spread, 1.0 + spread, N_MARKERS)
-    brightness = setup.dots.brightness * rng.uniform(1.0 - spread, 1.0, N_MARKERS)
+    size = setup.dots.size * rng.uniform(1.0 - spread, 1.0 + spread, len(setup.dots.size))
+    brightness = setup.dots.brightness * rng.uniform(1.0 - spread, 1.0, len(setup.dots.size))
     return replace(setup, dots=replace(setup.dots, size=size, brightness=brightness))
 
 
@@ -60,5 +59,6 @@ def residue(setup: Setup, percent: float) -> Setup:
 
 
 def _choose(setup: Setup, name: str, percent: float) -> np.ndarray:
-    n = round(0.01 * percent * N_MARKERS)
-    return setup.random(name).choice(N_MARKERS, n, replace=False)
+    n_all = len(setup.dots.size)
+    n = round(0.01 * percent * n_all)
+    return setup.random(name).choice(n_all, n, replace=False)

@@ -8,7 +8,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import GEL_RADIUS_MM, MARKER_DIAMETER_MM
 from neurotouch_hid.source.simulator.knot import Knot
 from neurotouch_hid.source.simulator.setup import Marks, Setup
 
@@ -26,7 +25,8 @@ def glints(setup: Setup, number: float) -> Setup:
     n = round(number)
     near = rng.choice(len(setup.dots.points_mm), n, replace=False)
     aside = rng.normal(0.0, 0.5, (n, 2)) * setup.config.camera.rig.px_per_mm
-    size = rng.uniform(0.5, 0.9, n) * MARKER_DIAMETER_MM * setup.config.camera.rig.px_per_mm
+    dot_mm = setup.config.gel.layout.dot_mm
+    size = rng.uniform(0.5, 0.9, n) * dot_mm * setup.config.camera.rig.px_per_mm
 
     def mark(_t_us: int, now: Knot, untouched: Knot) -> Floats:
         start = untouched.outline[near, :2]
@@ -104,7 +104,7 @@ def _fibres(setup: Setup, name: str, n: int, gain: float) -> Floats:
 
 
 def _scatter(setup: Setup, rng: np.random.Generator, n: int) -> Floats:
-    far = GEL_RADIUS_MM * np.sqrt(rng.random(n))
+    far = setup.config.gel.layout.radius_mm * np.sqrt(rng.random(n))
     angle = rng.uniform(0.0, 2.0 * math.pi, n)
     return setup.config.camera.rig.to_px(
         np.column_stack([far * np.cos(angle), far * np.sin(angle)])

@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 
-from neurotouch_hid.geometry import GEL_RADIUS_MM, NOMINAL_PX_PER_MM
+from neurotouch_hid.geometry import NOMINAL_PX_PER_MM
 from neurotouch_hid.source.simulator.optics import PIXEL_BLUR_PX
 from neurotouch_hid.source.simulator.setup import Setup
 
@@ -11,7 +11,8 @@ from neurotouch_hid.source.simulator.setup import Setup
 def lens(setup: Setup, percent: float) -> Setup:
     """Moves the dots at the rim out by ``percent`` % (pincushion), or in if negative (barrel)."""
     camera = setup.config.camera
-    seen2 = (GEL_RADIUS_MM * (camera.distance_mm + camera.height_mm) / camera.distance_mm) ** 2
+    radius_mm = setup.config.gel.layout.radius_mm
+    seen2 = (radius_mm * (camera.distance_mm + camera.height_mm) / camera.distance_mm) ** 2
     barrel = (1.0 - (1.0 - camera.barrel * seen2) * (1.0 + 0.01 * percent)) / seen2
     return setup.configured("camera", barrel=barrel)
 

@@ -5,17 +5,18 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import GEL_RADIUS_MM, MARKER_DIAMETER_MM, NOMINAL_PX_PER_MM, Rig
+from neurotouch_hid.geometry import NOMINAL_PX_PER_MM, PAPER_GEL, Gel, Rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.source.simulator.config import LightConfig
 
 PROFILE_REACH = 2.6  # markers are drawn out to this multiple of their radius, or further if blurred
 PROFILE_STEPS = 512
-MARKER_RADIUS_PX = 0.5 * MARKER_DIAMETER_MM * NOMINAL_PX_PER_MM
 PIXEL_BLUR_PX = 12**-0.5  # the pixel's own width blurs as well
 
 
-def compute_light(config: LightConfig, rig: Rig) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def compute_light(
+    config: LightConfig, rig: Rig, gel: Gel = PAPER_GEL
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Returns the picture without markers and the brightness of a marker everywhere.
 
     Returns:
@@ -23,7 +24,7 @@ def compute_light(config: LightConfig, rig: Rig) -> tuple[NDArray[np.float64], N
     """
     y, x = np.mgrid[:SENSOR_HEIGHT_PX, :SENSOR_WIDTH_PX].astype(np.float64)
     dx, dy = x - rig.centre_px[0], y - rig.centre_px[1]
-    radius_px = GEL_RADIUS_MM * rig.px_per_mm
+    radius_px = gel.radius_mm * rig.px_per_mm
     r = np.hypot(dx, dy) / radius_px
     slope = (dx * np.cos(config.uneven_rad) + dy * np.sin(config.uneven_rad)) / radius_px
     light = (1.0 + 0.5 * config.uneven * slope) * np.exp(-0.15 * r**2)
@@ -39,13 +40,19 @@ def compute_light(config: LightConfig, rig: Rig) -> tuple[NDArray[np.float64], N
     return np.minimum(base, 255.0), config.white_dn * light
 
 
-def marker_profile(blur_px: float) -> tuple[NDArray[np.float32], float]:
+def marker_profile(
+    blur_px: float, dot_mm: float = PAPER_GEL.dot_mm
+) -> tuple[NDArray[np.float32], float]:
     """Returns the brightness of a blurred white disc over its squared relative radius.
+
+    Args:
+        blur_px: standard deviation of the point spread.
+        dot_mm: diameter of the disc.
 
     Returns:
         (PROFILE_STEPS + 1,) float32, the last is 0; and its entries per unit of squared radius.
     """
-    sigma = math.hypot(blur_px, PIXEL_BLUR_PX) / MARKER_RADIUS_PX
+    sigma = math.hypot(blur_px, PIXEL_BLUR_PX) / (0.5 * dot_mm * NOMINAL_PX_PER_MM)
     reach = max(PROFILE_REACH, 0.5 + 2.5 * sigma)
     axis = np.linspace(-1.0, 1.0, 161)
     bell = np.exp(-(axis**2) / (2 * sigma**2))

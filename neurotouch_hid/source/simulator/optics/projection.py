@@ -5,10 +5,16 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import GEL_RADIUS_MM, MARKER_DIAMETER_MM
+from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.source.simulator.config import CameraConfig
 
-RING_MM = 31.5  # the housing hides everything further out
+_RING_MM = 1.5  # the housing hides everything further out
+_FLAT_MM = 1e-3  # a lower dome is flat
+
+
+def find_ring(gel: Gel) -> float:
+    """Returns the radius of the housing's hole in mm."""
+    return gel.radius_mm + _RING_MM
 
 
 class CameraModel:
@@ -18,10 +24,11 @@ class CameraModel:
         rig: where the gel is in the image.
     """
 
-    def __init__(self, config: CameraConfig) -> None:
-        self._config = config
+    def __init__(self, config: CameraConfig, gel: Gel = PAPER_GEL) -> None:
+        self._config, self._gel = config, gel
         self.rig = config.rig
-        self._sphere_mm = (GEL_RADIUS_MM**2 + config.height_mm**2) / (2.0 * config.height_mm)
+        height_mm = max(config.height_mm, _FLAT_MM)
+        self._sphere_mm = (gel.radius_mm**2 + height_mm**2) / (2.0 * height_mm)
 
     def project(self, points_mm: NDArray[np.float64]) -> NDArray[np.float64]:
         """Returns image points (n, 2) px of gel points (n, 3): x, y, depth below the dome in mm."""
@@ -46,9 +53,9 @@ class CameraModel:
         facing = np.maximum(np.cos(tilt - view), 0.05)
         angle = np.arctan2(points_mm[:, 1], points_mm[:, 0]) + self._config.rig.rotation_rad
         cos, sin = np.cos(angle), np.sin(angle)
-        across = 1.0 / (0.5 * MARKER_DIAMETER_MM * self._config.rig.px_per_mm * scale) ** 2
+        across = 1.0 / (0.5 * self._gel.dot_mm * self._config.rig.px_per_mm * scale) ** 2
         along = across / facing**2
-        hidden = np.clip((RING_MM - r) / 1.0, 0.0, 1.0)
+        hidden = np.clip((find_ring(self._gel) - r) / 1.0, 0.0, 1.0)
         return np.column_stack(
             [
                 self._config.rig.to_px(magnified),

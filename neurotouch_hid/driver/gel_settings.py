@@ -1,0 +1,307 @@
+"""The gel before the camera: the file ``gel.yaml``, and where it is found."""
+
+import math
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import AfterValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_bytes
+from neurotouch_hid.geometry import (
+    PAPER_GEL,
+    Gel,
+    make_gel,
+    measure_pitch,
+    place_grid,
+    place_hex,
+    place_rings,
+    place_square,
+)
+from neurotouch_hid.players import find_user_file
+from neurotouch_hid.printable import make_printable
+from neurotouch_hid.profile.reading import load_settings
+from neurotouch_hid.profile.schema import (
+    Strict,
+    check_version,
+    give_unit,
+    make_optional,
+    make_schema,
+)
+from neurotouch_hid.recording import gel_path
+from neurotouch_hid.vocabulary import NAME_PATTERN, SourceKind, find_source_kind
+
+FILE: Final = "gel.yaml"
+SUFFIX: Final = ".gel.yaml"
+LEAST_DOTS: Final = 40
+MOST_DOTS: Final = 400
+_MOST_MM: Final = 100.0
+_NEEDS: Final[dict[str, tuple[str, ...]]] = {
+    "square": ("pitch_mm", "radius_mm"),
+    "hex": ("pitch_mm", "radius_mm"),
+    "rings": ("pitch_mm", "radius_mm"),
+    "grid": ("columns", "rows", "pitch_mm"),
+    "points": ("points_mm",),
+}
+"""The keys of each kind of layout, all of them needed."""
+
+Length = Annotated[float, Field(ge=0.5, le=_MOST_MM)]
+Coordinate = Annotated[float, Field(ge=-_MOST_MM, le=_MOST_MM)]
+Count = Annotated[int, Field(ge=2, le=200)]
+
+
+def _key(description: str) -> Any:
+    return Field(default=None, description=description, json_schema_extra=make_optional())
+
+
+def _drop_null(schema: dict[str, Any]) -> None:
+    """Leaves the forms of a key that may be left out but not be empty."""
+    schema.pop("default")
+    schema["anyOf"].pop()
+
+
+class Layout(Strict):
+    """Where the dots are on the gel, seen from above: x right, y towards the user."""
+
+    kind: Literal["square", "hex", "rings", "grid", "points"] = Field(
+        description="square: rows and columns within a circle, one dot in the middle. hex: the "
+        "same with rows shifted by half of the pitch. rings: one dot in the middle and 6, 12, "
+        "18, ... dots on rings around it. grid: a rectangle. points: a list. No default."
+    )
+    pitch_mm: Length | Annotated[list[Length], Field(min_length=2, max_length=2)] | None = Field(
+        default=None,
+        description="Distance of neighbours, from centre to centre; of a grid also [x, y]. "
+        "Default: none.",
+        json_schema_extra=_drop_null,
+    )
+    radius_mm: Length | None = _key("Of the circle that contains all dots' centres. Default: none.")
+    columns: Count | None = _key("Dots from left to right, of a grid. Default: none.")
+    rows: Count | None = _key("Dots from top to bottom, of a grid. Default: none.")
+    points_mm: (
+        Annotated[
+            list[Annotated[list[Coordinate], Field(min_length=2, max_length=2)]],
+            Field(min_length=LEAST_DOTS, max_length=MOST_DOTS),
+        ]
+        | None
+    ) = _key("Centre of each dot, [[x, y], ...]. Default: none.")
+
+    @model_validator(mode="after")
+    def _has_the_keys_of_its_kind(self) -> Self:
+        needed = _NEEDS[self.kind]
+        for key in type(self).model_fields:
+            given = key in self.model_fields_set
+            if key != "kind" and given and key not in needed:
+                raise PydanticCustomError(
+                    "layout",
+                    "'kind: {kind}' has no such key",
+                    {"kind": self.kind, "at": (key,), "hint": f"it has {', '.join(needed)}"},
+                )
+            if key in needed and not given:
+                raise PydanticCustomError(
+                    "layout",
+                    "'kind: {kind}' needs the key '{key}'",
+                    {"kind": self.kind, "key": key, "at": ("kind",)},
+                )
+        if isinstance(self.pitch_mm, list) and self.kind != "grid":
+            raise PydanticCustomError(
+                "layout", "only a grid has two distances", {"at": ("pitch_mm",)}
+            )
+        self._check_number()
+        return self
+
+    def _check_number(self) -> None:
+        at = next(key for key in ("radius_mm", "columns", "points_mm") if key in _NEEDS[self.kind])
+        n = self.count()
+        if not LEAST_DOTS <= n <= MOST_DOTS:
+            raise PydanticCustomError(
+                "layout",
+                "gives {n} dots, and a gel has {least} to {most}",
+                {"n": n, "least": LEAST_DOTS, "most": MOST_DOTS, "at": (at,)},
+            )
+
+    def count(self) -> int:
+        """Returns the number of dots, or a larger one than a gel may have."""
+        if self.kind == "grid":
+            return (self.columns or 0) * (self.rows or 0)
+        if self.kind != "points":
+            radius_mm, pitch_mm = self.radius_mm or 0.0, self._pitches()[0]
+            if math.pi * (radius_mm / pitch_mm) ** 2 > 2 * MOST_DOTS:
+                return round(math.pi * (radius_mm / pitch_mm) ** 2)
+        return len(self.place())
+
+    def place(self) -> NDArray[np.float64]:
+        """Returns the centres of all dots, (n, 2) float64 mm."""
+        radius_mm, (x_mm, y_mm) = self.radius_mm or 0.0, self._pitches()
+        match self.kind:
+            case "square":
+                return place_square(x_mm, radius_mm)
+            case "hex":
+                return place_hex(x_mm, radius_mm)
+            case "rings":
+                return place_rings(x_mm, radius_mm)
+            case "grid":
+                return place_grid(self.columns or 0, self.rows or 0, x_mm, y_mm)
+            case "points":
+                return np.array(self.points_mm, np.float64)
+
+    def _pitches(self) -> tuple[float, float]:
+        """Returns the distances from left to right and from top to bottom; 1 of points."""
+        pitch_mm = self.pitch_mm if self.pitch_mm is not None else 1.0
+        if isinstance(pitch_mm, list):
+            return pitch_mm[0], pitch_mm[1]
+        return pitch_mm, pitch_mm
+
+
+class GelSettings(Strict):
+    """The file ``gel.yaml``."""
+
+    version: Annotated[int, AfterValidator(check_version)] = Field(
+        default=1,
+        description="The version of this format: 1. Default: 1.",
+        json_schema_extra={"const": 1},
+    )
+    name: Annotated[str, Field(pattern=NAME_PATTERN)] = Field(
+        default="own", description="What you call the gel. Default: own."
+    )
+    layout: Layout = Field(description="Where the dots are. No default.")
+    dot_mm: Annotated[float, Field(ge=0.2, le=20.0)] = Field(
+        default=PAPER_GEL.dot_mm,
+        description="Diameter of a dot. Default: 1.",
+        json_schema_extra=give_unit("mm"),
+    )
+    dots: Literal["light", "dark"] = Field(
+        default="light",
+        description="light: light dots on a dark gel; dark: dark dots on a light gel. "
+        "Default: light.",
+    )
+    dome_height_mm: Annotated[float, Field(ge=0.0, le=50.0)] = Field(
+        default=PAPER_GEL.dome_height_mm,
+        description="How much higher the middle of the gel is than its rim; 0: it is flat. The "
+        "simulator uses it. Default: 15.",
+        json_schema_extra=give_unit("mm"),
+    )
+
+    @model_validator(mode="after")
+    def _has_room_for_its_dots(self) -> Self:
+        points = self.layout.place()
+        away = np.hypot(*(points[:, None] - points).transpose(2, 0, 1))
+        np.fill_diagonal(away, np.inf)
+        first, second = np.unravel_index(away.argmin(), away.shape)
+        nearest = float(away[first, second])
+        if nearest > self.dot_mm:
+            return self
+        is_list = self.layout.kind == "points"
+        raise PydanticCustomError(
+            "layout",
+            "dots {first} and {second} are {nearest} mm apart, and each is {dot} mm wide",
+            {
+                "first": int(first) + 1,
+                "second": int(second) + 1,
+                "nearest": f"{nearest:.3g}",
+                "dot": f"{self.dot_mm:g}",
+                "at": ("layout", "points_mm", int(second)) if is_list else ("layout", "pitch_mm"),
+                "hint": "give dots larger distances, or a smaller 'dot_mm'",
+            },
+        )
+
+    def make(self) -> Gel:
+        """Returns the gel."""
+        points_mm, radius_mm = self.layout.place(), self.layout.radius_mm
+        pitch_mm = self.layout.pitch_mm
+        if not isinstance(pitch_mm, float):  # of a list, or of a grid with two of them
+            pitch_mm = measure_pitch(points_mm)
+        if radius_mm is None:
+            radius_mm = float(np.hypot(*points_mm.T).max()) + 0.25 * pitch_mm
+        return make_gel(
+            self.name,
+            points_mm,
+            pitch_mm=pitch_mm,
+            radius_mm=radius_mm,
+            dot_mm=self.dot_mm,
+            light=self.dots == "light",
+            dome_height_mm=self.dome_height_mm,
+        )
+
+
+def gel_schema() -> dict[str, Any]:
+    """Returns the JSON Schema of a gel file; shipped as ``profiles/schema/gel-1.json``."""
+    return make_schema(GelSettings, "neurotouch_hid gel")
+
+
+def load_gel(path: Path) -> Gel:
+    """Returns the gel of a file.
+
+    Raises:
+        ProfileError: there is no such file, or it is wrong; every mistake has line and column.
+    """
+    if not path.exists():
+        raise ProfileError(
+            f"There is no gel file '{make_printable(str(path))}'.",
+            hint=f"Give the path of a file, or a NAME: {find_gel_folder()}/NAME{SUFFIX}.",
+        )
+    return load_settings(path, GelSettings).make()
+
+
+def find_gel_folder(player: int | None = None) -> Path:
+    """Returns the folder of the person's gel files; of a service, the machine's."""
+    return find_user_file(player).parent
+
+
+def find_gel_file(
+    chosen: str | None = None, source: str = "", player: int | None = None, *, personal: bool = True
+) -> Path | None:
+    """Returns the file of the gel that applies; None for the gel of the paper.
+
+    Args:
+        chosen: the path of a file, or the name of one in ``find_gel_folder``; ``paper`` is the
+            gel of the paper. None: not chosen.
+        source: the source as a person writes it. ``NAME.gel.yaml`` beside a recording applies to
+            it; a simulation has the gel of the paper.
+        player: the player number; None means the one of the environment.
+        personal: the person's ``gel.yaml`` applies where nothing else does.
+    """
+    if chosen == PAPER_GEL.name:
+        return None
+    if chosen is not None:
+        is_path = "/" in chosen or chosen.endswith((".yaml", ".yml"))
+        own = find_gel_folder(player) / f"{chosen}{SUFFIX}"
+        return Path(chosen).expanduser() if is_path else own
+    kind = find_source_kind(source)
+    if kind is SourceKind.SIMULATION:
+        return None
+    if kind is SourceKind.RECORDING:
+        beside = gel_path(source.removeprefix("file:"))
+        if beside.exists():
+            return beside
+    own = find_gel_folder(player) / FILE
+    return own if personal and own.exists() else None
+
+
+def read_gel_file(path: Path | None) -> bytes:
+    """Returns the content of a gel's file, to be copied; empty without a file.
+
+    Raises:
+        ProfileError: it cannot be read.
+    """
+    if path is None:
+        return b""
+    try:
+        return read_bytes(path, MAX_SETTINGS_BYTES)
+    except OSError as error:
+        name = make_printable(str(path))
+        raise ProfileError(f"'{name}' cannot be read: {error.strerror}.") from error
+
+
+def choose_gel(
+    chosen: str | None = None, source: str = "", player: int | None = None, *, personal: bool = True
+) -> Gel:
+    """Returns the gel that applies; the arguments are those of ``find_gel_file``.
+
+    Raises:
+        ProfileError: the file is missing or wrong.
+    """
+    path = find_gel_file(chosen, source, player, personal=personal)
+    return PAPER_GEL if path is None else load_gel(path)
