@@ -105,6 +105,7 @@ class GelProblem(StrEnum):
     MOVED = "moved"
     RESTS = "rests"
     FLICKER = "flicker"
+    TOO_FAST = "too_fast"
 
 
 class SourceKind(StrEnum):

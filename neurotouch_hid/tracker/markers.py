@@ -30,6 +30,8 @@ _NOISE_SIZES = 2.5  # medians of its size; random errors in a plane exceed it on
 _LONGEST_US = 200_000  # longest time that one rest position counts for
 _NEVER_US = -(1 << 60)
 _EVENTLESS_US = 1_000_000  # after this time without an event, frames alone show where markers go
+_UNSURE_SHARE = 0.055  # of the markers unseen in motion: the others are taken for their neighbours
+_SURE_SHARE = 0.025  # of the markers, which fingers that pinch hide as well
 _MAX_HOLE_US = 100_000  # after a longer gap, positions do not identify the markers
 _SHOWN_DRIFT_PX = 0.1  # later stages do not see smaller changes of the rest position
 
@@ -176,6 +178,8 @@ class MarkerTracker:
         self._end_us: int | None = None
         self._n_events = self._n_anchors = self._n_gaps = 0
         self._event_us: int | None = None  # the end of the last slice with events
+        self._absent = np.zeros(n, np.bool_)  # markers that the last frame at rest hid
+        self._is_unsure = False
         self._last_pixels: NDArray[np.uint8] | None = None
         self._n_mean = 0  # frames in the mean that the rest position is
 
@@ -183,6 +187,11 @@ class MarkerTracker:
     def flicker(self) -> Flicker | None:
         """The flicker of the light in the last quarter of a second, None if it is steady."""
         return self._flicker.flicker
+
+    @property
+    def is_unsure(self) -> bool:
+        """True while frames alone do not tell the markers apart, because they move too fast."""
+        return self._is_unsure
 
     def anchor(self, rest: RestField) -> None:
         """Takes a rest position, which may be late: ``rest.t_us`` is the time that it shows.
@@ -211,6 +220,7 @@ class MarkerTracker:
         else:
             self._drift(off, elapsed_us)
         self._anchor_us = rest.t_us
+        self._absent, self._is_unsure = tracks.state["n_missed"] > 0, False
         self._correction.anchor(rest)
         if not np.abs(self._rest_px - tracks.rest_px).max() < _SHOWN_DRIFT_PX:
             self._rest_px = tracks.rest_px.astype(np.float32)
@@ -273,6 +283,9 @@ class MarkerTracker:
         # A camera that has no new picture in time may send the last one again.
         if self._last_pixels is None or not np.array_equal(frame.pixels, self._last_pixels):
             self._correction.follow(frame, blobs)
+            unseen = (self._tracks.state["n_missed"] > 0) & ~self._absent
+            most = _SURE_SHARE if self._is_unsure else _UNSURE_SHARE
+            self._is_unsure = bool(unseen.mean() > most)
         self._last_pixels = frame.pixels
 
     def _follow_rig(self, measured_px: NDArray[np.float64], elapsed_us: int) -> None:

@@ -6,12 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.process.kernel_cache import kernel
-from neurotouch_hid.tracker.kernels.correction import (
-    GATE_PX,
-    MAX_AREA_RATIO,
-    MAX_MISSED,
-    MIN_MATCHED,
-)
+from neurotouch_hid.tracker.kernels.correction import GATE_PX, MAX_AREA_RATIO, MAX_MISSED
 from neurotouch_hid.tracker.kernels.matching import match_points
 from neurotouch_hid.tracker.kernels.neighbours import (
     expect,
@@ -27,6 +22,7 @@ SMOOTH_PX = 2.0  # neighbours differ by less in how far they are from their expe
 SMOOTH_RATIO = 2.0  # ... or by no more than so many spreads of these
 COMMON_SHARE = 0.3  # of a change of velocity, from the neighbours; half would let ripples grow
 
+LEAST_SHARE = 3  # of three markers one is seen, or the picture or all tracks are wrong
 NO_BLOB: Final = -1
 
 
@@ -155,10 +151,10 @@ def follow(
         tuning: of the neighbour check.
 
     Returns:
-        The number of markers that have a blob; 0 if the frame is too late or shows no gel.
+        The number of markers that have a blob; 0 if the frame shows no gel.
     """
     state, n = tracks.state, len(tracks.state)
-    if len(points_px) < MIN_MATCHED:
+    if len(points_px) < n // LEAST_SHARE:
         return 0
     expected_px, place_px, change_px = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2))
     for i in range(n):
@@ -174,7 +170,7 @@ def follow(
     for i in range(n):
         n_seen += blob[i] >= 0
         change_px[i] = place_px[i] - expected_px[i]
-    if n_seen < MIN_MATCHED:
+    if n_seen < n // LEAST_SHARE:
         return 0
     for i in range(n):
         s = state[i]
