@@ -194,19 +194,17 @@ class GelWatch:
 
     def _find_flaw(self, t_us: int) -> GelProblem:
         """Returns what is wrong with a gel that is found."""
-        if self.is_drawn:
-            return GelProblem.EVENTS_ONLY
-        if self._rests:
-            return GelProblem.RESTS
-        if is_blurred(self._seen.blur_px, self._px_per_mm):
-            return GelProblem.BLURRED
-        if self.flicker_hz is not None:
-            return GelProblem.FLICKER
-        if self.haste_us is not None and t_us - self.haste_us < _HASTE_US:
-            return GelProblem.TOO_FAST
-        if self._moved_us is not None and t_us - self._moved_us < _MOVED_US:
-            return GelProblem.MOVED
-        return GelProblem.NONE
+        was_moved = self._moved_us is not None and t_us - self._moved_us < _MOVED_US
+        was_fast = self.haste_us is not None and t_us - self.haste_us < _HASTE_US
+        flaws = (
+            (self.is_drawn, GelProblem.EVENTS_ONLY),
+            (self._rests, GelProblem.RESTS),
+            (is_blurred(self._seen.blur_px, self._px_per_mm), GelProblem.BLURRED),
+            (self.flicker_hz is not None, GelProblem.FLICKER),
+            (was_fast, GelProblem.TOO_FAST),
+            (was_moved, GelProblem.MOVED),
+        )
+        return next((problem for is_so, problem in flaws if is_so), GelProblem.NONE)
 
     def _is_due(self, t_us: int, problem: GelProblem) -> bool:
         """Returns whether it is time for another look at the whole frame."""
