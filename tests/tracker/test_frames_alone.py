@@ -60,8 +60,9 @@ def test_a_velocity_is_that_of_the_blobs_and_ripples_fade():
     begin = np.arange(0, 6 * 178, 6, dtype=np.int32)
     rng = np.random.default_rng(1)
     for k in range(1, 30):
-        noise = rng.normal(0, 0.05, (177, 2)) if k < 10 else 0.0
-        at = REST_PX + (2.0 * k, 0.0) + noise
+        noise = rng.normal(0, 0.05, (177, 2)) if k < 10 else np.zeros((177, 2))
+        at = REST_PX + noise
+        at[:, 0] += 2.0 * k
         n = frames_alone.follow(8_000 * k, 8_000 * k + 2_000, at, begin, tracks, TUNING)
         assert n == 177
     state = tracks.state

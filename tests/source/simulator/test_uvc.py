@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -41,10 +42,8 @@ def test_it_sends_so_many_frames_and_no_event():
     simulator, packets, frames = play("uvc=125")
     assert not any(len(packet.events) for packet in packets)
     assert len(frames) == 125
-    stamps = {
-        (f.exposure_begin_us % 8_000, f.exposure_end_us - f.exposure_begin_us) for f in frames
-    }
-    assert stamps == {(0, 4_000)}
+    assert {f.exposure_begin_us % 8_000 for f in frames} == {0}
+    assert {f.exposure_end_us - f.exposure_begin_us for f in frames} == {4_000}
     for packet in packets:
         assert all(packet.t_begin_us <= f.exposure_end_us < packet.t_end_us for f in packet.frames)
         assert simulator.find_labelled_times(packet) == [f.t_us for f in packet.frames]
@@ -96,13 +95,13 @@ def test_mains_light_makes_bands_with_a_rolling_shutter_only():
     def banding(*more):
         _, _, frames = play("uvc=60", "mains=100", *more, config=flat)
         rows = [frame.pixels[:, 20:40].mean(axis=1) / usual for frame in frames[1:]]
-        return max(float(np.ptp(row / row.mean())) for row in rows)
+        return max(float(np.std(row / row.mean())) for row in rows)
 
     light = LightConfig(black_dn=120.0, uneven=0.0, n_spots=0)
     flat = replace(QUIET, light=light)
     usual = compute_light(light, flat.camera.rig)[0][:, 20:40].mean(axis=1)
-    assert banding("rolling=12") > 0.2  # 8 ms of exposure leave a quarter of the ripple
-    assert banding() < 0.03
+    assert banding("rolling=12") > 0.05  # 8 ms of exposure leave a quarter of the ripple
+    assert banding() < 0.01
 
 
 def test_gamma_brightens_the_dark():
@@ -135,12 +134,12 @@ def test_dropped_frames_are_missing_and_doubled_ones_come_twice():
     assert len(play("uvc", "dropped=20")[2]) == pytest.approx(100, abs=12)
     _, _, frames = play("uvc", "doubled=20")
     assert len(frames) == 125
-    again = [np.array_equal(a.pixels, b.pixels) for a, b in zip(frames, frames[1:], strict=False)]
+    again = [np.array_equal(a.pixels, b.pixels) for a, b in pairwise(frames)]
     assert sum(again) == pytest.approx(25, abs=12)
     assert not any(
         np.array_equal(a.pixels, b.pixels)
         for _, _, plain in [play("uvc")]
-        for a, b in zip(plain, plain[1:], strict=False)
+        for a, b in pairwise(plain)
     )
 
 
@@ -149,12 +148,11 @@ def test_a_fisheye_shows_equal_angles_equally_wide():
     half = math.radians(45.0)
     radius = PAPER_GEL.radius_mm
     angles = np.linspace(0.05, half, 8)
+    middle_px = flat.rig.centre_px[0]
     points = np.column_stack([np.tan(angles) / math.tan(half) * radius, np.zeros((8, 2))])
-    seen = (
-        CameraModel(replace(flat, fisheye_rad=half)).project(points)[:, 0] - flat.rig.centre_px[0]
-    )
+    seen = CameraModel(replace(flat, fisheye_rad=half)).project(points)[:, 0] - middle_px
     np.testing.assert_allclose(seen / angles, seen[0] / angles[0], rtol=1e-4)
-    plain = CameraModel(flat).project(points)[:, 0] - flat.rig.centre_px[0]
+    plain = CameraModel(flat).project(points)[:, 0] - middle_px
     assert seen[-1] / plain[-1] == pytest.approx(math.pi / 4, rel=1e-3)
 
 
