@@ -124,7 +124,8 @@ def open_gel(
     """Opens a gel.
 
     Args:
-        source: ``davis:`` (the camera), ``file:NAME.aedat4`` or a ``Path`` (a recording),
+        source: ``davis:`` (the camera), ``file:NAME.aedat4``, ``file:NAME.mkv`` or a ``Path`` (a
+            recording or video clip),
             ``sim:NAME``, a source of a plug-in, or ``driver:``, the running driver. Reading a
             driver does not affect it; a slow reader misses states and always gets the newest. The
             other options do not apply to it, except ``player``.

@@ -4,6 +4,7 @@ Separate from the records, so that a profile can be checked without loading nump
 """
 
 from enum import IntEnum, StrEnum
+from pathlib import PurePath
 from typing import Final, Literal
 
 NAME_PATTERN: Final = r"^[a-z0-9_-]{1,64}$"
@@ -108,6 +109,12 @@ class GelProblem(StrEnum):
     TOO_FAST = "too_fast"
 
 
+CLIP_ENDINGS: Final = (".avi", ".mkv", ".mp4")
+"""Endings of video clips, in lower case."""
+RECORDING_ENDINGS: Final = (".aedat4", *CLIP_ENDINGS)
+"""Endings of all recordings."""
+
+
 class SourceKind(StrEnum):
     """Kind of a source, given by the first word of its name."""
 
@@ -122,9 +129,15 @@ def find_source_kind(name: str) -> SourceKind:
     """Returns the kind of a source.
 
     Args:
-        name: as a person writes it, for example ``sim:tour`` or ``play.aedat4``.
+        name: as a person writes it, for example ``sim:tour``, ``play.aedat4`` or ``play.mkv``.
     """
     kind, colon, _ = name.partition(":")
     if colon and kind in ("davis", "file", "sim", "driver"):
         return SourceKind(kind)
-    return SourceKind.RECORDING if name.endswith(".aedat4") else SourceKind.OTHER
+    is_recording = name.lower().endswith(RECORDING_ENDINGS)
+    return SourceKind.RECORDING if is_recording else SourceKind.OTHER
+
+
+def is_clip(name: str | PurePath) -> bool:
+    """Returns whether a recording is a video clip, by its ending."""
+    return str(name).lower().endswith(CLIP_ENDINGS)

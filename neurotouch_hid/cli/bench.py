@@ -33,6 +33,8 @@ _ROWS: Final = (
         (50,),
         False,
     ),
+    ("view of 640x480", "view_640x480_ms", 1.0, "ms per picture", (0.6,), True),
+    ("view of 1920x1200", "view_1920x1200_ms", 1.0, "ms per picture", (1.5,), True),
     ("tracker", "tracker_events_per_s", 1e-6, "million events/s", (30,), False),
     ("rest detection", "rest_ms", 1.0, "ms per frame", (0.1,), True),
     ("tracker", "tracker_ms", 1.0, "ms per slice", (), True),

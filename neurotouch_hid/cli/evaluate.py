@@ -63,7 +63,10 @@ def command(
     report_path: Path | None,
     jobs: int,
 ) -> None:
-    """Play each FILE.aedat4 and compare the recognised gestures with FILE.labels.csv beside it."""
+    """Play each FILE and compare the recognised gestures with its labels, FILE.labels.csv.
+
+    A FILE is a recording, NAME.aedat4, or a video clip, NAME.avi, NAME.mkv or NAME.mp4.
+    """
     from neurotouch_hid.recording import check_labelled
 
     check_labelled(files)

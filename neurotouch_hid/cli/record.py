@@ -1,4 +1,4 @@
-"""``neurotouch record``: writes events and frames to a file."""
+"""``neurotouch record``: writes events and frames, or the pictures of a video, to a file."""
 
 import logging
 import shutil
@@ -19,11 +19,12 @@ from neurotouch_hid.cli.ui.options import Finite, gel_option
 from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_json, say
 from neurotouch_hid.errors import NeuroTouchError, NotRunningError, RecordingError, SourceError
 from neurotouch_hid.partial_file import is_plain
-from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_kind
+from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_kind, is_clip
 
 if TYPE_CHECKING:
     from neurotouch_hid.geometry import Gel
     from neurotouch_hid.recording import Recorder, RecorderStats, Simulation
+    from neurotouch_hid.recording.recorder import Item
     from neurotouch_hid.source import Source
     from neurotouch_hid.vocabulary import Speed
 
@@ -53,14 +54,16 @@ class _Silence(KeyboardInterrupt):
     epilog="\b\nExamples:\n"
     "  neurotouch record clip.aedat4                until Ctrl-C; also while the driver runs\n"
     "  neurotouch record clip.aedat4 --seconds 60 --source davis:00000216\n"
-    "  neurotouch record tour.aedat4 --source sim:tour --seconds 20 --json\n\n"
+    "  neurotouch record tour.aedat4 --source sim:tour --seconds 20 --json\n"
+    "  neurotouch record clip.mkv --source file:long.mp4 --seconds 60\n\n"
     "Play it: neurotouch run --source file:clip.aedat4"
 )
 @click.argument("out", type=click.Path(path_type=Path, dir_okay=False))
 @click.option(
     "--source",
     show_default="the running driver's data, else davis:",
-    help="davis:SERIAL (a camera), file:NAME.aedat4 (a recording) or sim:NAME (the simulator).",
+    help="davis:SERIAL (a camera), file:NAME.aedat4 (a recording), file:NAME.mkv (a video clip) or "
+    "sim:NAME (the simulator).",
 )
 @click.option("--seconds", type=Finite(min=0.1), help="End after this many seconds of sensor time.")
 @click.option(
@@ -82,6 +85,8 @@ def command(
 ) -> None:
     """Record events and frames to the AEDAT4 file OUT, until Ctrl-C or the source ends.
 
+    A video is recorded to OUT.mkv: its pictures and their stamps, as they come.
+
     While the driver runs, this command records the driver's data, and the game goes on. The file
     stays readable up to the last write: after Ctrl-C, on a full disk, and if the command is killed.
 
@@ -95,7 +100,7 @@ def command(
     else:
         _require_driver_or_camera()
     from neurotouch_hid.driver.gel_settings import choose_gel, find_gel_file, read_gel_file
-    from neurotouch_hid.recording import Recorder, RecordingWriter, write_gel
+    from neurotouch_hid.recording import ClipWriter, Recorder, RecordingWriter, write_gel
 
     _require_place(out, source, force=force)
     played = source or "davis:"
@@ -107,7 +112,11 @@ def command(
         opened = _open(stack, source, "max" if seconds or whole else "recorded", seed, made)
         stack.callback(_restore_signals)  # before the source is closed: that may hang
         mark = _mark(opened.source, source, seed)
-        recorder = Recorder(RecordingWriter(out, in_place=True, simulation=mark))
+        if is_clip(out):
+            recorder = Recorder(ClipWriter(out, simulation=mark))
+        else:
+            _require_events(opened)
+            recorder = Recorder(RecordingWriter(out, in_place=True, simulation=mark))
         simulated = "" if mark is None else "SIMULATED "
         echo(f"Recording {simulated}{opened.name} to {out}. Ctrl-C ends.", err=True)
         with _Progress(recorder, out, plain=plain or not sys.stderr.isatty()):
@@ -127,7 +136,23 @@ def command(
                 hint="Is the camera plugged in? Check: neurotouch doctor",
             )
         write_gel(out, gel_file)
+        if is_clip(out):
+            _copy_rig(source, out)
         _tell(opened.name, out, stats, fault, mark, as_json=as_json)
+
+
+def _copy_rig(source: str | None, out: Path) -> None:
+    """Copies the rig file of a clip: its pictures are recorded as they are, mirrored too."""
+    from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_bytes
+    from neurotouch_hid.partial_file import write_whole
+    from neurotouch_hid.source.check import find_path
+    from neurotouch_hid.source.rig_file import rig_path
+
+    if source is None or not is_clip(source):
+        return
+    beside = rig_path(find_path(source))
+    if beside.exists():
+        write_whole(rig_path(out), read_bytes(beside, MAX_SETTINGS_BYTES))
 
 
 def _require_driver_or_camera() -> None:
@@ -146,10 +171,10 @@ def _require_place(out: Path, source: str | None, *, force: bool) -> None:
             "The name of the file is empty.",
             hint="Give one that ends in .aedat4: neurotouch record play.aedat4",
         )
-    if out.suffix.lower() != ".aedat4":
+    if out.suffix.lower() not in (".aedat4", ".mkv"):
         raise RecordingError(
-            f"'{out}' does not end in .aedat4, the only supported format.",
-            hint="Give a name that ends in .aedat4.",
+            f"'{out}' does not end in .aedat4 or .mkv, the only supported formats.",
+            hint="Give a name that ends in .aedat4, or for a video in .mkv.",
         )
     if not out.exists():
         return
@@ -159,6 +184,16 @@ def _require_place(out: Path, source: str | None, *, force: bool) -> None:
     if not force:
         raise RecordingError(
             f"'{out}' exists already.", hint="Give another name, or --force to replace it."
+        )
+
+
+def _require_events(opened: _Opened) -> None:
+    from neurotouch_hid.source import PictureSource
+
+    if isinstance(opened.source, PictureSource):
+        raise RecordingError(
+            f"{opened.name} has no events, which a recording in .aedat4 needs.",
+            hint="Give a name that ends in .mkv.",
         )
 
 
@@ -191,7 +226,7 @@ def _open(stack: ExitStack, source: str | None, speed: "Speed", seed: int, gel: 
 def _mark(source: "Source", spec: str | None, seed: int) -> "Simulation | None":
     """Returns where simulated data come from; None for a sensor's data."""
     from neurotouch_hid.cli.shared.command_line import make_command_line, strip_folders
-    from neurotouch_hid.recording import Recording, Simulation
+    from neurotouch_hid.recording import Simulation, find_simulation
     from neurotouch_hid.source.check import find_path
     from neurotouch_hid.source.running_driver import RunningDriver
 
@@ -199,7 +234,7 @@ def _mark(source: "Source", spec: str | None, seed: int) -> "Simulation | None":
         return None
     kind = None if spec is None else find_source_kind(spec)
     if spec is not None and kind is SourceKind.RECORDING:
-        return Recording(find_path(spec)).simulation
+        return find_simulation(find_path(spec))
     known = source.seed if isinstance(source, RunningDriver) else seed
     program = f"neurotouch-hid {__version__}"
     name = strip_folders(source.name.removeprefix(RUNNING_DRIVER).strip())
@@ -216,16 +251,28 @@ def _record(opened: _Opened, recorder: "Recorder", seconds: float | None) -> Non
     patience_s = _PATIENCE_S if is_live and seconds is not None else 0.0  # 0: no limit
     begin_us: int | None = None
     signal.setitimer(signal.ITIMER_REAL, patience_s)
-    for packet in opened.source:
+    for item, item_begin_us, item_end_us in _items(opened.source):
         signal.setitimer(signal.ITIMER_REAL, patience_s)
-        begin_us = packet.t_begin_us if begin_us is None else begin_us
-        recorder.take(packet, wait=not is_live)
+        begin_us = item_begin_us if begin_us is None else begin_us
+        recorder.take(item, wait=not is_live)
         if recorder.error is not None:
             return
-        if seconds is not None and packet.t_end_us - begin_us >= seconds * 1e6:
+        if seconds is not None and item_end_us - begin_us >= seconds * 1e6:
             return
     if is_live and seconds is not None:
         raise SourceError(f"The source ended before {seconds:g} s were recorded.")
+
+
+def _items(source: "Source") -> "Iterator[tuple[Item, int, int]]":
+    """Gives what is recorded of a source, each with its first and last moment, µs."""
+    from neurotouch_hid.source import PictureSource
+
+    if isinstance(source, PictureSource):
+        for picture in source.pictures():
+            yield picture, picture.exposure_begin_us, picture.exposure_end_us
+    else:
+        for packet in source:
+            yield packet, packet.t_begin_us, packet.t_end_us
 
 
 @contextmanager

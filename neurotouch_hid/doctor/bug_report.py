@@ -60,13 +60,23 @@ _LONG_FACTS: Final = ("missing", "missing_px")
 """Keys of each dot that is not seen; the report has them in words."""
 
 _PACKAGES: Final = (
-    *("backports.zstd", "click", "evdev-binary", "hidapi", "libusb1", "lz4", "numba", "numpy"),
+    *(
+        "av",
+        "backports.zstd",
+        "click",
+        "evdev-binary",
+        "hidapi",
+        "libusb1",
+        "lz4",
+        "numba",
+        "numpy",
+    ),
     *("opencv-contrib-python-headless", "pydantic", "pyusb", "ruamel.yaml", "websockets"),
 )
 _MAC: Final = re.compile(r"\b(?:[0-9A-Fa-f]{2}[:-]){5}[0-9A-Fa-f]{2}\b")
 _ADDRESS: Final = re.compile(r"\b(?!127\.0\.0\.1\b)(?:\d{1,3}\.){3}\d{1,3}\b")
 _SERIAL: Final = re.compile(r"(?<=davis:)[0-9A-Za-z._-]+")
-_RECORDING: Final = re.compile(r"[^\s'\"]*\.aedat4\b")
+_RECORDING: Final = re.compile(r"[^\s'\"]*\.(?:aedat4|avi|mkv|mp4)\b", re.IGNORECASE)
 _FAULT: Final = re.compile(r"(?m)((?:error|warning)\[NT\d+\]).*$")
 _EXCERPT: Final = re.compile(r"(?m)\n *\d* +\| .*$")
 """A profile's errors quote its lines; the code and the place are enough for a bug report."""

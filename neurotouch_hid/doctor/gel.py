@@ -29,7 +29,7 @@ from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.recording.wire import receive_packets
 from neurotouch_hid.source import open_source
 from neurotouch_hid.source.davis import find_cameras
-from neurotouch_hid.tracker import RestConfig, RestDetector
+from neurotouch_hid.tracker import GelFinder, RestConfig, RestDetector
 from neurotouch_hid.tracker.blobs import BlobFinder
 from neurotouch_hid.tracker.lattice import LatticeFinder
 
@@ -213,7 +213,9 @@ class GelView:
     def _open(self, stack: ExitStack) -> tuple[str, Iterable[EventPacket]] | None:
         """Returns the source's name and its packets; None without a source."""
         if self._source is not None:
-            source = stack.enter_context(open_source(self._source, speed="max", gel=self._made))
+            finder = GelFinder(self._made)
+            source = open_source(self._source, speed="max", gel=self._made, finder=finder)
+            stack.enter_context(source)
             return f"{'SIMULATED ' if source.is_simulated else ''}{self._source}", source
         try:
             answer, line = driver.open_stream("record")

@@ -6,6 +6,7 @@ from neurotouch_hid.driver.options import DriverOptions
 from neurotouch_hid.errors import AlreadyRunningError, CameraError
 from neurotouch_hid.geometry import Gel
 from neurotouch_hid.source import Source, Troubled, open_source
+from neurotouch_hid.tracker import GelFinder
 
 
 def open_driver_source(options: DriverOptions, gel: Gel) -> Source:
@@ -24,6 +25,7 @@ def open_driver_source(options: DriverOptions, gel: Gel) -> Source:
             camera=load_camera_config(options.player),
             wait=options.wait,
             gel=gel,
+            finder=GelFinder(gel),
         )
     except CameraError as error:
         from neurotouch_hid.source.davis import find_cameras  # noqa: PLC0415

@@ -1,5 +1,8 @@
-"""Reads and writes AEDAT4 recordings and the labels beside them."""
+"""Reads and writes AEDAT4 recordings, video clips and the labels beside them."""
 
+from neurotouch_hid.recording.check import find_simulation
+from neurotouch_hid.recording.clip import Clip, Picture
+from neurotouch_hid.recording.clip_writer import ClipWriter
 from neurotouch_hid.recording.gel_file import gel_path, write_gel
 from neurotouch_hid.recording.labels import check_labelled, labels_path, read_labels, write_labels
 from neurotouch_hid.recording.reader import Batch, Recording
@@ -9,12 +12,16 @@ from neurotouch_hid.recording.writer import RecordingWriter
 
 __all__ = [
     "Batch",
+    "Clip",
+    "ClipWriter",
+    "Picture",
     "Recorder",
     "RecorderStats",
     "Recording",
     "RecordingWriter",
     "Simulation",
     "check_labelled",
+    "find_simulation",
     "gel_path",
     "labels_path",
     "read_labels",

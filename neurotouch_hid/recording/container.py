@@ -17,6 +17,7 @@ from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.files.small_file import open_regular
 from neurotouch_hid.recording.compression import MAX_BYTES, TooLargeError, decompress
 from neurotouch_hid.recording.header import MAX_HEADER_BYTES, parse_header
+from neurotouch_hid.vocabulary import RECORDING_ENDINGS
 
 _PACKET_HEAD: Final = struct.Struct("<ii")
 
@@ -50,16 +51,7 @@ class Container:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        if path.is_dir():
-            raise RecordingError(
-                f"'{path}' is a folder.", hint=f"Give a recording in it: {path}/NAME.aedat4"
-            )
-        try:
-            self._descriptor = open_regular(path)
-        except FileNotFoundError as error:
-            raise RecordingError(f"There is no file '{path}'.", hint=_name_near(path)) from error
-        except OSError as error:
-            raise self._refuse(error) from error
+        self._descriptor = open_recording(path)
         try:
             self._size = os.fstat(self._descriptor).st_size
             self.header = parse_header(path, self._read(0, MAX_HEADER_BYTES))
@@ -132,20 +124,31 @@ class Container:
         return RecordingError(f"'{self._path}' cannot be read: {error.strerror}.")
 
 
-def check_recording(path: Path) -> None:
-    """Checks that a file is there and has the header of a recording.
+def open_recording(path: Path) -> int:
+    """Returns a descriptor of a recording's file; the caller closes it.
 
     Raises:
-        RecordingError: the file is missing, a folder, empty, of another format or damaged.
+        RecordingError: the file is missing, a folder, or no plain file.
     """
-    Container(path).close()
+    if path.is_dir():
+        raise RecordingError(
+            f"'{path}' is a folder.", hint=f"Give a recording in it: {path}/NAME.aedat4"
+        )
+    try:
+        return open_regular(path)
+    except FileNotFoundError as error:
+        raise RecordingError(f"There is no file '{path}'.", hint=_name_near(path)) from error
+    except OSError as error:
+        raise RecordingError(f"'{path}' cannot be read: {error.strerror}.") from error
 
 
 def _name_near(path: Path) -> str:
     """Returns a hint with a recording of nearly the same name, or what else can be done."""
     with suppress(OSError):
-        stems = [file.stem for file in path.parent.glob("*.aedat4")]
-        near = difflib.get_close_matches(path.stem, stems, 1)
+        names = [
+            file.name for file in path.parent.iterdir() if file.name.endswith(RECORDING_ENDINGS)
+        ]
+        near = difflib.get_close_matches(path.name, names, 1)
         if near:
-            return f"Did you mean {path.with_name(near[0])}.aedat4?"
+            return f"Did you mean {path.with_name(near[0])}?"
     return "Check the name. To record one: neurotouch record NAME.aedat4"

@@ -18,7 +18,7 @@ from neurotouch_hid.files.small_file import read_text
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, GestureKind, Truth
 from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.printable import make_printable
-from neurotouch_hid.recording.container import check_recording
+from neurotouch_hid.recording.check import check_recording
 
 if TYPE_CHECKING:
     import _csv
@@ -106,8 +106,12 @@ def _refuse_unlabelled(path: Path) -> RecordingError:
     )
 
 
-def read_labels(path: Path | str) -> list[Truth]:
+def read_labels(path: Path | str, size_px: tuple[int, int] | None = None) -> list[Truth]:
     """Returns the labels of a recording, ascending in time; ``markers_px`` is None.
+
+    Args:
+        path: the CSV file.
+        size_px: width and height of the pictures whose pixels it names; None for 346 x 260.
 
     Raises:
         RecordingError: the file is missing or wrong; the message starts
@@ -116,7 +120,8 @@ def read_labels(path: Path | str) -> list[Truth]:
     path = Path(path)
     try:
         text = read_text(path, MAX_LABELS_BYTES)
-        truths = list(_parse(path, csv.reader(StringIO(text, newline=""), strict=True)))
+        reader = csv.reader(StringIO(text, newline=""), strict=True)
+        truths = list(_parse(path, reader, size_px or (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX)))
     except FileNotFoundError as error:
         raise _refuse_unlabelled(path) from error
     except OSError as error:
@@ -136,6 +141,7 @@ class _Row:
 
     place: str
     values: dict[str, str]
+    size_px: tuple[int, int]
 
     def error(self, column: str, expected: str) -> RecordingError:
         found = make_printable(self.values[column][:SHOWN_COLUMNS])
@@ -155,7 +161,7 @@ class _Row:
         return float(self.values[column])
 
 
-def _parse(path: Path, reader: "_csv.Reader") -> Iterator[Truth]:
+def _parse(path: Path, reader: "_csv.Reader", size_px: tuple[int, int]) -> Iterator[Truth]:
     header = [name.strip() for name in next(reader, [])]
     if tuple(header) != COLUMNS:
         raise RecordingError(
@@ -168,7 +174,8 @@ def _parse(path: Path, reader: "_csv.Reader") -> Iterator[Truth]:
         place = f"{path}:{reader.line_num}"
         if len(cells) != len(COLUMNS):
             raise RecordingError(f"{place}: expected {len(COLUMNS)} columns, found {len(cells)}.")
-        row = _Row(place, {name: cell.strip() for name, cell in zip(COLUMNS, cells, strict=True)})
+        values = {name: cell.strip() for name, cell in zip(COLUMNS, cells, strict=True)}
+        row = _Row(place, values, size_px)
         truth = _truth(row)
         if before_us is not None and truth.t_us <= before_us:
             raise row.error("timestamp_us", f"a time after the row before ({before_us})")
@@ -206,8 +213,7 @@ def _truth(row: _Row) -> Truth:
         if row.values[column]:
             raise row.error(column, f"nothing, since contacts is {n}")
     points = [row.number(column, "a number of pixels") for column in POINT_COLUMNS[: 2 * n]]
-    limits = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX) * n
-    for column, value, limit in zip(POINT_COLUMNS, points, limits, strict=False):
+    for column, value, limit in zip(POINT_COLUMNS, points, row.size_px * n, strict=False):
         if not -limit <= value <= 2 * limit:  # a contact may be beyond the picture's edge
             raise row.error(column, f"a pixel in or near the picture (0 to {limit - 1})")
     return Truth(t_us, _KINDS[label], np.array(points).reshape(-1, 2), intensity_mm)

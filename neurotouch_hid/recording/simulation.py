@@ -1,5 +1,6 @@
 """The mark of a recording whose data are simulated, as its header keeps it."""
 
+import json
 from dataclasses import asdict, dataclass
 from typing import Final
 from xml.etree import ElementTree
@@ -7,6 +8,8 @@ from xml.etree import ElementTree
 from neurotouch_hid.printable import make_printable
 
 NODE: Final = "simulation"
+_COMMENT: Final = "SIMULATED by neurotouch: "
+_LONGEST_COMMENT: Final = 16_000
 _LONGEST: Final = 1000
 """Limit for one value, in characters: a command line can be long, a header cannot."""
 
@@ -47,6 +50,31 @@ def format_simulation(mark: Simulation, path: str) -> str:
             attribute = ElementTree.SubElement(node, "attr", key=key, type="string")
             attribute.text = make_printable(str(value)[:_LONGEST])
     return ElementTree.tostring(node, encoding="unicode")
+
+
+def format_comment(mark: Simulation) -> str:
+    """Returns the mark as the comment of a video clip, one line."""
+    values = {key: value for key, value in asdict(mark).items() if value is not None}
+    return _COMMENT + json.dumps(values)
+
+
+def parse_comment(text: str) -> Simulation | None:
+    """Returns the mark in the comment of a video clip; None if it is another comment."""
+    if not text.startswith(_COMMENT) or len(text) > _LONGEST_COMMENT:
+        return None
+    try:
+        values = json.loads(text.removeprefix(_COMMENT))
+    except (ValueError, RecursionError):
+        values = None
+    if not isinstance(values, dict):
+        values = {}
+
+    def read(key: str) -> str:
+        return make_printable(str(values.get(key, ""))[:_LONGEST].strip())
+
+    seed = values.get("seed")
+    is_number = isinstance(seed, int) and not isinstance(seed, bool)
+    return Simulation(read("program"), read("source"), read("command"), seed if is_number else None)
 
 
 def read_simulation(root: ElementTree.Element) -> Simulation | None:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from neurotouch_hid.source.protocol import (
         ActivityAware,
         FactTelling,
+        PictureSource,
         PolledSource,
         Source,
         Troubled,
@@ -24,7 +25,7 @@ else:
         {
             "check": "FORMS check_source",
             "opening": "open_source",
-            "protocol": "ActivityAware FactTelling PolledSource Source Troubled",
+            "protocol": "ActivityAware FactTelling PictureSource PolledSource Source Troubled",
             "slicer": "Slicer slice_recording",
         },
     )
@@ -33,6 +34,7 @@ __all__ = [
     "FORMS",
     "ActivityAware",
     "FactTelling",
+    "PictureSource",
     "PolledSource",
     "Slicer",
     "Source",

@@ -7,9 +7,21 @@ from typing import Final
 from neurotouch_hid.errors import SourceError
 from neurotouch_hid.plugins import SOURCES, list_plugins
 from neurotouch_hid.source.davis.enumeration import choose_camera, find_cameras
-from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_kind
+from neurotouch_hid.vocabulary import (
+    RECORDING_ENDINGS,
+    RUNNING_DRIVER,
+    SourceKind,
+    find_source_kind,
+)
 
-FORMS: Final = ("davis:", "davis:SERIAL", "file:NAME.aedat4", "sim:NAME", RUNNING_DRIVER)
+FORMS: Final = (
+    "davis:",
+    "davis:SERIAL",
+    "file:NAME.aedat4",
+    "file:NAME.mkv",
+    "sim:NAME",
+    RUNNING_DRIVER,
+)
 """How the sources of this package are written."""
 
 
@@ -31,7 +43,7 @@ def check_source(spec: str) -> None:
     elif kind is SourceKind.CAMERA:
         choose_camera(find_cameras(), rest)
     elif kind is SourceKind.RECORDING:
-        from neurotouch_hid.recording.container import check_recording  # noqa: PLC0415
+        from neurotouch_hid.recording.check import check_recording  # noqa: PLC0415
 
         check_recording(find_path(spec))
     elif kind is SourceKind.DRIVER:
@@ -76,7 +88,7 @@ def refuse_source(spec: str) -> SourceError:
     elif Path(spec).is_dir():
         hint = f"It is a folder. Give a recording in it: file:{spec}/NAME.aedat4"
     elif Path(spec).is_file():
-        hint = f"Recordings end in .aedat4; if it is one: file:{spec}"
+        hint = f"Recordings end in {', '.join(RECORDING_ENDINGS)}; if it is one: file:{spec}"
     elif near := difflib.get_close_matches(f"{kind.lower()}:", forms, 1, 0.75):
         hint = f"Did you mean {near[0]}{rest}?"
     else:

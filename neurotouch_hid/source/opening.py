@@ -8,10 +8,11 @@ from neurotouch_hid.source.check import find_path, refuse_source
 from neurotouch_hid.source.pacing import PacedSource
 from neurotouch_hid.source.plugin import open_plugin
 from neurotouch_hid.source.protocol import Source
-from neurotouch_hid.vocabulary import SourceKind, Speed, find_source_kind
+from neurotouch_hid.vocabulary import SourceKind, Speed, find_source_kind, is_clip
 
 if TYPE_CHECKING:
     from neurotouch_hid.source.davis import DavisConfig
+    from neurotouch_hid.source.video.view_search import GelFinder
 
 PAPER_US = 10_000
 """Slices of recordings and simulations [NT, "Results"], so that figures stay comparable."""
@@ -30,13 +31,15 @@ def open_source(
     max_delay_us: int | None = None,
     repeats: bool = False,
     gel: Gel = PAPER_GEL,
+    finder: "GelFinder | None" = None,
 ) -> Source:
     """Returns the source of a name.
 
     Args:
-        spec: ``davis:`` (the first camera) or ``davis:SERIAL``, ``file:NAME.aedat4`` (or just the
-            path), ``sim:NAME``, ``driver:`` (packets of the running driver), or ``KIND:REST`` of
-            another package: its entry point KIND in ``neurotouch.sources`` is called as
+        spec: ``davis:`` (the first camera) or ``davis:SERIAL``, ``file:NAME.aedat4`` or a video
+            clip, ``file:NAME.mkv``, ``.avi`` or ``.mp4`` (or just the path), ``sim:NAME``,
+            ``driver:`` (packets of the running driver), or ``KIND:REST`` of another package: its
+            entry point KIND in ``neurotouch.sources`` is called as
             ``make(REST, slice_us=..., seed=...)``.
         slice_us: length of a slice of sensor time; without, ``LIVE_US`` of a camera and
             ``PAPER_US`` of anything else.
@@ -49,6 +52,7 @@ def open_source(
             if None, a limit that suits the pipeline.
         repeats: a simulated scene starts again at its end, for ever.
         gel: the gel that is simulated.
+        finder: finds the gel in the pictures of a video; without, frames show whole pictures.
 
     Raises:
         SourceError: there is no such source.
@@ -73,12 +77,24 @@ def open_source(
             wait=wait,
             max_delay_us=max_delay_us or MAX_DELAY_US,
         )
-    source = _open(kind, spec, slice_us or PAPER_US, seed, repeats, gel)
+    source = _open(kind, spec, slice_us or PAPER_US, seed, repeats, gel, finder)
     return PacedSource(source) if speed == "recorded" and not source.is_live else source
 
 
-def _open(kind: SourceKind, spec: str, slice_us: int, seed: int, repeats: bool, gel: Gel) -> Source:
+def _open(
+    kind: SourceKind,
+    spec: str,
+    slice_us: int,
+    seed: int,
+    repeats: bool,
+    gel: Gel,
+    finder: "GelFinder | None",
+) -> Source:
     # Imported here: a replay needs no simulator and its compiled kernels, and the other way round.
+    if kind is SourceKind.RECORDING and is_clip(spec):
+        from neurotouch_hid.source.video.clip import ClipReplay  # noqa: PLC0415
+
+        return ClipReplay(find_path(spec), finder, slice_us=slice_us)
     if kind is SourceKind.RECORDING:
         from neurotouch_hid.source.replay import Replay  # noqa: PLC0415
 

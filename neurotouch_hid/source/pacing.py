@@ -7,7 +7,7 @@ from neurotouch_hid.closing import Closing
 from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.source.idle import IdleMerger
 from neurotouch_hid.source.partial import LEAD_US, cut_partial
-from neurotouch_hid.source.protocol import Source
+from neurotouch_hid.source.protocol import PictureSource, Source
 
 
 class PacedSource(Closing):
@@ -41,7 +41,7 @@ class PacedSource(Closing):
         self.is_simulated = source.is_simulated
         self.due_ns = 0
         self._source, self._clock_ns, self._sleep_s = source, clock_ns, sleep_s
-        self._merger = IdleMerger()
+        self._merger, self._is_video = IdleMerger(), isinstance(source, PictureSource)
 
     def __iter__(self) -> Iterator[EventPacket]:
         start_ns: int | None = None
@@ -64,8 +64,12 @@ class PacedSource(Closing):
         is_idle: bool,
         wants_frames: bool = True,  # noqa: ARG002  # it has them anyway
     ) -> None:
-        """Sets whether idle slices may be merged, and partial slices delivered early."""
-        self._merger.is_idle = is_idle
+        """Sets whether idle slices may be merged, and partial slices delivered early.
+
+        Not of a video: without events, only a picture shows that something begins.
+        """
+        if not self._is_video:
+            self._merger.is_idle = is_idle
 
     def _wait(self, until_ns: int) -> bool:
         """Waits until ``until_ns``; returns False if that has passed already."""

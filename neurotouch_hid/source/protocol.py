@@ -7,6 +7,8 @@ from typing import Protocol, Self, runtime_checkable
 from neurotouch_hid.driver_state import SourceFacts
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EventPacket
+from neurotouch_hid.recording.clip import Picture
+from neurotouch_hid.source.view import View
 
 
 class Source(Protocol):
@@ -81,6 +83,20 @@ class Troubled(Protocol):
     @property
     def n_restarts(self) -> int:
         """Times it was started again because its data made no sense."""
+        ...
+
+
+@runtime_checkable
+class PictureSource(Source, Protocol):
+    """A source whose sensor gives pictures alone, of a size of its own."""
+
+    @property
+    def view(self) -> View | None:
+        """The map from the sensor's pictures to the frames now; None before the first picture."""
+        ...
+
+    def pictures(self) -> Iterator[Picture]:
+        """Yields the sensor's pictures as they are, instead of packets."""
         ...
 
 

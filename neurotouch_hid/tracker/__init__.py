@@ -2,6 +2,7 @@
 
 from neurotouch_hid.tracker.blobs import BlobFinder, Blobs
 from neurotouch_hid.tracker.flicker import Flicker
+from neurotouch_hid.tracker.gel_finder import GelFinder
 from neurotouch_hid.tracker.markers import MarkerTracker, TrackerConfig, TrackerStats
 from neurotouch_hid.tracker.rest import RestConfig, RestDetector, RestStats
 
@@ -9,6 +10,7 @@ __all__ = [
     "BlobFinder",
     "Blobs",
     "Flicker",
+    "GelFinder",
     "MarkerTracker",
     "RestConfig",
     "RestDetector",

@@ -6,6 +6,8 @@ from neurotouch_hid.cli.bench import _format
 
 STAGES = (
     "davis_decode_events_per_s",
+    "view_640x480_ms",
+    "view_1920x1200_ms",
     "tracker_events_per_s",
     "rest_ms",
     "tracker_ms",
@@ -48,7 +50,7 @@ def make_result():
 def test_all_goals_are_reached():
     text = _format(make_result())
     assert "short" not in text
-    assert text.count("OK") == 20
+    assert text.count("OK") == 22
 
 
 @pytest.mark.parametrize(

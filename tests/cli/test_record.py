@@ -16,9 +16,10 @@ from dataclasses import asdict
 import pytest
 
 from neurotouch_hid.driver.control_socket import ControlSocket
-from neurotouch_hid.recording import Recording, RecordingWriter
+from neurotouch_hid.recording import Clip, Recording, RecordingWriter
 from neurotouch_hid.recording.wire import send_packet
 from neurotouch_hid.source.idle import LONGEST_US
+from tests.recording.clips import draw, write_clip
 from tests.recording.streams import make_packets
 from tests.recording.test_writer import count, count_with_the_maker
 
@@ -432,3 +433,45 @@ def test_a_recording_of_a_sensor_says_nothing(record, quick, tmp_path):
     done = record(tmp_path / "a.aedat4", *quick)
     assert "SIMULATED" not in done.stdout + done.stderr
     assert Recording(tmp_path / "a.aedat4").simulation is None
+
+
+def test_a_clip_is_recorded_as_it_is(record, tmp_path):
+    pictures = [draw(k) for k in range(20)]
+    stamps = [0, *(k * 8_000 + 123 for k in range(1, 20))]
+    source = write_clip(tmp_path / "a.mp4", pictures, stamps)
+    (tmp_path / "a.rig.yaml").write_text("mirrored: true\n")
+    done = record(tmp_path / "b.mkv", "--source", f"file:{source}", "--json")
+    assert done.returncode == 0, done.stderr
+    report = json.loads(done.stdout)
+    assert (report["frames"], report["events"], report["lost_here"]) == (20, 0, 0)
+    before, after = list(Clip(source)), list(Clip(tmp_path / "b.mkv"))
+    assert [p.exposure_end_us for p in after] == stamps
+    assert [p.jpeg for p in after] == [p.jpeg for p in before]
+    assert (tmp_path / "b.rig.yaml").read_text() == "mirrored: true\n"
+
+
+def test_a_clip_is_recorded_in_part(record, tmp_path):
+    pictures = [draw(k) for k in range(20)]
+    source = write_clip(tmp_path / "a.mkv", pictures, range(0, 800_000, 40_000), "ffv1", "gray")
+    done = record(tmp_path / "b.mkv", "--source", source, "--seconds", "0.4")
+    assert done.returncode == 0, done.stderr
+    read = list(Clip(tmp_path / "b.mkv"))
+    assert len(read) == 11
+    assert (read[7].pixels == pictures[7]).all()
+
+
+@pytest.mark.parametrize(
+    ("out", "source", "words"),
+    [
+        ("b.aedat4", "a.mkv", "has no events, which a recording in .aedat4 needs"),
+        ("b.avi", "a.mkv", "does not end in .aedat4 or .mkv"),
+        ("b.mkv", "sim:push", "cannot keep events"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(record, tmp_path, out, source, words):
+    write_clip(tmp_path / "a.mkv", [draw(0)], [0], "ffv1", "gray")
+    name = source if ":" in source else tmp_path / source
+    done = record(tmp_path / out, "--source", name, "--seconds", "1")
+    assert done.returncode == 4
+    assert words in done.stderr
+    assert not (tmp_path / out).exists()

@@ -6,11 +6,13 @@ from neurotouch_hid.errors import DeviceError, DriverError, ProfileError
 from tests.fuzz import control_socket, pad_messages, page_messages, profiles
 from tests.fuzz.area import Area
 from tests.fuzz.camera_words import CAMERA_WORDS
+from tests.fuzz.clips import CLIPS
 from tests.fuzz.recordings import RECORDINGS
 from tests.fuzz.texts import CAMERAS, DRIVERS, IDENTITIES, LABELS, RIGS, SERVICES, USERS
 
 FILES: Final[dict[str, Area]] = {
     "recordings": RECORDINGS,
+    "clips": CLIPS,
     "rigs": RIGS,
     "labels": LABELS,
     "identities": IDENTITIES,

@@ -101,7 +101,11 @@ def test_a_recording_without_frames(recorded, tmp_path):
     ("spec", "words", "hint"),
     [
         ("davis:", "No DAVIS camera is plugged in", "sim:tour"),
-        ("nonsense", "'nonsense' is not a source", "davis:SERIAL, file:NAME.aedat4, sim:NAME"),
+        (
+            "nonsense",
+            "'nonsense' is not a source",
+            "davis:SERIAL, file:NAME.aedat4, file:NAME.mkv, sim:NAME",
+        ),
         ("http://x", "'http://x' is not a source", "sim:NAME"),
         ("file:", "needs the name of a recording", "file:play.aedat4"),
         ("sim:nothing", "nothing", "tour"),

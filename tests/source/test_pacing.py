@@ -135,3 +135,31 @@ def test_the_head_of_a_slice_comes_shortly_before_its_end():
 def test_no_head_comes_of_a_short_slice_or_to_a_line_that_is_late():
     assert not any(packet.is_partial for packet, _ in play_busy(SHORTEST_US - 100))
     assert not any(packet.is_partial for packet, _ in play_busy(4_000, 4_000_000))
+
+
+class Video(Packets):
+    """Forty empty packets of a video."""
+
+    view = None
+
+    def __iter__(self):
+        for i in range(40):
+            yield EventPacket(i * 10_000, (i + 1) * 10_000, NO_EVENTS)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def pictures(self):
+        return iter(())
+
+
+def test_slices_of_a_video_come_one_by_one():
+    clock = Clock()
+    paced = PacedSource(Video(), clock, clock.sleep_s)
+    paced.set_activity(is_idle=True)
+    packets = list(paced)
+    assert len(packets) == 40
+    assert all(packet.t_end_us - packet.t_begin_us == 10_000 for packet in packets)

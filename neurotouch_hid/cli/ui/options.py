@@ -106,7 +106,8 @@ source_option = click.option(
     "--source",
     default="davis:",
     show_default=True,
-    help="davis: (the camera), file:NAME.aedat4 (a recording) or sim:NAME (the simulator).",
+    help="davis: (the camera), file:NAME.aedat4 (a recording), file:NAME.mkv (a video clip) or "
+    "sim:NAME (the simulator).",
 )
 gel_option = click.option(
     "--gel",

@@ -1,5 +1,8 @@
 """A tap that compares steps with the labels of their recording."""
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,6 +12,7 @@ from neurotouch_hid.evaluation.accuracy.tally import Tally
 from neurotouch_hid.evaluation.accuracy.type_timing import Stopwatch
 from neurotouch_hid.geometry import Rig, fit_rig
 from neurotouch_hid.messages import GestureKind, MarkerField, Step, Truth
+from neurotouch_hid.source.view import View
 
 
 class Comparison:
@@ -19,6 +23,7 @@ class Comparison:
 
     Args:
         labels: of the same recording.
+        find_view: returns the view of a video, of whose own pictures the labels are pixels.
 
     Attributes:
         tally: the counts so far.
@@ -26,12 +31,14 @@ class Comparison:
         rig: the present view of the sensor, None before the gel is found.
     """
 
-    def __init__(self, labels: LabelTrack) -> None:
+    def __init__(
+        self, labels: LabelTrack, find_view: Callable[[], View | None] = lambda: None
+    ) -> None:
         self.worst = WorstMoments()
         self.rig: Rig | None = None
         self._stopwatch = Stopwatch(labels)
         self.tally = Tally(timing=self._stopwatch.timing)
-        self._labels = labels
+        self._labels, self._find_view = labels, find_view
         self._rest_px: NDArray[np.float32] | None = None
 
     def __call__(self, step: Step) -> None:
@@ -43,7 +50,7 @@ class Comparison:
         self._find_rig(step.markers)
         truth = self._labels.at(step.gesture.t_us)
         if truth is not None:
-            self._add_gesture(step, truth)
+            self._add_gesture(step, map_truth(truth, self._find_view()))
         for frame in packet.frames:
             label = self._labels.nearest(frame.t_us)
             if label is not None:
@@ -64,3 +71,15 @@ class Comparison:
             self._rest_px = markers.rest_px
             known = np.isfinite(markers.rest_px).all(axis=1).sum() >= 2
             self.rig = fit_rig(markers.rest_px, markers.gel) if known else None
+
+
+def map_truth(truth: Truth, view: View | None) -> Truth:
+    """Returns a label with its contacts in the canonical picture.
+
+    Args:
+        truth: the label; its contacts are pixels of the sensor's own picture.
+        view: of that sensor; None if its picture is the canonical one.
+    """
+    if view is None or not len(truth.contacts_px):
+        return truth
+    return replace(truth, contacts_px=view.to_canonical(truth.contacts_px))

@@ -13,15 +13,19 @@ from typing import Any
 
 from neurotouch_hid.driver import REFERENCE, Driver, DriverOptions
 from neurotouch_hid.errors import NeuroTouchError
-from neurotouch_hid.evaluation.accuracy.comparison import Comparison
+from neurotouch_hid.evaluation.accuracy.comparison import Comparison, map_truth
 from neurotouch_hid.evaluation.accuracy.label_statistics import LabelStatistics
 from neurotouch_hid.evaluation.accuracy.label_track import LabelTrack
 from neurotouch_hid.evaluation.accuracy.metrics import summarise
 from neurotouch_hid.evaluation.accuracy.moments import WorstMoment
 from neurotouch_hid.evaluation.accuracy.origin import Origin
 from neurotouch_hid.evaluation.accuracy.tally import Tally
+from neurotouch_hid.messages import Truth
 from neurotouch_hid.process.own_pool import open_pool
-from neurotouch_hid.recording import check_labelled, labels_path, read_labels
+from neurotouch_hid.recording import Clip, check_labelled, labels_path, read_labels
+from neurotouch_hid.source import PictureSource
+from neurotouch_hid.source.view import View
+from neurotouch_hid.vocabulary import is_clip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,7 +48,7 @@ class Evaluation:
     """Results of ``evaluate_files``.
 
     Attributes:
-        files: each recording by its name: the file's name without ``.aedat4``, or the whole path
+        files: each recording by its name: the file's name without its ending, or the whole path
             where two share one.
     """
 
@@ -87,7 +91,7 @@ def evaluate_files(
     """Plays every recording as fast as possible and compares it with the labels beside it.
 
     Args:
-        paths: AEDAT4 recordings, each with its ``NAME.labels.csv``.
+        paths: AEDAT4 recordings or video clips, each with its ``NAME.labels.csv``.
         options: method and rate, by default the paper's; each path replaces its source.
         jobs: number of recordings at a time, each in a process of its own.
         progress: called with each path when it is done.
@@ -99,7 +103,7 @@ def evaluate_files(
     """
     check_labelled(paths)
     for path in paths:
-        read_labels(labels_path(path))
+        _read_labels(path)
     stems = Counter(path.stem for path in paths)
     finished = {}
     for path, played in _play_all(paths, options, min(jobs, len(paths))):
@@ -135,9 +139,20 @@ def _die_silently() -> None:
 
 def evaluate_file(path: Path, options: DriverOptions = REFERENCE) -> Played:
     """Returns the results of one recording; see ``evaluate_files``."""
-    labels = read_labels(labels_path(path))
-    comparison = Comparison(LabelTrack(labels))
+    labels = _read_labels(path)
     with Driver(replace(options, source=f"file:{path}")) as driver:
+        source = driver.source
+
+        def find_view() -> View | None:
+            return source.view if isinstance(source, PictureSource) else None
+
+        comparison = Comparison(LabelTrack(labels), find_view)
         comparison.tally.host_s = driver.run([comparison]).host_s
-    statistics = LabelStatistics.of(labels, comparison.rig, driver.gel)
+        seen = [map_truth(label, find_view()) for label in labels]
+    statistics = LabelStatistics.of(seen, comparison.rig, driver.gel)
     return Played(comparison.tally, comparison.worst.ranked(), statistics)
+
+
+def _read_labels(path: Path) -> list[Truth]:
+    """Returns the labels beside a recording; those of a clip are pixels of its own pictures."""
+    return read_labels(labels_path(path), Clip(path).size_px if is_clip(path) else None)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from neurotouch_hid import __version__
-from neurotouch_hid.recording import Recording, Simulation
+from neurotouch_hid.recording import Simulation, find_simulation
 from neurotouch_hid.source.simulator.dataset import read_manifest
 
 
@@ -75,7 +75,7 @@ def _find_mark(path: Path) -> Simulation | None:
     Raises:
         RecordingError: it is no recording.
     """
-    mark = Recording(path).simulation
+    mark = find_simulation(path)
     recipe = read_manifest(path.parent).get(path.stem)
     if mark is not None or not isinstance(recipe, dict):
         return mark

@@ -20,12 +20,19 @@ from neurotouch_hid.evaluation.accuracy.files import evaluate_files
 from neurotouch_hid.evaluation.speed.decoding import measure_decoding
 from neurotouch_hid.evaluation.speed.pace import run_live_benchmark
 from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
-from neurotouch_hid.messages import EventPacket, GestureKind, Truth
+from neurotouch_hid.messages import (
+    SENSOR_HEIGHT_PX,
+    SENSOR_WIDTH_PX,
+    EventPacket,
+    GestureKind,
+    Truth,
+)
 from neurotouch_hid.process.gc_freeze import freeze_gc
 from neurotouch_hid.process.own_command import make_own_command, make_own_python
 from neurotouch_hid.profile import Mapping, load_profile
 from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
 from neurotouch_hid.source import open_source
+from neurotouch_hid.source.view import View, ViewTable
 from neurotouch_hid.tracker import MarkerTracker, RestDetector, TrackerConfig
 
 SCENE = "random"
@@ -34,6 +41,8 @@ FAST_SCENE = "fast"
 """The paper's largest motions at its largest speeds, 18 mm at 210 mm/s: the most events."""
 PREPARED_S = 20.0
 """Largest sensor time of a scene."""
+_VIEW_SIZES = (640, 480), (1920, 1200)
+_N_VIEWS = 1_000
 _LABELLED_US = range(0, round(PREPARED_S * 1e6) + 1, 40_000)
 READY, PLAYED = "Gamepad ready", "Played "
 """The words that ``neurotouch run`` prints when the pad is ready, and at the end."""
@@ -81,7 +90,8 @@ def run_benchmark(
 
     Returns:
         Of each of these median, p99 and p99.9: ``davis_decode_events_per_s`` (bytes to events),
-        ``tracker_events_per_s`` (of the fast scene), ``rest_ms`` (per frame), ``tracker_ms``,
+        ``tracker_events_per_s`` (of the fast scene), ``view_640x480_ms`` and
+        ``view_1920x1200_ms`` (a picture to a frame), ``rest_ms`` (per frame), ``tracker_ms``,
         ``gesture_ms``, ``profile_ms`` and ``advance_ms`` (all together, per slice of 10 ms). And
         ``tracker_ratio`` (how much longer it takes to look for the nearest marker among all),
         ``events_per_s`` of the scene of the slices, ``realtime_factor`` of a recording
@@ -101,6 +111,7 @@ def run_benchmark(
     with freeze_gc():  # as ``run`` does it
         result: dict[str, Any] = {
             "davis_decode_events_per_s": Spread.of(measure_decoding(), rate=True).as_json(),
+            **_measure_views(),
             **_measure_tracker(fast),
             **_measure_stages(packets, options),
         }
@@ -127,6 +138,25 @@ def _simulate(scene: str) -> list[EventPacket]:
             if packet.t_end_us >= PREPARED_S * 1e6:
                 break
     return packets
+
+
+def _measure_views() -> dict[str, Any]:
+    """Returns the time in which a sensor's picture becomes the canonical one, lens included."""
+    chance = np.random.default_rng(0)
+    out = np.empty((SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX), np.uint8)
+    result = {}
+    for width, height in _VIEW_SIZES:
+        scale = SENSOR_HEIGHT_PX / height
+        table = ViewTable(View(width, height, (width / 2, height / 2), scale, lens=-0.1))
+        pixels = chance.integers(0, 256, (height, width)).astype(np.uint8)
+        took_ms = []
+        for _ in range(_N_VIEWS + 1):
+            begun = time.perf_counter()
+            table.draw(pixels, out)
+            took_ms.append((time.perf_counter() - begun) * 1e3)
+        # The first one may have been compiled.
+        result[f"view_{width}x{height}_ms"] = Spread.of(np.array(took_ms[1:])).as_json()
+    return result
 
 
 def _measure_tracker(packets: list[EventPacket]) -> dict[str, Any]:

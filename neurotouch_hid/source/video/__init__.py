@@ -1,0 +1,1 @@
+"""Sources of pictures alone: video clips and cameras that give no events."""

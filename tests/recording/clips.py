@@ -1,0 +1,38 @@
+"""Writes clips with FFmpeg's own encoders and writers, as other programs do."""
+
+from fractions import Fraction
+
+import av
+import numpy as np
+
+US = Fraction(1, 1_000_000)
+
+
+def draw(k, size_px=(640, 480)):
+    """Picture ``k`` of a series, (h, w) uint8: a ramp with a square that moves on."""
+    width, height = size_px
+    y, x = np.mgrid[:height, :width]
+    picture = (40 + 100 * x // width + 60 * y // height).astype(np.uint8)
+    at = 16 + 8 * (k % 10)
+    picture[at : at + 48, at : at + 48] = 250
+    return picture
+
+
+def write_clip(path, pictures, stamps_us, codec="mjpeg", pixels="yuvj420p", *, fps=30, **options):
+    """Writes grey pictures; stamps are kept as exactly as the container can (AVI: numbers)."""
+    height, width = pictures[0].shape
+    by_number = path.suffix == ".avi"
+    base = Fraction(1, fps) if by_number else US
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream(codec, rate=fps, options=options)
+        stream.width, stream.height, stream.pix_fmt = width, height, pixels
+        if codec != "mpeg4":
+            stream.codec_context.time_base = base
+        for k, (picture, t_us) in enumerate(zip(pictures, stamps_us, strict=True)):
+            frame = av.VideoFrame.from_ndarray(picture, format="gray")
+            if pixels != "gray":
+                frame = frame.reformat(format=pixels)
+            frame.pts, frame.time_base = (k if by_number else t_us), base
+            container.mux(stream.encode(frame))
+        container.mux(stream.encode(None))
+    return path
