@@ -48,6 +48,18 @@ class Gel:
         """The number of markers."""
         return len(self.points_mm)
 
+    def lighten(self, pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Returns a picture in which the markers are light: inverted if they are dark."""
+        return pixels if self.light else ~pixels
+
+    def lighten_events(self, events: NDArray[np.void]) -> NDArray[np.void]:
+        """Returns events, (m,) EVENT_DTYPE, as light markers make them, not dark ones."""
+        if self.light:
+            return events
+        inverted = events.copy()
+        inverted["p"] = ~events["p"]
+        return inverted
+
 
 def make_gel(
     name: str,
@@ -138,17 +150,14 @@ def count_turns(points_mm: Floats) -> int:
 
 def _find_neighbours(points_mm: Floats, near_mm: float) -> NDArray[np.intp]:
     """Returns the nearest markers around each within a distance, row by row; -1 fills the rows."""
-    step = points_mm[None] - points_mm[:, None]
-    away = np.hypot(step[..., 0], step[..., 1])
+    away = np.hypot(*(points_mm[:, None] - points_mm).transpose(2, 0, 1))
     np.fill_diagonal(away, np.inf)
-    neighbours = np.full((len(points_mm), _MOST_NEIGHBOURS), -1, np.intp)
-    for i, row in enumerate(away):
-        near = np.argsort(row, kind="stable")[:_MOST_NEIGHBOURS]
-        near = near[row[near] < near_mm]
-        x, y = step[i, near].T
-        near = near[np.lexsort((x, y))]
-        neighbours[i, : len(near)] = near
-    return neighbours
+    nearest = np.argsort(away, axis=1, kind="stable")[:, :_MOST_NEIGHBOURS]
+    is_far = np.take_along_axis(away, nearest, axis=1) >= near_mm
+    x, y = points_mm[nearest].transpose(2, 0, 1)
+    order = np.lexsort((x, y, is_far), axis=1)
+    neighbours: NDArray[np.intp] = np.where(is_far, -1, nearest)
+    return np.take_along_axis(neighbours, order, axis=1)
 
 
 PAPER_GEL = make_gel(

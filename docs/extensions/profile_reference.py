@@ -1,6 +1,7 @@
 """Writes the tables of the profile's keys into the documents, from the schema of the program.
 
-``python docs/extensions/profile_reference.py`` renews ``profile-format.md`` and ``user-format.md``.
+``python docs/extensions/profile_reference.py`` renews ``profile-format.md``,
+``user-format.md`` and ``gel-format.md``.
 """
 
 import textwrap
@@ -8,10 +9,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from neurotouch_hid.driver.gel_settings import gel_schema
 from neurotouch_hid.profile import profile_schema, user_schema
 
 DOCS = Path(__file__).parents[1]
-SCHEMAS = {"profile-format.md": profile_schema, "user-format.md": user_schema}
+SCHEMAS = {
+    "profile-format.md": profile_schema,
+    "user-format.md": user_schema,
+    "gel-format.md": gel_schema,
+}
 MARK = "<!-- generated: python docs/extensions/profile_reference.py -->\n"
 COLUMNS = 120
 

@@ -18,7 +18,7 @@ from neurotouch_hid.driver.camera_settings import (
 from neurotouch_hid.driver.last_gel import LastGel
 from neurotouch_hid.errors import NotRunningError
 from neurotouch_hid.gel_sentences import explain_gel
-from neurotouch_hid.geometry import PAPER_GEL, Gel
+from neurotouch_hid.geometry import PAPER_GEL, Gel, count_turns
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EventPacket, GelProblem, Gesture, GestureKind, Step
 from neurotouch_hid.players import find_machine_folder, find_runtime_folder
@@ -31,8 +31,9 @@ from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_ki
 
 _LEAST_MM: Final = 2.5
 """A weaker gesture has no clear direction."""
-_MOST_OFF_DEG: Final = 30.0
-"""A push that is farther from each of four directions than this has to be made again."""
+_MOST_OFF: Final = 1.0 / 3.0
+"""Of the angle between two turns that look the same. A push that is farther from each of them has
+to be made again."""
 _PUSH: Final = "Push the gel to the right, as you sit, and let go. There is no time limit. {skip}"
 _TWIST: Final = "Now twist the gel clockwise with two fingers, and let go. {skip}"
 _SKIP: Final = "S and Enter skips."
@@ -44,38 +45,41 @@ class View:
 
     Attributes:
         is_mirrored: the picture has to be mirrored, or must not be mirrored any more.
-        quarters: quarter turns clockwise from what was assumed to the true turn.
+        turned_deg: from the turn that was assumed to the true one, clockwise, of those that look
+            the same: quarters of a square lattice.
         rotation_deg: true turn of the gel in the picture, after the mirroring has been corrected.
     """
 
     is_mirrored: bool
-    quarters: int
+    turned_deg: int
     rotation_deg: float
 
     @property
     def is_right(self) -> bool:
         """Nothing needs to be changed."""
-        return not self.is_mirrored and self.quarters == 0
+        return not self.is_mirrored and self.turned_deg == 0
 
 
-def find_view(push: Gesture, twist: Gesture, rotation_deg: float) -> View | None:
+def find_view(push: Gesture, twist: Gesture, rotation_deg: float, n_turns: int = 4) -> View | None:
     """Returns how the camera sees the gel; None if the direction of the push is not clear.
 
     Args:
         push: a push to the right, as it is seen.
         twist: a clockwise twist, as it is seen.
         rotation_deg: turn of the gel in the picture that was assumed.
+        n_turns: turns after which the gel looks the same, within a whole one.
     """
     x, y = push.translation_mm
     seen_deg = math.degrees(math.atan2(y, x))
     is_mirrored = twist.kind is GestureKind.TWIST_CCW
     if is_mirrored:  # left and right change places, and the turn its sense
         seen_deg, rotation_deg = 180.0 - seen_deg, -rotation_deg
-    quarters = round(seen_deg / 90.0)
-    if abs(seen_deg - 90.0 * quarters) > _MOST_OFF_DEG:
+    part_deg = 360.0 / n_turns
+    turned_deg = part_deg * round(seen_deg / part_deg)
+    if abs(seen_deg - turned_deg) > _MOST_OFF * part_deg:
         return None
-    true_deg = rotation_deg + 90.0 * quarters
-    return View(is_mirrored, quarters % 4, (true_deg + 180.0) % 360.0 - 180.0)
+    true_deg = rotation_deg + turned_deg
+    return View(is_mirrored, round(turned_deg) % 360, (true_deg + 180.0) % 360.0 - 180.0)
 
 
 def watch_view(
@@ -109,7 +113,7 @@ def watch_view(
         twist = _wait_for(steps, {GestureKind.TWIST_CW, GestureKind.TWIST_CCW}, say)
         if twist is None:
             return None
-        view = find_view(push, twist, pipeline.gel.rotation_deg or 0.0)
+        view = find_view(push, twist, pipeline.gel.rotation_deg or 0.0, count_turns(gel.points_mm))
         if view is None:
             say("The push went between two directions.")
     return view
@@ -135,8 +139,8 @@ def judge_view(view: View, advice: Advice) -> Finding:
     if view.is_right:
         return approve("A push to the right and a clockwise twist are seen as they are.")
     faults = ["mirrored"] if view.is_mirrored else []
-    if view.quarters:
-        faults.append(f"turned by {90 * view.quarters}°")
+    if view.turned_deg:
+        faults.append(f"turned by {view.turned_deg}°")
     lines = ", ".join(f"{key}: {str(value).lower()}" for key, value in advice.changes.items())
     return warn(
         f"The camera sees the gel {' and '.join(faults)}.",

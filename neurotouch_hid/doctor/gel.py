@@ -204,7 +204,7 @@ class GelView:
         stats = detector.stats()
         n_found = stats.n_found
         if not rests:  # then that is the number of bright dots, markers or not
-            dots = BlobFinder().find(self._seen.frames[-1].pixels).centroid_px
+            dots = BlobFinder(gel=self._made).find(self._seen.frames[-1].pixels).centroid_px
             lattice = LatticeFinder(self._made).find(dots)
             n_found = 0 if lattice is None else lattice.n_found
         first, last = (rests[0], rests[-1]) if rests else (None, None)
@@ -240,7 +240,7 @@ class GelView:
 
         picture = cv2.cvtColor(frame.pixels, cv2.COLOR_GRAY2BGR)
         picture = cv2.resize(picture, None, fx=3, fy=3, interpolation=cv2.INTER_NEAREST)
-        dots = BlobFinder().find(frame.pixels).centroid_px
+        dots = BlobFinder(gel=self._made).find(frame.pixels).centroid_px
         markers = np.zeros((0, 2)) if gel.last_px is None else gel.last_px.astype(np.float64)
         apart = np.hypot(*(dots[:, None] - markers).transpose(2, 0, 1)) > _SAME_PX
         for dot, lonely in zip(dots, apart.all(axis=1), strict=True):

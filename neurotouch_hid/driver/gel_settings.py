@@ -38,7 +38,9 @@ FILE: Final = "gel.yaml"
 SUFFIX: Final = ".gel.yaml"
 LEAST_DOTS: Final = 40
 MOST_DOTS: Final = 400
-_MOST_MM: Final = 100.0
+MOST_FAR_MM: Final = 31.0
+"""Farther from the middle the recogniser does not expect any gel."""
+
 _NEEDS: Final[dict[str, tuple[str, ...]]] = {
     "square": ("pitch_mm", "radius_mm"),
     "hex": ("pitch_mm", "radius_mm"),
@@ -48,23 +50,24 @@ _NEEDS: Final[dict[str, tuple[str, ...]]] = {
 }
 """The keys of each kind of layout, all of them needed."""
 
-Length = Annotated[float, Field(ge=0.5, le=_MOST_MM)]
-Coordinate = Annotated[float, Field(ge=-_MOST_MM, le=_MOST_MM)]
+Length = Annotated[float, Field(ge=0.5, le=MOST_FAR_MM)]
+Coordinate = Annotated[float, Field(ge=-MOST_FAR_MM, le=MOST_FAR_MM)]
 Count = Annotated[int, Field(ge=2, le=200)]
 
 
-def _key(description: str) -> Any:
-    return Field(default=None, description=description, json_schema_extra=make_optional())
+def _key(description: str, unit: str | None = None) -> Any:
+    return Field(default=None, description=description, json_schema_extra=make_optional(unit))
 
 
 def _drop_null(schema: dict[str, Any]) -> None:
     """Leaves the forms of a key that may be left out but not be empty."""
     schema.pop("default")
     schema["anyOf"].pop()
+    schema["x-unit"] = "mm"
 
 
 class Layout(Strict):
-    """Where the dots are on the gel, seen from above: x right, y towards the user."""
+    """The places of the dots on the gel, seen from above: x right, y towards the user."""
 
     kind: Literal["square", "hex", "rings", "grid", "points"] = Field(
         description="square: rows and columns within a circle, one dot in the middle. hex: the "
@@ -73,11 +76,13 @@ class Layout(Strict):
     )
     pitch_mm: Length | Annotated[list[Length], Field(min_length=2, max_length=2)] | None = Field(
         default=None,
-        description="Distance of neighbours, from centre to centre; of a grid also [x, y]. "
+        description="Distance of neighbours in mm, from centre to centre; of a grid also [x, y]. "
         "Default: none.",
         json_schema_extra=_drop_null,
     )
-    radius_mm: Length | None = _key("Of the circle that contains all dots' centres. Default: none.")
+    radius_mm: Length | None = _key(
+        "Of the circle that contains all dots' centres, in mm. Default: none.", "mm"
+    )
     columns: Count | None = _key("Dots from left to right, of a grid. Default: none.")
     rows: Count | None = _key("Dots from top to bottom, of a grid. Default: none.")
     points_mm: (
@@ -86,7 +91,7 @@ class Layout(Strict):
             Field(min_length=LEAST_DOTS, max_length=MOST_DOTS),
         ]
         | None
-    ) = _key("Centre of each dot, [[x, y], ...]. Default: none.")
+    ) = _key("Centre of each dot in mm, [[x, y], ...]. Default: none.", "mm")
 
     @model_validator(mode="after")
     def _has_the_keys_of_its_kind(self) -> Self:
@@ -109,10 +114,11 @@ class Layout(Strict):
             raise PydanticCustomError(
                 "layout", "only a grid has two distances", {"at": ("pitch_mm",)}
             )
-        self._check_number()
+        self._check_dots()
         return self
 
-    def _check_number(self) -> None:
+    def _check_dots(self) -> None:
+        """Checks how many dots there are, and how far from the middle."""
         at = next(key for key in ("radius_mm", "columns", "points_mm") if key in _NEEDS[self.kind])
         n = self.count()
         if not LEAST_DOTS <= n <= MOST_DOTS:
@@ -120,6 +126,18 @@ class Layout(Strict):
                 "layout",
                 "gives {n} dots, and a gel has {least} to {most}",
                 {"n": n, "least": LEAST_DOTS, "most": MOST_DOTS, "at": (at,)},
+            )
+        far_mm = np.hypot(*self.place().T)
+        if far_mm.max() > MOST_FAR_MM + 1e-6:
+            raise PydanticCustomError(
+                "layout",
+                "dot {number} is {far} mm from the middle, and {most} mm are possible",
+                {
+                    "number": int(far_mm.argmax()) + 1,
+                    "far": f"{far_mm.max():.3g}",
+                    "most": f"{MOST_FAR_MM:g}",
+                    "at": (at,),
+                },
             )
 
     def count(self) -> int:
@@ -169,7 +187,7 @@ class GelSettings(Strict):
     layout: Layout = Field(description="Where the dots are. No default.")
     dot_mm: Annotated[float, Field(ge=0.2, le=20.0)] = Field(
         default=PAPER_GEL.dot_mm,
-        description="Diameter of a dot. Default: 1.",
+        description="Diameter of a dot in mm. Default: 1.",
         json_schema_extra=give_unit("mm"),
     )
     dots: Literal["light", "dark"] = Field(
@@ -179,7 +197,7 @@ class GelSettings(Strict):
     )
     dome_height_mm: Annotated[float, Field(ge=0.0, le=50.0)] = Field(
         default=PAPER_GEL.dome_height_mm,
-        description="How much higher the middle of the gel is than its rim; 0: it is flat. The "
+        description="How many mm the middle of the gel is higher than its rim; 0: it is flat. The "
         "simulator uses it. Default: 15.",
         json_schema_extra=give_unit("mm"),
     )

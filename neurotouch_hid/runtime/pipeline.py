@@ -85,7 +85,7 @@ class Pipeline:
         """
         if user is not None:
             gesture = replace(gesture, neutral=user.neutral)
-        finder = BlobFinder()
+        finder = BlobFinder(gel=gel)
         detector = RestDetector(rig=rig, finder=finder, near_rad=near_rad, gel=gel)
         rest: FrameExchange = (
             ThreadedRest(detector, finder) if frame_thread else InlineRest(detector)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.tracker.kernels import image as kernels
 
@@ -60,10 +61,14 @@ class BlobFinder:
     """Finds the blobs of frames; the buffers are reused.
 
     The result for the last frame is kept, so a second call for the same frame costs nothing.
+
+    Args:
+        config: what is a marker.
+        gel: says whether the markers are light or dark.
     """
 
-    def __init__(self, config: BlobConfig | None = None) -> None:
-        self._config = config or BlobConfig()
+    def __init__(self, config: BlobConfig | None = None, gel: Gel = PAPER_GEL) -> None:
+        self._config, self._gel = config or BlobConfig(), gel
         h, w, block = SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, kernels.BLOCK_PX
         blocks = -(-h // block), -(-w // block)
         self._buffers = kernels.Buffers(
@@ -85,7 +90,7 @@ class BlobFinder:
 
     def _search(self, pixels: NDArray[np.uint8]) -> Blobs:
         c = self._config
-        pixels = np.require(pixels, np.uint8, ["C", "W"])
+        pixels = np.require(self._gel.lighten(pixels), np.uint8, ["C", "W"])
         b = self._buffers
         n_clear = kernels.threshold_blocks(
             pixels, c.n_sigma, c.min_contrast, b.threshold, b.background

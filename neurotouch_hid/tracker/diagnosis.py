@@ -24,7 +24,10 @@ from neurotouch_hid.tracker.spectrum import find_pattern
 
 _DARK, _DIM = 16.0, 50.0  # grey levels that 199 of 200 pixels of a dark picture do not reach
 _SATURATED, _BRIGHT_SHARE = 250, 0.1  # share of saturated pixels of a picture that is too bright
-_WIDE: Final = (2.8, 34.0)  # pitch in px, searched for a gel that is too small or too large
+_WIDE: Final = (
+    2.8,
+    255.0,
+)  # pitch and radius in px, searched for a gel that is too small or too large
 _MOST_SCATTER: Final = 0.0875  # of the pitch; single markers farther off their places are irregular
 _GLINT: Final = 1.2  # as much brighter than the markers around it is a reflection ...
 _USUAL: Final = 0.9  # ... than the brighter ones of them: some may be faint
@@ -70,7 +73,7 @@ class Diagnosis:
 
     def __init__(self, finder: LatticeFinder, near_rad: float) -> None:
         self._gel, self._config, self._near_rad = finder.gel, finder.config, near_rad
-        wide = replace(finder.config, min_pitch_px=_WIDE[0], max_pitch_px=_WIDE[1])
+        wide = replace(finder.config, min_pitch_px=_WIDE[0], max_radius_px=_WIDE[1])
         self._wide = LatticeFinder(finder.gel, wide)
         net = find_net(finder.gel)
         self._is_square = net is not None and net.n_turns == 4
@@ -145,10 +148,9 @@ class Diagnosis:
 
     def _judge_view(self, px_per_mm: float, blur_px: float | None) -> GelProblem:
         """Returns what is wrong with the scale or the focus."""
-        pitch_px = px_per_mm * self._gel.pitch_mm
-        if pitch_px < self._config.min_pitch_px:
+        if px_per_mm * self._gel.pitch_mm < self._config.min_pitch_px:
             return GelProblem.SMALL
-        if pitch_px > self._config.max_pitch_px:
+        if px_per_mm * self._gel.radius_mm > self._config.max_radius_px:
             return GelProblem.LARGE
         return GelProblem.BLURRED if is_blurred(blur_px, px_per_mm) else GelProblem.NONE
 
@@ -242,7 +244,7 @@ def count_glints(
     if not len(seen):
         return 0
     dots_px = blobs.centroid_px
-    peak = _find_peaks(pixels, dots_px)
+    peak = _find_peaks(gel.lighten(pixels), dots_px)
     marker = np.full(gel.n_markers + 1, np.nan)  # the last one for neighbours that there are none
     marker[seen] = peak[blob[seen]]
     around = np.sort(marker[gel.neighbours], axis=1)  # NaN last

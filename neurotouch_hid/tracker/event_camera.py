@@ -99,7 +99,7 @@ class EventCamera:
         elif t_us >= self._next_us:
             frame = self._look(t_us)
             self._next_us += _PERIOD_US
-        kernels.add_events(packet.events, self._net)
+        kernels.add_events(self._gel.lighten_events(packet.events), self._net)
         return frame
 
     def _look(self, t_us: int) -> Frame | None:
@@ -109,6 +109,7 @@ class EventCamera:
             return None
         pixels = np.empty(self._net.shape, np.uint8)
         kernels.expose(self._now, self._rest, self._log_per_event, pixels)
+        pixels = self._gel.lighten(pixels)  # drawn light, but the frames of a camera are not
         pixels.setflags(write=False)
         return Frame(pixels, t_us, t_us)
 

@@ -19,7 +19,9 @@ class LatticeConfig:
     """Limits within which blobs are accepted as the gel.
 
     Attributes:
-        min_pitch_px, max_pitch_px: range of scales searched; nominal 10 [NT, "Results"].
+        min_pitch_px: the smallest scale searched: nearer dots run together; nominal 10 [NT,
+            "Results"].
+        max_radius_px: the largest scale searched: more of the gel would not be in the picture.
         min_share: least share of the markers that must be seen; the model gives the others. A gel
             made by hand lacks some here and there.
         max_aside: largest distance of the middle of the seen markers from that of all, as a share
@@ -32,7 +34,7 @@ class LatticeConfig:
     """
 
     min_pitch_px: float = 5.6
-    max_pitch_px: float = 18.4
+    max_radius_px: float = 138.0
     min_share: float = 0.675
     max_aside: float = 2.5 / 30.0
     max_bend_px: float = 0.6
@@ -86,7 +88,8 @@ class LatticeFinder:
         self.gel, self.config = gel, config or LatticeConfig()
         # Each marker and its neighbours.
         self._around = np.column_stack([np.arange(gel.n_markers), gel.neighbours])
-        low_px, high_px = self.config.min_pitch_px, self.config.max_pitch_px
+        low_px = self.config.min_pitch_px
+        high_px = self.config.max_radius_px / gel.radius_mm * gel.pitch_mm
         net, n_turns = find_net(gel), count_turns(gel.points_mm)
         self._search: Growth | Alignment = (
             Alignment(gel, n_turns, low_px, high_px)

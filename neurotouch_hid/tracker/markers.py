@@ -169,7 +169,7 @@ class MarkerTracker:
         self._nowhere_px = np.full((n, 2), np.nan, np.float32)
         self._nowhere_px.setflags(write=False)
         self._tracks = make_tracks(gel.neighbours, self._config)
-        self._finder = finder or BlobFinder()
+        self._finder = finder or BlobFinder(gel=gel)
         self._correction = FrameCorrection(self._tracks, self._tuning)
         self._flicker = FlickerFilter()
         self._rest_px = np.full((n, 2), np.nan, np.float32)
@@ -227,11 +227,11 @@ class MarkerTracker:
 
     def update(self, packet: EventPacket) -> MarkerField:
         """Returns all markers at the end of a slice."""
-        events = packet.events
-        if len(events):
+        if len(packet.events):
             self._event_us = packet.t_end_us
         is_alone = self._event_us is None or packet.t_end_us - self._event_us > _EVENTLESS_US
         self._tracks.common["frames_alone"] = is_alone
+        events = self._gel.lighten_events(packet.events)
         if not (events.flags.writeable and events.flags.c_contiguous):
             events = np.array(events, EVENT_DTYPE)
         events = self._flicker.update(events, packet.t_begin_us, packet.t_end_us)

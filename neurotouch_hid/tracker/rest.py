@@ -136,7 +136,7 @@ class RestDetector:
         self._config = config or RestConfig()
         self._gel, self._lattice = gel, LatticeFinder(gel, self._config.lattice)
         self._rig, self._near_rad = rig, near_rad
-        self._finder = finder or BlobFinder(self._config.blobs)
+        self._finder = finder or BlobFinder(self._config.blobs, gel)
         self._reference: Reference | None = None
         self._camera: EventCamera | None = EventCamera(self._lattice, rig, near_rad)
         self._match = np.empty(gel.n_markers, np.int32)

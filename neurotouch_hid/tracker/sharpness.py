@@ -28,6 +28,7 @@ def measure_blur(
         px_per_mm: scale of the image.
         gel: the gel.
     """
+    pixels = gel.lighten(pixels)
     reach = max(round(0.45 * gel.pitch_mm * px_per_mm), 2)
     step = np.arange(-reach, reach + 1)
     near = np.hypot(*np.meshgrid(step, step)) <= reach

@@ -42,6 +42,7 @@ def find_pattern(pixels: NDArray[np.uint8], gel: Gel) -> Pattern | None:
     A square pattern has the same spectrum after a quarter turn. The blur is known from how much
     weaker the diagonal of the pattern is than its side.
     """
+    pixels = gel.lighten(pixels)
     grey = pixels - float(np.median(pixels))
     grey = np.clip(grey, _CLIP[0], np.percentile(grey, _CLIP[1]))
     spectrum = np.fft.fft2((grey - grey.mean()) * _WINDOW, (_SIZE, _SIZE))

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from neurotouch_hid.driver.camera_settings import CameraSettings
+from neurotouch_hid.driver.gel_settings import load_gel
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.profile import check_content
 from neurotouch_hid.profile.reading.load import load_settings
@@ -45,6 +46,13 @@ def test_camera_settings_can_be_loaded(tmp_path: Path, spoil: bool):
             load_settings(path, CameraSettings)
     else:
         assert load_settings(path, CameraSettings).config.hot_pixels == ((17, 203),)
+
+
+def test_gels_can_be_loaded(tmp_path: Path):
+    path = tmp_path / "gel.yaml"
+    for text, n in zip(find_yaml("gel-format.md"), (151, 70), strict=True):
+        path.write_text(text)
+        assert load_gel(path).n_markers == n
 
 
 def test_rig_file_can_be_loaded(tmp_path: Path):

@@ -50,8 +50,8 @@ def home(tmp_path, monkeypatch):
     ("turned_deg", "mirrored", "view"),
     [
         (0.0, False, View(False, 0, 0.0)),
-        (90.0, False, View(False, 1, 90.0)),
-        (80.0, True, View(True, 1, 80.0)),
+        (90.0, False, View(False, 90, 90.0)),
+        (80.0, True, View(True, 90, 80.0)),
     ],
 )
 def test_the_real_recogniser_sees_how_the_camera_looks_at_the_gel(turned_deg, mirrored, view):
@@ -59,7 +59,7 @@ def test_the_real_recogniser_sees_how_the_camera_looks_at_the_gel(turned_deg, mi
     packets = see(push(0.0, 7.0), twist(0.5), turned_deg=turned_deg, mirrored=mirrored)
     found = watch_view(packets, said.append, NEVER)
     assert found.is_mirrored == view.is_mirrored
-    assert found.quarters == view.quarters
+    assert found.turned_deg == view.turned_deg
     assert found.rotation_deg == pytest.approx(view.rotation_deg, abs=1.5)
     assert [sentence.split()[0] for sentence in said] == ["Push", "Now"]
 
@@ -88,6 +88,16 @@ def test_a_slanting_push_tells_nothing(push_deg):
     assert look(push_deg) is None
 
 
+def test_a_hexagonal_gel_looks_the_same_after_a_sixth_of_a_turn():
+    def look_at(push_deg):
+        seen = math.radians(push_deg)
+        pushed = replace(no_gesture(0), translation_mm=(math.cos(seen), math.sin(seen)))
+        return find_view(pushed, replace(no_gesture(0), kind=GestureKind.TWIST_CW), 10.0, 6)
+
+    assert look_at(-118.0) == View(is_mirrored=False, turned_deg=240, rotation_deg=-110.0)
+    assert look_at(30.0) is None
+
+
 def test_another_gesture_is_named_and_asked_for_again():
     said = []
     assert watch_view(see(pinch(6.0), push(0.0, 7.0)), said.append, NEVER) is None
@@ -104,7 +114,7 @@ def test_the_settings_that_are_found_can_be_saved_and_nothing_else_changes(home)
     path = home / "config/neurotouch/camera.yaml"
     path.parent.mkdir(parents=True)
     path.write_text("version: 1\nexposure_us: 8000  # dim\nmirrored: true\n")
-    view = View(is_mirrored=True, quarters=1, rotation_deg=91.2)
+    view = View(is_mirrored=True, turned_deg=90, rotation_deg=91.2)
     advice = advise(view)
     assert (advice.path, advice.is_own) == (path, True)
     finding = judge_view(view, advice)
@@ -124,6 +134,6 @@ def test_settings_are_made_where_there_are_none(home):
 
 
 def test_a_right_view_needs_no_change():
-    view = View(is_mirrored=False, quarters=0, rotation_deg=3.0)
+    view = View(is_mirrored=False, turned_deg=0, rotation_deg=3.0)
     assert judge_view(view, advise(view)).status is CheckStatus.OK
     assert advise(view).changes == {}

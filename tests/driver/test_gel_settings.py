@@ -76,6 +76,7 @@ def test_every_key_reaches_the_gel(tmp_path):
     assert gel.dome_height_mm == 0.0
 
 
+TWICE = [[3 * (k % 39 % 7), 3 * (k % 39 // 7)] for k in range(40)]
 LAYOUT = "layout: {kind: square, pitch_mm: 4, radius_mm: 30}\n"
 
 
@@ -98,12 +99,18 @@ LAYOUT = "layout: {kind: square, pitch_mm: 4, radius_mm: 30}\n"
             "it has pitch_mm, radius_mm",
         ),
         ("layout: {kind: hex, pitch_mm: [4, 5], radius_mm: 30}\n", ":1:21", "only a grid"),
-        ("layout: {kind: hex, pitch_mm: 40, radius_mm: 30}\n", ":1:46", "gives 1 dots"),
-        ("layout: {kind: square, pitch_mm: 0.5, radius_mm: 100}\n", ":1:50", "40 to 400"),
+        ("layout: {kind: hex, pitch_mm: 30, radius_mm: 20}\n", ":1:46", "gives 1 dots"),
+        ("layout: {kind: hex, pitch_mm: 4, radius_mm: 32}\n", ":1:45", "at most 31 mm"),
+        (
+            "layout: {kind: grid, columns: 15, rows: 15, pitch_mm: 4}\n",
+            ":1:31",
+            "dot 1 is 39.6 mm from the middle, and 31 mm are possible",
+        ),
+        ("layout: {kind: square, pitch_mm: 0.5, radius_mm: 30}\n", ":1:50", "40 to 400"),
         ("layout: {kind: grid, columns: 200, rows: 200, pitch_mm: 1}\n", ":1:31", "40000 dots"),
         ("layout: {kind: points, points_mm: [[1, 2], [3, 4]]}\n", ":1:24", "at least 40 entries"),
         (
-            f"layout: {{kind: points, points_mm: {[[2 * (k % 39), 0] for k in range(40)]}}}\n",
+            f"layout: {{kind: points, points_mm: {TWICE}}}\n",
             ":1:",
             "dots 1 and 40 are 0 mm apart",
         ),

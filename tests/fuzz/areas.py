@@ -8,7 +8,7 @@ from tests.fuzz.area import Area
 from tests.fuzz.camera_words import CAMERA_WORDS
 from tests.fuzz.clips import CLIPS
 from tests.fuzz.recordings import RECORDINGS
-from tests.fuzz.texts import CAMERAS, DRIVERS, IDENTITIES, LABELS, RIGS, SERVICES, USERS
+from tests.fuzz.texts import CAMERAS, DRIVERS, GELS, IDENTITIES, LABELS, RIGS, SERVICES, USERS
 
 FILES: Final[dict[str, Area]] = {
     "recordings": RECORDINGS,
@@ -20,6 +20,7 @@ FILES: Final[dict[str, Area]] = {
     "drivers": DRIVERS,
     "services": SERVICES,
     "camera_settings": CAMERAS,
+    "gels": GELS,
     "camera": CAMERA_WORDS,
 }
 """Each case of them is right, or ends in the area's refusal."""

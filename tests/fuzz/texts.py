@@ -8,6 +8,7 @@ from pydantic import BaseModel
 
 from neurotouch_hid.device.outputs.identity import choose_identity
 from neurotouch_hid.driver.camera_settings import CameraSettings
+from neurotouch_hid.driver.gel_settings import load_gel
 from neurotouch_hid.driver.service_settings import ServiceSettings
 from neurotouch_hid.driver.settings import DriverSettings
 from neurotouch_hid.errors import DeviceError, ProfileError, RecordingError
@@ -126,4 +127,17 @@ CAMERAS: Final = _settings(
     CameraSettings,
     "version: 1\nexposure_us: 4000\nframe_interval_us: 40000\nactivity_filter_us: 2000\n"
     "hot_pixels: [[3, 4], [345, 259]]\nmirrored: false\nbiases: {OnBn: [5, 255], PrBp: [2, 58]}\n",
+)
+_GELS: Final = (
+    "version: 1\nname: hex\nlayout: {kind: hex, pitch_mm: 4.65, radius_mm: 30}\ndots: dark\n",
+    "layout: {kind: grid, columns: 10, rows: 7, pitch_mm: [4, 4.5]}\ndot_mm: 1\n"
+    "dome_height_mm: 0\n",
+    f"layout: {{kind: points, points_mm: {[[3 * (k % 7), 3.5 * (k // 7)] for k in range(42)]}}}\n",
+)
+GELS: Final = Area(
+    lambda chance: mutate(chance.choice(_GELS), chance),
+    load_gel,
+    ProfileError,
+    ".gel.yaml",
+    lines=200,
 )

@@ -15,7 +15,13 @@ from neurotouch_hid.resources import find_resources
 
 ROOT = Path(__file__).parents[2]
 INSIDE = {
-    "profiles": ["default.yaml", "spacecraft.yaml", "schema/profile-1.json", "schema/user-1.json"],
+    "profiles": [
+        "default.yaml",
+        "spacecraft.yaml",
+        "schema/profile-1.json",
+        "schema/user-1.json",
+        "schema/gel-1.json",
+    ],
     "udev": [path.name for path in (ROOT / "udev").glob("*.rules")],
     "modules-load.d": ["neurotouch.conf"],
 }

@@ -5,6 +5,7 @@ import json
 import pytest
 from pydantic import TypeAdapter
 
+from neurotouch_hid.driver.gel_settings import gel_schema
 from neurotouch_hid.messages import Button, GestureKind
 from neurotouch_hid.profile import profile_schema, user_schema
 from neurotouch_hid.profile.reading.library import find_shipped_folder
@@ -13,7 +14,9 @@ from neurotouch_hid.profile.schema.shaping import Curve
 
 SCHEMA = profile_schema()
 USER = user_schema()
+GEL = gel_schema()
 MODELS = {"Profile": SCHEMA, **SCHEMA["$defs"], "UserSettings": USER, **USER["$defs"]}
+MODELS |= {"GelSettings": GEL, **GEL["$defs"]}
 FIELDS = [
     (name, key, field)
     for name, model in MODELS.items()
@@ -25,7 +28,9 @@ def test_the_ordered_keys_of_a_condition_are_keys_of_the_model() -> None:
     assert set(CONDITION_KEYS) <= set(Condition.model_fields)
 
 
-@pytest.mark.parametrize(("name", "schema"), [("profile-1", SCHEMA), ("user-1", USER)])
+@pytest.mark.parametrize(
+    ("name", "schema"), [("profile-1", SCHEMA), ("user-1", USER), ("gel-1", GEL)]
+)
 def test_the_shipped_schema_is_current(name: str, schema: dict) -> None:
     shipped = find_shipped_folder() / "schema" / f"{name}.json"
     assert json.loads(shipped.read_text(encoding="utf-8")) == schema, (

@@ -24,6 +24,14 @@ FULL_DN = 255.0
 ELECTRONS_PER_DN = 80.0  # photon noise: white is about 20,000 electrons
 SERVO = 0.15  # share of the way to the wanted brightness that auto exposure goes with each frame
 LEAST_GAIN, MOST_GAIN = 0.1, 16.0  # of auto exposure
+VIDEO_WIDTH_PX, VIDEO_HEIGHT_PX = 640, 480  # of a clip
+_SCALE = VIDEO_HEIGHT_PX / SENSOR_HEIGHT_PX
+_SHIFT_PX = 0.5 * np.array(
+    [
+        VIDEO_WIDTH_PX - 1 - _SCALE * (SENSOR_WIDTH_PX - 1),
+        VIDEO_HEIGHT_PX - 1 - _SCALE * (SENSOR_HEIGHT_PX - 1),
+    ]
+)
 _NOTHING = np.empty(0, EVENT_DTYPE)
 
 
@@ -149,3 +157,19 @@ def weigh_ticks(exposure_us: int, readout_us: int) -> NDArray[np.float64]:
     last = np.minimum(begin_us + exposure_us, ticks_us + TICK_US)
     weights: NDArray[np.float64] = np.maximum(last - first, 0.0) / exposure_us
     return weights
+
+
+def enlarge(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Returns a picture (480, 640) of a frame (260, 346), in the middle and as high."""
+    rows = np.array([(_SCALE, 0.0, _SHIFT_PX[0]), (0.0, _SCALE, _SHIFT_PX[1])])
+    flags, border = cv2.INTER_CUBIC, cv2.BORDER_REPLICATE
+    return np.asarray(
+        cv2.warpAffine(
+            pixels, rows, (VIDEO_WIDTH_PX, VIDEO_HEIGHT_PX), flags=flags, borderMode=border
+        )
+    )
+
+
+def enlarge_points(points_px: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Returns where points of a frame, (n, 2) px, are in its enlarged picture."""
+    return points_px * _SCALE + _SHIFT_PX

@@ -32,6 +32,8 @@ def compute_light(
     light = np.clip(light, 0.2, 1.3)
     outside = 1.0 / (1.0 + np.exp(-(r - 1.12) * 40.0))
     base = config.black_dn * light * (1.0 - 0.5 * outside)
+    if not gel.light:
+        base += (config.white_dn - config.black_dn) * light * (1.0 - outside)
     rng = np.random.default_rng((config.seed, 3))
     for _ in range(config.n_spots):
         angle, far = rng.uniform(0, 2 * np.pi), rng.uniform(1.18, 1.7) * radius_px

@@ -9,6 +9,7 @@ from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.source.simulator.config import CameraConfig
 
 _RING_MM = 1.5  # the housing hides everything further out
+_DARKNESS = 0.93  # share of the light that a dark marker takes
 _FLAT_MM = 1e-3  # a lower dome is flat
 
 
@@ -43,7 +44,7 @@ class CameraModel:
 
         Returns:
             (n, 6) float64: x, y px, the quadratic form (xx, xy, yy) of the outline in 1/px²,
-            brightness 0..1.
+            brightness 0..1, negative of dark markers.
         """
         scale, magnified = self._magnify(points_mm)
         r = np.hypot(points_mm[:, 0], points_mm[:, 1])
@@ -62,7 +63,7 @@ class CameraModel:
                 along * cos**2 + across * sin**2,
                 (along - across) * cos * sin,
                 along * sin**2 + across * cos**2,
-                facing**self._config.falloff * hidden,
+                (1.0 if self._gel.light else -_DARKNESS) * facing**self._config.falloff * hidden,
             ]
         )
 
