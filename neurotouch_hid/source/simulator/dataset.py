@@ -1,6 +1,5 @@
 """Writes a set of labelled recordings like the paper's, which has not been published."""
 
-import dataclasses
 import hashlib
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -257,7 +256,7 @@ def _write_clip(simulator: Simulator, path: Path, mark: Simulation) -> Iterator[
             for t_us in simulator.find_labelled_times(packet):
                 truth, since_us = simulator.truth(t_us), t_us - (first_us or 0)
                 contacts_px = enlarge_points(truth.contacts_px)
-                truths.append(dataclasses.replace(truth, t_us=since_us, contacts_px=contacts_px))
+                truths.append(replace(truth, t_us=since_us, contacts_px=contacts_px))
             if packet.t_end_us % 1_000_000 == 0:
                 yield packet.t_end_us
         write_labels(labels_path(path), truths)
