@@ -122,7 +122,7 @@ class LightConfig:
 
 @dataclass(frozen=True, slots=True)
 class UvcConfig:
-    """What a UVC camera does with a picture; frame rate and pixels are those of ``SensorConfig``.
+    """The shutter and the processing of a UVC camera; ``SensorConfig`` has its rate and pixels.
 
     Attributes:
         readout_us: how much later the last row is exposed than the first; 0 is a global shutter.

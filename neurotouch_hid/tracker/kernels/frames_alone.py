@@ -71,8 +71,8 @@ def pair_blobs(
 
     Each marker gets the blob nearest to its expected place, where both agree. The others follow
     ring by ring: a marker is off its expected place as far as its neighbours are, because a hand
-    that changes its speed takes them along. A blob that would tear the gel, or contradicts where
-    the neighbours have gone from rest, is taken away again.
+    that changes its speed takes them along. A marker loses a blob that would tear the gel, or
+    that contradicts where its neighbours have gone from rest.
 
     Args:
         expected_px: (n, 2) float64 px, where each marker would be at its last velocity.
