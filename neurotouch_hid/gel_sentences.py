@@ -119,6 +119,10 @@ _SENTENCES: Final[Mapping[GelProblem, tuple[str, str]]] = {
         "something rests on the gel",
         "Take it off. If your hand has to rest there: neurotouch profile set user neutral resting",
     ),
+    GelProblem.TOO_FAST: (
+        "the hand is too fast for this camera, so fast gestures do not count",
+        "Move more slowly, or use a camera with more frames per second.",
+    ),
     GelProblem.FLICKER: (
         "the light flickers at {flicker_hz:.0f} Hz",
         "Run the LED ring at full brightness or from direct current: dimming makes it flicker.",

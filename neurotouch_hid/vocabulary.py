@@ -106,6 +106,7 @@ class GelProblem(StrEnum):
     MOVED = "moved"
     RESTS = "rests"
     FLICKER = "flicker"
+    TOO_FAST = "too_fast"
 
 
 CLIP_ENDINGS: Final = (".avi", ".mkv", ".mp4")

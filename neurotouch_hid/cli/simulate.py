@@ -42,6 +42,7 @@ def _list_nuisances() -> None:
     "  neurotouch simulate paper-like              the paper's length: 5 users, 25 minutes\n"
     "  neurotouch simulate hard --elasticity both --minutes 8\n"
     "  neurotouch simulate room --nuisance mild --nuisance bump=3\n"
+    "  neurotouch simulate frames --camera uvc --fps 60 --nuisance rolling --nuisance doubled\n"
     "  neurotouch simulate --nuisance list         all nuisances, with their usual strength"
 )
 @click.argument("out", type=click.Path(path_type=Path, file_okay=False))
@@ -68,6 +69,18 @@ def _list_nuisances() -> None:
     help="How the gel deforms: by closed forms, by finite elements, or half of the set each.",
 )
 @click.option(
+    "--camera",
+    type=click.Choice(["davis", "uvc"]),
+    default="davis",
+    show_default=True,
+    help="A DAVIS-346 with events and frames, or a UVC camera with frames alone.",
+)
+@click.option(
+    "--fps",
+    type=Finite(min=20.0, max=500.0),
+    help="Frames per second of the UVC camera, 125 if not given.",
+)
+@click.option(
     "--nuisance",
     "nuisances",
     multiple=True,
@@ -84,6 +97,8 @@ def command(
     minutes: float,
     seed: int,
     elasticity: str,
+    camera: str,
+    fps: float | None,
     nuisances: dict[str, float],
     gel: str | None,
     force: bool,
@@ -97,7 +112,12 @@ def command(
     from neurotouch_hid.driver.gel_settings import choose_gel, find_gel_file, read_gel_file
     from neurotouch_hid.source.simulator.dataset import Progress, write_dataset
     from neurotouch_hid.source.simulator.gel import ELASTICITIES
+    from neurotouch_hid.source.simulator.nuisances import read_nuisances
 
+    if camera == "uvc":
+        nuisances = {**read_nuisances([f"uvc={fps:g}" if fps else "uvc"]), **nuisances}
+    elif fps is not None:
+        raise click.UsageError("--fps is for --camera uvc.")
     begun = time.monotonic()
     told = {"percent": -100}
     step = 1 if sys.stderr.isatty() else 10  # a log file needs fewer lines

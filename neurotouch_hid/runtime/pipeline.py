@@ -12,6 +12,7 @@ from neurotouch_hid.messages import (
     GestureKind,
     RestField,
     Step,
+    no_gesture,
 )
 from neurotouch_hid.profile import Mapping, Profile, UserSettings
 from neurotouch_hid.runtime.stage_timing import StageTimings
@@ -126,6 +127,9 @@ class Pipeline:
             self.rest.detector.note_flicker(self._flicker.hz if self._flicker else None)
         with self.timings.gesture:
             gesture = self.recognizer.update(markers)
+        if self.tracker.is_unsure:
+            self.rest.detector.note_haste(packet.t_end_us)
+            gesture = no_gesture(gesture.t_us)
         with self.timings.profile:
             pad = self.mapping.update(gesture)
         if "rezero" in pad.commands:

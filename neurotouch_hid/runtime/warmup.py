@@ -16,6 +16,7 @@ from neurotouch_hid.tracker import BlobFinder
 
 _RIG = Rig((SENSOR_WIDTH_PX / 2, SENSOR_HEIGHT_PX / 2), NOMINAL_PX_PER_MM)
 _SLICE_US = 50_000  # so long that the noise of a gel at rest is measured in the second one
+_EVENTLESS_US = 2_000_000  # so long that the tracker expects no more events
 
 
 def warm_up(pipeline: Pipeline, gel: Gel = PAPER_GEL) -> None:
@@ -35,6 +36,8 @@ def warm_up(pipeline: Pipeline, gel: Gel = PAPER_GEL) -> None:
         frame = Frame(_draw(position_px), t_us, t_us + _SLICE_US // 2)
         events = _spread(position_px, t_us)
         pipeline.advance(EventPacket(t_us, t_us + _SLICE_US, events, (frame,)))
+    frame = Frame(frame.pixels, _EVENTLESS_US, _EVENTLESS_US + _SLICE_US // 2)  # frames alone
+    pipeline.advance(EventPacket(_EVENTLESS_US, _EVENTLESS_US + _SLICE_US, events[:0], (frame,)))
     pipeline.close()
     BlobFinder().find(np.zeros_like(frame.pixels))  # a dark picture is smoothed
 

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.messages import Frame, RestField
 from neurotouch_hid.tracker.blobs import Blobs
-from neurotouch_hid.tracker.kernels import correction
+from neurotouch_hid.tracker.kernels import correction, frames_alone
 from neurotouch_hid.tracker.kernels import neighbours as neighbour_kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
 
@@ -20,6 +20,17 @@ class FrameCorrection:
         self._tracks, self._tuning = tracks, tuning
         self._expected_px = np.empty_like(tracks.rest_px)
         self._spread_px = np.empty(len(tracks.rest_px))
+
+    def follow(self, frame: Frame, blobs: Blobs) -> None:
+        """Moves all tracks to the blobs of a frame, where no events come between frames."""
+        frames_alone.follow(
+            frame.t_us,
+            frame.exposure_end_us,
+            blobs.centroid_px,
+            blobs.begin,
+            self._tracks,
+            self._tuning,
+        )
 
     def apply(self, frame: Frame, blobs: Blobs) -> None:
         """Corrects all tracks by the blobs of a frame whose exposure has ended recently."""

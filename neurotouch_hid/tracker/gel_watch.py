@@ -18,6 +18,7 @@ _SURE_US: Final = 400_000  # a problem lasts as long before it replaces another 
 _LOST_US: Final = 800_000  # as long as nothing of the gel is seen, before it is lost
 _LOOK_US: Final = 500_000  # time between two diagnoses, and between two changes of numbers
 _MOVED_US: Final = 10_000_000  # as long it is said that the gel has moved
+_HASTE_US: Final = 5_000_000  # as long it is said that the hand was too fast
 _MOVED_MM: Final = 0.5  # a smaller way is not worth a sentence
 _TOUCH_US: Final = 2_000_000  # a touch that lasts longer ...
 _LIGHT_US: Final = 1_200_000  # ... and is light and steady for this part of it, rests on the gel
@@ -37,6 +38,7 @@ class GelWatch:
     Attributes:
         state: what is known of the gel; a new object when something changes.
         flicker_hz: frequency at which the light flickers; None if it is steady.
+        haste_us: when the markers moved too fast for frames; None if they never did.
         is_drawn: frames are drawn from events, because the camera sends none.
     """
 
@@ -44,6 +46,7 @@ class GelWatch:
         self._gel = gel = finder.gel
         self.state = GelState(layout=gel)
         self.flicker_hz: float | None = None
+        self.haste_us: int | None = None
         self.is_drawn = False
         self._diagnosis = Diagnosis(finder, near_rad)
         self._motion = Motion()
@@ -191,17 +194,17 @@ class GelWatch:
 
     def _find_flaw(self, t_us: int) -> GelProblem:
         """Returns what is wrong with a gel that is found."""
-        if self.is_drawn:
-            return GelProblem.EVENTS_ONLY
-        if self._rests:
-            return GelProblem.RESTS
-        if is_blurred(self._seen.blur_px, self._px_per_mm):
-            return GelProblem.BLURRED
-        if self.flicker_hz is not None:
-            return GelProblem.FLICKER
-        if self._moved_us is not None and t_us - self._moved_us < _MOVED_US:
-            return GelProblem.MOVED
-        return GelProblem.NONE
+        was_moved = self._moved_us is not None and t_us - self._moved_us < _MOVED_US
+        was_fast = self.haste_us is not None and t_us - self.haste_us < _HASTE_US
+        flaws = (
+            (self.is_drawn, GelProblem.EVENTS_ONLY),
+            (self._rests, GelProblem.RESTS),
+            (is_blurred(self._seen.blur_px, self._px_per_mm), GelProblem.BLURRED),
+            (self.flicker_hz is not None, GelProblem.FLICKER),
+            (was_fast, GelProblem.TOO_FAST),
+            (was_moved, GelProblem.MOVED),
+        )
+        return next((problem for is_so, problem in flaws if is_so), GelProblem.NONE)
 
     def _is_due(self, t_us: int, problem: GelProblem) -> bool:
         """Returns whether it is time for another look at the whole frame."""

@@ -29,6 +29,9 @@ _MEAN_ANCHORS = 16  # the rest position begins as the mean of so many frames
 _NOISE_SIZES = 2.5  # medians of its size; random errors in a plane exceed it one time in 75
 _LONGEST_US = 200_000  # longest time that one rest position counts for
 _NEVER_US = -(1 << 60)
+_EVENTLESS_US = 1_000_000  # after this time without an event, frames alone show where markers go
+_UNSURE_SHARE = 0.055  # of the markers unseen in motion: the others are taken for their neighbours
+_SURE_SHARE = 0.025  # of the markers, which fingers that pinch hide as well
 _MAX_HOLE_US = 100_000  # after a longer gap, positions do not identify the markers
 _SHOWN_DRIFT_PX = 0.1  # later stages do not see smaller changes of the rest position
 
@@ -139,7 +142,7 @@ def make_tracks(neighbours: NDArray[np.intp], config: TrackerConfig) -> track_ke
         neighbours=neighbours.copy(),  # writeable, because kernels are compiled for one type only
         past_px=np.zeros((_PAST, n, 2)),
         past_us=np.full(_PAST, -1, np.int64),
-        common=np.array([(0, 0, 0, _NEVER_US, 0.0)], track_kernels.COMMON),
+        common=np.array([(0, 0, 0, _NEVER_US, 0.0, False)], track_kernels.COMMON),
     )
 
 
@@ -174,12 +177,21 @@ class MarkerTracker:
         self._anchor_us = 0
         self._end_us: int | None = None
         self._n_events = self._n_anchors = self._n_gaps = 0
+        self._event_us: int | None = None  # the end of the last slice with events
+        self._absent = np.zeros(n, np.bool_)  # markers that the last frame at rest hid
+        self._is_unsure = False
+        self._last_pixels: NDArray[np.uint8] | None = None
         self._n_mean = 0  # frames in the mean that the rest position is
 
     @property
     def flicker(self) -> Flicker | None:
         """The flicker of the light in the last quarter of a second, None if it is steady."""
         return self._flicker.flicker
+
+    @property
+    def is_unsure(self) -> bool:
+        """True while frames alone do not tell the markers apart, because they move too fast."""
+        return self._is_unsure
 
     def anchor(self, rest: RestField) -> None:
         """Takes a rest position, which may be late: ``rest.t_us`` is the time that it shows.
@@ -208,12 +220,17 @@ class MarkerTracker:
         else:
             self._drift(off, elapsed_us)
         self._anchor_us = rest.t_us
+        self._absent, self._is_unsure = tracks.state["n_missed"] > 0, False
         self._correction.anchor(rest)
         if not np.abs(self._rest_px - tracks.rest_px).max() < _SHOWN_DRIFT_PX:
             self._rest_px = tracks.rest_px.astype(np.float32)
 
     def update(self, packet: EventPacket) -> MarkerField:
         """Returns all markers at the end of a slice."""
+        if len(packet.events):
+            self._event_us = packet.t_end_us
+        is_alone = self._event_us is None or packet.t_end_us - self._event_us > _EVENTLESS_US
+        self._tracks.common["frames_alone"] = is_alone
         events = self._gel.lighten_events(packet.events)
         if not (events.flags.writeable and events.flags.c_contiguous):
             events = np.array(events, EVENT_DTYPE)
@@ -234,7 +251,7 @@ class MarkerTracker:
             start = kernels.filter_slice(
                 events, start, until_us, tracks, tuning, position_px, valid
             )
-            self._correction.apply(frame, self._finder.find(frame.pixels))
+            self._correct(frame, self._finder.find(frame.pixels))
         kernels.filter_slice(events, start, packet.t_end_us, tracks, tuning, position_px, valid)
         self._end_us = packet.t_end_us
         self._n_events += len(packet.events)
@@ -247,7 +264,7 @@ class MarkerTracker:
     def correct(self, frame: Frame, blobs: Blobs) -> None:
         """Corrects the tracks by the blobs found in a frame of an earlier slice."""
         if self._anchored:
-            self._correction.apply(frame, blobs)
+            self._correct(frame, blobs)
 
     def stats(self) -> TrackerStats:
         """Returns the counts so far."""
@@ -258,6 +275,18 @@ class MarkerTracker:
             int(self._tracks.common["n_repairs"][0]),
             int((~self._tracks.lost).sum()) if self._anchored else 0,
         )
+
+    def _correct(self, frame: Frame, blobs: Blobs) -> None:
+        if not self._tracks.common["frames_alone"][0]:
+            self._correction.apply(frame, blobs)
+            return
+        # A camera that has no new picture in time may send the last one again.
+        if self._last_pixels is None or not np.array_equal(frame.pixels, self._last_pixels):
+            self._correction.follow(frame, blobs)
+            unseen = (self._tracks.state["n_missed"] > 0) & ~self._absent
+            most = _SURE_SHARE if self._is_unsure else _UNSURE_SHARE
+            self._is_unsure = bool(unseen.mean() > most)
+        self._last_pixels = frame.pixels
 
     def _follow_rig(self, measured_px: NDArray[np.float64], elapsed_us: int) -> None:
         """Moves the rest position with the rig, if the rig has moved."""

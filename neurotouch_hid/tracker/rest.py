@@ -164,6 +164,10 @@ class RestDetector:
         """
         self._watch.flicker_hz = hz
 
+    def note_haste(self, t_us: int) -> None:
+        """Takes that the markers have just moved too fast for frames; ``gel`` then says so."""
+        self._watch.haste_us = t_us
+
     @property
     def is_watching(self) -> bool:
         """True while there is no frame yet and events may show the gel."""

@@ -233,3 +233,63 @@ def drift(off, share, touched_share, touch, most, rest):
             [r + share * c + part * d for r, c, d in zip(at, common, local, strict=True)]
         )
     return answers
+
+
+def pair_blobs(expected, points, areas, rest, neighbours, tuning):
+    """The blob of each marker or None, and its place, from where it is expected."""
+    usual = statistics.median(areas)
+    free = {j for j, area in enumerate(areas) if area <= 1.8 * usual}
+    n = len(expected)
+    blob, near = [None] * n, [tuple(e) for e in expected]
+
+    def match(near):
+        wanted = [i for i in range(n) if blob[i] is None and near[i] is not None]
+        left = sorted(free)
+        found = match_points([near[i] for i in wanted], [points[j] for j in left], 3.5)
+        for i, k in zip(wanted, found, strict=True):
+            if k >= 0:
+                blob[i] = left[k]
+                free.discard(left[k])
+        return any(k >= 0 for k in found)
+
+    def strays(place, around, least, ratio):
+        return {
+            i
+            for i, answer in enumerate(around)
+            if answer is not None
+            and max(abs(p - e) for p, e in zip(place[i], answer[:2], strict=True))
+            > least + ratio * answer[2]
+        }
+
+    def undo(i):
+        if blob[i] is not None:
+            free.add(blob[i])
+            blob[i] = None
+
+    for turn in range(6):
+        is_new = match(near)
+        place = [expected[i] if blob[i] is None else points[blob[i]] for i in range(n)]
+        around = expect(place, expected, neighbours, [j is not None for j in blob])
+        near = [None if answer is None else answer[:2] for answer in around]
+        for i in strays(place, around, 2.0, 2.0):
+            if blob[i] is not None:
+                undo(i)
+                place[i] = near[i]
+        if turn and not is_new:
+            break
+    place = [near[i] if blob[i] is None and near[i] is not None else place[i] for i in range(n)]
+    for _ in range(2):
+        seen = [j is not None for j in blob]
+        around = expect(place, rest, neighbours, seen)
+        near = [None if answer is None else answer[:2] for answer in around]
+        wrong = strays(place, around, tuning.max_stray_px, tuning.max_stray_ratio)
+        wrong |= collide(place, near, neighbours, 1.5)
+        wrong |= tear(place, seen, rest, neighbours, tuning.max_stray_px)
+        wrong = {i for i in wrong if near[i] is not None}
+        for i in wrong:
+            undo(i)
+            place[i] = near[i]
+        if not wrong or not match(near):
+            break
+        place = [place[i] if blob[i] is None else points[blob[i]] for i in range(n)]
+    return blob, place

@@ -42,6 +42,7 @@ class CameraConfig:
         barrel: radial distortion of the lens in 1/mm² at the gel; nearly undoes the dome's.
         falloff: how fast a tilted marker loses brightness (power of the cosine).
         tilt_rad: how far the camera leans over, about the image's vertical axis through the gel.
+        fisheye_rad: half of the angle under which an equidistant lens sees the gel; 0 is none.
     """
 
     rig: Rig = SHIPPED_RIG
@@ -50,6 +51,7 @@ class CameraConfig:
     barrel: float = 9e-5
     falloff: float = 0.7
     tilt_rad: float = 0.0
+    fisheye_rad: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +105,8 @@ class LightConfig:
         n_spots: bright spots (reflections, LEDs) outside the gel.
         spot_dn: their brightness.
         seed: where the spots are.
+        vignetting: share of the light that the lens loses in the corners of the picture.
+        ring_glare: brightness of the LED ring's reflection on the gel, in white markers.
     """
 
     white_dn: float = 200.0
@@ -112,16 +116,36 @@ class LightConfig:
     n_spots: int = 5
     spot_dn: float = 220.0
     seed: int = 0
+    vignetting: float = 0.0
+    ring_glare: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class UvcConfig:
+    """The shutter and the processing of a UVC camera; ``SensorConfig`` has its rate and pixels.
+
+    Attributes:
+        readout_us: how much later the last row is exposed than the first; 0 is a global shutter.
+        gamma: the camera sends light to the power of 1/gamma.
+        jpeg_quality: of MJPEG, 1 to 100; 0 sends the pixels as they are.
+        auto_exposure_dn: mean of the picture that auto exposure aims at; 0 is a fixed exposure.
+    """
+
+    readout_us: int = 0
+    gamma: float = 1.0
+    jpeg_quality: int = 0
+    auto_exposure_dn: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class SimulatorConfig:
-    """One simulated set-up: gel, camera, pixels, light."""
+    """One simulated set-up: gel, camera, pixels, light; with ``uvc`` the camera sends no events."""
 
     gel: GelConfig = field(default_factory=GelConfig)
     camera: CameraConfig = field(default_factory=CameraConfig)
     sensor: SensorConfig = field(default_factory=SensorConfig)
     light: LightConfig = field(default_factory=LightConfig)
+    uvc: UvcConfig | None = None
 
     def show(self, gel: Gel) -> "SimulatorConfig":
         """Returns the same set-up with another gel; the paper's changes nothing."""

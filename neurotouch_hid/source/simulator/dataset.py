@@ -16,6 +16,8 @@ from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.recording import (
+    ClipWriter,
+    Picture,
     RecordingWriter,
     Simulation,
     labels_path,
@@ -30,6 +32,7 @@ from neurotouch_hid.source.simulator.simulated_people import (
     meet_person,
 )
 from neurotouch_hid.source.simulator.simulator import Simulator
+from neurotouch_hid.source.simulator.uvc import enlarge, enlarge_points
 
 KINDS = tuple(GestureKind)[1:]
 MODEL = 1  # raised when the simulator changes, so that old files are written again
@@ -63,6 +66,11 @@ class Recipe:
         """The recording's name without suffix."""
         name = f"user{self.user + 1}-{self.gesture}"
         return name if self.gel == "half-space" else f"{name}-{self.gel}"
+
+    @property
+    def suffix(self) -> str:
+        """The ending of the file: a camera without events gives a video clip."""
+        return ".mkv" if "uvc" in self.nuisances else ".aedat4"
 
     def describe(self) -> dict[str, Any]:
         """Returns the parameters for the manifest, without what is empty."""
@@ -140,7 +148,7 @@ def write_dataset(
             f"'{folder}' cannot be made: {error.strerror}.", hint=_ELSEWHERE
         ) from error
     finished = read_manifest(folder)
-    paths = [folder / f"{recipe.name}.aedat4" for recipe in recipes]
+    paths = [folder / f"{recipe.name}{recipe.suffix}" for recipe in recipes]
     if not replace:
         _refuse_others(recipes, paths, finished)
     for i, (recipe, path) in enumerate(zip(recipes, paths, strict=True)):
@@ -214,21 +222,44 @@ def draw_script(
 def _record(recipe: Recipe, path: Path, command: str, gel: Gel, gel_file: bytes) -> Iterator[float]:
     """Writes a recording, labels and gel; yields the share done, once a simulated second."""
     yield 0.0
-    truths = []
     nuisances = (f"{name}={strength:g}" for name, strength in recipe.nuisances.items())
     source = ",".join([recipe.name, *nuisances])
     mark = Simulation(f"neurotouch-hid {__version__}", source, command, recipe.seed)
-    with (
-        simulate_recipe(recipe, gel) as simulator,
-        RecordingWriter(path, simulation=mark) as writer,
-    ):
+    with simulate_recipe(recipe, gel) as simulator:
+        write = _write_clip if path.suffix == ".mkv" else _write_recording
+        for t_us in write(simulator, path, mark):
+            yield min(t_us / recipe.duration_us, 0.999)
+        write_gel(path, gel_file)
+
+
+def _write_recording(simulator: Simulator, path: Path, mark: Simulation) -> Iterator[int]:
+    """Writes events, frames and labels; yields the time once a simulated second."""
+    truths = []
+    with RecordingWriter(path, simulation=mark) as writer:
         for packet in simulator:
             writer.write(packet)
             truths += [simulator.truth(t_us) for t_us in simulator.find_labelled_times(packet)]
             if packet.t_end_us % 1_000_000 == 0:
-                yield min(packet.t_end_us / recipe.duration_us, 0.999)
+                yield packet.t_end_us
         write_labels(labels_path(path), truths)
-        write_gel(path, gel_file)
+
+
+def _write_clip(simulator: Simulator, path: Path, mark: Simulation) -> Iterator[int]:
+    """Writes a clip and its labels, in pixels of the clip and µs since its first picture."""
+    truths, first_us = [], None
+    with ClipWriter(path, simulation=mark) as writer:
+        for packet in simulator:
+            for frame in packet.frames:
+                begin_us, end_us = frame.exposure_begin_us, frame.exposure_end_us
+                writer.write(Picture(enlarge(frame.pixels), begin_us, end_us))
+                first_us = frame.t_us if first_us is None else first_us
+            for t_us in simulator.find_labelled_times(packet):
+                truth, since_us = simulator.truth(t_us), t_us - (first_us or 0)
+                contacts_px = enlarge_points(truth.contacts_px)
+                truths.append(replace(truth, t_us=since_us, contacts_px=contacts_px))
+            if packet.t_end_us % 1_000_000 == 0:
+                yield packet.t_end_us
+        write_labels(labels_path(path), truths)
 
 
 def _refuse_others(

@@ -17,6 +17,7 @@ from neurotouch_hid.source.simulator.optics import CameraModel
 from neurotouch_hid.source.simulator.script import Play
 from neurotouch_hid.source.simulator.sensor import Sensor
 from neurotouch_hid.source.simulator.setup import Piece, Setup
+from neurotouch_hid.source.simulator.uvc import UvcSensor
 from neurotouch_hid.source.simulator.view import View
 
 
@@ -56,10 +57,16 @@ class Simulator(Closing):
         self._script, self._slice_us, self._wires = setup.script, slice_us, setup.wires
         config = setup.config
         self._frame_us = config.sensor.frame_us, config.sensor.exposure_us
+        self._late_us = config.uvc.readout_us // 2 if config.uvc else 0  # of the middle row
         camera = CameraModel(config.camera, gel)
         self._motion = GelMotion(setup.script, camera, config.gel, setup.dots, setup.mount)
         self._view = View(self._motion, setup)
-        self._sensor = Sensor(config.sensor, config.light, config.camera.rig, seed, gel)
+        parts = config.light, config.camera.rig, seed, gel
+        self._sensor: Sensor | UvcSensor = (
+            UvcSensor(config.sensor, config.uvc, *parts)
+            if config.uvc
+            else Sensor(config.sensor, *parts)
+        )
         self._sensor.settle(self._view.outline(-1), self._view.light(-1))
         self._clock = Clock(setup.clock)
         self._packets = self._run()
@@ -84,11 +91,12 @@ class Simulator(Closing):
         end_us = begin_us + packet.t_end_us - packet.t_begin_us
         since_us = self._clock.find_last_change(begin_us)
         period_us, exposure_us = self._frame_us
-        exposed = range(begin_us // period_us - 1, end_us // period_us + 1)
+        exposed = range(begin_us // period_us - 3, end_us // period_us + 1)
+        starts_us = [k * period_us + self._late_us for k in exposed]
         return [
-            k * period_us + exposure_us // 2 + packet.t_begin_us - begin_us
-            for k in exposed
-            if k * period_us >= since_us and begin_us <= k * period_us + exposure_us < end_us
+            start_us + exposure_us // 2 + packet.t_begin_us - begin_us
+            for start_us in starts_us
+            if start_us >= since_us + self._late_us and begin_us <= start_us + exposure_us < end_us
         ]
 
     def _run(self) -> Iterator[EventPacket]:
@@ -97,7 +105,7 @@ class Simulator(Closing):
         while self._script.endless or t_us < self._script.duration_us:
             end_us = self._clock.cut(t_us, t_us + self._slice_us)
             parts = [events]
-            while made_us < end_us:
+            while made_us < end_us + self._late_us:  # a rolling shutter reads the last row later
                 piece = self._sense(made_us // KNOT_US)
                 parts.append(piece.events)
                 frames += piece.frames

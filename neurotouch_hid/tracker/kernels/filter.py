@@ -177,11 +177,12 @@ def check(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     """Records all positions at ``t_us`` and updates what is known between events.
 
     Neighbours are checked every second time: they take half of the time, and that is often enough.
+    Without events each frame checks them.
     """
     slot = tracks.common[0].n_checks % len(tracks.past_us)
     position = tracks.past_px[slot]
     predict(float(t_us), tuning.memory_s, tracks, position)
-    if tracks.common[0].n_checks % 2 == 0:
+    if tracks.common[0].n_checks % 2 == 0 and not tracks.common[0].frames_alone:
         update_lost_markers(t_us, position, tracks, tuning)
     weigh(t_us, tracks, tuning)
     aim(float(t_us + tuning.check_us), tracks, tuning)

@@ -50,7 +50,9 @@ COMMON: Final = np.dtype(
         ("n_repairs", "i8"),
         ("last_frame_us", "i8"),
         ("noise_hz", "f8"),
-    ]
+        ("frames_alone", "?"),
+    ],
+    align=True,
 )
 """The filter's state of all markers together.
 
@@ -59,6 +61,7 @@ COMMON: Final = np.dtype(
 - ``n_repairs``: how often a marker was moved to the place that its neighbours gave.
 - ``last_frame_us``: the end of the last frame that showed the markers, µs.
 - ``noise_hz``: events per second of a marker that does not move.
+- ``frames_alone``: no events come; each frame moves the tracks from where the last one left them.
 """
 
 

@@ -16,6 +16,7 @@ from neurotouch_hid.source.simulator.nuisances import (
     mount,
     optics,
     stream,
+    uvc,
 )
 from neurotouch_hid.source.simulator.setup import Setup
 
@@ -50,7 +51,13 @@ class Nuisance:
 
 
 _TABLE: Final = (
-    # Hands come first: others ask when something happens in the script.
+    # The camera comes first: others ask how often it sends frames.
+    Nuisance("uvc", "camera", 125.0, "frames/s", 20.0, 500.0, uvc.uvc),
+    Nuisance("rolling", "camera", 12.0, "ms", 0.0, 40.0, uvc.rolling),
+    Nuisance("gamma", "camera", 2.2, "", 1.0, 3.0, uvc.gamma),
+    Nuisance("mjpeg", "camera", 70.0, "", 1.0, 100.0, uvc.mjpeg),
+    Nuisance("auto-exposure", "camera", 90.0, "DN", 10.0, 200.0, uvc.auto_exposure),
+    # Hands come next: others ask when something happens in the script.
     Nuisance("tips", "hand", 4.0, "mm", 1.0, 12.0, hand.tips),
     Nuisance("gloves", "hand", 3.0, "mm", 0.0, 6.0, hand.gloves),
     Nuisance("taps", "hand", 60.0, "ms", 40.0, 1000.0, hand.taps),
@@ -71,9 +78,12 @@ _TABLE: Final = (
     Nuisance("rotation", "optics", 20.0, "°", -180.0, 180.0, optics.rotation),
     Nuisance("decentring", "optics", 20.0, "px", -200.0, 200.0, optics.decentring),
     Nuisance("tilt", "optics", 10.0, "°", -30.0, 30.0, optics.tilt),
+    Nuisance("fisheye", "optics", 90.0, "°", 1.0, 140.0, optics.fisheye),
     Nuisance("lens", "optics", -20.0, "%", -40.0, 40.0, optics.lens),
     Nuisance("blur", "optics", 1.5, "px", 0.0, 4.0, optics.blur),
     Nuisance("uneven", "light", 100.0, "%", 0.0, 160.0, light.uneven),
+    Nuisance("vignetting", "light", 50.0, "%", 0.0, 90.0, light.vignetting),
+    Nuisance("ring", "light", 30.0, "%", 0.0, 100.0, light.ring),
     Nuisance("pale", "light", 3.0, "times", 1.2, 15.0, light.pale),
     Nuisance("pwm", "light", 30.0, "%", 0.0, 200.0, light.pwm),
     Nuisance("pwm-fast", "light", 30.0, "%", 0.0, 200.0, light.pwm_fast),
@@ -101,6 +111,8 @@ _TABLE: Final = (
     Nuisance("readout", "sensor", 1.0, "times", 0.0, 200.0, chip.readout),
     Nuisance("lost", "stream", 20.0, "ms", 0.0, 200.0, stream.lost),
     Nuisance("frames", "stream", 5.0, "frames/s", 0.0, 25.0, stream.frames),
+    Nuisance("dropped", "stream", 5.0, "%", 0.0, 50.0, stream.dropped),
+    Nuisance("doubled", "stream", 10.0, "%", 0.0, 50.0, stream.doubled),
     Nuisance("late", "stream", 30.0, "ms", 0.0, 200.0, stream.late),
     Nuisance("black", "stream", 20.0, "%", 0.0, 100.0, stream.black),
     Nuisance("hand-on", "clock", 0.5, "s", 0.0, 60.0, stream.hand_on),

@@ -100,6 +100,16 @@ def shadow(setup: Setup, percent: float) -> Setup:
     return setup.plus(shades=cast)
 
 
+def vignetting(setup: Setup, percent: float) -> Setup:
+    """Loses ``percent`` % of the light in the corners of the picture, as a wide lens does."""
+    return setup.configured("light", vignetting=0.01 * percent)
+
+
+def ring(setup: Setup, percent: float) -> Setup:
+    """Mirrors the LED ring in the gel, as a soft ring ``percent`` % as bright as a white dot."""
+    return setup.configured("light", ring_glare=0.01 * percent)
+
+
 def uneven(setup: Setup, percent: float) -> Setup:
     """Makes one side of the gel brighter than the other, by ``percent`` % of the mean."""
     return setup.configured("light", uneven=0.01 * percent)

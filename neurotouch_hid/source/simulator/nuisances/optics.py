@@ -17,6 +17,11 @@ def lens(setup: Setup, percent: float) -> Setup:
     return setup.configured("camera", barrel=barrel)
 
 
+def fisheye(setup: Setup, degrees: float) -> Setup:
+    """Takes a wide lens (equidistant), which sees the gel under ``degrees``°."""
+    return setup.configured("camera", fisheye_rad=0.5 * math.radians(degrees))
+
+
 def tilt(setup: Setup, degrees: float) -> Setup:
     """Leans the camera over, so that one side of the gel is nearer."""
     return setup.configured("camera", tilt_rad=math.radians(degrees))

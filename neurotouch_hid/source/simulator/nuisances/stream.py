@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from neurotouch_hid.messages import Frame
 from neurotouch_hid.source.simulator.setup import ClockChange, Piece, Setup
 
 LOSS_PERIOD_US = 500_000  # how often events get lost
@@ -23,6 +24,35 @@ def frames(setup: Setup, per_s: float) -> Setup:
             if _is_due(frame.exposure_begin_us // period_us, min(per_s / most, 1.0))
         ]
         return replace(piece, frames=tuple(kept))
+
+    return setup.plus(wires=wire)
+
+
+def dropped(setup: Setup, percent: float) -> Setup:
+    """Loses ``percent`` % of all frames, here and there."""
+    rng = setup.random("dropped")
+
+    def wire(piece: Piece) -> Piece:
+        kept = tuple(frame for frame in piece.frames if rng.random() >= 0.01 * percent)
+        return replace(piece, frames=kept)
+
+    return setup.plus(wires=wire)
+
+
+def doubled(setup: Setup, percent: float) -> Setup:
+    """Sends the frame before again instead of ``percent`` % of all frames."""
+    rng = setup.random("doubled")
+    last: Frame | None = None
+
+    def wire(piece: Piece) -> Piece:
+        nonlocal last
+        sent = []
+        for frame in piece.frames:
+            if last is not None and rng.random() < 0.01 * percent:
+                frame = replace(frame, pixels=last.pixels)  # noqa: PLW2901
+            last = frame
+            sent.append(frame)
+        return replace(piece, frames=tuple(sent))
 
     return setup.plus(wires=wire)
 

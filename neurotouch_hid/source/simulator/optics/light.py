@@ -11,6 +11,7 @@ from neurotouch_hid.source.simulator.config import LightConfig
 
 PROFILE_REACH = 2.6  # markers are drawn out to this multiple of their radius, or further if blurred
 PROFILE_STEPS = 512
+RING_AT, RING_WIDTH = 0.5, 0.06  # of the LED ring's reflection, in radii of the gel
 PIXEL_BLUR_PX = 12**-0.5  # the pixel's own width blurs as well
 
 
@@ -39,7 +40,12 @@ def compute_light(
         size = rng.uniform(0.8, 2.5)
         d2 = (dx - far * np.cos(angle)) ** 2 + (dy - far * np.sin(angle)) ** 2
         base += config.spot_dn * np.exp(-((d2 / (2 * size**2)) ** 2))
-    return np.minimum(base, 255.0), config.white_dn * light
+    ring = np.exp(-(((r - RING_AT) / RING_WIDTH) ** 2))
+    base += config.ring_glare * config.white_dn * ring
+    corner = np.hypot(0.5 * SENSOR_WIDTH_PX, 0.5 * SENSOR_HEIGHT_PX)
+    middle_x, middle_y = 0.5 * (SENSOR_WIDTH_PX - 1), 0.5 * (SENSOR_HEIGHT_PX - 1)
+    left = 1.0 - config.vignetting * (np.hypot(x - middle_x, y - middle_y) / corner) ** 2
+    return np.minimum(base * left, 255.0), config.white_dn * light * left
 
 
 def marker_profile(

@@ -83,6 +83,9 @@ class CameraModel:
         depth = config.distance_mm + height
         scale = (config.distance_mm + config.height_mm) / depth
         scale *= 1.0 - config.barrel * (r * scale) ** 2
+        if config.fisheye_rad:  # an equidistant lens: as far from the middle as the angle is large
+            far = np.maximum(r * scale * math.tan(config.fisheye_rad) / self._gel.radius_mm, 1e-9)
+            scale *= np.arctan(far) / far
         return scale, plan * scale[:, None]
 
     def _dome(self, r: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,0 +1,194 @@
+"""Compiled loops that follow the markers from frame to frame where no events come between."""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.process.kernel_cache import kernel
+from neurotouch_hid.tracker.kernels.correction import GATE_PX, MAX_AREA_RATIO, MAX_MISSED
+from neurotouch_hid.tracker.kernels.matching import match_points
+from neurotouch_hid.tracker.kernels.neighbours import (
+    expect,
+    find_collisions,
+    find_strays,
+    find_tears,
+)
+from neurotouch_hid.tracker.kernels.tracks import SECOND, Tracks, Tuning
+
+LONGEST_US = 50_000  # a velocity that is older says nothing
+ROUNDS = 6  # from a gel that is still to the middle of the fastest fingertip
+SMOOTH_PX = 2.0  # neighbours differ by less in how far they are from their expected places ...
+SMOOTH_RATIO = 2.0  # ... or by no more than so many spreads of these
+COMMON_SHARE = 0.3  # of a change of velocity, from the neighbours; half would let ripples grow
+
+LEAST_SHARE = 3  # of three markers one is seen, or the picture or all tracks are wrong
+NO_BLOB: Final = -1
+
+
+@kernel
+def _match_free(
+    target_px: NDArray[np.float64],
+    open_: NDArray[np.bool_],
+    points_px: NDArray[np.float64],
+    free: NDArray[np.bool_],
+    blob: NDArray[np.int32],
+) -> int:
+    """Gives open markers the free blobs nearest to their targets; returns how many.
+
+    Args:
+        target_px: (n, 2) float64 px; NaN where no place is known.
+        open_: (n,) bool, the markers without a blob.
+        points_px: (m, 2) float64 px, the centroids of the blobs.
+        free: (m,) bool, updated: the blobs without a marker.
+        blob: (n,) int32, updated.
+    """
+    wanted = np.flatnonzero(open_ & np.isfinite(target_px[:, 0]))
+    left = np.flatnonzero(free)
+    match = np.empty(len(wanted), np.int32)
+    if not len(wanted) or not len(left):
+        return 0
+    n = match_points(target_px[wanted], points_px[left], GATE_PX, match)
+    for k in range(len(wanted)):
+        if match[k] >= 0:
+            blob[wanted[k]] = left[match[k]]
+            free[left[match[k]]] = False
+    return int(n)
+
+
+@kernel
+def pair_blobs(
+    expected_px: NDArray[np.float64],
+    points_px: NDArray[np.float64],
+    begin: NDArray[np.int32],
+    rest_px: NDArray[np.float64],
+    neighbours: NDArray[np.intp],
+    tuning: Tuning,
+    blob: NDArray[np.int32],
+    place_px: NDArray[np.float64],
+) -> None:
+    """Writes the blob and the place of each marker in a frame.
+
+    Each marker gets the blob nearest to its expected place, where both agree. The others follow
+    ring by ring: a marker is off its expected place as far as its neighbours are, because a hand
+    that changes its speed takes them along. A marker loses a blob that would tear the gel, or
+    that contradicts where its neighbours have gone from rest.
+
+    Args:
+        expected_px: (n, 2) float64 px, where each marker would be at its last velocity.
+        points_px: (m, 2) float64 px, the centroids of the blobs.
+        begin: (m + 1,) int32, where the pixels of each blob begin.
+        rest_px: (n, 2) float64 px, the markers at rest.
+        neighbours: (n, 8) intp, -1 where there is none.
+        tuning: of the neighbour check.
+        blob: (n,) int32, written; -1 where none is certain.
+        place_px: (n, 2) float64 px, written: the blob, or the place that the neighbours give.
+    """
+    n, m = len(expected_px), len(points_px)
+    area = np.empty(m, np.float64)
+    for j in range(m):
+        area[j] = begin[j + 1] - begin[j]
+    free = area <= MAX_AREA_RATIO * np.median(area)  # a larger one contains two markers
+    blob[:] = NO_BLOB
+    seen, stray = np.zeros(n, np.bool_), np.empty(n, np.bool_)
+    near_px, spread_px = expected_px.copy(), np.empty(n)
+    for turn in range(ROUNDS):
+        n_new = _match_free(near_px, ~seen, points_px, free, blob)
+        for i in range(n):
+            seen[i] = blob[i] >= 0
+            place_px[i] = points_px[blob[i]] if seen[i] else expected_px[i]
+        expect(place_px, seen, expected_px, neighbours, near_px, spread_px)
+        find_strays(place_px, near_px, spread_px, SMOOTH_PX, SMOOTH_RATIO, stray)
+        for i in range(n):
+            if seen[i] and stray[i]:
+                free[blob[i]], blob[i], seen[i] = True, NO_BLOB, False
+                place_px[i] = near_px[i]
+        if turn and not n_new:
+            break
+    for i in range(n):
+        if not seen[i] and near_px[i, 0] == near_px[i, 0]:
+            place_px[i] = near_px[i]
+    # Where the neighbours have gone from rest tells who a marker is.
+    for _ in range(2):
+        expect(place_px, seen, rest_px, neighbours, near_px, spread_px)
+        find_strays(
+            place_px, near_px, spread_px, tuning.max_stray_px, tuning.max_stray_ratio, stray
+        )
+        find_collisions(place_px, near_px, neighbours, stray)
+        find_tears(place_px, seen, rest_px, neighbours, tuning.max_stray_px, stray)
+        n_stray = 0
+        for i in range(n):
+            if stray[i] and near_px[i, 0] == near_px[i, 0]:
+                n_stray += 1
+                if seen[i]:
+                    free[blob[i]], blob[i], seen[i] = True, NO_BLOB, False
+                place_px[i] = near_px[i]
+        if not n_stray or not _match_free(near_px, ~seen, points_px, free, blob):
+            break
+        for i in range(n):
+            if blob[i] >= 0 and not seen[i]:
+                seen[i] = True
+                place_px[i] = points_px[blob[i]]
+
+
+@kernel
+def follow(
+    middle_us: int,
+    end_us: int,
+    points_px: NDArray[np.float64],
+    begin: NDArray[np.int32],
+    tracks: Tracks,
+    tuning: Tuning,
+) -> int:
+    """Moves all tracks to the blobs of a frame and measures their velocities.
+
+    Args:
+        middle_us: the middle of the exposure: the time of the tracks from now on.
+        end_us: its end.
+        points_px: see ``pair_blobs``, as ``begin``.
+        begin: where the pixels of each blob begin.
+        tracks: changed, if the frame shows the gel.
+        tuning: of the neighbour check.
+
+    Returns:
+        The number of markers that have a blob; 0 if the frame shows no gel.
+    """
+    state, n = tracks.state, len(tracks.state)
+    if len(points_px) < n // LEAST_SHARE:
+        return 0
+    expected_px, place_px, change_px = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2))
+    for i in range(n):
+        s = state[i]
+        elapsed_us = middle_us - s.t_us
+        step = elapsed_us * SECOND if 0.0 < elapsed_us <= LONGEST_US else 0.0
+        expected_px[i, 0], expected_px[i, 1] = s.x + s.vx * step, s.y + s.vy * step
+    blob = np.empty(n, np.int32)
+    pair_blobs(
+        expected_px, points_px, begin, tracks.rest_px, tracks.neighbours, tuning, blob, place_px
+    )
+    n_seen = 0
+    for i in range(n):
+        n_seen += blob[i] >= 0
+        change_px[i] = place_px[i] - expected_px[i]
+    if n_seen < n // LEAST_SHARE:
+        return 0
+    for i in range(n):
+        s = state[i]
+        elapsed_us = middle_us - s.t_us
+        if elapsed_us > LONGEST_US:
+            s.vx = s.vy = 0.0
+        elif elapsed_us > 0.0:
+            x, y, used = 0.0, 0.0, 0
+            for k in range(8):
+                j = tracks.neighbours[i, k]
+                if j >= 0 and blob[j] >= 0:
+                    x, y, used = x + change_px[j, 0], y + change_px[j, 1], used + 1
+            share = COMMON_SHARE if blob[i] >= 0 else 1.0
+            own, common = (1.0 - share, share / used) if used else (1.0, 0.0)
+            s.vx += (own * change_px[i, 0] + common * x) / (elapsed_us * SECOND)
+            s.vy += (own * change_px[i, 1] + common * y) / (elapsed_us * SECOND)
+        s.x, s.y, s.t_us = place_px[i, 0], place_px[i, 1], float(middle_us)
+        s.n_missed = 0 if blob[i] >= 0 else s.n_missed + 1
+        tracks.lost[i] = s.n_missed >= MAX_MISSED
+    tracks.common[0].last_frame_us = end_us
+    return n_seen

@@ -1,0 +1,142 @@
+"""Frames alone carry the tracks: the markers go on at their velocity and stay who they are."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from neurotouch_hid.geometry import PAPER_GEL, Rig
+from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.messages import EVENT_DTYPE, GelProblem, GestureKind
+from neurotouch_hid.profile import load_profile
+from neurotouch_hid.runtime import Pipeline
+from neurotouch_hid.source.simulator import Simulator, StrokeTiming, push, sequence
+from neurotouch_hid.source.simulator.nuisances import read_nuisances
+from neurotouch_hid.tracker import TrackerConfig
+from neurotouch_hid.tracker.kernels import frames_alone
+from neurotouch_hid.tracker.kernels import tracks as track_kernels
+from neurotouch_hid.tracker.markers import make_tracks
+from tests.reference import tracker as reference
+
+REST_PX = Rig((172.0, 130.0), 2.5, 0.1).to_px(PAPER_GEL.points_mm)
+TUNING = TrackerConfig().tuning()
+NEIGHBOURS = PAPER_GEL.neighbours
+QUICK = StrokeTiming(165_000, 200_000, 180_000)
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.0, 0.15), st.floats(0.0, 4.0))
+@settings(max_examples=20, deadline=None)
+def test_pairs_are_those_of_the_plain_twin(seed, hidden, haste_px):
+    """A patch is off its expected places; some blobs are hidden, merged or of no marker."""
+    rng = np.random.default_rng(seed)
+    bell = np.exp(-((PAPER_GEL.points_mm / 9) ** 2).sum(1, keepdims=True))
+    way = rng.uniform(-math.pi, math.pi)
+    truth = REST_PX + 20 * bell * (math.cos(way), math.sin(way)) + rng.normal(0, 0.1, (177, 2))
+    expected = truth - haste_px * bell * (math.cos(way), math.sin(way))
+    points = truth[rng.random(177) >= hidden]
+    points = np.concatenate([points, rng.uniform(100, 240, (4, 2))])
+    areas = np.where(rng.random(len(points)) < 0.04, 14, rng.integers(5, 8, len(points)))
+    begin = np.concatenate([[0], np.cumsum(areas)]).astype(np.int32)
+    blob, place = np.empty(177, np.int32), np.empty((177, 2))
+    frames_alone.pair_blobs(
+        expected, points, begin, REST_PX, NEIGHBOURS.copy(), TUNING, blob, place
+    )
+    twin, twin_place = reference.pair_blobs(
+        expected.tolist(), points.tolist(), areas.tolist(), REST_PX.tolist(), NEIGHBOURS.tolist(),
+        TUNING,
+    )  # fmt: skip
+    assert [None if j < 0 else j for j in blob.tolist()] == twin
+    np.testing.assert_allclose(place, twin_place, atol=1e-9)
+    assert sum(j is not None for j in twin) > 90
+
+
+def test_a_velocity_is_that_of_the_blobs_and_ripples_fade():
+    tracks = make_tracks(NEIGHBOURS, TrackerConfig())
+    tracks.rest_px[:] = REST_PX
+    track_kernels.place(np.arange(177), REST_PX, 1.0, 0.0, tracks, TUNING)
+    begin = np.arange(0, 6 * 178, 6, dtype=np.int32)
+    rng = np.random.default_rng(1)
+    for k in range(1, 30):
+        noise = rng.normal(0, 0.05, (177, 2)) if k < 10 else np.zeros((177, 2))
+        at = REST_PX + noise
+        at[:, 0] += 2.0 * k
+        n = frames_alone.follow(8_000 * k, 8_000 * k + 2_000, at, begin, tracks, TUNING)
+        assert n == 177
+    state = tracks.state
+    np.testing.assert_allclose(state["vx"], 250.0, atol=0.5)
+    np.testing.assert_allclose(state["vy"], 0.0, atol=0.5)
+    np.testing.assert_allclose(state["x"], at[:, 0])
+
+
+def test_a_picture_without_the_gel_changes_nothing():
+    tracks = make_tracks(NEIGHBOURS, TrackerConfig())
+    tracks.rest_px[:] = REST_PX
+    track_kernels.place(np.arange(177), REST_PX, 1.0, 0.0, tracks, TUNING)
+    before = tracks.state.copy()
+    few = REST_PX[:40].copy()
+    begin = np.arange(0, 6 * 41, 6, dtype=np.int32)
+    assert frames_alone.follow(8_000, 10_000, few, begin, tracks, TUNING) == 0
+    np.testing.assert_array_equal(tracks.state, before)
+
+
+def play(script, *nuisances):
+    """Returns the steps of a script, and the true markers and gesture at the end of each."""
+    simulator = Simulator(script, nuisances=read_nuisances(nuisances), seed=2)
+    pipeline = Pipeline.build(load_profile("spacecraft"), GestureConfig())
+    return [(pipeline.advance(packet), simulator.truth(packet.t_end_us)) for packet in simulator]
+
+
+FAST = sequence("fast", *(push(way, 18.0, timing=QUICK) for way in (math.pi, 0.4, 1.9)))
+
+
+@pytest.mark.parametrize("fps", [125, 60])
+def test_fast_strokes_are_followed(fps):
+    """The quickest stroke of the paper: 18 mm at 210 mm/s; half the pitch is 5 px."""
+    played = [p for p in play(FAST, f"uvc={fps}") if np.isfinite(p[0].markers.rest_px).all()]
+    touched = [(s, t) for s, t in played if t.kind is GestureKind.PUSH]
+    error_mm = np.mean([abs(s.gesture.intensity_mm - t.intensity_mm) for s, t in touched])
+    count = np.mean([len(s.gesture.contacts_mm) == len(t.contacts_px) for s, t in played])
+    assert error_mm < 1.0
+    assert count > 0.95
+    held = [(s, t) for s, t in touched if t.intensity_mm > 16.0]
+    off_px = [np.hypot(*(s.markers.position_px - t.markers_px).T) for s, t in held]
+    assert len(held) > 30
+    assert (np.array(off_px) > 5.0).mean() < 0.01  # nobody is taken for a neighbour
+
+
+def test_a_frame_that_comes_twice_does_not_stop_the_markers():
+    errors = []
+    for more in ((), ("doubled=30",)):
+        played = play(sequence("push", push(0.0, 9.0)), "uvc=125", *more)
+        played = [p for p in played if np.isfinite(p[0].markers.rest_px).all()]
+        off = [np.hypot(*(s.markers.position_px - t.markers_px).T).max() for s, t in played]
+        errors.append(np.percentile(off, 95))
+    assert errors[1] < errors[0] + 1.0
+
+
+def test_a_hand_too_fast_for_the_camera_leaves_the_pad_neutral_and_is_told():
+    played = play(FAST, "uvc=30")
+    unsure = [s for s, t in played if t.intensity_mm > 8.0 and s.gesture.kind is GestureKind.NONE]
+    assert unsure
+    assert all(step.pad.is_neutral for step in unsure[3:])
+    assert GelProblem.TOO_FAST in {step.gel.problem for step, _ in played}
+    slow = play(sequence("slow", push(0.0, 9.0)), "uvc=30")
+    assert GelProblem.TOO_FAST not in {step.gel.problem for step, _ in slow}
+
+
+def test_events_take_over_from_frames_alone():
+    """A camera whose events come late is followed by both, one after the other."""
+    simulator = Simulator(sequence("two", push(0.0, 9.0), push(2.0, 9.0)), seed=3)
+    pipeline = Pipeline.build(load_profile("spacecraft"), GestureConfig())
+    for packet in simulator:
+        silent = packet.t_end_us < 1_000_000
+        step = pipeline.advance(
+            replace(packet, events=np.empty(0, EVENT_DTYPE)) if silent else packet
+        )
+        truth = simulator.truth(packet.t_end_us).markers_px
+        if packet.t_end_us > 1_500_000:
+            off = np.hypot(*(step.markers.position_px - truth).T)
+            assert np.median(off) < 0.5
