@@ -48,6 +48,6 @@ def _configured(setup: Setup, name: str, **values: Any) -> Setup:
     if setup.config.uvc is None:
         raise SourceError(
             f"The nuisance {name} needs a camera without events.",
-            hint="Add uvc before it: sim:tour,uvc,rolling. With simulate: --camera uvc",
+            hint="Add uvc before it, as in sim:tour,uvc,rolling, or simulate with --camera uvc.",
         )
     return replace(setup, config=replace(setup.config, uvc=replace(setup.config.uvc, **values)))
