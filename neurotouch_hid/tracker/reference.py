@@ -102,9 +102,16 @@ class Reference:
         )
         return self._white[:n]
 
-    def chamfer(self, blobs: Blobs) -> float:
-        """Returns the Chamfer distance of a frame, px²; infinite without any white pixel."""
+    def chamfer(self, blobs: Blobs, most_px2: int) -> float:
+        """Returns the Chamfer distance of a frame, px²; infinite without any white pixel.
+
+        Args:
+            blobs: of the frame.
+            most_px2: a larger distance of a single pixel counts as this one.
+        """
         pixels = self._white_pixels(blobs)
         if not len(pixels):
             return float("inf")
-        return float(kernels.chamfer(pixels, self._mask, self._pixels, self._distance_px2))
+        return float(
+            kernels.chamfer(pixels, self._mask, self._pixels, self._distance_px2, most_px2)
+        )

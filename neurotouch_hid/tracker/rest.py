@@ -41,6 +41,8 @@ class RestConfig:
         max_chamfer_px2: largest Chamfer distance to the reference, 2.5 [NT, "Experiments"]. Only
             the sum of the two mean squared distances gives that number a meaning. Without other
             limits it counts a push of 1.6 mm as rest.
+        max_apart_px2: a pixel that is farther from its nearest one counts as this, because a dot
+            that has come or gone has not moved. Differs: the paper has no such limit.
         max_displacement_mm: largest distance of a seen marker from its reference, for all but
             ``max_displaced``. People label a gesture from about 0.3 mm on. Differs: the paper has
             no such limit (``math.inf`` gives the paper's detector: F1 0.86 on our simulation;
@@ -62,6 +64,7 @@ class RestConfig:
     """
 
     max_chamfer_px2: float = 2.5
+    max_apart_px2: int = 9
     max_displacement_mm: float = 0.3
     max_displaced: int = 3
     min_share: float = 0.9
@@ -251,7 +254,7 @@ class RestDetector:
         is_rest = (
             displacement <= limit_px
             and n_found >= c.min_share * reference.n_found
-            and (distance := reference.chamfer(blobs)) <= c.max_chamfer_px2
+            and (distance := reference.chamfer(blobs, c.max_apart_px2)) <= c.max_chamfer_px2
         )
         if is_rest:
             self._kept.forget()

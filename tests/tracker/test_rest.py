@@ -107,7 +107,7 @@ def test_touch_is_not_rest(mm, at_rest):
 
 @pytest.mark.parametrize(("mm", "at_rest"), [(1.0, True), (4.0, False)])
 def test_the_paper_has_the_chamfer_distance_only(mm, at_rest):
-    detector = RestDetector(RestConfig(max_displacement_mm=np.inf))
+    detector = RestDetector(RestConfig(max_displacement_mm=np.inf, max_apart_px2=1 << 30))
     rest = show(detector, picture(), picture(push(mm), seed=1))
     assert (rest is not None) == at_rest
     assert (detector.stats().chamfer_px2 <= 2.5) == at_rest
@@ -231,6 +231,20 @@ def test_a_known_rig_is_taken():
     rest = show(detector, picture(rig=rig))
     assert rest is not None
     assert np.abs(rest.position_px - rig.to_px(PAPER_GEL.points_mm)).max() < 0.35
+
+
+def test_dots_that_come_and_go_beside_18_that_are_missing_do_not_end_the_rest():
+    rng, n = np.random.default_rng(4), PAPER_GEL.n_markers
+    gone = rng.permutation(n)[:18]
+    detector, frames = RestDetector(), []
+    for seed in range(25):  # one second
+        brightness = np.where(rng.random(n) < 0.05, 0.0, 1.0)
+        brightness[gone] = 0.0
+        frames.append(show(detector, picture(brightness=brightness, seed=seed)))
+    assert frames[0] is not None
+    assert sum(frame is None for frame in frames) <= 1
+    assert set(gone.tolist()) <= set(detector.gel.missing)
+    assert np.abs(frames[-1].position_px - RIG.to_px(PAPER_GEL.points_mm)).max() < 0.8
 
 
 def test_a_gel_with_missing_and_faint_dots_is_learnt():

@@ -278,6 +278,7 @@ def chamfer(
     mask: NDArray[np.uint8],
     reference: NDArray[np.int32],
     reference_px2: NDArray[np.int32],
+    most_px2: int,
 ) -> float:
     """Returns the sum of both mean squared distances of two sets of pixels, px² [NT, Eq. Chamfer].
 
@@ -286,16 +287,17 @@ def chamfer(
         mask: (h, w) uint8 scratch, all 0 before and after.
         reference: (m,) int32 pixel indices, m > 0.
         reference_px2: (h, w) int32, the distance map of the reference.
+        most_px2: a larger distance of a single pixel counts as this one.
     """
     flat, flat_px2 = mask.ravel(), reference_px2.ravel()
     forward = 0
     for index in now:
-        forward += flat_px2[index]
+        forward += min(flat_px2[index], most_px2)
         flat[index] = 1
     backward = 0
     for index in reference:
         if not flat[index]:
-            backward += ring_distance(index, mask)
+            backward += min(ring_distance(index, mask), most_px2)
     for index in now:
         flat[index] = 0
     return forward / len(now) + backward / len(reference)

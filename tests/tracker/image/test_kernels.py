@@ -139,7 +139,7 @@ def test_distances_and_chamfer_are_exact(seed, n, m):
         assert q_px2[y, x] == exact
         assert kernels.ring_distance(y * w + x, q_mask) == exact
     scratch = np.zeros((h, w), np.uint8)
-    assert kernels.chamfer(p, scratch, q, q_px2) == pytest.approx(
+    assert kernels.chamfer(p, scratch, q, q_px2, 1 << 30) == pytest.approx(
         reference.chamfer(p_points, q_points)
     )
     assert not scratch.any()
