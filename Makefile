@@ -18,8 +18,8 @@ EPOCH := $(shell git log -1 --format=%ct 2>/dev/null || echo 315532800)
 help: ## list the tasks
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
-demo: $(VENV)/.runtime ## set up, then let a simulated gel drive the pad (SECONDS=10 ends by itself)
-	@$(BIN)/neurotouch demo $(if $(SECONDS),--seconds $(SECONDS))
+demo: $(VENV)/.runtime ## set up, then let a simulated gel drive the pad (SECONDS=10 ends by itself, CAMERA=video is a webcam)
+	@$(BIN)/neurotouch demo $(if $(SECONDS),--seconds $(SECONDS)) $(if $(filter video,$(CAMERA)),--camera uvc)
 
 test: $(VENV)/.dev ## set up, then run all tests (real-kernel tests where QEMU is installed)
 	$(BIN)/pytest -n auto --no-loadscope-reorder

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from neurotouch_hid.source import Source
 
 _PROFILE = "spacecraft"
+_WEBCAM = ",uvc=60,rolling=12,gamma,mjpeg"
+"""The nuisances that make the simulated camera an ordinary webcam."""
 
 
 @click.command(
@@ -21,9 +23,17 @@ _PROFILE = "spacecraft"
     "  neurotouch demo                      all gestures in turn, until Ctrl-C\n"
     "  neurotouch demo --scene pinch --seconds 10   repeats the pinch for ten seconds\n"
     "  neurotouch demo --mouse              press the gel yourself, on a page in your browser\n"
+    "  neurotouch demo --camera uvc         the same gestures, seen by a simulated webcam\n"
     "  neurotouch demo --show lines         plain lines, for screen readers"
 )
 @click.option("--scene", default="tour", show_default=True, help="Scene of the simulator.")
+@click.option(
+    "--camera",
+    type=click.Choice(["davis", "uvc"]),
+    default="davis",
+    show_default=True,
+    help="A simulated DAVIS-346, or a simulated webcam with 60 frames a second.",
+)
 @click.option("--mouse", is_flag=True, help="Press the gel with mouse, touch or keyboard.")
 @click.option("--page/--no-page", default=True, help="Serve the live view and the spacecraft too.")
 @click.option(
@@ -43,6 +53,7 @@ _PROFILE = "spacecraft"
 )
 def command(
     scene: str,
+    camera: str,
     mouse: bool,
     page: bool,
     profile: str | None,
@@ -58,9 +69,13 @@ def command(
     """
     if mouse and not page:
         raise WrongUsage("Option --mouse needs the page.", hint="Leave out --no-page.")
+    if mouse and camera != "davis":
+        raise WrongUsage("The gel under the mouse has no other camera.", hint="Leave out --camera.")
     from neurotouch_hid.source.check import check_source
 
     played = "sim:rest" if mouse else f"sim:{scene.removeprefix('sim:')}"
+    if camera == "uvc":
+        played += _WEBCAM
     check_source(played)
     from neurotouch_hid.driver import DriverOptions
     from neurotouch_hid.driver.check import check_start
@@ -81,13 +96,16 @@ def command(
     from neurotouch_hid.players import find_runtime_folder
     from neurotouch_hid.source import open_source
     from neurotouch_hid.source.mouse_gel import MouseSource
+    from neurotouch_hid.tracker import GelFinder
 
     drawn = choose_gel(gel, options.source)
     make_source: Callable[[], Source] | None = None
     if mouse:
         make_source = partial(MouseSource, find_runtime_folder(), gel=drawn)
     elif seconds is not None:
-        make_source = partial(open_source, options.source, repeats=True, gel=drawn)
+        make_source = partial(
+            open_source, options.source, repeats=True, gel=drawn, finder=GelFinder(drawn)
+        )
     with (
         Driver(options, announce=announce, make_source=make_source) as driver,
         ExitStack() as stack,

@@ -125,4 +125,9 @@ def _open(
     scene = find_scene(name)
     scene = replace(scene, endless=repeats or scene.endless)
     config = scene_config(name).show(gel)
-    return Simulator(scene, config, nuisances=nuisances, seed=seed, slice_us=slice_us)
+    simulator = Simulator(scene, config, nuisances=nuisances, seed=seed, slice_us=slice_us)
+    if "uvc" not in nuisances:
+        return simulator
+    from neurotouch_hid.source.video.simulated import SimulatedVideo  # noqa: PLC0415
+
+    return SimulatedVideo(simulator, finder, slice_us)
