@@ -25,7 +25,7 @@ from neurotouch_hid.tracker.gel_finder import GelFinder
 
 NODES = Path("/sys/class/video4linux")
 PATIENCE_S = 120.0
-READ_S = 15.0
+N_READ = 20
 PICTURES_PER_S = 10
 """What the source reads in a guest without KVM, once it has found the gel."""
 N_TAKEN = 10
@@ -105,10 +105,10 @@ def read(results: Path) -> dict[str, Any]:
     camera = make_gel(results)
     n_read = 0
     with plugged(camera), open_source("video:", finder=GelFinder()) as source:
-        deadline = time.monotonic() + READ_S
+        deadline = time.monotonic() + PATIENCE_S
         for packet in source.poll():
             n_read += 0 if packet is None else len(packet.frames)
-            if time.monotonic() > deadline:
+            if n_read >= N_READ or time.monotonic() > deadline:
                 break
         camera.end()
         stats = source.stats()
