@@ -17,8 +17,7 @@ SIZE = (320, 240)
 TIMING = StrokeTiming(attack_us=400_000, hold_us=200_000, release_us=400_000)
 STROKES = (push(0.0, 10.0, timing=TIMING), pinch(7.0, timing=TIMING))
 TAKEN = 8
-"""One of so many pictures is shown: the guest is slow, and a push is no farther than 2 mm between
-two of them."""
+"""One of so many pictures is shown: the guest is slow."""
 
 
 def main() -> None:

@@ -6,8 +6,7 @@ from itertools import pairwise
 import pytest
 from neurotouch_devtools.emulator.uvc import MODES, PixelFormat
 
-from tests.kernel.guest.uvc import FAULT_AT, N_TAKEN
-from tests.kernel.test_run import CLEARLY, NEUTRAL, read_reports
+from tests.kernel.guest.uvc import FAULT_AT, N_READ, N_TAKEN
 
 CONTROLS = {
     "auto_exposure",
@@ -25,8 +24,6 @@ JPEG_ERROR = 3.0
 ALL = list(range(N_TAKEN))
 MOST_WAITING = 8
 """Pictures on their way when the stream ends: the kernel's buffers and what the camera holds."""
-MOVES = (("leftx", 1), ("lefttrigger", 1))
-"""Of ``tests/kernel/film.py``, as ``profiles/spacecraft.yaml`` has them."""
 
 
 @pytest.fixture(scope="module")
@@ -134,7 +131,9 @@ def test_a_damaged_picture_arrives_damaged(suffered, chapter):
 def test_a_failed_transfer_costs_a_picture_and_what_waits_for_the_reader(suffered):
     saw = suffered["protocol@stream+12"]
     whole = [k for k in saw["found"] if k >= 0]
-    assert whole == [k for k in range(N_TAKEN + 1) if k != FAULT_AT]
+    assert whole[:FAULT_AT] == ALL[:FAULT_AT]
+    assert whole == sorted(set(whole) - {FAULT_AT})
+    assert len(whole) == N_TAKEN
     assert saw["found"].count(-1) > 0, "the kernel gives the reader its buffers back, without data"
 
 
@@ -148,7 +147,7 @@ def read(guest):
 
 
 def test_every_picture_that_was_sent_was_read_or_is_counted_as_lost(read):
-    assert read["n_read"] > 10
+    assert read["n_read"] >= N_READ
     assert read["n_sent"] == read["n_read"] + read["n_lost"] + read["n_waiting"]
     assert read["n_waiting"] <= MOST_WAITING
 
@@ -158,28 +157,3 @@ def test_the_settings_that_blur_pictures_are_fixed(read):
     assert 100 * read["settings"]["exposure"] == read["exposure_us"]
     assert (read["settings"]["autofocus"], read["settings"]["auto_white_balance"]) == (0, 0)
     assert "320x240" in read["mode"]
-
-
-def test_the_gestures_of_the_film_move_the_pad(guest):
-    seen = guest("uvc_play")["sdl2"]
-    for control, way in MOVES:
-        low, high = seen[control]
-        assert (high if way > 0 else -low) >= CLEARLY
-    assert {control for control, (low, high) in seen.items() if max(-low, high) >= CLEARLY} == {
-        control for control, _ in MOVES
-    }
-
-
-def test_an_unplugged_camera_leaves_the_pad_neutral(guest):
-    saw = guest("uvc_play")
-    reports = read_reports(saw["events"][: saw["n_unplugged"]])
-    assert any(report != NEUTRAL for report in reports)
-    assert reports[-1] == NEUTRAL
-
-
-def test_a_camera_that_is_back_plays_again(guest):
-    saw = guest("uvc_play")
-    reports = read_reports(saw["events"])
-    assert len(reports) > len(read_reports(saw["events"][: saw["n_unplugged"]]))
-    assert reports[-1] == NEUTRAL
-    assert saw["exit_code"] == 0
