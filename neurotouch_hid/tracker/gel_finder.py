@@ -9,7 +9,7 @@ from neurotouch_hid.tracker.lattice import LatticeFinder
 
 
 class GelFinder:
-    """Finds a gel in one canonical picture, touched or not.
+    """Finds a gel in one canonical picture.
 
     Args:
         gel: the gel.
@@ -22,10 +22,19 @@ class GelFinder:
         self.gel = gel
         self._blobs, self._lattice = BlobFinder(gel=gel), LatticeFinder(gel)
 
-    def find(self, pixels: NDArray[np.uint8]) -> NDArray[np.float64] | None:
-        """Returns the dots in a picture, (260, 346) uint8, as (n, 2) px; None without the gel."""
+    def find(
+        self, pixels: NDArray[np.uint8], *, is_still: bool = False
+    ) -> NDArray[np.float64] | None:
+        """Returns the dots in a picture, (260, 346) uint8, as (n, 2) px; None without the gel.
+
+        Args:
+            pixels: the picture.
+            is_still: only a gel that nothing deforms counts.
+        """
         lattice = self._lattice.find(self._blobs.find(pixels).centroid_px)
         limits = self._lattice.config
         if lattice is None or lattice.share < limits.min_share or lattice.aside > limits.max_aside:
+            return None
+        if is_still and lattice.bend_px > limits.max_bend_px:
             return None
         return lattice.position_px

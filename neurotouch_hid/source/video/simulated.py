@@ -53,9 +53,7 @@ class SimulatedVideo(Closing):
         """Yields the pictures of the camera as they are."""
         for packet in self._simulator:
             for frame in packet.frames:
-                yield Picture(
-                    enlarge(frame.pixels), frame.exposure_begin_us, frame.exposure_end_us
-                )
+                yield Picture(enlarge(frame.pixels), frame.exposure_begin_us, frame.exposure_end_us)
 
     def close(self) -> None:
         """Does nothing: there is nothing to close."""

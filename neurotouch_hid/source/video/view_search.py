@@ -23,11 +23,14 @@ class GelFinder(Protocol):
 
     gel: Gel
 
-    def find(self, pixels: NDArray[np.uint8]) -> NDArray[np.float64] | None:
+    def find(
+        self, pixels: NDArray[np.uint8], *, is_still: bool = False
+    ) -> NDArray[np.float64] | None:
         """Returns the dots of the gel in a picture, or None without a gel.
 
         Args:
             pixels: (260, 346) uint8; the dots are at least 5.6 px apart.
+            is_still: only a gel that nothing deforms counts.
 
         Returns:
             (n, 2) float64 px, in the order of ``gel.points_mm``; NaN for a dot that is not seen.
@@ -52,6 +55,10 @@ _PER_PICTURE: Final = (4, 16)
 """Parts that are searched in one picture beside the whole, usually and at the start."""
 _N_UNSEEN: Final = 5
 """Looks without the gel, one after the other, before it is searched elsewhere."""
+_N_PATIENT: Final = 30
+"""Pictures at the start in which the view is fitted only to a gel that nothing deforms: a push
+looks like a lens. Later any gel counts, as one may be made so unevenly that it always looks
+deformed."""
 _N_FITS: Final = 2
 """The first fit may come from a small gel, whose dots are few pixels."""
 _MAX_MISFIT: Final = 0.1
@@ -132,7 +139,7 @@ class ViewSearch:
     def _fit(self, table: ViewTable, pixels: NDArray[np.uint8]) -> ViewTable | None:
         """Returns the view of the gel, or None if this view shows none."""
         for _ in range(_N_FITS):
-            dots_px = self._look(table, pixels)
+            dots_px = self._look(table, pixels, is_still=self._n_searched <= _N_PATIENT)
             if dots_px is None:
                 return None
             table = ViewTable(fit_view(table.view, dots_px, self._finder.gel))
@@ -145,10 +152,12 @@ class ViewSearch:
                 return
             yield ViewTable(part)
 
-    def _look(self, table: ViewTable, pixels: NDArray[np.uint8]) -> NDArray[np.float64] | None:
+    def _look(
+        self, table: ViewTable, pixels: NDArray[np.uint8], *, is_still: bool = False
+    ) -> NDArray[np.float64] | None:
         canonical = np.empty((SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX), np.uint8)
         table.draw(pixels, canonical)
-        return self._finder.find(canonical)
+        return self._finder.find(canonical, is_still=is_still)
 
     def _shows_gel(self, table: ViewTable, pixels: NDArray[np.uint8]) -> bool:
         """Returns whether a view shows the gel in its middle, as large as it should be."""

@@ -5,20 +5,21 @@ import numpy as np
 from neurotouch_hid.geometry import PAPER_GEL, Rig
 
 
-def place_dots(rig, size_px, rim=0.0, gel=PAPER_GEL):
+def place_dots(rig, size_px, rim=0.0, gel=PAPER_GEL, push_mm=0.0):
     """Where a lens shows the dots, (n, 2) px: ``rim`` is the change of scale at the gel's rim."""
     axis = (np.array(size_px) - 1) / 2
-    off = rig.to_px(gel.points_mm) - axis
+    near = np.exp(-((gel.points_mm - (10.0, 0.0)) ** 2).sum(axis=1, keepdims=True) / 100.0)
+    off = rig.to_px(gel.points_mm + near * (push_mm, 0.0)) - axis
     reach = np.hypot(*(np.array(rig.centre_px) - axis)) + gel.radius_mm * rig.px_per_mm
     square = (off**2).sum(axis=1, keepdims=True) / reach**2
     return axis + off * (1 + rim * square)
 
 
-def draw_gel(rig, size_px, rim=0.0, *, gel=PAPER_GEL, noise=2.0, room=False, seed=0):
-    """A picture (h, w) uint8 of a resting gel; ``room``: a bright, cluttered room around it."""
+def draw_gel(rig, size_px, rim=0.0, *, gel=PAPER_GEL, noise=2.0, room=False, push_mm=0.0, seed=0):
+    """A picture (h, w) uint8 of a gel; ``room``: a bright, cluttered room around it."""
     width, height = size_px
     rng = np.random.default_rng(seed)
-    dots = place_dots(rig, size_px, rim, gel)
+    dots = place_dots(rig, size_px, rim, gel, push_mm)
     picture = np.full((height, width), 20.0)
     if room:
         y, x = np.mgrid[:height, :width]

@@ -62,6 +62,18 @@ def test_a_gel_is_found_and_brought_to_its_place(size_px, px_per_mm, rim):
     assert np.median(np.hypot(*(seen - shown).T)) < 0.25
 
 
+def test_a_gel_that_is_pushed_at_the_start_waits_for_its_rest():
+    """A push looks like a lens: the view would be off by some pixels for as long as it lasts."""
+    rig, size_px = middle_rig((640, 480), 6.0), (640, 480)
+    pushed = [draw_gel(rig, size_px, push_mm=7.0, seed=seed) for seed in range(12)]
+    resting = [draw_gel(rig, size_px, seed=seed) for seed in range(12)]
+    assert GelFinder().find(watch(pushed)[1][-1].pixels) is not None
+    assert not watch(pushed)[0].is_found
+    view = watch(pushed + resting)[0].view
+    assert view.lens == pytest.approx(0.0, abs=0.03)
+    assert view.centre_px == pytest.approx((319.5, 239.5), abs=1.0)
+
+
 @pytest.mark.parametrize("off_px", [(-500, -300), (500, 300), (0, 330), (-620, 10)])
 def test_a_small_gel_beside_the_middle_of_a_cluttered_picture(off_px):
     size_px = (1920, 1200)
