@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import PAPER_GEL, Gel
+from neurotouch_hid.geometry import NOMINAL_PX_PER_MM, PAPER_GEL, Gel
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, MarkerField, RestField
 from neurotouch_hid.tracker.blobs import BlobFinder, Blobs
 from neurotouch_hid.tracker.correction import FrameCorrection
@@ -30,7 +30,7 @@ _NOISE_SIZES = 2.5  # medians of its size; random errors in a plane exceed it on
 _LONGEST_US = 200_000  # longest time that one rest position counts for
 _NEVER_US = -(1 << 60)
 _EVENTLESS_US = 1_000_000  # after this time without an event, frames alone show where markers go
-_UNSURE_SHARE = 0.055  # of the markers unseen in motion: the others are taken for their neighbours
+_UNSURE_SHARE = 0.055  # of the markers unseen: others are taken for their neighbours
 _SURE_SHARE = 0.025  # of the markers, which fingers that pinch hide as well
 _MAX_HOLE_US = 100_000  # after a longer gap, positions do not identify the markers
 _SHOWN_DRIFT_PX = 0.1  # later stages do not see smaller changes of the rest position
@@ -180,6 +180,7 @@ class MarkerTracker:
         self._event_us: int | None = None  # the end of the last slice with events
         self._absent = np.zeros(n, np.bool_)  # markers that the last frame at rest hid
         self._is_unsure = False
+        self._frame_us = 0  # the middle of the last exposure
         self._last_pixels: NDArray[np.uint8] | None = None
         self._n_mean = 0  # frames in the mean that the rest position is
 
@@ -283,10 +284,23 @@ class MarkerTracker:
         # A camera that has no new picture in time may send the last one again.
         if self._last_pixels is None or not np.array_equal(frame.pixels, self._last_pixels):
             self._correction.follow(frame, blobs)
-            unseen = (self._tracks.state["n_missed"] > 0) & ~self._absent
-            most = _SURE_SHARE if self._is_unsure else _UNSURE_SHARE
-            self._is_unsure = bool(unseen.mean() > most)
+            self._judge(frame.t_us)
         self._last_pixels = frame.pixels
+
+    def _judge(self, t_us: int) -> None:
+        """Notes whether frames still tell the markers apart.
+
+        They may not where a marker goes more than half of the pitch from frame to frame and others
+        are not seen. Fingers that squeeze dots together hide some as well, but more slowly.
+        """
+        state, elapsed_us = self._tracks.state, t_us - self._frame_us
+        self._frame_us = t_us
+        unseen = float(((state["n_missed"] > 0) & ~self._absent).mean())
+        if self._is_unsure:
+            self._is_unsure = unseen > _SURE_SHARE
+        elif unseen > _UNSURE_SHARE:
+            way_px = 1e-6 * elapsed_us * float(np.hypot(state["vx"], state["vy"]).max())
+            self._is_unsure = way_px > 0.5 * self._gel.pitch_mm * NOMINAL_PX_PER_MM
 
     def _follow_rig(self, measured_px: NDArray[np.float64], elapsed_us: int) -> None:
         """Moves the rest position with the rig, if the rig has moved."""

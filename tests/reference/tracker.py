@@ -237,7 +237,7 @@ def drift(off, share, touched_share, touch, most, rest):
 
 def pair_blobs(expected, points, areas, rest, neighbours, tuning):
     """The blob of each marker or None, and its place, from where it is expected."""
-    usual = statistics.median(areas)
+    usual = statistics.median(sorted(areas)[-len(expected) :])
     free = {j for j, area in enumerate(areas) if area <= 1.8 * usual}
     n = len(expected)
     blob, near = [None] * n, [tuple(e) for e in expected]

@@ -13,7 +13,14 @@ from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EVENT_DTYPE, GelProblem, GestureKind
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline
-from neurotouch_hid.source.simulator import Simulator, StrokeTiming, push, sequence
+from neurotouch_hid.source.simulator import (
+    Fingertips,
+    Simulator,
+    StrokeTiming,
+    push,
+    sequence,
+    twist,
+)
 from neurotouch_hid.source.simulator.nuisances import read_nuisances
 from neurotouch_hid.tracker import TrackerConfig
 from neurotouch_hid.tracker.kernels import frames_alone
@@ -140,3 +147,13 @@ def test_events_take_over_from_frames_alone():
         if packet.t_end_us > 1_500_000:
             off = np.hypot(*(step.markers.position_px - truth).T)
             assert np.median(off) < 0.5
+
+
+def test_a_slow_twist_that_hides_dots_is_no_haste():
+    """Three fingers that turn far squeeze dots together, which a frame then shows as one."""
+    hand = Fingertips(n_fingers=3, spread_mm=12.0)
+    script = sequence("twist", twist(0.9, hand, StrokeTiming(700_000, 400_000, 700_000)))
+    played = play(script, "uvc=125")
+    held = [s for s, t in played if t.intensity_mm > 8.0]
+    assert held
+    assert {s.gesture.kind for s in held} == {GestureKind.TWIST_CW}

@@ -88,7 +88,8 @@ def pair_blobs(
     area = np.empty(m, np.float64)
     for j in range(m):
         area[j] = begin[j + 1] - begin[j]
-    free = area <= MAX_AREA_RATIO * np.median(area)  # a larger one contains two markers
+    usual = np.median(np.sort(area)[max(m - n, 0) :])  # of a marker: specks of noise are smaller
+    free = area <= MAX_AREA_RATIO * usual  # a larger one contains two markers
     blob[:] = NO_BLOB
     seen, stray = np.zeros(n, np.bool_), np.empty(n, np.bool_)
     near_px, spread_px = expected_px.copy(), np.empty(n)
