@@ -101,6 +101,9 @@ def prepare(home: Path) -> None:
     for call in (
         "neurotouch record play.aedat4 --source sim:tour --seconds 2 --plain",
         "neurotouch simulate play --users 1 --minutes 0.1",
+        "neurotouch record clip.mkv --source sim:tour,uvc=60 --seconds 2 --plain",
+        "neurotouch simulate frames --users 1 --minutes 0.1 --camera uvc --fps 60 "
+        "--nuisance rolling=12 --nuisance doubled",
         "neurotouch profile new mine",
         "neurotouch profile set user filter light",
         "neurotouch profile export mine --output friend.yaml --user me.yaml",
@@ -111,6 +114,7 @@ def prepare(home: Path) -> None:
     type_call({"call": "neurotouch doctor"}, str(home))  # compiles more; there is no camera
     for name in ("me.aedat4", "spin.aedat4", "recording.aedat4"):
         shutil.copy(home / "play.aedat4", home / name)
+    shutil.copytree(home / "frames", home / "clips")
     shutil.copy(home / "friend.yaml", home / "draft.yaml")
     (home / "moves.txt").write_text("push left 5mm 300ms hold 1s; pinch tap\n")
     own(home)
