@@ -90,9 +90,8 @@ class Pipeline:
         rest: FrameExchange = (
             ThreadedRest(detector, finder) if frame_thread else InlineRest(detector)
         )
-        tracker = MarkerTracker(
-            finder=finder, gel=gel
-        )  # with a frame thread it finds nothing itself
+        # With a frame thread the tracker finds nothing itself.
+        tracker = MarkerTracker(finder=finder, gel=gel)
         return cls(
             rest,
             tracker,

@@ -340,9 +340,8 @@ class RestDetector:
 
     def _set_reference(self, lattice: Lattice, frame: Frame, blobs: Blobs) -> None:
         self._reference = Reference(lattice, blobs, self._gel)
-        self._near_rad = fit_rig(
-            lattice.position_px, self._gel
-        ).rotation_rad  # a gel that turns goes on so
+        # A gel that turns in its mount is searched at its new turn from now on.
+        self._near_rad = fit_rig(lattice.position_px, self._gel).rotation_rad
         self._watch.find(lattice.position_px, lattice.n_found, frame)
         self._n_still = 0
         s = self._stats
