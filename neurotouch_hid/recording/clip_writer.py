@@ -7,12 +7,12 @@ picture that came as a JPEG is written as it came, any other one as FFV1, withou
 import struct
 from fractions import Fraction
 from pathlib import Path
-from types import TracebackType
-from typing import TYPE_CHECKING, Final, Self
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from neurotouch_hid import __version__
+from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.recording.clip import Picture
@@ -35,7 +35,7 @@ _UNKNOWN_SIZE: Final = b"\x01" + 7 * b"\xff"
 _BLOCK_HEAD: Final = b"\x81" + struct.pack(">h", 0) + b"\x80"  # track 1, a key frame
 
 
-class ClipWriter:
+class ClipWriter(Closing):
     """Writes pictures to a Matroska file; a context manager.
 
     Args:
@@ -176,17 +176,6 @@ class ClipWriter:
             self._output.patch(self._segment_at, b"\x01" + size.to_bytes(7, "big"))
             self._output.patch(self._duration_at, struct.pack(">d", float(self._last_us)))
         self._output.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 _VERSIONS: Final = {0x4286: 1, 0x42F7: 1, 0x42F2: 4, 0x42F3: 8, 0x4287: 4, 0x4285: 2}

@@ -16,6 +16,7 @@ from neurotouch_devtools.emulator.usb import (
     describe_bos,
     describe_bulk_endpoint,
     describe_configuration,
+    describe_device,
     describe_qualifier,
     describe_string,
 )
@@ -53,7 +54,13 @@ class Identity:
     def describe(self, kind: int, index: int) -> bytes | None:
         """Returns a descriptor of the given type and index, or None if the camera has none."""
         if kind == DEVICE:
-            return self._device()
+            return describe_device(
+                _CLASS,
+                (VENDOR_ID, PRODUCT_ID),
+                self.version,
+                has_serial=self.serial is not None,
+                super_speed=self.super_speed,
+            )
         if kind == CONFIGURATION and index == 0:
             return self._configuration()
         if kind == STRING:
@@ -63,12 +70,6 @@ class Identity:
         if kind == QUALIFIER and not self.super_speed:
             return describe_qualifier(_CLASS)
         return None
-
-    def _device(self) -> bytes:
-        usb, packet_0 = (0x0300, 9) if self.super_speed else (0x0200, 64)  # 9: 2 to the 9th
-        strings = (1, 2, 0 if self.serial is None else 3)
-        head = struct.pack("<BBHBBBB", 18, DEVICE, usb, *_CLASS, packet_0)
-        return head + struct.pack("<HHHBBBB", VENDOR_ID, PRODUCT_ID, self.version, *strings, 1)
 
     def _configuration(self) -> bytes:
         extra_device = struct.pack("<BBBBH", 6, COMPANION, 0, 0, 64) if self.super_speed else b""

@@ -176,6 +176,28 @@ def describe_string(index: int, texts: dict[int, str | None]) -> bytes | None:
     return struct.pack("<BB", 2 + len(encoded), STRING) + encoded
 
 
+def describe_device(
+    device_class: tuple[int, int, int],
+    product: tuple[int, int],
+    version: int,
+    *,
+    has_serial: bool,
+    super_speed: bool,
+) -> bytes:
+    """Returns the descriptor of a device; its strings are maker, product and serial number.
+
+    Args:
+        device_class: class, subclass and protocol.
+        product: the numbers of maker and product.
+        version: ``bcdDevice``.
+        has_serial: it has a serial number.
+        super_speed: it is at super speed.
+    """
+    usb, packet_0 = (0x0300, 9) if super_speed else (0x0200, 64)  # 9: 2 to the 9th
+    head = struct.pack("<BBHBBBB", 18, DEVICE, usb, *device_class, packet_0)
+    return head + struct.pack("<HHHBBBB", *product, version, 1, 2, 3 * has_serial, 1)
+
+
 def describe_qualifier(device_class: tuple[int, int, int]) -> bytes:
     """Returns the descriptor of a high-speed device at its other speed."""
     return struct.pack("<BBHBBBBBB", 10, QUALIFIER, 0x0200, *device_class, 64, 1, 0)

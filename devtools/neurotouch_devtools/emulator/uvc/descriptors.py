@@ -14,6 +14,7 @@ from neurotouch_devtools.emulator.usb import (
     describe_bos,
     describe_bulk_endpoint,
     describe_configuration,
+    describe_device,
     describe_qualifier,
     describe_string,
 )
@@ -26,7 +27,7 @@ VENDOR_ID, PRODUCT_ID = 0x1D6B, 0x0102
 DATA_ENDPOINT = 0x81
 CONTROL_INTERFACE, STREAMING_INTERFACE = 0, 1
 
-_VERSION = 0x0110
+_VERSION, _RELEASE = 0x0110, 0x0100  # of UVC, of this camera
 _CLASS = (0xEF, 2, 1)
 """Interfaces that belong together are announced."""
 _ASSOCIATION = 11
@@ -68,7 +69,13 @@ class UvcIdentity:
     def describe(self, kind: int, index: int) -> bytes | None:
         """Returns a descriptor of the given type and index, or None if the camera has none."""
         if kind == DEVICE:
-            return self._device()
+            return describe_device(
+                _CLASS,
+                (VENDOR_ID, PRODUCT_ID),
+                _RELEASE,
+                has_serial=self.serial is not None,
+                super_speed=self.super_speed,
+            )
         if kind == CONFIGURATION and index == 0:
             body = self._association() + self._control() + self._streaming()
             return describe_configuration(
@@ -81,12 +88,6 @@ class UvcIdentity:
         if kind == QUALIFIER and not self.super_speed:
             return describe_qualifier(_CLASS)
         return None
-
-    def _device(self) -> bytes:
-        usb, packet_0 = (0x0300, 9) if self.super_speed else (0x0200, 64)  # 9: 2 to the 9th
-        strings = (1, 2, 0 if self.serial is None else 3)
-        head = struct.pack("<BBHBBBB", 18, DEVICE, usb, *_CLASS, packet_0)
-        return head + struct.pack("<HHHBBBB", VENDOR_ID, PRODUCT_ID, 0x0100, *strings, 1)
 
     def _association(self) -> bytes:
         return struct.pack("<BBBBBBBB", 8, _ASSOCIATION, 0, 2, _VIDEO, _COLLECTION, 0, 0)
