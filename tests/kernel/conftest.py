@@ -90,17 +90,16 @@ def prepare(machine: str, recording: Path) -> None:
     take half a minute for each program that it starts.
     """
     run("compileall", "-q", "neurotouch_hid", "devtools", "tests")
-    if machine == "video":  # nothing is recognised there
-        return
-    play = ["run", "--source", f"file:{recording}", "--device", "memory", "--speed", "max"]
-    run("tests.kernel.tour", str(recording))
-    if machine == "cameras":
-        run("tests.kernel.davis")
-    if machine == "video":
-        run("tests.kernel.film", str(recording.with_name("film.npy")))
     COMPILED.mkdir(parents=True, exist_ok=True)
     with (COMPILED / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)  # both machines play the line; it is compiled once
+        fcntl.flock(lock, fcntl.LOCK_EX)  # what several machines need is compiled once
+        if machine == "video":
+            run("tests.kernel.film", str(recording.with_name("film.npy")))
+            return
+        run("tests.kernel.tour", str(recording))
+        if machine == "cameras":
+            run("tests.kernel.davis")
+        play = ["run", "--source", f"file:{recording}", "--device", "memory", "--speed", "max"]
         run("neurotouch_hid", *play)
 
 
