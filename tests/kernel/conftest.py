@@ -52,7 +52,7 @@ def machines(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
             [*program, machine],
             folder,
             time_limit_s=TIME_LIMIT_S,
-            n_processors=2 if machine in ("processors", "video") else 1,
+            n_processors=2 if machine == "processors" else 1,
         )
         (folder / "console.txt").write_text(console)
         return folder
@@ -93,9 +93,8 @@ def prepare(machine: str, recording: Path) -> None:
     COMPILED.mkdir(parents=True, exist_ok=True)
     with (COMPILED / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)  # what several machines need is compiled once
-        if machine == "video":
+        if machine == "processors":
             run("tests.kernel.film", str(recording.with_name("film.npy")))
-            return
         run("tests.kernel.tour", str(recording))
         if machine == "cameras":
             run("tests.kernel.davis")

@@ -44,10 +44,8 @@ class MissingError(Exception):
 
 def choose_machine(test_file: str) -> str:
     """Which of the machines plays the chapters that a file of tests asks about."""
-    if test_file.startswith("test_processor"):
+    if test_file.startswith(("test_processor", "test_video", "test_uvc")):
         return "processors"
-    if test_file.startswith(("test_video", "test_uvc")):
-        return "video"
     return "cameras" if test_file.startswith(CAMERA_TESTS) else "pads"
 
 
