@@ -95,7 +95,6 @@ def prepare(machine: str, recording: Path) -> None:
         fcntl.flock(lock, fcntl.LOCK_EX)  # what several machines need is compiled once
         if machine == "video":
             run("tests.kernel.film", str(recording.with_name("film.npy")))
-            return
         run("tests.kernel.tour", str(recording))
         if machine == "cameras":
             run("tests.kernel.davis")
