@@ -20,7 +20,7 @@ OTHERS = {
     "driver/control_socket.py": "a lock",
     "cli/session.py": "a lock",
     "profile/editing/store.py": "a lock",
-    "recording/writer.py": "a recording that can be read while it is written",
+    "recording/file_output.py": "a recording that can be read while it is written",
     "emulator/usbip.py": "a switch of the kernel",
 }
 

@@ -145,10 +145,10 @@ def open_recording(path: Path) -> int:
 def _name_near(path: Path) -> str:
     """Returns a hint with a recording of nearly the same name, or what else can be done."""
     with suppress(OSError):
-        names = [
-            file.name for file in path.parent.iterdir() if file.name.endswith(RECORDING_ENDINGS)
-        ]
-        near = difflib.get_close_matches(path.name, names, 1)
+        files = [file for file in path.parent.iterdir() if file.name.endswith(RECORDING_ENDINGS)]
+        files.sort(key=lambda file: file.suffix == path.suffix)  # the same ending counts last
+        names = {file.stem: file.name for file in files}  # endings would make all names alike
+        near = difflib.get_close_matches(path.stem, names, 1)
         if near:
-            return f"Did you mean {path.with_name(near[0])}?"
+            return f"Did you mean {path.with_name(names[near[0]])}?"
     return "Check the name. To record one: neurotouch record NAME.aedat4"

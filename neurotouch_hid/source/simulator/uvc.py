@@ -2,7 +2,6 @@
 
 import math
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -136,6 +135,8 @@ class UvcSensor:
             wanted = self._auto_gain * change**SERVO
             self._auto_gain = min(max(wanted, LEAST_GAIN), MOST_GAIN)
         if uvc.jpeg_quality:
+            import cv2  # noqa: PLC0415  # 60 MB, which no other simulation needs
+
             quality = [cv2.IMWRITE_JPEG_QUALITY, uvc.jpeg_quality]
             packed = cv2.imencode(".jpg", pixels, quality)[1]
             pixels = np.asarray(cv2.imdecode(packed, cv2.IMREAD_GRAYSCALE), np.uint8)
@@ -161,6 +162,8 @@ def weigh_ticks(exposure_us: int, readout_us: int) -> NDArray[np.float64]:
 
 def enlarge(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Returns a picture (480, 640) of a frame (260, 346), in the middle and as high."""
+    import cv2  # noqa: PLC0415  # as above
+
     rows = np.array([(_SCALE, 0.0, _SHIFT_PX[0]), (0.0, _SCALE, _SHIFT_PX[1])])
     flags, border = cv2.INTER_CUBIC, cv2.BORDER_REPLICATE
     return np.asarray(
