@@ -16,7 +16,7 @@ from neurotouch_hid.tracker.gel_finder import GelFinder
 SIZE = (320, 240)
 TIMING = StrokeTiming(attack_us=400_000, hold_us=200_000, release_us=400_000)
 STROKES = (push(0.0, 10.0, timing=TIMING), pinch(7.0, timing=TIMING))
-TAKEN = 8
+TAKEN = 4
 """One of so many pictures is shown: the guest is slow."""
 
 

@@ -7,6 +7,7 @@ import pytest
 from neurotouch_devtools.emulator.uvc import MODES, PixelFormat
 
 from tests.kernel.guest.uvc import FAULT_AT, N_READ, N_TAKEN
+from tests.kernel.test_run import CLEARLY, NEUTRAL, read_reports
 
 CONTROLS = {
     "auto_exposure",
@@ -24,6 +25,8 @@ JPEG_ERROR = 3.0
 ALL = list(range(N_TAKEN))
 MOST_WAITING = 8
 """Pictures on their way when the stream ends: the kernel's buffers and what the camera holds."""
+MOVES = (("leftx", 1), ("lefttrigger", 1))
+"""Of ``tests/kernel/film.py``, as ``profiles/spacecraft.yaml`` has them."""
 
 
 @pytest.fixture(scope="module")
@@ -158,3 +161,28 @@ def test_the_settings_that_blur_pictures_are_fixed(read):
     assert 100 * read["settings"]["exposure"] == read["exposure_us"]
     assert (read["settings"]["autofocus"], read["settings"]["auto_white_balance"]) == (0, 0)
     assert "320x240" in read["mode"]
+
+
+def test_the_gestures_of_the_film_move_the_pad(guest):
+    seen = guest("uvc_play")["sdl2"]
+    for control, way in MOVES:
+        low, high = seen[control]
+        assert (high if way > 0 else -low) >= CLEARLY
+    assert {control for control, (low, high) in seen.items() if max(-low, high) >= CLEARLY} == {
+        control for control, _ in MOVES
+    }
+
+
+def test_an_unplugged_camera_leaves_the_pad_neutral(guest):
+    saw = guest("uvc_play")
+    reports = read_reports(saw["events"][: saw["n_unplugged"]])
+    assert any(report != NEUTRAL for report in reports)
+    assert reports[-1] == NEUTRAL
+
+
+def test_a_camera_that_is_back_plays_again(guest):
+    saw = guest("uvc_play")
+    reports = read_reports(saw["events"])
+    assert len(reports) > len(read_reports(saw["events"][: saw["n_unplugged"]]))
+    assert reports[-1] == NEUTRAL
+    assert saw["exit_code"] == 0

@@ -83,6 +83,7 @@ VIDEO: dict[str, Callable[[Path], Any]] = {
     "uvc_pictures": uvc.take_pictures,
     "uvc_faults": uvc.suffer,
     "uvc_source": uvc.read,
+    "uvc_play": uvc.play,
 }
 MACHINES = {"pads": PADS, "cameras": CAMERAS, "processors": VIDEO | PROCESSORS}
 """The last chapter of the third takes one of its two processors away."""
@@ -103,7 +104,7 @@ def main() -> None:
     if not CAMERAS.keys().isdisjoint(chapters):
         with suppress(TimeoutError):  # then the chapters will say what is wrong
             load_kernels()
-    if not (PADS | PROCESSORS).keys().isdisjoint(chapters):
+    if not (PADS | PROCESSORS | VIDEO).keys().isdisjoint(chapters):
         driver.load_kernels()
     for name in chapters:
         begun = time.monotonic()

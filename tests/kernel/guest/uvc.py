@@ -1,15 +1,18 @@
 """Plugs emulated UVC cameras into the guest's USB; v4l2-ctl tells what the kernel makes of them."""
 
+import multiprocessing
 import re
 import subprocess
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
+from evdev.ecodes import EV_ABS
 from neurotouch_devtools.emulator import Fault, UsbIp
 from neurotouch_devtools.emulator.uvc import (
     Film,
@@ -20,14 +23,24 @@ from neurotouch_devtools.emulator.uvc import (
     UvcIdentity,
 )
 
+from neurotouch_hid.client import ask as ask_driver
+from neurotouch_hid.errors import DriverError
 from neurotouch_hid.source import open_source
 from neurotouch_hid.tracker.gel_finder import GelFinder
+from tests.kernel.guest.driver import started
+from tests.kernel.guest.sdl import look, open_games
 
 NODES = Path("/sys/class/video4linux")
 PATIENCE_S = 120.0
 N_READ = 20
+PLAY_S = 90.0
+"""Several times the length of the film, at the guest's rate."""
 PICTURES_PER_S = 10
-"""What the source reads in a guest without KVM, once it has found the gel."""
+"""Of the camera whose pictures are played: what a guest without KVM can carry. The film was taken
+with 31 pictures a second, so it is seen in slow motion."""
+MOST_MARKERS = 170
+N_MOVES = 2
+FAR = 8_000
 N_TAKEN = 10
 """Pictures; the kernel has a buffer for each, so that a slow reader loses none."""
 FAULT_AT = 4
@@ -126,12 +139,93 @@ def read(results: Path) -> dict[str, Any]:
         }
 
 
+def play(results: Path) -> dict[str, Any]:
+    """Plays a camera into the pad, unplugs it in the middle, and plugs it in again."""
+    ours, theirs = multiprocessing.Pipe()
+    cameras = multiprocessing.get_context("fork").Process(target=serve, args=(theirs, results))
+    cameras.start()
+    seen: dict[str, list[int]] = {}
+    try:
+        tell(ours, "plug")
+        wait_for(list_nodes)
+        with started("spacecraft", "video:", "--rate", "25") as (process, reader):
+            wait_for(lambda: count_markers() > MOST_MARKERS)
+            with open_games() as games:
+                before = tell(ours, "count"), ask_driver("status")
+                deadline = time.monotonic() + PLAY_S
+                while look_at(games["sdl2"], seen) < N_MOVES and time.monotonic() < deadline:
+                    time.sleep(0.1)
+                after = tell(ours, "count"), ask_driver("status")
+                with suppress(TimeoutError):  # the tests say what is wrong
+                    reader.wait_for(is_pressed, PATIENCE_S / 2)
+                tell(ours, "unplug")
+                reader.wait_until_quiet(3.0, PATIENCE_S)
+                n_unplugged = len(reader.events)
+                status = ask_driver("status")
+                tell(ours, "plug")
+                with suppress(TimeoutError):
+                    reader.wait_for(lambda events: is_pressed(events[n_unplugged:]), PATIENCE_S)
+            process.terminate()
+        return {
+            **reader.report(),
+            "exit_code": process.exitcode,
+            "n_unplugged": n_unplugged,
+            "sdl2": seen,
+            "before": before,
+            "after": after,
+            "status": status,
+        }
+    finally:
+        cameras.kill()
+
+
+def serve(orders: Connection, results: Path) -> None:
+    """Holds the other end of the cable, in a process that the driver does not slow down."""
+    while True:
+        order = orders.recv()
+        if order == "plug":
+            camera = make_gel(results)
+            cable = UsbIp(camera)
+        elif order == "unplug":
+            cable.close()
+        orders.send([camera.n_sent, camera.n_lost])
+
+
+def tell(orders: Connection, order: str) -> Any:
+    """Gives an order to the camera's process; returns how many pictures were sent, and lost."""
+    orders.send(order)
+    if not orders.poll(PATIENCE_S):
+        raise TimeoutError(f"the camera's process does not answer to {order}")
+    return orders.recv()
+
+
 def make_gel(results: Path) -> UvcCamera:
     """A camera that sees the gestures, as slow as the guest is."""
     interval = 10_000_000 // PICTURES_PER_S
     film = Film(np.load(results / "film.npy"), period_us=interval // 10)
     mode = Mode(PixelFormat.GREY, 320, 240, (interval,))
     return UvcCamera(film, UvcConfig(UvcIdentity(modes=(mode,))))
+
+
+def count_markers() -> int:
+    """How many markers the driver sees."""
+    try:
+        return int(ask_driver("status")["markers_tracked"])
+    except DriverError:  # it is still starting
+        return 0
+
+
+def look_at(game: Any, seen: dict[str, list[int]]) -> int:
+    """Notes how far each control of a game has been moved; returns how many were moved far."""
+    for control, value in look(game).items():
+        low, high = seen.get(control, (0, 0))
+        seen[control] = [min(low, value), max(high, value)]
+    return sum(max(-low, high) > FAR for low, high in seen.values())
+
+
+def is_pressed(events: list[tuple[int, int, int]]) -> bool:
+    """Whether a stick is far from its middle."""
+    return any(kind == EV_ABS and abs(value) > FAR for kind, _, value in list(events)[-5:])
 
 
 def make_film() -> Film:
