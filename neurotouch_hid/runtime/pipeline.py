@@ -153,11 +153,11 @@ class Pipeline:
         """True if it is idle, and the newest frame that was processed showed the gel at rest.
 
         Never in light that flickers: what is left of its events moves the markers until the next
-        frame brings them back.
+        frame brings them back. Never without events: only the next frame shows that a hand moves.
         """
         seen = self.rest.detector.stats()
-        is_steady = self.tracker.flicker is None
-        return self.is_idle and is_steady and seen.n_rest > 0 and not seen.problem
+        needs_frames = self.tracker.flicker is not None or self.tracker.follows_frames
+        return self.is_idle and not needs_frames and seen.n_rest > 0 and not seen.problem
 
     def process_frames(self, step: Step) -> None:
         """Hands over the frames of a finished step, and takes the result of earlier ones.

@@ -190,6 +190,11 @@ class MarkerTracker:
         return self._flicker.flicker
 
     @property
+    def follows_frames(self) -> bool:
+        """True while no events come, so that frames alone show where the markers go."""
+        return bool(self._tracks.common["frames_alone"][0])
+
+    @property
     def is_unsure(self) -> bool:
         """True while frames alone do not tell the markers apart, because they move too fast."""
         return self._is_unsure
@@ -278,7 +283,7 @@ class MarkerTracker:
         )
 
     def _correct(self, frame: Frame, blobs: Blobs) -> None:
-        if not self._tracks.common["frames_alone"][0]:
+        if not self.follows_frames:
             self._correction.apply(frame, blobs)
             return
         # A camera that has no new picture in time may send the last one again.

@@ -110,8 +110,10 @@ def test_an_idle_line_looks_at_a_frame_now_and_then(lines):
     assert looked == pytest.approx((2_500_000 - idle_since_us) / IDLE_FRAME_US, abs=2)
 
 
-@pytest.mark.parametrize(("nuisances", "may_skip"), [({}, True), ({"mains": 60.0}, False)])
-def test_frames_are_seldom_only_in_steady_light(lines, nuisances, may_skip):
+@pytest.mark.parametrize(
+    ("nuisances", "may_skip"), [({}, True), ({"mains": 60.0}, False), ({"uvc": 60.0}, False)]
+)
+def test_frames_are_seldom_only_in_steady_light_and_beside_events(lines, nuisances, may_skip):
     live = lines[0]
     still = sequence("still", stroke(Finger((2.0, 3.0), (4.0, -2.0))), rest_us=900_000)
     for packet in Simulator(still, nuisances=nuisances, seed=8):
@@ -120,6 +122,15 @@ def test_frames_are_seldom_only_in_steady_light(lines, nuisances, may_skip):
         play_live(live, packet)
     assert live.is_idle
     assert live.is_at_rest is may_skip
+
+
+def test_a_stroke_after_an_idle_time_is_seen_whole_by_frames_alone(lines):
+    live = lines[0]
+    push_5_mm = sequence("x", stroke(Finger((2.0, 3.0), (5.0, 0.0))), rest_us=1_500_000)
+    largest_mm = 0.0
+    for packet in Simulator(push_5_mm, nuisances={"uvc": 60.0}, seed=8):
+        largest_mm = max(largest_mm, play_live(live, packet).gesture.intensity_mm)
+    assert largest_mm == pytest.approx(5.0, abs=0.6)
 
 
 def test_the_gel_says_that_the_light_flickers_as_long_as_it_does(lines):
