@@ -101,7 +101,14 @@ def command(
     else:
         _require_driver_or_camera()
     from neurotouch_hid.driver.gel_settings import choose_gel, find_gel_file, read_gel_file
-    from neurotouch_hid.recording import ClipWriter, Recorder, RecordingWriter, write_gel
+    from neurotouch_hid.recording import (
+        ClipWriter,
+        Recorder,
+        RecordingWriter,
+        write_beside,
+        write_gel,
+    )
+    from neurotouch_hid.source.rig_file import rig_path
 
     _require_place(out, source, force=force)
     played = source or "davis:"
@@ -113,6 +120,7 @@ def command(
         opened = _open(stack, source, "max" if seconds or whole else "recorded", seed, made)
         stack.callback(_restore_signals)  # before the source is closed: that may hang
         mark = _mark(opened.source, source, seed)
+        rig = _read_rig(source)
         if is_clip(out):
             recorder = Recorder(ClipWriter(out, simulation=mark))
         else:
@@ -138,29 +146,23 @@ def command(
             )
         write_gel(out, gel_file)
         if is_clip(out):
-            _keep_rig(source, out)
+            write_beside(rig_path(out), rig)
         _tell(opened.name, out, stats, fault, mark, as_json=as_json)
 
 
-def _keep_rig(source: str | None, out: Path) -> None:
-    """Writes the rig file of a clip: pictures are recorded as they are, mirrored too."""
+def _read_rig(source: str | None) -> bytes:
+    """Returns the rig file of a clip: pictures are recorded as they are, mirrored too."""
     from neurotouch_hid.driver.camera_settings import load_camera_config
     from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_bytes
-    from neurotouch_hid.partial_file import write_whole
     from neurotouch_hid.source.check import find_path
     from neurotouch_hid.source.rig_file import rig_path
 
-    if source is None:
-        return
-    if find_source_kind(source) is SourceKind.VIDEO:
-        if load_camera_config().video.mirrored:
-            write_whole(rig_path(out), b"mirrored: true\n")
-        return
-    if not is_clip(source):
-        return
+    if source is not None and find_source_kind(source) is SourceKind.VIDEO:
+        return b"mirrored: true\n" if load_camera_config().video.mirrored else b""
+    if source is None or not is_clip(source):
+        return b""
     beside = rig_path(find_path(source))
-    if beside.exists():
-        write_whole(rig_path(out), read_bytes(beside, MAX_SETTINGS_BYTES))
+    return read_bytes(beside, MAX_SETTINGS_BYTES) if beside.exists() else b""
 
 
 def _require_driver_or_camera() -> None:

@@ -3,7 +3,7 @@
 from neurotouch_hid.recording.check import find_simulation
 from neurotouch_hid.recording.clip import Clip, Picture
 from neurotouch_hid.recording.clip_writer import ClipWriter
-from neurotouch_hid.recording.gel_file import gel_path, write_gel
+from neurotouch_hid.recording.gel_file import gel_path, write_beside, write_gel
 from neurotouch_hid.recording.labels import check_labelled, labels_path, read_labels, write_labels
 from neurotouch_hid.recording.reader import Batch, Recording
 from neurotouch_hid.recording.recorder import Recorder, RecorderStats
@@ -25,6 +25,7 @@ __all__ = [
     "gel_path",
     "labels_path",
     "read_labels",
+    "write_beside",
     "write_gel",
     "write_labels",
 ]

@@ -21,7 +21,15 @@ def write_gel(recording: Path, content: bytes) -> None:
     Raises:
         RecordingError: it cannot be written.
     """
-    path = gel_path(recording)
+    write_beside(gel_path(recording), content)
+
+
+def write_beside(path: Path, content: bytes) -> None:
+    """Writes a file that belongs to a new recording; without content, removes an older one.
+
+    Raises:
+        RecordingError: it cannot be written.
+    """
     try:
         if content:
             write_whole(path, content)

@@ -3,6 +3,7 @@
 import logging
 import threading
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from contextlib import closing
 from typing import Final, Protocol
@@ -50,7 +51,7 @@ class PatientWatch:
         """Does nothing: there is nothing to stop."""
 
 
-class CameraSource(Closing):
+class CameraSource(Closing, ABC):
     """Slices of a camera's time, as they happen; it may be iterated once.
 
     A separate thread keeps the camera open, and opens it again after a failure. While the camera
@@ -114,29 +115,29 @@ class CameraSource(Closing):
             self._thread.join()
         self._release()
 
+    @abstractmethod
     def _open(self) -> None:
         """Opens the camera, unless it is open."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _play(self) -> None:
         """Plays the open camera until it fails or the source is closed; closes it."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _release(self) -> None:
         """Closes a camera that was opened, but never played."""
-        raise NotImplementedError
 
     def _make_watch(self) -> Watch:
         """Returns a watch that waits for cameras."""
         return PatientWatch()
 
+    @abstractmethod
     def _is_replugged(self) -> bool:
         """Returns whether other cameras are plugged in than at the last attempt."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _describe(self) -> str:
         """Returns the camera's name for a sentence."""
-        raise NotImplementedError
 
     def _work(self) -> None:
         """Plays the camera in a thread of its own, and waits while it is unplugged."""

@@ -15,7 +15,7 @@ from dataclasses import asdict
 
 import pytest
 
-from neurotouch_hid.cli.record import _keep_rig
+from neurotouch_hid.cli.record import _read_rig
 from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.recording import Clip, Recording, RecordingWriter
 from neurotouch_hid.recording.wire import send_packet
@@ -450,6 +450,10 @@ def test_a_clip_is_recorded_as_it_is(record, tmp_path):
     assert [p.exposure_end_us for p in after] == stamps
     assert [p.jpeg for p in after] == [p.jpeg for p in before]
     assert (tmp_path / "b.rig.yaml").read_text() == "mirrored: true\n"
+    (tmp_path / "a.rig.yaml").unlink()  # the next clip of this name is not mirrored
+    again = record(tmp_path / "b.mkv", "--source", f"file:{source}", "--force")
+    assert again.returncode == 0, again.stderr
+    assert not (tmp_path / "b.rig.yaml").exists()
 
 
 def test_a_clip_is_recorded_in_part(record, tmp_path):
@@ -484,7 +488,7 @@ def test_a_camera_that_sees_the_gel_mirrored_leaves_a_rig_file(tmp_path, monkeyp
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     (tmp_path / "neurotouch").mkdir()
     (tmp_path / "neurotouch/camera.yaml").write_text(f"mirrored: {str(is_mirrored).lower()}\n")
-    _keep_rig("video:", tmp_path / "a.mkv")
-    rig = tmp_path / "a.rig.yaml"
-    assert rig.exists() is is_mirrored
-    assert not is_mirrored or load_rig_file(rig).mirrored
+    content = _read_rig("video:")
+    (tmp_path / "a.rig.yaml").write_bytes(content)
+    assert bool(content) is is_mirrored
+    assert load_rig_file(tmp_path / "a.rig.yaml").mirrored is is_mirrored

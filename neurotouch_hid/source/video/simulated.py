@@ -42,12 +42,10 @@ class SimulatedVideo(Closing):
         return self._slicer.view
 
     def __iter__(self) -> Iterator[EventPacket]:
-        for packet in self._simulator:
-            for frame in packet.frames:
-                yield from self._slicer.push(
-                    enlarge(frame.pixels), frame.exposure_begin_us, frame.exposure_end_us
-                )
-            yield from self._slicer.reach(packet.t_end_us)
+        for picture in self.pictures():
+            yield from self._slicer.push(
+                picture.pixels, picture.exposure_begin_us, picture.exposure_end_us
+            )
 
     def pictures(self) -> Iterator[Picture]:
         """Yields the pictures of the camera as they are."""
