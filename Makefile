@@ -45,7 +45,7 @@ docs: $(VENV)/.dev ## build the documents as a site, without network: docs/_buil
 pictures: $(VENV)/.dev ## make the pictures of the documents (needs Chromium)
 	$(BIN)/python -m tests.page.pictures
 
-fuzz: $(VENV)/.dev ## feed damaged files to the program for MINUTES=30 (AREAS="recordings rigs", SEED=1, GUIDED=1 by coverage)
+fuzz: $(VENV)/.dev ## feed damaged files to the program for MINUTES=30 of processor time (AREAS="recordings rigs", SEED=1, GUIDED=1 by coverage)
 	@$(BIN)/python -m tests.fuzz $(AREAS) --minutes $(or $(MINUTES),30) $(if $(SEED),--seed $(SEED)) $(if $(GUIDED),--guided)
 
 mutants: $(VENV)/.dev ## change the safety-critical modules at COUNT=300 places: a test must fail (SEED=1, MODULES=paths, RESULTS=file to go on)

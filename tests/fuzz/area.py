@@ -100,8 +100,8 @@ def run_case(area: Area, content: bytes, path: Path, kept: Path, report: Report)
 def format_report(name: str, seed: str, report: Report) -> str:
     """Returns the counts as a line, and a line for each fault."""
     line = (
-        f"{name:<12} seed {seed}: {report.cases} cases in {report.seconds:.0f} s of processor time, "
-        f"{report.refused} refused, at most {report.growth_bytes >> 20} MB more, "
+        f"{name:<12} seed {seed}: {report.cases} cases in {report.seconds:.0f} s of processor "
+        f"time, {report.refused} refused, at most {report.growth_bytes >> 20} MB more, "
         f"{len(report.faults)} faults"
     )
     return "\n  ".join([line, *report.faults])
