@@ -34,6 +34,13 @@ KVM_PATIENCE_S = 30.0
 _EMULATED = ("--disable-kvm", "--qemu-opts=-cpu Nehalem")
 """QEMU 7.2 carries out AVX2 wrongly, see ``tests/system/machine.py``."""
 
+_KERNEL_OPTIONS = "mitigations=off norandmaps"
+"""Without hardware virtualisation it is dear to change address spaces; and QEMU translates a
+library once where all programs have it at the same address."""
+
+_PROGRAMS = Path(__file__).with_name("bin")
+"""Come before programs of the same name."""
+
 CAMERA_TESTS = ("test_camera", "test_davis")
 """The files whose chapters are played by a machine of their own, beside that of the others."""
 
@@ -131,6 +138,7 @@ def boot(
         *("--user", "root"),
         *("--cpus", str(n_processors)),
         *("--memory", "2G"),
+        *("--append", _KERNEL_OPTIONS),
         *(() if disk is None else ("--disk", str(disk))),
     ]
     COMPILED.mkdir(parents=True, exist_ok=True)
@@ -162,11 +170,11 @@ def _run(
     patience_s, time_limit_s = limits_s
     terminal, inside = os.openpty()
     # vng starts helpers by name.
-    environment = {**os.environ, "PATH": f"{_vng().parent}:{os.environ['PATH']}:/usr/sbin:/sbin"}
+    path = f"{_PROGRAMS}:{_vng().parent}:{os.environ['PATH']}:/usr/sbin:/sbin"
     process = subprocess.Popen(
         command,
         cwd=ROOT,
-        env=environment,
+        env={**os.environ, "PATH": path},
         stdin=inside,
         stdout=inside,
         stderr=inside,
