@@ -36,6 +36,7 @@ N_AT_ONCE = 4
 PERSON = pwd.getpwnam("newcomer")
 CACHE = Path(PERSON.pw_dir) / ".cache"
 """Compiled once for all homes."""
+RECORDINGS = (".aedat4", ".mkv")
 
 
 def become(person: pwd.struct_passwd) -> None:
@@ -104,6 +105,9 @@ def prepare(home: Path) -> None:
         "neurotouch record clip.mkv --source sim:tour,uvc=60 --seconds 2 --plain",
         "neurotouch simulate frames --users 1 --minutes 0.1 --camera uvc --fps 60 "
         "--nuisance rolling=12 --nuisance doubled",
+        # What many calls need is compiled here: several at once would each compile it.
+        "neurotouch evaluate play/*push.aedat4 --method neurotouch --method paper",
+        "neurotouch evaluate frames/*push.mkv",
         "neurotouch profile new mine",
         "neurotouch profile set user filter light",
         "neurotouch profile export mine --output friend.yaml --user me.yaml",
@@ -120,6 +124,20 @@ def prepare(home: Path) -> None:
     own(home)
 
 
+def take(source: str, target: str) -> None:
+    """Copies a file; of a recording, which no command changes in place, makes only a link."""
+    (os.link if source.endswith(RECORDINGS) else shutil.copy2)(source, target)
+
+
+def describe(home: Path) -> dict[str, tuple[int, int]]:
+    """Size and time of each recording: what is linked in all homes must stay as it is."""
+    found = {}
+    for path in home.rglob("*"):
+        if path.name.endswith(RECORDINGS):
+            found[str(path)] = path.stat().st_size, path.stat().st_mtime_ns
+    return found
+
+
 def own(folder: Path) -> None:
     """Gives a folder and all in it to the ordinary user."""
     for path in (folder, *folder.rglob("*")):
@@ -130,10 +148,11 @@ def main() -> None:
     """Types each call in a copy of the same home."""
     template = Path(tempfile.mkdtemp(prefix="home-"))
     prepare(template)
+    before = describe(template)
 
     def type_apart(wanted: dict) -> dict:
         with tempfile.TemporaryDirectory(prefix="run-") as home:
-            shutil.copytree(template, home, dirs_exist_ok=True)
+            shutil.copytree(template, home, dirs_exist_ok=True, copy_function=take)
             own(Path(home))
             if "before" in wanted:
                 type_call({"call": wanted["before"]}, home)
@@ -142,6 +161,8 @@ def main() -> None:
     with ThreadPoolExecutor(N_AT_ONCE) as pool:
         for line in sys.stdin:
             print(json.dumps(list(pool.map(type_apart, json.loads(line)))), flush=True)
+    if describe(template) != before:
+        raise SystemExit("A command changed a recording in place, and so those of all others.")
 
 
 if __name__ == "__main__":
