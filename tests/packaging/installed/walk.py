@@ -19,6 +19,7 @@ import termios
 import time
 from concurrent.futures import ThreadPoolExecutor
 from fcntl import ioctl
+from functools import partial
 from pathlib import Path
 
 ROWS, COLUMNS = 24, 80
@@ -39,6 +40,24 @@ PERSON = pwd.getpwnam("newcomer")
 CACHE = Path(PERSON.pw_dir) / ".cache"
 """Compiled once for all homes."""
 RECORDINGS = (".aedat4", ".mkv")
+MADE = (
+    (
+        "neurotouch record play.aedat4 --source sim:tour --seconds 2 --plain",
+        "neurotouch simulate play --users 1 --minutes 0.1",
+        "neurotouch evaluate play/*push.aedat4 --method neurotouch --method paper",
+    ),
+    (
+        "neurotouch profile new mine",
+        "neurotouch profile set user filter light",
+        "neurotouch profile export mine --output friend.yaml --user me.yaml",
+        "neurotouch record clip.mkv --source sim:tour,uvc=60 --seconds 2 --plain",
+        "neurotouch simulate frames --users 1 --minutes 0.1 --camera uvc --fps 60 "
+        "--nuisance rolling=12 --nuisance doubled",
+        "neurotouch evaluate frames/*push.mkv",
+    ),
+)
+"""What makes the files that the examples are about; and compiles, once, what many calls need. Two
+processors work through the lists side by side."""
 
 
 def become(person: pwd.struct_passwd) -> None:
@@ -97,26 +116,20 @@ def type_call(wanted: dict, home: str, limit_s: float = LIMIT_S) -> dict:
     }
 
 
+def type_one_by_one(calls: tuple[str, ...], home: Path) -> None:
+    """Types calls that must work."""
+    for call in calls:
+        done = type_call({"call": call, "accessible": True}, str(home), COMPILE_S)
+        if done["code"] != 0:
+            raise SystemExit(f"{call}: {done['output']}")
+
+
 def prepare(home: Path) -> None:
     """Makes what the examples are about: recordings, profiles of one's own, files of friends."""
     shutil.copytree("/tmp/things", home, dirs_exist_ok=True)
     own(home)
-    for call in (
-        "neurotouch record play.aedat4 --source sim:tour --seconds 2 --plain",
-        "neurotouch simulate play --users 1 --minutes 0.1",
-        "neurotouch record clip.mkv --source sim:tour,uvc=60 --seconds 2 --plain",
-        "neurotouch simulate frames --users 1 --minutes 0.1 --camera uvc --fps 60 "
-        "--nuisance rolling=12 --nuisance doubled",
-        # What many calls need is compiled here: several at once would each compile it.
-        "neurotouch evaluate play/*push.aedat4 --method neurotouch --method paper",
-        "neurotouch evaluate frames/*push.mkv",
-        "neurotouch profile new mine",
-        "neurotouch profile set user filter light",
-        "neurotouch profile export mine --output friend.yaml --user me.yaml",
-    ):
-        done = type_call({"call": call, "accessible": True}, str(home), COMPILE_S)
-        if done["code"] != 0:
-            raise SystemExit(f"{call}: {done['output']}")
+    with ThreadPoolExecutor(len(MADE)) as pool:
+        list(pool.map(partial(type_one_by_one, home=home), MADE))
     type_call({"call": "neurotouch doctor"}, str(home))  # compiles more; there is no camera
     for name in ("me.aedat4", "spin.aedat4", "recording.aedat4"):
         shutil.copy(home / "play.aedat4", home / name)
