@@ -14,7 +14,6 @@ from fractions import Fraction
 from typing import IO, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from neurotouch_hid.process.own_command import make_own_command
 from neurotouch_hid.recording.container import DamageError
@@ -36,7 +35,6 @@ _PADDING: Final = pack(Name.VOID, bytes(1 << 18))
 all packets, something is left in the pipe."""
 _LONGEST_S: Final = 30.0
 """A decoder that gives nothing for so long hangs."""
-_PIPE_BYTES: Final = 1 << 20
 
 
 def decode_by_ffmpeg(track: Track, packets: Iterator[Packet]) -> Iterator[Shot]:
@@ -58,7 +56,7 @@ def decode_by_ffmpeg(track: Track, packets: Iterator[Packet]) -> Iterator[Shot]:
     feeder = _Feeder(track, packets, process.stdin)
     feeder.start()
     try:
-        yield from _read_pictures(process.stdout)
+        yield from _read_pictures(process.stdout, track)
         feeder.join()
         if feeder.error is not None:
             raise feeder.error
@@ -122,8 +120,10 @@ def _wrap(track: Track, packets: Iterator[Packet]) -> Iterator[bytes]:
     yield _PADDING
 
 
-def _read_pictures(pipe: IO[bytes]) -> Iterator[Shot]:
+def _read_pictures(pipe: IO[bytes], track: Track) -> Iterator[Shot]:
     descriptor = pipe.fileno()
+    first_us: int | None = None
+    before_us = last_us = 0
     while (head := _read(descriptor, PICTURE_HEAD.size)) is not None:
         t_us, width, height = PICTURE_HEAD.unpack(head)
         if width * height > MAX_PACKET_BYTES:
@@ -131,12 +131,18 @@ def _read_pictures(pipe: IO[bytes]) -> Iterator[Shot]:
         pixels = _read(descriptor, width * height)
         if pixels is None:
             raise DamageError(0)
-        yield Shot(pixels.reshape(height, width), Fraction(t_us, 1_000_000), None)
+        if track.is_decode_order and t_us < last_us:  # held back to the end, which has no stamps
+            t_us = 2 * last_us - before_us
+        before_us, last_us = last_us, t_us
+        first_us = t_us if first_us is None else first_us
+        ticks = round(Fraction(t_us - first_us, 1_000_000) / track.tick_s)
+        grey = np.frombuffer(pixels, np.uint8).reshape(height, width)
+        yield Shot(grey, ticks * track.tick_s, None)
 
 
-def _read(descriptor: int, n: int) -> NDArray[np.uint8] | None:
-    """Returns (n,) uint8; None if the process has ended."""
-    data = np.empty(n, np.uint8)
+def _read(descriptor: int, n: int) -> bytearray | None:
+    """Returns ``n`` bytes; None if the process has ended."""
+    data = bytearray(n)
     view, done = memoryview(data), 0
     while done < n:
         if not select.select([descriptor], [], [], _LONGEST_S)[0]:

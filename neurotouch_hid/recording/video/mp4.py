@@ -1,7 +1,7 @@
 """MP4 in: the tables of its head say where each packet is; fragments have tables of their own."""
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import repeat
@@ -239,7 +239,7 @@ def _read_chunks(tables: dict[bytes, memoryview]) -> NDArray[np.uint64]:
     return places[: n * width].view(form).astype(np.uint64)
 
 
-def _packets(file: ClipFile, samples: _Samples) -> Iterator[Packet]:
+def _packets(file: ClipFile, samples: _Samples) -> Generator[Packet, None, int]:
     """Gives the packets of the head's tables; returns the time after the last one."""
     times, shifts = _expand(samples.times, ">II"), _expand(samples.offsets, ">Ii")
     sizes, t = _sizes(samples.sizes), 0
@@ -318,7 +318,7 @@ def _fragments(
 
 def _fragment(
     file: ClipFile, traf: memoryview, moof_at: int, usual: _Usual, t: int
-) -> Iterator[Packet]:
+) -> Generator[Packet, None, int]:
     """Gives the packets of one fragment; returns the time after the last one."""
     boxes = _boxes(traf)
     flags, _ = _take(boxes[b"tfhd"], ">II")
