@@ -18,21 +18,23 @@ def draw(k, size_px=(640, 480)):
     return picture
 
 
-def write_clip(path, pictures, stamps_us, codec="mjpeg", pixels="yuvj420p", *, fps=30, **options):
+def write_clip(
+    path, pictures, stamps_us, codec="mjpeg", pixels="yuvj420p", *, fps=30, muxer=None, **options
+):
     """Writes grey pictures; stamps are kept as exactly as the container can (AVI: numbers)."""
     height, width = pictures[0].shape
     by_number = path.suffix == ".avi"
-    base = Fraction(1, fps) if by_number else US
-    with av.open(str(path), "w", options={"fflags": "+bitexact"}) as container:
+    base = Fraction(1, fps) if by_number else Fraction(1, 1000) if codec == "mpeg4" else US
+    muxer = {"fflags": "+bitexact", **(muxer or {})}
+    with av.open(str(path), "w", options=muxer) as container:
         stream = container.add_stream(codec, rate=fps, options=options)
         stream.width, stream.height, stream.pix_fmt = width, height, pixels
-        if codec != "mpeg4":
-            stream.codec_context.time_base = base
+        stream.codec_context.time_base = base
         for k, (picture, t_us) in enumerate(zip(pictures, stamps_us, strict=True)):
             frame = av.VideoFrame.from_ndarray(picture, format="gray")
             if pixels != "gray":
                 frame = frame.reformat(format=pixels)
-            frame.pts, frame.time_base = (k if by_number else t_us), base
+            frame.pts, frame.time_base = (k if by_number else round(t_us * US / base)), base
             container.mux(stream.encode(frame))
         container.mux(stream.encode(None))
     return path

@@ -92,7 +92,7 @@ class _Feeder(threading.Thread):
 
     def run(self) -> None:
         try:
-            for data in _wrap(self._track, self._packets):
+            for data in wrap(self._track, self._packets):
                 self._pipe.write(data)
         except BrokenPipeError:
             pass  # the process has ended, or nobody wants more pictures
@@ -102,7 +102,7 @@ class _Feeder(threading.Thread):
             self._pipe.close()
 
 
-def _wrap(track: Track, packets: Iterator[Packet]) -> Iterator[bytes]:
+def wrap(track: Track, packets: Iterator[Packet]) -> Iterator[bytes]:
     """Gives the parts of a Matroska stream with these packets."""
     codec, private = _MATROSKA[track.codec], track.private
     if track.is_decode_order and track.codec != "ffv1":

@@ -5,6 +5,7 @@ H.264, MPEG-4 and FFV1 go to FFmpeg, in a process of its own.
 
 from collections.abc import Callable, Iterator
 from typing import Final
+from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,7 @@ _GREY_FIRST: Final = (
 """Raw formats that begin with all grey values, a byte each."""
 _PACKED: Final = {"YUY2": 0, "YUYV": 0, "YUNV": 0, "YVYU": 0, "UYVY": 1, "UYNV": 1, "HDYC": 1}
 """First grey value of raw formats with two bytes a pixel."""
+_PNG_MAGIC_BYTES: Final = 8
 _PNG_HEAD: Final = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR"
 _PALETTE_BYTES: Final = 1024
 
@@ -56,9 +58,23 @@ def _decode_jpeg(data: bytes, track: Track) -> NDArray[np.uint8] | None:
 
 def _decode_png(data: bytes, track: Track) -> NDArray[np.uint8] | None:
     size = track.width_px.to_bytes(4, "big") + track.height_px.to_bytes(4, "big")
-    if not data.startswith(_PNG_HEAD + size):
+    if not data.startswith(_PNG_HEAD + size) or not _is_whole_png(data):
         return None
     return decode_grey(np.frombuffer(data, np.uint8), track.width_px, track.height_px)
+
+
+def _is_whole_png(data: bytes) -> bool:
+    """Returns whether all checksums are right; the decoder would print a line about a wrong one."""
+    view, at = memoryview(data), _PNG_MAGIC_BYTES
+    while at + 12 <= len(view):
+        end = at + 8 + int.from_bytes(view[at : at + 4], "big")
+        kind = data[at + 4 : at + 8]
+        if crc32(view[at + 4 : end]).to_bytes(4, "big") != data[end : end + 4]:
+            return False
+        if kind == b"IEND":
+            return True
+        at = end + 4
+    return False
 
 
 def _take_grey(data: bytes, track: Track) -> NDArray[np.uint8] | None:
