@@ -1,4 +1,4 @@
-"""Writes clips with FFmpeg's own encoders and writers, as other programs do."""
+"""Writes clips with FFmpeg's own encoders and writers, as other programs do, and reads them so."""
 
 from fractions import Fraction
 
@@ -6,6 +6,8 @@ import av
 import numpy as np
 
 US = Fraction(1, 1_000_000)
+PACKED = {"yuyv422": 0, "uyvy422": 1}
+"""First grey value of a row in formats of two bytes a pixel."""
 
 
 def draw(k, size_px=(640, 480)):
@@ -38,3 +40,21 @@ def write_clip(
             container.mux(stream.encode(frame))
         container.mux(stream.encode(None))
     return path
+
+
+def read_by_ffmpeg(path):
+    """Returns the grey pictures (h, w) uint8 and their times, µs since the first one."""
+    pictures, times = [], []
+    with av.open(str(path)) as container:
+        for frame in container.decode(video=0):
+            times.append((frame.pts if frame.pts is not None else frame.dts) * frame.time_base)
+            name = frame.format.name
+            if not name.startswith(("gray", "yuv", "nv", *PACKED)) or name.endswith("le"):
+                pictures.append(frame.to_ndarray(format="gray"))
+                continue
+            plane = frame.planes[0]
+            rows = np.frombuffer(plane, np.uint8).reshape(-1, plane.line_size)
+            step = 2 if name in PACKED else 1
+            rows = rows[: frame.height, PACKED.get(name, 0) : frame.width * step : step]
+            pictures.append(rows.copy())
+    return pictures, [round((t - times[0]) * 1_000_000) for t in times]
