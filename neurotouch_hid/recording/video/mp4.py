@@ -39,7 +39,7 @@ class _Box(NamedTuple):
 
 @dataclass
 class _Samples:
-    """Where the packets of a track are, as its tables say."""
+    """The tables of a track: times, sizes and places of its packets."""
 
     number: int = 0
     times: bytes = b""
@@ -50,7 +50,7 @@ class _Samples:
 
 
 class _Usual(NamedTuple):
-    """What holds for the packets of a fragment that do not say otherwise."""
+    """Values for the packets of a fragment that have none of their own."""
 
     duration: int = 0
     size: int = 0

@@ -1,4 +1,4 @@
-"""What the three containers have in common: tracks of pictures, and packets with stamps."""
+"""Tracks of pictures and packets with stamps, as all three containers have them."""
 
 import os
 from collections.abc import Callable, Iterator
