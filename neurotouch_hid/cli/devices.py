@@ -94,10 +94,7 @@ def _show_camera(info: "CameraInfo", versions: "CameraVersions | None", reason: 
         echo(f"  firmware: {info.firmware}")
         echo(f"  not available: {reason}")
     else:
-        echo(
-            f"  versions: firmware {versions.firmware}, logic {versions.logic} patch "
-            f"{versions.logic_patch}, chip {versions.chip}"
-        )
+        echo(f"  variant: {versions}")
     echo(f"  use it: --source davis:{info.serial}")
 
 

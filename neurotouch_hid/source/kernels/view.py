@@ -63,3 +63,33 @@ def interpolate(
             lower = pixels[i + 1, j] * (ONE - right) + pixels[i + 1, j + 1] * right
             total = upper * (ONE - below) + lower * below
             out[y, x] = (total + ONE * ONE // 2) // (ONE * ONE)
+
+
+NOWHERE = -1
+"""In a table of places: the pixel has none in the canonical picture."""
+
+
+@kernel
+def map_events(events: NDArray[np.void], places: NDArray[np.int32], out: NDArray[np.void]) -> int:
+    """Brings events to the canonical picture; those that have no place there are left out.
+
+    Args:
+        events: (n,) records with ``t``, ``x``, ``y`` and ``p``, such as EVENT_DTYPE.
+        places: (h, w) int32 of each pixel of the sensor: x + 65,536 y, or ``NOWHERE``.
+        out: (n,) EVENT_DTYPE or longer, written; its first events may be those of ``events``.
+
+    Returns:
+        The number of events written.
+    """
+    n = 0
+    for i in range(len(events)):
+        event = events[i]
+        place = places[event.y, event.x]
+        if place != NOWHERE:
+            mapped = out[n]
+            mapped.t = event.t
+            mapped.x = place & 0xFFFF
+            mapped.y = place >> 16
+            mapped.p = event.p
+            n += 1
+    return n
