@@ -2,38 +2,67 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.events import copy_events
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
 from neurotouch_hid.source.kernels import view as kernels
 from neurotouch_hid.source.view import View, ViewTable
+
+_BLOCK: Final = 1 << 16
+"""Events that are mapped at once: what they become stays in the processor's cache."""
 
 
 class SensorMap:
     """Events by a table of places, frames by a table of weights.
 
+    Where a canonical pixel stands for several of the sensor, it makes as many events of an edge as
+    one of them does: later stages know no other rates.
+
     Args:
         view: the map from the sensor's picture.
+        begin_us: no event is older.
 
     Attributes:
         view: the same.
+        last_us: time of the last event.
+        n_back: events so far whose time was before that of the one before; they have its time.
     """
 
-    def __init__(self, view: View) -> None:
+    def __init__(self, view: View, begin_us: int = 0) -> None:
         self.view = view
+        self.last_us, self.n_back = begin_us, 0
         self._places = find_places(view)
+        self._area = max(1, round(1.0 / view.scale**2))
+        self._levels = np.zeros((SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX), np.int16)
+        self._out = np.empty(_BLOCK, EVENT_DTYPE)
         self._table: ViewTable | None = None
 
-    def map_events(self, events: NDArray[np.void]) -> NDArray[np.void]:
-        """Returns the events that the canonical picture shows, (m,) EVENT_DTYPE.
+    def map_events(self, events: NDArray[np.void], shift_us: int = 0) -> list[NDArray[np.void]]:
+        """Returns the events that the canonical picture shows, as arrays in order of time.
 
         Args:
-            events: (n,) EVENT_DTYPE, in pixels of the sensor.
+            events: (n,) records with ``t``, ``x``, ``y`` and ``p``, in pixels of the sensor.
+            shift_us: is added to their times.
         """
-        out = np.empty(len(events), EVENT_DTYPE)
-        return out[: kernels.map_events(events, self._places, out)]
+        parts = []
+        for begin in range(0, len(events), _BLOCK):
+            n, self.last_us, n_back = kernels.map_events(
+                events[begin : begin + _BLOCK],
+                shift_us,
+                self.last_us,
+                self._places,
+                self._levels,
+                self._area,
+                self._out,
+            )
+            self.n_back += n_back
+            if n:
+                parts.append(copy_events(self._out[:n]))
+        return parts
 
     def map_frames(self, frames: Iterable[Frame]) -> list[Frame]:
         """Returns canonical frames of frames in the sensor's size."""
@@ -61,13 +90,18 @@ def find_places(view: View) -> NDArray[np.int32]:
     return places.reshape(view.height_px, view.width_px).astype(np.int32)
 
 
-def make_middle_map(width_px: int, height_px: int) -> SensorMap | None:
+def make_middle_map(width_px: int, height_px: int, begin_us: int) -> SensorMap | None:
     """Returns the map of a sensor that sees the gel in the same scale; None if none is needed.
 
     The pixels of a DAVIS240 are as large as those of a DAVIS346: behind the same lens, its picture
     is the middle of the canonical one.
+
+    Args:
+        width_px: width of the sensor's picture.
+        height_px: height of it.
+        begin_us: no event is older.
     """
     if (width_px, height_px) == (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX):
         return None
     middle = ((width_px - 1) / 2.0, (height_px - 1) / 2.0)
-    return SensorMap(View(width_px, height_px, middle, 1.0))
+    return SensorMap(View(width_px, height_px, middle, 1.0), begin_us)

@@ -1,4 +1,4 @@
-"""What one sensor sees of a scene that was made for a DAVIS-346: its size, its colour filter."""
+"""Shows one sensor a scene that was made for a DAVIS-346: its part of it, through its filter."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace

@@ -70,26 +70,59 @@ NOWHERE = -1
 
 
 @kernel
-def map_events(events: NDArray[np.void], places: NDArray[np.int32], out: NDArray[np.void]) -> int:
-    """Brings events to the canonical picture; those that have no place there are left out.
+def map_events(
+    events: NDArray[np.void],
+    shift_us: int,
+    last_us: int,
+    places: NDArray[np.int32],
+    levels: NDArray[np.int16],
+    area: int,
+    out: NDArray[np.void],
+) -> tuple[int, int, int]:
+    """Brings events to the canonical picture, in which a pixel may stand for several of the sensor.
+
+    Each canonical pixel sums up the signs of its events. It fires once the sum is half of its area
+    off, and then has the whole area less: an edge that crosses it makes as many events as it makes
+    in one pixel of the sensor, when it is in the middle. With an area of 1 all events stay.
 
     Args:
-        events: (n,) records with ``t``, ``x``, ``y`` and ``p``, such as EVENT_DTYPE.
+        events: (n,) records with ``t``, ``x``, ``y`` and ``p``.
+        shift_us: is added to the times.
+        last_us: no event is older; those that are get this time.
         places: (h, w) int32 of each pixel of the sensor: x + 65,536 y, or ``NOWHERE``.
-        out: (n,) EVENT_DTYPE or longer, written; its first events may be those of ``events``.
+        levels: (height, width) int16, the sums, carried from call to call.
+        area: pixels of the sensor in a canonical pixel.
+        out: (n,) EVENT_DTYPE or longer, written.
 
     Returns:
-        The number of events written.
+        The number of events written, the last time, and the number of times that went back.
     """
-    n = 0
+    height, width = places.shape
+    half, n, n_back = (area + 1) // 2, 0, 0
     for i in range(len(events)):
         event = events[i]
-        place = places[event.y, event.x]
-        if place != NOWHERE:
+        t = int(event.t) + shift_us
+        if t < last_us:
+            t = last_us
+            n_back += 1
+        last_us = t
+        x, y = np.int64(event.x), np.int64(event.y)
+        if x >= width or y >= height:
+            continue
+        place = places[y, x]
+        if place < 0:
+            continue
+        column, row = place & 0xFFFF, place >> 16
+        if event.p:
+            level = levels[row, column] + 1
+            fires = level >= half
+            levels[row, column] = level - area if fires else level
+        else:
+            level = levels[row, column] - 1
+            fires = level <= -half
+            levels[row, column] = level + area if fires else level
+        if fires:
             mapped = out[n]
-            mapped.t = event.t
-            mapped.x = place & 0xFFFF
-            mapped.y = place >> 16
-            mapped.p = event.p
+            mapped.t, mapped.x, mapped.y, mapped.p = t, column, row, event.p
             n += 1
-    return n
+    return n, last_us, n_back
