@@ -36,8 +36,8 @@ class SensorMap:
         self.view = view
         self.last_us, self.n_back = begin_us, 0
         self._places = find_places(view)
-        self._area = max(1, round(1.0 / view.scale**2))
-        self._levels = np.zeros((SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX), np.int16)
+        self._sums = np.zeros((SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, 2), np.int16)
+        self._sums[..., 1] = _count_pixels(self._places)
         self._out = np.empty(_BLOCK, EVENT_DTYPE)
         self._table: ViewTable | None = None
 
@@ -55,8 +55,7 @@ class SensorMap:
                 shift_us,
                 self.last_us,
                 self._places,
-                self._levels,
-                self._area,
+                self._sums,
                 self._out,
             )
             self.n_back += n_back
@@ -88,6 +87,14 @@ def find_places(view: View) -> NDArray[np.int32]:
     is_shown &= (rows >= 0) & (rows < SENSOR_HEIGHT_PX)
     places = np.where(is_shown, columns | rows << 16, kernels.NOWHERE)
     return places.reshape(view.height_px, view.width_px).astype(np.int32)
+
+
+def _count_pixels(places: NDArray[np.int32]) -> NDArray[np.int64]:
+    """Returns how many pixels of the sensor each canonical pixel stands for, (260, 346)."""
+    shown = places[places != kernels.NOWHERE]
+    flat = (shown >> 16) * SENSOR_WIDTH_PX + (shown & 0xFFFF)
+    counts = np.bincount(flat, minlength=SENSOR_WIDTH_PX * SENSOR_HEIGHT_PX)
+    return counts.reshape(SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
 
 
 def make_middle_map(width_px: int, height_px: int, begin_us: int) -> SensorMap | None:

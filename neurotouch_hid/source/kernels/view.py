@@ -75,8 +75,7 @@ def map_events(
     shift_us: int,
     last_us: int,
     places: NDArray[np.int32],
-    levels: NDArray[np.int16],
-    area: int,
+    sums: NDArray[np.int16],
     out: NDArray[np.void],
 ) -> tuple[int, int, int]:
     """Brings events to the canonical picture, in which a pixel may stand for several of the sensor.
@@ -90,15 +89,15 @@ def map_events(
         shift_us: is added to the times.
         last_us: no event is older; those that are get this time.
         places: (h, w) int32 of each pixel of the sensor: x + 65,536 y, or ``NOWHERE``.
-        levels: (height, width) int16, the sums, carried from call to call.
-        area: pixels of the sensor in a canonical pixel.
+        sums: (height, width, 2) int16: the sum of each canonical pixel, carried from call to call,
+            and its area in pixels of the sensor.
         out: (n,) EVENT_DTYPE or longer, written.
 
     Returns:
         The number of events written, the last time, and the number of times that went back.
     """
     height, width = places.shape
-    half, n, n_back = (area + 1) // 2, 0, 0
+    n = n_back = 0
     for i in range(len(events)):
         event = events[i]
         t = int(event.t) + shift_us
@@ -113,14 +112,15 @@ def map_events(
         if place < 0:
             continue
         column, row = place & 0xFFFF, place >> 16
+        total, area = sums[row, column, 0], sums[row, column, 1]
         if event.p:
-            level = levels[row, column] + 1
-            fires = level >= half
-            levels[row, column] = level - area if fires else level
+            total += 1
+            fires = 2 * total >= area
+            sums[row, column, 0] = total - area if fires else total
         else:
-            level = levels[row, column] - 1
-            fires = level <= -half
-            levels[row, column] = level + area if fires else level
+            total -= 1
+            fires = 2 * total <= -area
+            sums[row, column, 0] = total + area if fires else total
         if fires:
             mapped = out[n]
             mapped.t, mapped.x, mapped.y, mapped.p = t, column, row, event.p

@@ -1,29 +1,23 @@
 """Event cameras of other makers, played by made-up packets behind the library's interface."""
 
 import logging
-import threading
 import time
 
 import numpy as np
 import pytest
 
-from neurotouch_hid.device import MemoryDevice
 from neurotouch_hid.errors import CameraBusyError, CameraError
-from neurotouch_hid.gesture import GestureConfig
-from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.profile import load_profile
-from neurotouch_hid.runtime import Pipeline, run_pipeline
 from neurotouch_hid.source.camera_errors import CameraAbsentError
 from neurotouch_hid.source.events import library as library_module
 from neurotouch_hid.source.events.config import EventsConfig
 from neurotouch_hid.source.events.models import MODELS, find_model
 from neurotouch_hid.source.events.source import EventCameraSource
+from neurotouch_hid.source.sensor_map import find_places
 from tests.source.events.fake_library import (
     Camera,
     Library,
     magnify,
     make_events,
-    make_packet,
 )
 
 PATIENCE_S = 60.0
@@ -62,20 +56,18 @@ def test_events_come_in_slices_from_the_first_time_of_the_camera():
 
 def test_a_canonical_pixel_fires_once_for_all_the_pixels_that_it_stands_for():
     camera = Camera()
-    view = camera.view
-    area = round(1 / view.scale**2)
-    assert area == 14
-    x0, y0 = (round(float(v)) for v in view.to_sensor(np.array([[100.0, 120.0]]))[0])
-    square = [(x0 + dx, y0 + dy) for dx in (-1, 0, 1) for dy in (-1, 0, 1)]  # nine of them
-    xs, ys = np.array(square).T
-    times = np.arange(9)
+    places = find_places(camera.view)
+    ys, xs = np.nonzero(places == (100 | 120 << 16))
+    n = len(xs)
+    assert n > 8
+    times = np.arange(n)
     camera.show(100, make_events(times, xs, ys))
     camera.show(20_000, make_events(times + 200, xs, ys, on=False))
     with open_source(camera) as source:
         (packet,) = take(source, lambda got: len(got) == 1)
-        assert source.stats().n_events == 18
-    # half of 14 up is ON; then 9 - 14 = -5 and two more are needed to be half of it off: OFF
-    assert packet.events.tolist() == [(6, 100, 120, True), (201, 100, 120, False)]
+        assert (source.stats().n_events, source.stats().n_shown) == (2 * n, 2)
+    middle = (n + 1) // 2 - 1
+    assert packet.events.tolist() == [(middle, 100, 120, True), (200 + middle, 100, 120, False)]
 
 
 @pytest.mark.parametrize("title", [model.title for model in MODELS])
@@ -284,28 +276,28 @@ def test_a_camera_without_usb_is_waited_for():
     EventCameraSource(library=fake, wait=True).close()
 
 
-def test_a_push_is_felt_through_a_camera_of_a_higher_resolution(push):
-    """Frames are missing: a touch shows the gel to the tracker, a later one is played."""
-    camera = Camera("iniVation DVXplorer")
-    length_us = push.packets[-1].t_end_us
-    for turn in range(2):
-        for packet in push.packets:
-            events = packet.events.copy()
-            events["t"] += turn * length_us
-            big = magnify(events, camera.view)
-            camera.script.append((packet.t_end_us + turn * length_us, make_packet(big), {}))
-    pipeline = Pipeline.build(load_profile("spacecraft"), GestureConfig())
-    kinds, stop = [], threading.Event()
-
-    def look(step):
-        kinds.append((step.packet.t_end_us, step.gesture.kind))
-        if step.packet.t_end_us >= 2 * length_us - 20_000:
-            stop.set()
-
-    clock = iter(range(10**9))  # the camera's time is not the host's: 20 ms for each look
-    with open_source(
-        camera, max_delay_us=600_000_000, clock_s=lambda: 0.003 * next(clock)
-    ) as source:
-        run_pipeline(source, pipeline, MemoryDevice(), [look], stop=stop)
-    late = [kind for t_us, kind in kinds if t_us > length_us]
-    assert late.count(GestureKind.PUSH) > 30
+@pytest.mark.parametrize("title", ["Prophesee EVK4", "iniVation DVXplorer"])
+def test_a_finer_sensor_gives_the_pipeline_the_events_of_a_davis(title, push):
+    """An edge that crosses all the pixels behind a canonical one makes one event of them."""
+    camera = Camera(title)
+    packets = push.packets[:30]
+    n_sent = 0
+    for packet in packets:
+        events = magnify(packet.events, camera.view)
+        n_sent += len(events)
+        camera.show(packet.t_end_us, events)
+    shown = np.concatenate([packet.events for packet in packets])
+    shown = shown[shown["t"] < packets[-1].t_begin_us]
+    inside = np.isin(shown["x"] | shown["y"].astype(np.int32) << 16, find_places(camera.view))
+    shown = shown[inside]
+    with open_source(camera, max_delay_us=60_000_000) as source:
+        got = take(source, lambda got: len(got) == len(packets) - 1)
+        assert source.stats().n_events == n_sent > 3 * len(shown)
+    events = np.concatenate([packet.events for packet in got])
+    order = ["t", "y", "x"]
+    events, shown = np.sort(events, order=order), np.sort(shown, order=order)
+    events["t"] += shown["t"][0] - events["t"][0]
+    events = events[events["t"] < packets[-1].t_begin_us]
+    for name in ("t", "x", "y", "p"):
+        assert np.array_equal(events[name], shown[: len(events)][name]), name
+    assert len(events) > 0.99 * len(shown)
