@@ -27,7 +27,7 @@ def check_event_cameras() -> Finding:
     if not usable:
         return warn(
             f"The event camera {cameras[0]} cannot be used: {cameras[0].reason}.",
-            "End the program that has it, or install the rules of its library and plug it in again.",
+            "End the program that has it, or install its library's rules and plug it in again.",
             "sudo neuromorphic-drivers-install-udev-rules",
         )
     names = ", ".join(map(str, usable))

@@ -123,7 +123,7 @@ def _open(
     if kind is SourceKind.RECORDING:
         from neurotouch_hid.source.replay import Replay  # noqa: PLC0415
 
-        return Replay(find_path(spec), slice_us=slice_us)
+        return Replay(find_path(spec), slice_us=slice_us, gel=gel)
     if kind is SourceKind.OTHER:
         return open_plugin(spec, slice_us, seed)
     from neurotouch_hid.source.simulator import Simulator  # noqa: PLC0415

@@ -25,6 +25,7 @@ class SensorMap:
     Args:
         view: the map from the sensor's picture.
         begin_us: no event is older.
+        keeps_size: events and frames stay in the sensor's picture, as a recording needs them.
 
     Attributes:
         view: the same.
@@ -32,12 +33,14 @@ class SensorMap:
         n_back: events so far whose time was before that of the one before; they have its time.
     """
 
-    def __init__(self, view: View, begin_us: int = 0) -> None:
+    def __init__(self, view: View, begin_us: int = 0, *, keeps_size: bool = False) -> None:
         self.view = view
         self.last_us, self.n_back = begin_us, 0
-        self._places = find_places(view)
-        self._sums = np.zeros((SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, 2), np.int16)
-        self._sums[..., 1] = _count_pixels(self._places)
+        self._keeps_size = keeps_size
+        self._places = _keep_places(view) if keeps_size else find_places(view)
+        shape = self._places.shape if keeps_size else (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
+        self._sums = np.zeros((*shape, 2), np.int16)
+        self._sums[..., 1] = _count_pixels(self._places, shape)
         self._out = np.empty(_BLOCK, EVENT_DTYPE)
         self._table: ViewTable | None = None
 
@@ -65,6 +68,8 @@ class SensorMap:
 
     def map_frames(self, frames: Iterable[Frame]) -> list[Frame]:
         """Returns canonical frames of frames in the sensor's size."""
+        if self._keeps_size:
+            return list(frames)
         mapped = []
         for frame in frames:
             self._table = self._table or ViewTable(self.view)
@@ -89,12 +94,19 @@ def find_places(view: View) -> NDArray[np.int32]:
     return places.reshape(view.height_px, view.width_px).astype(np.int32)
 
 
-def _count_pixels(places: NDArray[np.int32]) -> NDArray[np.int64]:
-    """Returns how many pixels of the sensor each canonical pixel stands for, (260, 346)."""
+def _keep_places(view: View) -> NDArray[np.int32]:
+    """Returns the places of pixels that stay where they are, (height, width)."""
+    y, x = np.mgrid[: view.height_px, : view.width_px]
+    places: NDArray[np.int32] = (x | y << 16).astype(np.int32)
+    return places
+
+
+def _count_pixels(places: NDArray[np.int32], shape: tuple[int, ...]) -> NDArray[np.int64]:
+    """Returns how many pixels of the sensor each pixel of a picture stands for, ``shape``."""
+    height, width = shape
     shown = places[places != kernels.NOWHERE]
-    flat = (shown >> 16) * SENSOR_WIDTH_PX + (shown & 0xFFFF)
-    counts = np.bincount(flat, minlength=SENSOR_WIDTH_PX * SENSOR_HEIGHT_PX)
-    return counts.reshape(SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
+    flat = (shown >> 16) * width + (shown & 0xFFFF)
+    return np.bincount(flat, minlength=width * height).reshape(height, width)
 
 
 def make_middle_map(width_px: int, height_px: int, begin_us: int) -> SensorMap | None:

@@ -29,6 +29,15 @@ def place_gel(model: Model, config: EventsConfig, gel: Gel) -> View:
     return View(model.width_px, model.height_px, centre_px, scale, mirrored=config.mirrored)
 
 
+def describe_place(config: EventsConfig) -> bytes:
+    """Returns the rig file of a recording in the camera's own pixels; empty if there is none."""
+    lines = ["mirrored: true"] if config.mirrored else []
+    if config.px_per_mm is not None and config.centre_px is not None:
+        lines += [f"centre_px: [{config.centre_px[0]:g}, {config.centre_px[1]:g}]"]
+        lines += [f"px_per_mm: {config.px_per_mm:g}"]
+    return "".join(f"{line}\n" for line in lines).encode()
+
+
 def find_region(view: View) -> Region | None:
     """Returns the part of the sensor's picture that is shown; None for all of it."""
     half_width, half_height = (side / (2.0 * view.scale) for side in _SIDES)

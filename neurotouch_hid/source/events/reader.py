@@ -36,6 +36,7 @@ class PacketReader:
         begin_us: the stream's time at the camera's first.
         put: takes the slices.
         max_events_per_s: the camera drops events beyond; 0 if it does not.
+        keeps_size: the slices are in the camera's own pixels.
         clock_s: the host's clock.
 
     Attributes:
@@ -54,9 +55,10 @@ class PacketReader:
         put: Callable[[EventPacket], object],
         *,
         max_events_per_s: int = 0,
+        keeps_size: bool = False,
         clock_s: Callable[[], float] = time.monotonic,
     ) -> None:
-        self._map = SensorMap(view, begin_us)
+        self._map = SensorMap(view, begin_us, keeps_size=keeps_size)
         self._slicer = Slicer(slice_us, begin_us)
         self._put, self._clock_s = put, clock_s
         self._limit = _NEAR_LIMIT * 1e-6 * max_events_per_s

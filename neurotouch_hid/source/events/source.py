@@ -2,13 +2,14 @@
 
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Final
 
 from neurotouch_hid.errors import CameraBusyError, CameraError
 from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.messages import EventPacket
+from neurotouch_hid.recording import Sensor
 from neurotouch_hid.source.camera_errors import CameraAbsentError, CameraGoneError
 from neurotouch_hid.source.camera_source import MAX_DELAY_US, POLL_S, CameraSource
 from neurotouch_hid.source.events.config import EventsConfig
@@ -104,7 +105,7 @@ class EventCameraSource(CameraSource):
         self._ended_s = 0.0
         self._before = (0, 0, 0, 0)  # counts of the readers before
         self._n_cleared = self._n_restarts = 0
-        self._is_limited = False
+        self._is_limited = self._keeps_size = False
         self.name = f"events:{camera}"
         if not wait:
             self._open()
@@ -112,6 +113,19 @@ class EventCameraSource(CameraSource):
     def set_activity(self, *, is_idle: bool, wants_frames: bool = True) -> None:  # noqa: ARG002
         """Sets whether idle slices may be merged."""
         self._merger.is_idle = is_idle
+
+    @property
+    def sensor(self) -> Sensor | None:
+        """The camera's own picture; None before a camera was opened."""
+        info = self._info
+        if info is None:
+            return None
+        return Sensor(info.model.title, info.model.width_px, info.model.height_px)
+
+    def sensor_packets(self) -> Iterator[EventPacket]:
+        """Yields slices in the camera's own pixels, all its events, instead of canonical ones."""
+        self._keeps_size = True
+        return iter(self)
 
     @property
     def n_restarts(self) -> int:
@@ -201,6 +215,7 @@ class EventCameraSource(CameraSource):
             begin_us,
             self._hand_over,
             max_events_per_s=limit,
+            keeps_size=self._keeps_size,
             clock_s=self._clock_s,
         )
         reader.note_lost(gap)
