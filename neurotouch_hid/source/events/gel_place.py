@@ -1,4 +1,4 @@
-"""Where an event camera sees the gel.
+"""Gives the map from an event camera's picture to the canonical one, by where it sees the gel.
 
 A camera without frames cannot show where the gel is before it is touched. So its place is written
 in ``camera.yaml``; without, the whole picture is shown, and the tracker finds the gel in it by the

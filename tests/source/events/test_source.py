@@ -108,7 +108,7 @@ def test_the_library_draws_the_region_that_was_asked_for():
 
 def test_a_bias_of_the_settings_reaches_the_camera():
     camera = Camera()
-    config = EventsConfig(biases={"prophesee_evk4": {"diff_on": 20}, "lucid_triton": {"fo": 1}})
+    config = EventsConfig(biases={"prophesee_evk4": {"diff_on": 20}, "lucid_triton": {"hpf": 1}})
     with open_source(camera, config=config):
         assert camera.device.configuration.biases.diff_on == 20
         assert camera.device.configuration.biases.diff_off == 0
