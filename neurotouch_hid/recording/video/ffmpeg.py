@@ -34,7 +34,7 @@ _PADDING: Final = pack(Name.VOID, bytes(1 << 18))
 """Comes after the last packet: more than FFmpeg reads in advance. So if it ended before it had read
 all packets, something is left in the pipe."""
 _LONGEST_S: Final = 30.0
-"""A decoder that gives nothing for so long hangs."""
+"""A decoder that gives nothing for this time hangs."""
 
 
 def decode_by_ffmpeg(track: Track, packets: Iterator[Packet]) -> Iterator[Shot]:

@@ -45,7 +45,7 @@ class _Element(NamedTuple):
 
 
 class _Coded(NamedTuple):
-    """A track, its number in the blocks, and what was stripped from the begin of each packet."""
+    """A track, its number in the blocks, and what was stripped from the start of each packet."""
 
     number: int
     prefix: bytes
@@ -189,7 +189,7 @@ def _read_track(items: dict[int, bytes], tick_s: Fraction) -> _Coded:
 
 
 def _find_tags(seek_head: bytes) -> int:
-    """Returns where the tags are, in bytes from the begin of the segment; -1 if it is not said."""
+    """Returns where the tags are, in bytes from the start of the segment; -1 if it is not said."""
     for seek in _list_named(seek_head, Name.SEEK):
         items = _children(seek)
         if _number(items.get(Name.SEEK_ID)) == Name.TAGS:
