@@ -90,8 +90,8 @@ class Pipeline:
         rest: FrameExchange = (
             ThreadedRest(detector, finder) if frame_thread else InlineRest(detector)
         )
-        # With a frame thread the tracker finds nothing itself.
-        tracker = MarkerTracker(finder=finder, gel=gel)
+        # The thread's finder is its own; without events the tracker searches frames itself.
+        tracker = MarkerTracker(finder=None if frame_thread else finder, gel=gel)
         return cls(
             rest,
             tracker,
@@ -177,10 +177,13 @@ class Pipeline:
         self._anchor = self._exchange(packet)
 
     def _cut_remaining(self, packet: EventPacket) -> EventPacket:
-        """Returns the part of a slice that has not been taken in yet, without frames."""
+        """Returns the part of a slice that has not been taken in yet, without frames.
+
+        If frames alone carry the markers, they stay: the next step would be a frame late.
+        """
         partial, self._partial = self._partial, None
         if partial is None or partial.t_begin_us != packet.t_begin_us:
-            return _without_frames(packet)
+            return packet if self.tracker.follows_frames else _without_frames(packet)
         events, gap = packet.events[len(partial.events) :], packet.gap - partial.gap
         return EventPacket(partial.t_end_us, packet.t_end_us, events, (), gap)
 

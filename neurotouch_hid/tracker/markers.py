@@ -180,7 +180,7 @@ class MarkerTracker:
         self._event_us: int | None = None  # the end of the last slice with events
         self._absent = np.zeros(n, np.bool_)  # markers that the last frame at rest hid
         self._is_unsure = False
-        self._frame_us = 0  # the middle of the last exposure
+        self._frame_us = 0  # the middle of the last exposure that was followed
         self._last_pixels: NDArray[np.uint8] | None = None
         self._n_mean = 0  # frames in the mean that the rest position is
 
@@ -227,7 +227,7 @@ class MarkerTracker:
             self._drift(off, elapsed_us)
         self._anchor_us = rest.t_us
         self._absent, self._is_unsure = tracks.state["n_missed"] > 0, False
-        self._correction.anchor(rest)
+        self._correction.anchor(rest, is_followed=self.follows_frames)
         if not np.abs(self._rest_px - tracks.rest_px).max() < _SHOWN_DRIFT_PX:
             self._rest_px = tracks.rest_px.astype(np.float32)
 
@@ -268,8 +268,11 @@ class MarkerTracker:
         self._anchored = False
 
     def correct(self, frame: Frame, blobs: Blobs) -> None:
-        """Corrects the tracks by the blobs found in a frame of an earlier slice."""
-        if self._anchored:
+        """Corrects the tracks by the blobs found in a frame of an earlier slice.
+
+        A frame that ``update`` has followed already changes nothing.
+        """
+        if self._anchored and frame.t_us > self._frame_us:
             self._correct(frame, blobs)
 
     def stats(self) -> TrackerStats:
