@@ -58,7 +58,9 @@ def test_a_hand_that_holds_still_is_no_return():
     assert all(moved[k].max() < 1.0 for k in returns(steps))
     held = moved.max(axis=1) > 4.0
     assert held.sum() > 300
-    assert all(step.gesture.kind is GestureKind.PUSH for step, on in zip(steps, held) if on)
+    assert all(
+        step.gesture.kind is GestureKind.PUSH for step, on in zip(steps, held, strict=True) if on
+    )
 
 
 def test_a_slow_push_is_no_return():
