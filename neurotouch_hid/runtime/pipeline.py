@@ -121,6 +121,8 @@ class Pipeline:
             packet_left = packet
         with self.timings.tracker:
             markers = self.tracker.update(packet_left)
+        if self.tracker.is_frameless:
+            self._do_without_frames(packet.t_end_us)
         if self.tracker.flicker is not self._flicker:
             self._flicker = self.tracker.flicker
             self.rest.detector.note_flicker(self._flicker.hz if self._flicker else None)
@@ -202,6 +204,20 @@ class Pipeline:
             with self.timings.frames:
                 self.tracker.correct(*result.searched)
         return result.rest
+
+    def _do_without_frames(self, t_us: int) -> None:
+        """Lets events show the gel at rest, where frames are missing.
+
+        A hand that may rest on the gel would be taken for an untouched gel, so it asks for
+        ``rezero`` instead.
+        """
+        self.rest.detector.note_missing_frames(t_us)
+        if self.recognizer.neutral == "resting":
+            return
+        back = self.tracker.find_return()
+        if back is not None:
+            self.tracker.anchor(back)
+            self._anchor = back
 
     def _may_skip(self, frame_us: int) -> bool:
         """Tells whether a frame brings nothing new: the gel is idle and was at rest just before."""

@@ -175,6 +175,10 @@ class RestDetector:
         """Takes that the markers have just moved too fast for frames; ``gel`` then says so."""
         self._watch.haste_us = t_us
 
+    def note_missing_frames(self, t_us: int) -> None:
+        """Takes that frames have stopped coming, or no longer show the gel; ``gel`` says so."""
+        self._watch.miss(t_us)
+
     @property
     def is_watching(self) -> bool:
         """True while there is no frame yet and events may show the gel."""
