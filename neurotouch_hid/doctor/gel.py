@@ -117,10 +117,10 @@ class GelView:
     def __init__(
         self, picture: Path | None = None, source: str | None = None, gel: str | None = None
     ) -> None:
-        self._picture = picture or find_picture()
+        self._picture = picture or find_picture("doctor-gel.png")
         self._source = source
         self._is_video = False
-        self._made = choose_gel(gel, source or "davis:")
+        self._made = choose_gel(gel, source or driver.find_live_source()).gel
 
     def check_stream(self) -> Finding:  # noqa: PLR0911
         """Checks whether frames and events arrive at the usual rates."""

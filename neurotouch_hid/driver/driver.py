@@ -250,6 +250,7 @@ class Driver(Closing):
             player=options.player,
             settings=load_driver_settings(options.player),
             seed=options.seed if kind is SourceKind.SIMULATION else None,
+            gel_file=self._gel_file,
         )
         pad = open_driver_pad(
             options,
@@ -282,7 +283,7 @@ class Driver(Closing):
         chosen = choose_first(self.options, self._people, self._announce)
         self.profile = chosen.profile
         options = self.options
-        self.gel = choose_gel(
+        self.gel, self._gel_file = choose_gel(
             options.gel, options.source, options.player, personal=options.personal
         )
         return chosen
