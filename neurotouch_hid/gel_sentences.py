@@ -173,6 +173,24 @@ def name_dots(markers: tuple[int, ...], gel: Gel = PAPER_GEL) -> str:
     return f"{named} and {left} more" if left > 0 else named
 
 
+def describe_missing(new: frozenset[int], missing: frozenset[int], gel: Gel) -> str:
+    """Returns which dots are missing, for a person who is told of ``new`` ones for the first time.
+
+    Args:
+        new: the dots, as places in ``Gel.points_mm``.
+        missing: all that are missing.
+        gel: the gel.
+    """
+    named, n = name_dots(tuple(sorted(new)), gel), len(new)
+    are = "is" if n == 1 else "are"
+    if new == missing:
+        head = f"{n} of {gel.n_markers} dots {are} not seen: {named}."
+    else:
+        more = "more dot" if n == 1 else "more dots"
+        head = f"{n} {more} {are} not seen: {named}; {len(missing)} of {gel.n_markers} in all."
+    return f"{head} Gestures count without them."
+
+
 def report_gel(gel: GelState) -> GelFacts:
     """Returns the same as plain values, ready for JSON."""
     sentence = explain_gel(gel)
