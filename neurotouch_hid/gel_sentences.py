@@ -86,6 +86,10 @@ _SENTENCES: Final[Mapping[GelProblem, tuple[str, str]]] = {
         "a part of the gel is outside of the picture{side}",
         "Turn the camera until the whole gel is in the picture.",
     ),
+    GelProblem.PATTERN: (
+        "a pattern of more than {n_markers} dots goes on around them, so it may be no gel",
+        "Point the camera at the gel alone. Has the gel more dots? Describe them in gel.yaml.",
+    ),
     GelProblem.FAINT: (
         "most dots are missing, or hardly brighter than the gel",
         "Light the gel with the LED ring at full brightness, or paint the dots whiter.",
