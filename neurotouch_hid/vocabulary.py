@@ -96,6 +96,7 @@ class GelProblem(StrEnum):
     SMALL = "small"
     LARGE = "large"
     OUTSIDE = "outside"
+    PATTERN = "pattern"
     FAINT = "faint"
     MISSING = "missing"
     GLINTS = "glints"

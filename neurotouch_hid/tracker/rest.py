@@ -377,6 +377,8 @@ class RestDetector:
             return GelProblem.NO_DOTS
         if lattice.share < c.min_share or lattice.aside > c.max_aside:
             return GelProblem.MISSING
+        if lattice.beyond > c.max_beyond:
+            return GelProblem.PATTERN
         is_flat = lattice.bend_px <= c.max_bend_px
         max_bend_px = most.max_odd_bend_px if odd else c.max_bend_px
         max_displaced = most.max_odd_displaced if odd and is_flat else c.max_displaced

@@ -10,6 +10,7 @@ from neurotouch_hid.messages import Frame, GelProblem
 from neurotouch_hid.tracker import BlobFinder, RestConfig, RestDetector
 from neurotouch_hid.tracker.lattice import LatticeFinder
 from neurotouch_hid.tracker.sharpness import measure_blur
+from tests.source.video.pattern_pictures import draw_plate
 
 RIG = Rig((172.0, 130.0), 2.5, 0.1)
 
@@ -147,6 +148,7 @@ def test_a_lattice_that_stays_slightly_bent_is_accepted():
         (np.zeros((260, 346), np.uint8), GelProblem.DARK),
         (np.full((260, 346), 255, np.uint8), GelProblem.BRIGHT),
         (picture(rig=replace(RIG, centre_px=(20.0, 130.0))), GelProblem.OUTSIDE),
+        (draw_plate((346, 260), 10.0), GelProblem.PATTERN),
     ],
 )
 def test_it_says_why_there_is_no_gel(pixels, why):
