@@ -82,8 +82,8 @@ class GelWatch:
             )
 
     def miss(self, t_us: int) -> None:
-        """Notes that events alone show the markers of a gel that frames have shown before."""
-        if self.state.is_found and not self._rests:
+        """Notes that events alone show the markers; dark frames have their own reason."""
+        if self.state.is_found and t_us - self._last_us >= _NO_FRAMES_US:
             self._consider(replace(self.state, problem=GelProblem.EVENTS_ONLY), t_us)
 
     def search(

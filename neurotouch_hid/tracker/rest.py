@@ -176,7 +176,7 @@ class RestDetector:
         self._watch.haste_us = t_us
 
     def note_missing_frames(self, t_us: int) -> None:
-        """Takes that frames have stopped coming, or no longer show the gel; ``gel`` says so."""
+        """Takes that frames no longer show the markers; ``gel`` says so if none come."""
         self._watch.miss(t_us)
 
     @property
