@@ -25,6 +25,7 @@ from neurotouch_hid.players import (
 )
 from neurotouch_hid.printable import make_value_printable
 from neurotouch_hid.status import Status, check_status, explain_missing
+from neurotouch_hid.vocabulary import RUNNING_DRIVER
 
 NOT_RUNNING: Final = "No driver is running."
 
@@ -75,8 +76,8 @@ def ask(command: str, *, player: int | None = None, **arguments: Any) -> Reply:
     """Returns the nearest running driver's answer to a command.
 
     Args:
-        command: ``reload``, ``status``, ``use``, ``settings``, ``pause``, ``resume``, ``panic`` or
-            ``stop``.
+        command: ``reload``, ``status``, ``gel``, ``use``, ``settings``, ``pause``, ``resume``,
+            ``panic`` or ``stop``.
         player: the player number; None means the one of the environment.
         arguments: of the command: ``profile``, a name or an absolute path, for ``use``; for
             ``settings`` see ``handover``.
@@ -205,6 +206,11 @@ def is_driver_running() -> bool:
     except DriverError:
         return False
     return True
+
+
+def find_live_source() -> str:
+    """Returns ``driver:`` while a driver runs that this user may ask, else ``davis:``."""
+    return RUNNING_DRIVER if is_driver_running() else "davis:"
 
 
 def wait_until_ended(folder: Path) -> None:

@@ -58,7 +58,7 @@ _SENTENCES: Final[Mapping[GelProblem, tuple[str, str]]] = {
         "Push the gel once and let go. If the pictures stay away: neurotouch doctor",
     ),
     GelProblem.EVENTS_ONLY: (
-        "the camera sends no pictures, so the dots are drawn from events, less exactly",
+        "the camera sends no pictures, so events alone show the dots, less exactly",
         "Unplug the camera and plug it in again. If it stays so: neurotouch doctor",
     ),
     GelProblem.DARK: ("the picture is dark", "Switch the LED ring on, and take the lens cap off."),
@@ -85,6 +85,10 @@ _SENTENCES: Final[Mapping[GelProblem, tuple[str, str]]] = {
     GelProblem.OUTSIDE: (
         "a part of the gel is outside of the picture{side}",
         "Turn the camera until the whole gel is in the picture.",
+    ),
+    GelProblem.PATTERN: (
+        "a pattern of more than {n_markers} dots goes on around them, so it may be no gel",
+        "Point the camera at the gel alone. Has the gel more dots? Describe them in gel.yaml.",
     ),
     GelProblem.FAINT: (
         "most dots are missing, or hardly brighter than the gel",
@@ -171,6 +175,24 @@ def name_dots(markers: tuple[int, ...], gel: Gel = PAPER_GEL) -> str:
     named = "; ".join(f"row {row}: {', '.join(numbers)}" for row, numbers in rows.items())
     left = len(markers) - _MOST_NAMED
     return f"{named} and {left} more" if left > 0 else named
+
+
+def describe_missing(new: frozenset[int], missing: frozenset[int], gel: Gel) -> str:
+    """Returns which dots are missing, for a person who is told of ``new`` ones for the first time.
+
+    Args:
+        new: the dots, as places in ``Gel.points_mm``.
+        missing: all that are missing.
+        gel: the gel.
+    """
+    named, n = name_dots(tuple(sorted(new)), gel), len(new)
+    are = "is" if n == 1 else "are"
+    if new == missing:
+        head = f"{n} of {gel.n_markers} dots {are} not seen: {named}."
+    else:
+        more = "more dot" if n == 1 else "more dots"
+        head = f"{n} {more} {are} not seen: {named}; {len(missing)} of {gel.n_markers} in all."
+    return f"{head} Gestures count without them."
 
 
 def report_gel(gel: GelState) -> GelFacts:

@@ -219,6 +219,20 @@ class Recording(TypedDict):
     text: str
 
 
+class PlayedGel(TypedDict):
+    """The answer to ``gel``.
+
+    Attributes:
+        ok: True.
+        file: content of the gel's file, in base64; empty for the gel of the paper.
+        text: a sentence for the person.
+    """
+
+    ok: Literal[True]
+    file: str
+    text: str
+
+
 class Refusal(TypedDict):
     """The answer to a question that the driver refuses.
 
@@ -235,7 +249,7 @@ class Refusal(TypedDict):
     busy: NotRequired[bool]
 
 
-Answer = Status | Done | Recording | Refusal
+Answer = Status | Done | Recording | PlayedGel | Refusal
 
 
 def check_status(answer: dict[str, Any]) -> Status:

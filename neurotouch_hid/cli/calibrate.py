@@ -82,9 +82,9 @@ def command(
     A running driver is paused meanwhile, and what it sees is measured: also the mouse gel of
     'neurotouch demo --mouse', to rehearse it.
     """
-    from neurotouch_hid.client import is_driver_running
+    from neurotouch_hid.client import find_live_source
 
-    source = source or (RUNNING_DRIVER if is_driver_running() else "davis:")
+    source = source or find_live_source()
     if not undo:
         _check(source)
     from neurotouch_hid.cli.calibrate_result import (

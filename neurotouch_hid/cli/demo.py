@@ -98,7 +98,7 @@ def command(
     from neurotouch_hid.source.mouse_gel import MouseSource
     from neurotouch_hid.tracker import GelFinder
 
-    drawn = choose_gel(gel, options.source)
+    drawn = choose_gel(gel, options.source).gel
     make_source: Callable[[], Source] | None = None
     if mouse:
         make_source = partial(MouseSource, find_runtime_folder(), gel=drawn)

@@ -147,6 +147,7 @@ def _try_keys() -> "Finding":
 
 
 def _try_directions(source: str | None, gel: str | None) -> "tuple[Finding, Advice | None]":
+    from neurotouch_hid.client import find_live_source
     from neurotouch_hid.doctor.directions import try_directions
     from neurotouch_hid.doctor.finding import CheckStatus, Finding, skip
     from neurotouch_hid.doctor.inventory import find_driver
@@ -159,7 +160,7 @@ def _try_directions(source: str | None, gel: str | None) -> "tuple[Finding, Advi
     if source is None and find_driver() is not None:
         echo("The running driver reacts to your hand too. To stop it: neurotouch pause", err=True)
     try:
-        made = choose_gel(gel, source or "davis:")
+        made = choose_gel(gel, source or find_live_source()).gel
         finding, advice = try_directions(
             source, lambda text: echo(text, err=True), _is_skipped, made
         )

@@ -6,7 +6,7 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from types import TracebackType
@@ -17,13 +17,19 @@ import click
 from neurotouch_hid import __version__
 from neurotouch_hid.cli.ui.options import Finite, gel_option
 from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_json, say
-from neurotouch_hid.errors import NeuroTouchError, NotRunningError, RecordingError, SourceError
+from neurotouch_hid.errors import (
+    NeuroTouchError,
+    NotRunningError,
+    ProfileError,
+    RecordingError,
+    SourceError,
+)
 from neurotouch_hid.partial_file import is_plain
 from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_kind, is_clip
 
 if TYPE_CHECKING:
     from neurotouch_hid.geometry import Gel
-    from neurotouch_hid.recording import Recorder, RecorderStats, Simulation
+    from neurotouch_hid.recording import Recorder, RecorderStats, Sensor, Simulation
     from neurotouch_hid.recording.recorder import Item
     from neurotouch_hid.source import Source
     from neurotouch_hid.vocabulary import Speed
@@ -63,7 +69,8 @@ class _Silence(KeyboardInterrupt):
 @click.option(
     "--source",
     show_default="the running driver's data, else davis:",
-    help="davis:SERIAL (a camera), video:NAME (a webcam), file:NAME.aedat4 (a recording), "
+    help="davis:SERIAL or events:SERIAL (a camera), video:NAME (a webcam), file:NAME.aedat4 "
+    "(a recording), "
     "file:NAME.mkv (a video clip) or sim:NAME (the simulator).",
 )
 @click.option("--seconds", type=Finite(min=0.1), help="End after this many seconds of sensor time.")
@@ -96,11 +103,10 @@ def command(
     """
     from neurotouch_hid.source.check import check_source
 
-    if source is not None:
-        check_source(source)
-    else:
-        _require_driver_or_camera()
-    from neurotouch_hid.driver.gel_settings import choose_gel, find_gel_file, read_gel_file
+    if source is None:
+        source = _find_live_source()
+    check_source(source)
+    from neurotouch_hid.driver.gel_settings import choose_gel
     from neurotouch_hid.recording import (
         ClipWriter,
         Recorder,
@@ -111,13 +117,17 @@ def command(
     from neurotouch_hid.source.rig_file import rig_path
 
     _require_place(out, source, force=force)
-    played = source or "davis:"
-    made, gel_file = choose_gel(gel, played), read_gel_file(find_gel_file(gel, played))
+    if gel is not None and source == RUNNING_DRIVER:
+        raise ProfileError(
+            "The driver that runs knows its gel, so --gel has no place here.",
+            hint="Leave --gel out. To play another gel: neurotouch run --gel NAME",
+        )
+    chosen = choose_gel(gel, source)
     fault: NeuroTouchError | None = None
     with ExitStack() as stack:
         # The simulator has no end: without --seconds it is as slow as a camera.
-        whole = source is not None and find_source_kind(source) is not SourceKind.SIMULATION
-        opened = _open(stack, source, "max" if seconds or whole else "recorded", seed, made)
+        whole = find_source_kind(source) is not SourceKind.SIMULATION
+        opened = _open(stack, source, "max" if seconds or whole else "recorded", seed, chosen.gel)
         stack.callback(_restore_signals)  # before the source is closed: that may hang
         mark = _mark(opened.source, source, seed)
         rig = _read_rig(source)
@@ -125,7 +135,8 @@ def command(
             recorder = Recorder(ClipWriter(out, simulation=mark))
         else:
             _require_events(opened)
-            recorder = Recorder(RecordingWriter(out, in_place=True, simulation=mark))
+            sensor = _find_sensor(opened.source)
+            recorder = Recorder(RecordingWriter(out, in_place=True, simulation=mark, sensor=sensor))
         simulated = "" if mark is None else "SIMULATED "
         echo(f"Recording {simulated}{opened.name} to {out}. Ctrl-C ends.", err=True)
         with _Progress(recorder, out, plain=plain or not sys.stderr.isatty()):
@@ -144,38 +155,57 @@ def command(
                 "Nothing was recorded, so no file was made.",
                 hint="Is the camera plugged in? Check: neurotouch doctor",
             )
-        write_gel(out, gel_file)
-        if is_clip(out):
+        write_gel(out, chosen.file)
+        if is_clip(out) or rig:
             write_beside(rig_path(out), rig)
         _tell(opened.name, out, stats, fault, mark, as_json=as_json)
 
 
-def _read_rig(source: str | None) -> bytes:
+def _find_sensor(source: "Source") -> "Sensor":
+    """Returns the sensor whose pixels the recorded events name."""
+    from neurotouch_hid.recording import DAVIS346
+    from neurotouch_hid.source import SizedSource
+
+    sensor = source.sensor if isinstance(source, SizedSource) else None
+    return sensor or DAVIS346
+
+
+def _read_rig(source: str) -> bytes:
     """Returns the rig file of a clip: pictures are recorded as they are, mirrored too."""
     from neurotouch_hid.driver.camera_settings import load_camera_config
     from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_bytes
     from neurotouch_hid.source.check import find_path
     from neurotouch_hid.source.rig_file import rig_path
 
-    if source is not None and find_source_kind(source) is SourceKind.VIDEO:
+    kind = find_source_kind(source)
+    if kind is SourceKind.EVENTS:
+        from neurotouch_hid.source.events.gel_place import describe_place
+
+        return describe_place(load_camera_config().events)
+    if kind is SourceKind.VIDEO:
         return b"mirrored: true\n" if load_camera_config().video.mirrored else b""
-    if source is None or not is_clip(source):
+    if not is_clip(source):
         return b""
     beside = rig_path(find_path(source))
     return read_bytes(beside, MAX_SETTINGS_BYTES) if beside.exists() else b""
 
 
-def _require_driver_or_camera() -> None:
+def _find_live_source() -> str:
+    """Returns ``driver:`` while a driver runs, else ``davis:``.
+
+    Raises:
+        DriverError: a driver runs, and does not answer.
+    """
     from neurotouch_hid.client import ask
-    from neurotouch_hid.source.check import check_source
 
     try:
         ask("status")
     except NotRunningError:
-        check_source("davis:")
+        return "davis:"
+    return RUNNING_DRIVER
 
 
-def _require_place(out: Path, source: str | None, *, force: bool) -> None:
+def _require_place(out: Path, source: str, *, force: bool) -> None:
     if out == Path():  # what an empty word becomes
         raise RecordingError(
             "The name of the file is empty.",
@@ -188,8 +218,8 @@ def _require_place(out: Path, source: str | None, *, force: bool) -> None:
         )
     if not out.exists():
         return
-    played = Path((source or "").removeprefix("file:"))
-    if source is not None and played.is_file() and played.samefile(out):
+    played = Path(source.removeprefix("file:"))
+    if played.is_file() and played.samefile(out):
         raise RecordingError(f"'{out}' is source and output at once.", hint="Give another name.")
     if not force:
         raise RecordingError(
@@ -207,33 +237,27 @@ def _require_events(opened: _Opened) -> None:
         )
 
 
-def _open(stack: ExitStack, source: str | None, speed: "Speed", seed: int, gel: "Gel") -> _Opened:
+def _open(stack: ExitStack, source: str, speed: "Speed", seed: int, gel: "Gel") -> _Opened:
     from neurotouch_hid.driver.camera_settings import load_camera_config
     from neurotouch_hid.source import open_source
 
-    def open_one(name: str) -> "Source":
-        camera = load_camera_config()
-        return stack.enter_context(
-            open_source(
-                name,
-                speed=speed,
-                seed=seed,
-                camera=camera,
-                max_delay_us=_MAX_DELAY_US,
-                gel=gel,
-            )
+    packets = stack.enter_context(
+        open_source(
+            source,
+            speed=speed,
+            seed=seed,
+            camera=load_camera_config(),
+            max_delay_us=_MAX_DELAY_US,
+            gel=gel,
         )
-
-    if source is None:
-        with suppress(NotRunningError):
-            packets = open_one(RUNNING_DRIVER)
-            played = packets.name.removeprefix(RUNNING_DRIVER).strip()
-            return _Opened(f"{played}, from the running driver", packets)
-    packets = open_one(source or "davis:")
+    )
+    if source == RUNNING_DRIVER:
+        played = packets.name.removeprefix(RUNNING_DRIVER).strip()
+        return _Opened(f"{played}, from the running driver", packets)
     return _Opened(packets.name, packets)
 
 
-def _mark(source: "Source", spec: str | None, seed: int) -> "Simulation | None":
+def _mark(source: "Source", spec: str, seed: int) -> "Simulation | None":
     """Returns where simulated data come from; None for a sensor's data."""
     from neurotouch_hid.cli.shared.command_line import make_command_line, strip_folders
     from neurotouch_hid.recording import Simulation, find_simulation
@@ -242,8 +266,7 @@ def _mark(source: "Source", spec: str | None, seed: int) -> "Simulation | None":
 
     if not source.is_simulated:
         return None
-    kind = None if spec is None else find_source_kind(spec)
-    if spec is not None and kind is SourceKind.RECORDING:
+    if find_source_kind(spec) is SourceKind.RECORDING:
         return find_simulation(find_path(spec))
     known = source.seed if isinstance(source, RunningDriver) else seed
     program = f"neurotouch-hid {__version__}"
@@ -275,13 +298,14 @@ def _record(opened: _Opened, recorder: "Recorder", seconds: float | None) -> Non
 
 def _items(source: "Source") -> "Iterator[tuple[Item, int, int]]":
     """Gives what is recorded of a source, each with its first and last moment, µs."""
-    from neurotouch_hid.source import PictureSource
+    from neurotouch_hid.source import PictureSource, SizedSource
 
     if isinstance(source, PictureSource):
         for picture in source.pictures():
             yield picture, picture.exposure_begin_us, picture.exposure_end_us
     else:
-        for packet in source:
+        packets = source.sensor_packets() if isinstance(source, SizedSource) else source
+        for packet in packets:
             yield packet, packet.t_begin_us, packet.t_end_us
 
 

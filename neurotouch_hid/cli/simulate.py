@@ -109,7 +109,7 @@ def command(
     there. A set that was made with other options is never replaced without --force.
     """
     from neurotouch_hid.cli.shared.command_line import make_command_line
-    from neurotouch_hid.driver.gel_settings import choose_gel, find_gel_file, read_gel_file
+    from neurotouch_hid.driver.gel_settings import choose_gel
     from neurotouch_hid.source.simulator.dataset import Progress, write_dataset
     from neurotouch_hid.source.simulator.gel import ELASTICITIES
     from neurotouch_hid.source.simulator.nuisances import read_nuisances
@@ -129,6 +129,7 @@ def command(
             spent = time.monotonic() - begun
             echo(f"{percent:3d} %  {progress.path.name}  {spent:.0f} s", err=True)
 
+    chosen = choose_gel(gel, "sim:")
     gels = [name for name in ELASTICITIES if elasticity in (name, "both")]
     paths = write_dataset(
         out,
@@ -140,8 +141,8 @@ def command(
         nuisances=nuisances,
         replace=force,
         command=make_command_line(),
-        gel=choose_gel(gel, "sim:"),
-        gel_file=read_gel_file(find_gel_file(gel, "sim:")),
+        gel=chosen.gel,
+        gel_file=chosen.file,
     )
     size_mb = sum(path.stat().st_size for path in paths) / 1e6
     echo(f"{len(paths)} SIMULATED recordings with labels, {size_mb:.0f} MB, are in {out}.")

@@ -1,6 +1,5 @@
 """Checks the camera's data: events and frames, the gel with its markers, and its rest."""
 
-import os
 import time
 from collections.abc import Iterable
 from contextlib import ExitStack
@@ -13,11 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid import client as driver
+from neurotouch_hid.doctor.event_cameras import judge_events
 from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
 from neurotouch_hid.doctor.video import judge_pictures
 from neurotouch_hid.driver.camera_settings import load_camera_config
 from neurotouch_hid.driver.gel_settings import choose_gel
 from neurotouch_hid.errors import NotRunningError
+from neurotouch_hid.gel_picture import GREEN, RED, YELLOW, find_picture, save_picture
 from neurotouch_hid.gel_sentences import explain_gel, name_dots
 from neurotouch_hid.geometry import fit_rig
 from neurotouch_hid.messages import (
@@ -27,10 +28,10 @@ from neurotouch_hid.messages import (
     Frame,
     GelState,
 )
-from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.recording.wire import receive_packets
 from neurotouch_hid.source import PictureSource, open_source
 from neurotouch_hid.source.davis import find_cameras
+from neurotouch_hid.source.events.source import EventCameraSource, EventsStats
 from neurotouch_hid.source.video.live import VideoCameraSource, VideoStats
 from neurotouch_hid.tracker import GelFinder, RestConfig, RestDetector
 from neurotouch_hid.tracker.blobs import BlobFinder
@@ -56,11 +57,6 @@ _MOST_DRIFT_MM: Final = 0.3
 _SAME_PX: Final = 4.0
 """A dot this near to the place of a marker is that marker; markers are 10 px apart."""
 
-_Colour = tuple[int, int, int]
-_GREEN: Final[_Colour] = (0, 200, 0)
-_YELLOW: Final[_Colour] = (0, 220, 220)
-_RED: Final[_Colour] = (0, 0, 255)
-
 
 @dataclass(frozen=True, slots=True)
 class _Seen:
@@ -73,6 +69,7 @@ class _Seen:
         lost: number of lost events.
         frames: all frames.
         video: what a video camera counted; None if it is none.
+        other: what an event camera of another maker counted; None if it is none.
         is_video: the source has pictures alone.
     """
 
@@ -82,6 +79,7 @@ class _Seen:
     lost: int
     frames: tuple[Frame, ...]
     video: VideoStats | None = None
+    other: EventsStats | None = None
     is_video: bool = False
 
 
@@ -117,10 +115,10 @@ class GelView:
     def __init__(
         self, picture: Path | None = None, source: str | None = None, gel: str | None = None
     ) -> None:
-        self._picture = picture or find_picture()
+        self._picture = picture or find_picture("doctor-gel.png")
         self._source = source
         self._is_video = False
-        self._made = choose_gel(gel, source or "davis:")
+        self._made = choose_gel(gel, source or driver.find_live_source()).gel
 
     def check_stream(self) -> Finding:  # noqa: PLR0911
         """Checks whether frames and events arrive at the usual rates."""
@@ -131,6 +129,8 @@ class GelView:
             return fail(f"No data from {seen.source}.", "Unplug the camera and plug it in again.")
         if seen.video is not None:
             return judge_pictures(seen.source, seen.video)
+        if seen.other is not None:
+            return judge_events(seen.source, seen.other, seen.seconds)
         frames_hz, events_hz = len(seen.frames) / seen.seconds, seen.events / seen.seconds
         sentence = f"{seen.source}: {frames_hz:.0f} frames/s, {events_hz:,.0f} events/s."
         if not seen.frames:
@@ -255,23 +255,13 @@ class GelView:
 
         Markers are boxed green, other bright dots yellow, markers that are missing red.
         """
-        import cv2
-
-        picture = cv2.cvtColor(frame.pixels, cv2.COLOR_GRAY2BGR)
-        picture = cv2.resize(picture, None, fx=3, fy=3, interpolation=cv2.INTER_NEAREST)
         dots = BlobFinder(gel=self._made).find(frame.pixels).centroid_px
         markers = np.zeros((0, 2)) if gel.last_px is None else gel.last_px.astype(np.float64)
         apart = np.hypot(*(dots[:, None] - markers).transpose(2, 0, 1)) > _SAME_PX
-        for dot, lonely in zip(dots, apart.all(axis=1), strict=True):
-            _box(picture, dot, _YELLOW if lonely else _GREEN)
+        lonely = apart.all(axis=1)
         unseen = markers[apart.all(axis=0)] if len(markers) else gel.state.missing_px
-        for marker in unseen:
-            _box(picture, np.array(marker), _RED)
-        self._picture.parent.mkdir(parents=True, exist_ok=True)
-        done, encoded = cv2.imencode(".png", picture)
-        if not done:
-            return "the picture could not be made."
-        write_whole(self._picture, encoded.tobytes())
+        boxes = {YELLOW: dots[lonely], GREEN: dots[~lonely], RED: unseen}
+        save_picture(self._picture, frame.pixels, boxes)
         return f"the picture with boxes is {self._picture}."
 
 
@@ -297,6 +287,7 @@ def _collect(source: str, packets: Iterable[EventPacket], *, is_video: bool) -> 
         lost,
         tuple(frames),
         packets.stats() if isinstance(packets, VideoCameraSource) else None,
+        packets.stats() if isinstance(packets, EventCameraSource) else None,
         is_video or isinstance(packets, PictureSource),
     )
 
@@ -320,19 +311,3 @@ def _find_fault(gel: _Gel, contrast: float) -> tuple[str, str]:
                 "Turn the camera until the gel is in the middle of the picture.",
             )
     return "", ""
-
-
-def _box(picture: NDArray[np.uint8], at_px: NDArray[np.float64], colour: _Colour) -> None:
-    import cv2
-
-    x, y = at_px
-    first, last = ((round(3 * (x + d) + 1), round(3 * (y + d) + 1)) for d in (-3, 3))
-    cv2.rectangle(picture, first, last, colour, 1)
-
-
-def find_picture() -> Path:
-    """Returns the path of the saved picture of the gel."""
-    cache = Path(os.environ.get("XDG_CACHE_HOME", ""))
-    if not cache.is_absolute():
-        cache = Path("~/.cache").expanduser()
-    return cache / "neurotouch" / "doctor-gel.png"

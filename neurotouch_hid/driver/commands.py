@@ -1,6 +1,7 @@
 """Answers the questions on the control socket of a running driver."""
 
 import re
+from base64 import b64encode
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeoutError
@@ -28,6 +29,7 @@ COMMANDS: Final = (
     "use",
     "settings",
     "record",
+    "gel",
 )
 
 SAID: Final = {
@@ -80,7 +82,7 @@ class Commands:
         self._packets = packet_feed
         self._source = source
         self._end, self._people = surroundings.end, surroundings.people
-        self._seed = surroundings.seed
+        self._seed, self._gel_file = surroundings.seed, surroundings.gel_file
         self._describe = describe
 
     def answer(self, question: dict[str, Any], uid: int) -> Answer:
@@ -100,8 +102,8 @@ class Commands:
                 return self._load(question, uid)
             case "use":
                 return self._use(question.get("profile"))
-            case "status":
-                return {"ok": True, "version": 1, **self._control.status(), **self._describe()}
+            case "status" | "gel" as asked:
+                return self._tell(asked)
             case "record":
                 self._packets.require_place()
                 return {
@@ -116,6 +118,12 @@ class Commands:
                     f"There is no command '{make_printable(unknown[:64])}'.",
                     hint=f"Commands: {', '.join(COMMANDS)}.",
                 )
+
+    def _tell(self, asked: str) -> Answer:
+        if asked == "status":
+            return {"ok": True, "version": 1, **self._control.status(), **self._describe()}
+        file = b64encode(self._gel_file).decode()  # byte for byte, as it was read
+        return {"ok": True, "file": file, "text": "The file of the gel is in 'file'."}
 
     def _submit(self, command: CommandName) -> Done:
         before = self._control.mapping.state

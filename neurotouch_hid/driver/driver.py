@@ -16,6 +16,7 @@ from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.driver.gel_settings import choose_gel
 from neurotouch_hid.driver.kernel_loading import load_kernels
 from neurotouch_hid.driver.last_gel import LastGel
+from neurotouch_hid.driver.missing_dots import MissingDots
 from neurotouch_hid.driver.options import DriverOptions
 from neurotouch_hid.driver.pad_opening import open_bare_pad, open_driver_pad
 from neurotouch_hid.driver.people import People
@@ -29,6 +30,7 @@ from neurotouch_hid.errors import (
     NeuroTouchError,
     require_type,
 )
+from neurotouch_hid.gel_picture import find_picture
 from neurotouch_hid.geometry import Gel
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import Step
@@ -228,11 +230,23 @@ class Driver(Closing):
         closing.callback(self.pipeline.close)
         if last is not None:
             closing.callback(lambda: last.remember(self.pipeline.gel))
+        self._tell_missing(last)
         if options.is_listening:
             self._attach(chosen, socket)
         else:
             bare = open_bare_pad(options, self.profile, self._make_device)
             self.device = closing.enter_context(bare)
+
+    def _tell_missing(self, last: LastGel | None) -> None:
+        """Tells the person of missing dots: those of a camera's gel once, of a recording always."""
+
+        def learn(missing: frozenset[int]) -> frozenset[int]:
+            return last.learn_missing(missing, self.source.name, self.gel) if last else missing
+
+        # The service's folders are closed to other people, who then ask the doctor for a picture.
+        picture = None if self._people is not None else find_picture("missing-dots.png")
+        dots = MissingDots(self._announce, learn, picture)
+        self.taps.append(self._closing.enter_context(dots))
 
     def _is_camera(self) -> bool:
         """Returns whether a gel lies before a camera; of a recording, nothing is remembered."""
@@ -250,6 +264,7 @@ class Driver(Closing):
             player=options.player,
             settings=load_driver_settings(options.player),
             seed=options.seed if kind is SourceKind.SIMULATION else None,
+            gel_file=self._gel_file,
         )
         pad = open_driver_pad(
             options,
@@ -282,7 +297,7 @@ class Driver(Closing):
         chosen = choose_first(self.options, self._people, self._announce)
         self.profile = chosen.profile
         options = self.options
-        self.gel = choose_gel(
+        self.gel, self._gel_file = choose_gel(
             options.gel, options.source, options.player, personal=options.personal
         )
         return chosen

@@ -1,14 +1,16 @@
 """The gel before the camera: the file ``gel.yaml``, and where it is found."""
 
 import math
+from base64 import b64decode
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal, Self
+from typing import Annotated, Any, Final, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from neurotouch_hid.client import ask
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_bytes
 from neurotouch_hid.geometry import (
@@ -23,7 +25,7 @@ from neurotouch_hid.geometry import (
 )
 from neurotouch_hid.players import find_user_file
 from neurotouch_hid.printable import make_printable
-from neurotouch_hid.profile.reading import load_settings
+from neurotouch_hid.profile.reading import parse_settings
 from neurotouch_hid.profile.schema import (
     Strict,
     check_version,
@@ -32,7 +34,13 @@ from neurotouch_hid.profile.schema import (
     make_schema,
 )
 from neurotouch_hid.recording import gel_path
-from neurotouch_hid.vocabulary import NAME_PATTERN, SourceKind, find_source_kind
+from neurotouch_hid.status import explain_missing
+from neurotouch_hid.vocabulary import (
+    NAME_PATTERN,
+    RUNNING_DRIVER,
+    SourceKind,
+    find_source_kind,
+)
 
 FILE: Final = "gel.yaml"
 SUFFIX: Final = ".gel.yaml"
@@ -255,12 +263,7 @@ def load_gel(path: Path) -> Gel:
     Raises:
         ProfileError: there is no such file, or it is wrong; every mistake has line and column.
     """
-    if not path.exists():
-        raise ProfileError(
-            f"There is no gel file '{make_printable(str(path))}'.",
-            hint=f"Give the path of a file, or a NAME: {find_gel_folder()}/NAME{SUFFIX}.",
-        )
-    return load_settings(path, GelSettings).make()
+    return _read(path).gel
 
 
 def find_gel_folder(player: int | None = None) -> Path:
@@ -298,28 +301,69 @@ def find_gel_file(
     return own if personal and own.exists() else None
 
 
-def read_gel_file(path: Path | None) -> bytes:
-    """Returns the content of a gel's file, to be copied; empty without a file.
+class ChosenGel(NamedTuple):
+    """A gel and what its file says.
 
-    Raises:
-        ProfileError: it cannot be read.
+    Attributes:
+        gel: the gel.
+        file: content of its file; empty for the gel of the paper, which needs none.
     """
-    if path is None:
-        return b""
-    try:
-        return read_bytes(path, MAX_SETTINGS_BYTES)
-    except OSError as error:
-        name = make_printable(str(path))
-        raise ProfileError(f"'{name}' cannot be read: {error.strerror}.") from error
+
+    gel: Gel
+    file: bytes
 
 
 def choose_gel(
     chosen: str | None = None, source: str = "", player: int | None = None, *, personal: bool = True
-) -> Gel:
+) -> ChosenGel:
     """Returns the gel that applies; the arguments are those of ``find_gel_file``.
+
+    Where nothing is chosen for ``driver:``, the running driver is asked for its gel.
 
     Raises:
         ProfileError: the file is missing or wrong.
+        DriverError: the running driver does not answer, or it refuses.
     """
+    if chosen is None and source == RUNNING_DRIVER:
+        return _ask_driver(player)
     path = find_gel_file(chosen, source, player, personal=personal)
-    return PAPER_GEL if path is None else load_gel(path)
+    return ChosenGel(PAPER_GEL, b"") if path is None else _read(path)
+
+
+def _read(path: Path) -> ChosenGel:
+    """Returns the gel of a file.
+
+    Raises:
+        ProfileError: it is missing or wrong.
+    """
+    name = make_printable(str(path))
+    if not path.exists():
+        raise ProfileError(
+            f"There is no gel file '{name}'.",
+            hint=f"Give the path of a file, or a NAME: {find_gel_folder()}/NAME{SUFFIX}.",
+        )
+    try:
+        content = read_bytes(path, MAX_SETTINGS_BYTES)
+    except OSError as error:
+        raise ProfileError(f"'{name}' cannot be read: {error.strerror}.") from error
+    return ChosenGel(parse_settings(content, name, GelSettings).make(), content)
+
+
+def _ask_driver(player: int | None) -> ChosenGel:
+    """Returns the gel that the running driver plays.
+
+    Raises:
+        NotRunningError: no driver is running.
+        DriverError: it does not answer, or it refuses.
+    """
+    file = ask("gel", player=player).get("file")
+    try:
+        content = b64decode(file, validate=True) if isinstance(file, str) else None
+    except ValueError:
+        content = None
+    if content is None:
+        raise explain_missing("file")
+    if not content:
+        return ChosenGel(PAPER_GEL, b"")
+    name = f"{FILE} of the running driver"
+    return ChosenGel(parse_settings(content, name, GelSettings).make(), content)

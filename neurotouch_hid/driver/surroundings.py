@@ -20,6 +20,7 @@ class Surroundings:
         player: the player number; None means the one of the environment.
         settings: hotkeys, applications and co-pilot of this machine.
         seed: seed of the simulator, if that is the source.
+        gel_file: content of the gel's file; empty for the gel of the paper.
     """
 
     announce: Callable[[str], object] = str  # says nothing
@@ -29,6 +30,7 @@ class Surroundings:
     player: int | None = None
     settings: DriverSettings = field(default_factory=DriverSettings)
     seed: int | None = None
+    gel_file: bytes = b""
 
     @property
     def is_service(self) -> bool:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from neurotouch_hid.gel_sentences import explain_gel, name_dots
+from neurotouch_hid.gel_sentences import explain_gel
 from neurotouch_hid.geometry import fit_rig
 from neurotouch_hid.messages import Axis, Button, GamepadState, GelProblem, GestureKind, Step
 from neurotouch_hid.monitor.sentence import describe_gesture, describe_outputs
@@ -40,7 +40,6 @@ class LinesMonitor:
         self._decisions = decisions
         self._said = ""
         self._gel = True, GelProblem.NONE
-        self._has_named = False
         self._peak_mm = 0.0
         self._due_us = self._told_us = -(1 << 62)
         self._begun_us: int | None = None
@@ -71,11 +70,6 @@ class LinesMonitor:
             self._write(step, f"{gesture}; pad {describe_outputs(step.pad) or 'neutral'}")
 
     def _write_gel(self, step: Step) -> None:
-        if step.gel.is_found and step.gel.missing and not self._has_named:
-            self._has_named = True
-            n, layout = len(step.gel.missing), step.gel.layout
-            dots = f"{n} of {layout.n_markers} dots are not seen"
-            self._write(step, f"gel found; {dots}: {name_dots(step.gel.missing, layout)}")
         gel = step.gel.is_found, step.gel.problem
         if gel == self._gel:
             return

@@ -98,6 +98,8 @@ class Diagnosis:
         """
         if problem in (GelProblem.TOUCHED, GelProblem.LEARNING) and lattice is not None:
             return self._explain_bent(frame, blobs, lattice, problem, moves=moves)
+        if problem is GelProblem.PATTERN and lattice is not None:
+            return replace(_measure(frame, blobs, lattice, self._gel), problem=problem)
         if light := _judge_light(frame.pixels):
             return GelState(layout=self._gel, problem=light, n_seen=len(blobs.centroid_px))
         return self._look_again(frame, blobs, moves=moves)
@@ -136,6 +138,8 @@ class Diagnosis:
     ) -> GelProblem:
         """Returns the problem of a lattice with too few markers, or in the wrong place."""
         px_per_mm = state.px_per_mm or 1.0
+        if lattice.beyond > self._config.max_beyond:
+            return GelProblem.PATTERN
         if problem := self._judge_view(px_per_mm, state.blur_px):
             return problem
         if _is_outside(state, blobs.centroid_px):

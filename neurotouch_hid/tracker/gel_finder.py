@@ -35,6 +35,8 @@ class GelFinder:
         limits = self._lattice.config
         if lattice is None or lattice.share < limits.min_share or lattice.aside > limits.max_aside:
             return None
+        if lattice.beyond > limits.max_beyond:
+            return None
         if is_still and lattice.bend_px > limits.max_bend_px:
             return None
         return lattice.position_px

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import PAPER_GEL, Gel, Rig, count_turns
 from neurotouch_hid.tracker.alignment import Alignment
+from neurotouch_hid.tracker.beyond import find_beyond
 from neurotouch_hid.tracker.growth import Growth, find_net
 from neurotouch_hid.tracker.smooth_map import GATE, assign, fit_model
 
@@ -31,6 +32,9 @@ class LatticeConfig:
             0.2 for strong optics and a print tolerance of 0.1 mm, 0.7 to 1.4 for one finger that
             pushes by 1 mm.
         max_displaced: largest ``Lattice.n_displaced`` of an undeformed gel.
+        max_beyond: largest ``Lattice.beyond`` of a gel. At random places, one blob per
+            square of the pitch gives 0.12, and four give 0.4. A square panel with as many dots
+            across as the gel gives 0.56, a pattern without an end 1.
     """
 
     min_pitch_px: float = 5.6
@@ -39,6 +43,7 @@ class LatticeConfig:
     max_aside: float = 2.5 / 30.0
     max_bend_px: float = 0.6
     max_displaced: int = 4
+    max_beyond: float = 0.45
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,6 +61,8 @@ class Lattice:
             radius.
         n_displaced: number of markers that were not seen at their place, but have a blob near it
             that is no other marker.
+        beyond: share of the places around the gel, one pitch outside of its markers, that have a
+            blob; 0 if too few of them are in the picture. A gel ends; other patterns go on.
     """
 
     position_px: NDArray[np.float64]
@@ -64,6 +71,7 @@ class Lattice:
     print_px: float
     aside: float
     n_displaced: int
+    beyond: float
 
     @property
     def n_found(self) -> int:
@@ -88,6 +96,7 @@ class LatticeFinder:
         self.gel, self.config = gel, config or LatticeConfig()
         # Each marker and its neighbours.
         self._around = np.column_stack([np.arange(gel.n_markers), gel.neighbours])
+        self._beyond = find_beyond(gel)
         low_px = self.config.min_pitch_px
         high_px = self.config.max_radius_px / gel.radius_mm * gel.pitch_mm
         net, n_turns = find_net(gel), count_turns(gel.points_mm)
@@ -142,7 +151,8 @@ class LatticeFinder:
         aside_mm = np.hypot(*(gel.points_mm[is_seen].mean(axis=0) - gel.points_mm.mean(axis=0)))
         bend_px = math.sqrt(max(bend2, 0.0))
         aside = float(aside_mm) / gel.radius_mm
-        return Lattice(position, blob, bend_px, tolerance, aside, int(displaced.sum()))
+        beyond = self._beyond.measure(position, centroid_px[free], pitch_px)
+        return Lattice(position, blob, bend_px, tolerance, aside, int(displaced.sum()), beyond)
 
     def _average(
         self, off_px: NDArray[np.float64], found: NDArray[np.bool_]

@@ -17,7 +17,7 @@ import pytest
 
 from neurotouch_hid.cli.record import _read_rig
 from neurotouch_hid.driver.control_socket import ControlSocket
-from neurotouch_hid.recording import Clip, Recording, RecordingWriter
+from neurotouch_hid.recording import Clip, Recording, RecordingWriter, gel_path
 from neurotouch_hid.recording.wire import send_packet
 from neurotouch_hid.source.idle import LONGEST_US
 from neurotouch_hid.source.rig_file import load_rig_file
@@ -233,7 +233,7 @@ def test_a_small_disk(tmp_path, record):
 
 
 @contextmanager
-def driving(folder):
+def driving(folder, *words):
     """A driver that plays, and the environment in which it is found."""
     log = folder / "driver.txt"
     with log.open("w") as errors:
@@ -241,6 +241,7 @@ def driving(folder):
             [
                 *(*PROGRAM, "run", "--source", "sim:tour", "--seed", "5"),
                 *("--device", "memory", "--show", "nothing"),
+                *words,
             ],
             stderr=errors,
             env=person(folder),
@@ -302,6 +303,47 @@ def test_while_playing_it_records_what_the_driver_sees(tmp_path, driver):
     assert process.poll() is None
 
 
+HEX = "version: 1\r\nname: six\r\nlayout: {kind: hex, pitch_mm: 4.65, radius_mm: 30}\r\n"
+GRID = "version: 1\nname: mine\nlayout: {kind: grid, columns: 10, rows: 7, pitch_mm: 4}\n"
+
+
+def test_the_gel_beside_a_recording_is_the_one_that_the_driver_plays(tmp_path):
+    played, own = tmp_path / "other.gel.yaml", tmp_path / "config/neurotouch/gel.yaml"
+    own.parent.mkdir(parents=True)
+    own.write_text(GRID)
+    played.write_bytes(HEX.encode())
+    with driving(tmp_path, "--gel", str(played)) as (_, environment):
+        played.write_text(GRID)  # it is too late to change the driver's gel
+        out = tmp_path / "a.aedat4"
+        words = [*PROGRAM, "record", str(out), "--seconds", "0.5"]
+        settings = {"env": environment, "capture_output": True, "text": True, "timeout": LIMIT_S}
+        done = subprocess.run(words, check=False, **settings)
+        assert done.returncode == 0, done.stderr
+        assert gel_path(out).read_bytes() == HEX.encode()
+        refused = subprocess.run([*words, "--force", "--gel", str(own)], check=False, **settings)
+        assert refused.returncode == 6
+        assert "Leave --gel out." in refused.stderr
+        assert gel_path(out).read_bytes() == HEX.encode()
+
+
+def test_a_recording_of_the_usual_gel_has_no_file_of_the_persons_own(tmp_path, driver):
+    environment = driver[1]
+    own = tmp_path / "config/neurotouch/gel.yaml"
+    own.parent.mkdir(parents=True)
+    own.write_text(GRID)
+    out = tmp_path / "a.aedat4"
+    done = subprocess.run(
+        [*PROGRAM, "record", str(out), "--seconds", "0.5"],
+        capture_output=True,
+        text=True,
+        timeout=LIMIT_S,
+        check=False,
+        env={**environment, "XDG_CONFIG_HOME": str(tmp_path / "config")},
+    )
+    assert done.returncode == 0, done.stderr
+    assert not gel_path(out).exists()
+
+
 def test_a_source_that_falls_silent_does_not_outlast_its_seconds(tmp_path, driver):
     playing, environment = driver
     path = tmp_path / "a.aedat4"
@@ -338,7 +380,8 @@ def standing_in(tmp_path):
                     time.sleep(wait_s)
                 send_packet(line, packet)
 
-        control.serve(lambda _question, _uid: {"ok": True, "source": "camera"}, {"record": feed})
+        answer = {"ok": True, "source": "camera", "file": ""}
+        control.serve(lambda _question, _uid: answer, {"record": feed})
 
     with ControlSocket(tmp_path / "run") as control:
         yield serve

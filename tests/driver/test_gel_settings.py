@@ -1,17 +1,19 @@
 """The file that describes a gel, and which one applies."""
 
+from base64 import b64encode
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.driver.gel_settings import (
     choose_gel,
     find_gel_file,
     find_gel_folder,
     load_gel,
 )
-from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.errors import DriverError, NotRunningError, ProfileError
 from neurotouch_hid.geometry import PAPER_GEL
 
 HEX = "version: 1\nname: hex\nlayout: {kind: hex, pitch_mm: 4.65, radius_mm: 30}\n"
@@ -127,19 +129,19 @@ def test_mistakes_are_told_with_their_place(tmp_path, text, place, words):
 
 def test_the_gel_is_chosen_in_order(folder, tmp_path):
     clip = tmp_path / "clip.aedat4"
-    assert choose_gel(None, f"file:{clip}") is PAPER_GEL
+    assert choose_gel(None, f"file:{clip}").gel is PAPER_GEL
     (folder / "gel.yaml").write_text(HEX)
-    assert choose_gel(None, "davis:").name == choose_gel(None, f"{clip}").name == "hex"
-    assert choose_gel(None, f"file:{clip}", personal=False) is PAPER_GEL
-    assert choose_gel(None, "sim:tour") is PAPER_GEL
+    assert choose_gel(None, "davis:").gel.name == choose_gel(None, f"{clip}").gel.name == "hex"
+    assert choose_gel(None, f"file:{clip}", personal=False).gel is PAPER_GEL
+    assert choose_gel(None, "sim:tour").gel is PAPER_GEL
     beside = tmp_path / "clip.gel.yaml"
     beside.write_text(HEX.replace("name: hex", "name: beside"))
-    assert choose_gel(None, f"file:{clip}").name == "beside"
-    assert choose_gel(None, f"file:{clip}", personal=False).name == "beside"
+    assert choose_gel(None, f"file:{clip}").gel.name == "beside"
+    assert choose_gel(None, f"file:{clip}", personal=False).gel.name == "beside"
     (folder / "soft.gel.yaml").write_text(HEX.replace("name: hex", "name: soft"))
-    assert choose_gel("soft", f"file:{clip}").name == "soft"
-    assert choose_gel(str(beside), "sim:tour").name == "beside"
-    assert choose_gel("paper", f"file:{clip}") is PAPER_GEL
+    assert choose_gel("soft", f"file:{clip}").gel.name == "soft"
+    assert choose_gel(str(beside), "sim:tour").gel.name == "beside"
+    assert choose_gel("paper", f"file:{clip}").gel is PAPER_GEL
     assert find_gel_file("paper") is None
 
 
@@ -147,3 +149,25 @@ def test_a_gel_that_is_not_there_is_told_with_where_to_put_it(folder):
     with pytest.raises(ProfileError, match="no gel file") as caught:
         choose_gel("soft")
     assert f"{folder}/NAME.gel.yaml" in str(caught.value.hint)
+
+
+def test_the_gel_of_the_running_driver_is_the_one_that_it_tells(folder, tmp_path, monkeypatch):
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path / "run"))
+    (folder / "gel.yaml").write_text(HEX)  # of this person, whom the driver need not play for
+    with pytest.raises(NotRunningError):
+        choose_gel(None, "driver:")
+    told = HEX.replace("name: hex", "name: told").encode()
+    answer = {"ok": True, "file": b64encode(told).decode()}
+    with ControlSocket(tmp_path / "run") as driver:
+        driver.serve(lambda _question, _uid: answer)
+        chosen = choose_gel(None, "driver:", personal=False)
+        assert (chosen.gel.name, chosen.file) == ("told", told)
+        answer["file"] = ""
+        assert choose_gel(None, "driver:") == (PAPER_GEL, b"")
+        for damaged in (None, 7, "?", "AAA"):
+            answer["file"] = damaged
+            with pytest.raises(DriverError, match="lacks 'file'"):
+                choose_gel(None, "driver:")
+        answer["file"] = b64encode(b"layout: {kind: cube}\n").decode()
+        with pytest.raises(ProfileError, match="running driver"):
+            choose_gel(None, "driver:")

@@ -44,12 +44,12 @@ def main() -> None:
         first.mkdir()
         for n in range(N_FIRST):
             (first / str(n)).write_bytes(area.make(random.Random(f"{options.seed}:{n}")))
-        path, report, begin = Path(place) / f"case{area.suffix}", Report(), time.monotonic()
+        path, report, begin = Path(place) / f"case{area.suffix}", Report(), time.process_time()
 
         def run(content: bytes) -> None:
             kept = options.folder / f"{options.area}-{options.seed}-guided-{report.cases}"
             run_case(area, content, path, kept.with_suffix(area.suffix), report)
-            report.seconds = time.monotonic() - begin
+            report.seconds = time.process_time() - begin
             if report.seconds > options.seconds:
                 print(format_report(options.area, f"{options.seed} guided", report), flush=True)
                 for file in (*first.iterdir(), path):

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from neurotouch_hid.geometry import PAPER_GEL, Rig
+from neurotouch_hid.geometry import PAPER_GEL, Rig, make_gel, place_grid
 from neurotouch_hid.gesture.elastic.fingers import FingerConfig, FingerTracker
 from neurotouch_hid.gesture.elastic.kernels.field import fill_responses, find_site
+from neurotouch_hid.gesture.elastic.kernels.fit import REACH_MM
 from neurotouch_hid.gesture.elastic.kernels.follow import NOW
 from tests.gesture.elastic import field
 
@@ -191,3 +192,27 @@ def test_contacts_are_in_gel_and_image_coordinates():
     np.testing.assert_allclose(contacts.px, rig.to_px(contacts.mm), atol=1e-9)
     assert motion.n_fingers == 2
     assert contacts.intensity_mm == pytest.approx(4.0, abs=0.3)
+
+
+FLAT = make_gel("flat", place_grid(10, 7, 2.03, 2.03), pitch_mm=2.03, radius_mm=11.5)
+
+
+@pytest.mark.parametrize("place_mm", [(14.0, -3.0), (2.0, 11.0), (-13.0, 9.0), (-13.0, -9.0)])
+def test_a_finger_beside_the_dots_is_found_at_their_rim(place_mm):
+    """What it moves of them looks like a finger at the rim, and nothing shows where it ends."""
+    response = np.empty((2 * FLAT.n_markers, 3))
+    fill_responses(FLAT.points_mm, np.array([place_mm]), 6.5, response)
+    fingers = FingerTracker(gel=FLAT)
+    fingers.place(FLAT.points_mm.astype(np.float32), RIG)
+    for size_mm in (1.0, 2.0, 3.0, 4.0, 4.0, 3.0, 2.0, 1.0):
+        moved = (response @ (-size_mm * np.sign(place_mm[0]), 0.0, 0.0)).reshape(-1, 2)
+        motion = fingers.update(moved, np.ones(FLAT.n_markers, np.bool_), 0.05, forming=True)
+        assert motion.n_fingers
+        centres = fingers.fits[NOW]["centres"][: motion.n_fingers]
+        shown = fingers.locate_shown().mm - fingers.fits[NOW]["motions"][0, :2]
+        for places in (centres, shown if motion.n_fingers == 1 else centres):
+            assert (np.abs(places) <= (9.135 + 1e-6, 6.09 + 1e-6)).all()
+
+
+def test_on_the_usual_gel_a_finger_may_be_anywhere_within_its_reach():
+    assert FingerTracker().gel["inner_mm"][0] > REACH_MM

@@ -229,12 +229,3 @@ def test_picture_gives_the_cursor_back():
     monitor.close()
     assert out.getvalue().endswith("\x1b[?25h")
     assert "push left" in out.getvalue()
-
-
-def test_missing_dots_are_named_once():
-    out = io.StringIO()
-    monitor = LinesMonitor(out)
-    for missing in ((3, 4), (3, 4), (3, 4, 80)):
-        monitor(replace(REST, gel=replace(FOUND, missing=missing)))
-    assert out.getvalue().count("dots are not seen") == 1
-    assert "gel found; 2 of 177 dots are not seen: row 1: 4, 5" in out.getvalue()

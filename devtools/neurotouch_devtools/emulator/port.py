@@ -8,6 +8,7 @@ from typing import Protocol
 
 from neurotouch_devtools.emulator.camera import EmulatedCamera
 from neurotouch_devtools.emulator.faults import FaultError, FaultKind
+from neurotouch_devtools.emulator.ps3eye import EyeCamera, EyeControl, EyeStream
 from neurotouch_devtools.emulator.requests import ControlEndpoint
 from neurotouch_devtools.emulator.transfers import DataEndpoint
 from neurotouch_devtools.emulator.usb import Endpoint0, Setup
@@ -69,6 +70,8 @@ class Stream(Protocol):
 
 def open_endpoints(camera: Camera) -> tuple[Endpoint0, Stream]:
     """Returns the endpoints of a camera that was just plugged in."""
+    if isinstance(camera, EyeCamera):
+        return EyeControl(camera), EyeStream(camera)
     if isinstance(camera, UvcCamera):
         return UvcControl(camera), UvcStream(camera)
     data = DataEndpoint(camera)

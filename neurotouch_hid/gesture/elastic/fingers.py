@@ -18,6 +18,9 @@ Floats = NDArray[np.float64]
 SITE_MM: Final = 4.0
 """Distance of the sites where fingers are searched for."""
 
+N_SIDES: Final = 32
+"""Sides of the polygon around the dots in which fingers are."""
+
 _MIDDLE: Final = 0.4
 _REACH_MM: Final = 8.0
 
@@ -252,11 +255,15 @@ class FingerTracker:
         self._rules = np.array([astuple(rules)], CONFIG)
         self.state = np.zeros(1, _lay_out_state(gel.n_markers))
         self._slice, self._motion = self.state["slice"], self.state["motion"]
+        middle_mm, sides = find_sides(gel)
         sites = place_square(SITE_MM, min(self.config.reach_mm, gel.radius_mm))
+        sites = sites[((sites - middle_mm) @ sides[:, :2].T <= sides[:, 2]).all(axis=1)]
         is_between = (sites % (2.0 * SITE_MM)).any(axis=1)
         self.gel = np.zeros(1, _lay_out_gel(gel.n_markers, len(sites)))
         self.gel["sites"] = sites[np.argsort(is_between, kind="stable")]
         self.gel["n_coarse"] = np.count_nonzero(~is_between)
+        self.gel["middle"], self.gel["sides"] = middle_mm, sides
+        self.gel["inner_mm"] = sides[:, 2].min()
         self._built: Floats = np.full(gel.points_mm.shape, np.inf)
         self._rest_px: NDArray[np.float32] | None = None
         self.reset()
@@ -343,6 +350,22 @@ class FingerTracker:
         return Contacts(*locate_shown(self.fits, self.gel, self._rules, least))
 
 
+def find_sides(gel: Gel) -> tuple[Floats, Floats]:
+    """Returns the polygon around the dots in which a finger's middle can be.
+
+    No dot shows where a finger is that is farther out.
+
+    Returns:
+        (2,) float64 mm, the middle of the dots; (N_SIDES, 3) float64, of each side the x and the y
+        of its outward direction, and its distance from that middle, mm.
+    """
+    middle_mm = gel.points_mm.mean(axis=0)
+    angle = 2.0 * np.pi * np.arange(N_SIDES) / N_SIDES
+    ways = np.column_stack([np.cos(angle), np.sin(angle)])
+    out_mm = ((gel.points_mm - middle_mm) @ ways.T).max(axis=0)
+    return middle_mm, np.column_stack([ways, out_mm])
+
+
 def _measure_density(gel: Gel) -> float:
     """Returns how many markers a finger in the middle of a gel moves, weighted by the square."""
     near = np.hypot(*(gel.points_mm - gel.points_mm.mean(axis=0)).T) <= _MIDDLE * gel.radius_mm
@@ -357,6 +380,8 @@ def _lay_out_gel(n: int, n_sites: int) -> np.dtype[np.void]:
     - ``points``, ``window``: the markers, mm, with ``rim_window`` there.
     - ``sites``: where fingers are searched for, mm. The first ``n_coarse``, every fourth, cover
       the gel.
+    - ``middle``, ``sides``, ``inner_mm``: where fingers can be, see ``find_sides``; nearer to the
+      middle than ``inner_mm`` they can be anywhere.
     - ``atoms``, ``inverse``: see ``fill_responses`` and ``measure_gains``. ``atoms`` are float32,
       half as much to read for each slice.
     """
@@ -367,6 +392,9 @@ def _lay_out_gel(n: int, n_sites: int) -> np.dtype[np.void]:
             ("window", "f8", n),
             ("sites", "f8", (n_sites, 2)),
             ("n_coarse", "i8"),
+            ("middle", "f8", 2),
+            ("sides", "f8", (N_SIDES, 3)),
+            ("inner_mm", "f8"),
             ("inverse", "f8", (n_sites, 3, 3)),
             ("atoms", "f4", (2 * n, 3 * n_sites)),
         ],

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         load_unused,
         load_user,
         parse_profile,
+        parse_settings,
     )
 else:
     __getattr__ = load_lazily(
@@ -37,7 +38,7 @@ else:
             "library": "OWN_VALUES find_profile find_shipped_folder find_user_folder "
             "list_misnamed list_profile_folders list_profiles",
             "load": "Checked check_content check_profile check_user find_values holds_values "
-            "load_profile load_settings load_unused load_user parse_profile",
+            "load_profile load_settings load_unused load_user parse_profile parse_settings",
         },
     )
 
@@ -60,4 +61,5 @@ __all__ = [
     "load_unused",
     "load_user",
     "parse_profile",
+    "parse_settings",
 ]

@@ -174,8 +174,21 @@ def load_settings(path: Path, model: type[Model]) -> Model:
     with suppress(OSError):  # it may be there, and reading it says what is wrong
         if not path.exists():
             return model()
-    name = make_printable(str(path))
-    return _check_model(_read(path), name, model, lambda _, settings: (settings, [])).require()
+    return parse_settings(_read(path), make_printable(str(path)), model)
+
+
+def parse_settings(content: bytes, name: str, model: type[Model]) -> Model:
+    """Returns the content of a settings file that has been read.
+
+    Args:
+        content: UTF-8 text, at most 64 kB.
+        name: what the file is called in messages.
+        model: of its content.
+
+    Raises:
+        ProfileError: as ``load_profile``.
+    """
+    return _check_model(content, name, model, lambda _, settings: (settings, [])).require()
 
 
 def check_user(content: bytes, name: str) -> Checked[UserSettings]:

@@ -43,7 +43,13 @@ def fix_controls(device: CaptureDevice, config: VideoConfig, interval_us: float)
     """
     lacking = []
     exposure_us = _fix_exposure(device, choose_exposure(config, interval_us))
-    if exposure_us is None:
+    own = device.get_control(v4l2.CID_EXPOSURE) if exposure_us is None else None
+    if own is not None and device.get_control(v4l2.CID_EXPOSURE_AUTO) == v4l2.EXPOSURE_MANUAL:
+        # A PS3 Eye and other cameras of the kernel's gspca drivers, which count lines.
+        lacking.append(
+            f"Its exposure is fixed at {own} in the camera's own unit, so its length is unknown."
+        )
+    elif exposure_us is None:
         lacking.append(
             "It has no fixed exposure, so its pictures may become brighter or darker by themselves."
         )

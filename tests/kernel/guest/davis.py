@@ -20,7 +20,8 @@ from neurotouch_hid.errors import CameraError
 from neurotouch_hid.source.davis import DavisSource, find_cameras, identify
 from neurotouch_hid.source.davis.pyusb import PyusbTransport
 from neurotouch_hid.source.davis.usb import Usb
-from tests.kernel.davis import compare, emulate, flicker, make_scene
+from neurotouch_hid.source.events.source import EventCameraSource
+from tests.kernel.davis import compare, emulate, emulate_patiently, flicker, make_scene
 
 PATIENCE_S = 120.0
 N_PLUGS = 4
@@ -66,7 +67,7 @@ def open_source(serial: str = "", **options: Any) -> DavisSource:
     return DavisSource(serial, max_delay_us=60_000_000, **options)
 
 
-def play(source: DavisSource, is_over: Any) -> list[Any]:
+def play(source: DavisSource | EventCameraSource, is_over: Any) -> list[Any]:
     """The packets until the scene is over and nothing of it is still on its way."""
     packets: list[Any] = []
     n_empty = 0
@@ -138,6 +139,22 @@ def stream(results: Path) -> dict[str, Any]:
         with open_source(cameras=WithPyusb()) as source:
             seen["pyusb"] = describe(play(source, lambda: camera.ended), source)
     return {**seen, "log": log}
+
+
+def stream_through_library(results: Path) -> dict[str, Any]:
+    """Play a healthy camera with the driver of other people, as a source of ours."""
+    with Plugged(emulate_patiently(SCENE)) as plugged:
+        camera = plugged.camera
+        with EventCameraSource(max_delay_us=60_000_000) as source:
+            packets = play(source, lambda: camera.ended)
+            stats = source.stats()
+            return {
+                "name": source.name,
+                "gap": sum(packet.gap for packet in packets),
+                "n_connects": stats.n_connects,
+                "n_events": stats.n_events,
+                **compare(packets, SCENE),
+            }
 
 
 class WithPyusb(Usb):

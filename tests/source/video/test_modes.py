@@ -138,6 +138,23 @@ def test_a_camera_without_any_control_has_all_sentences_and_no_exposure():
     assert "flicker" in sentence
 
 
+def test_an_exposure_in_a_unit_of_its_own_is_fixed_all_the_same():
+    """As a PS3 Eye has it."""
+    left = {
+        each: values
+        for each, values in UVC_CONTROLS.items()
+        if each not in (v4l2.CID_EXPOSURE_ABSOLUTE, v4l2.CID_EXPOSURE_AUTO_PRIORITY)
+    }
+    own = left | {v4l2.CID_EXPOSURE: (0, 255, 1, 120)}
+    fixed, controls = fix(controls=own)
+    (sentence,) = fixed.lacking
+    assert "fixed at 120 in the camera's own unit" in sentence
+    assert fixed.exposure_us is None
+    assert controls[v4l2.CID_EXPOSURE_AUTO] == v4l2.EXPOSURE_MANUAL
+    automatic = own | {v4l2.CID_EXPOSURE_AUTO: (0, 0, 1, 0)}
+    assert "no fixed exposure" in fix(controls=automatic)[0].lacking[0]
+
+
 def test_an_exposure_that_the_camera_changes_is_told():
     coarse = UVC_CONTROLS | {v4l2.CID_EXPOSURE_ABSOLUTE: (50, 5000, 1, 157)}
     fixed, _ = fix(VideoConfig(exposure_us=1_000), controls=coarse)

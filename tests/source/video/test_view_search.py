@@ -16,6 +16,7 @@ from neurotouch_hid.geometry import (
 from neurotouch_hid.source.video.source import PictureSlicer
 from neurotouch_hid.tracker.gel_finder import GelFinder
 from tests.source.video.gel_pictures import draw_gel, middle_rig, place_dots
+from tests.source.video.pattern_pictures import PATTERNS
 
 PERIOD_US = 33_333
 
@@ -126,3 +127,25 @@ def test_other_gels_are_shown_with_the_same_pitch(gel, px_per_mm):
     dots = found.to_px(gel.points_mm).round().astype(int)
     stands_out = np.median(shown[dots[:, 1], dots[:, 0]]) - np.median(shown)
     assert (stands_out if gel.light else -stands_out) > 60
+
+
+@pytest.mark.parametrize("size_px", [(640, 480), (1920, 1200)], ids=["vga", "wuxga"])
+@pytest.mark.parametrize("share", [1 / 24, 1 / 50], ids=["coarse", "fine"])
+@pytest.mark.parametrize("name", PATTERNS)
+def test_a_pattern_that_is_no_gel_is_not_taken_for_one(name, share, size_px):
+    picture = PATTERNS[name](size_px, share * size_px[1])
+    for gel in (PAPER_GEL, HEX) if name in ("plate", "hexagons") else (PAPER_GEL,):
+        assert not watch([picture] * 3, gel)[0].is_found
+
+
+def test_a_gel_before_a_pattern_is_found():
+    size_px = (1280, 800)
+    rig = middle_rig(size_px, 9.0)
+    picture = PATTERNS["plate"](size_px, 30.0)
+    far = np.hypot(*(np.mgrid[:800, :1280].transpose(1, 2, 0) - (399.5, 639.5)).transpose(2, 0, 1))
+    near = far < (PAPER_GEL.radius_mm + 1.0) * 9.0
+    picture[near] = draw_gel(rig, size_px)[near]
+    slicer, _ = watch([picture] * 4)
+    assert slicer.is_found
+    shown = slicer.view.to_canonical(rig.to_px(PAPER_GEL.points_mm))
+    assert fit_rig(shown, PAPER_GEL).centre_px == pytest.approx((172.5, 129.5), abs=1.0)

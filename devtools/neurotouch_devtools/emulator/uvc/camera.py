@@ -234,7 +234,7 @@ class UvcStream:
         Raises:
             FaultError: the transfer ends otherwise, and its data is lost.
         """
-        data = self._camera.read()
+        data = self._take(length)
         if data is None:
             return None
         kind = self._camera.script.strike(Stage.STREAM)
@@ -249,6 +249,9 @@ class UvcStream:
     def clear_halt(self) -> None:
         """Ends the stream."""
         self._camera.end()
+
+    def _take(self, _: int) -> bytes | None:
+        return self._camera.read()
 
 
 def _damage(data: bytes) -> bytes:

@@ -240,6 +240,26 @@ def build_slopes(
                 column[1, near[i]] = h * (xy * qx + yy * qy + ty * qt)
 
 
+@kernel(inline="always")
+def keep_inside(gel: Any, centre: Floats) -> None:
+    """Moves a finger's centre, (2,) float64 mm, towards the gel's middle until it is on the gel.
+
+    Args:
+        gel: record of ``FingerTracker.gel``; ``middle``, ``sides`` and ``inner_mm`` are read.
+        centre: updated.
+    """
+    x, y = centre[0] - gel.middle[0], centre[1] - gel.middle[1]
+    if math.hypot(x, y) <= gel.inner_mm:
+        return
+    share = 1.0
+    for side in range(len(gel.sides)):
+        out = gel.sides[side, 0] * x + gel.sides[side, 1] * y
+        if out > gel.sides[side, 2]:
+            share = min(share, gel.sides[side, 2] / out)
+    if share < 1.0:
+        centre[0], centre[1] = gel.middle[0] + share * x, gel.middle[1] + share * y
+
+
 @kernel(fastmath={"reassoc", "contract"})
 def accumulate(
     columns: Floats, target: Floats, weight: Floats, normal: Floats, right: Floats
@@ -346,6 +366,7 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
             if far > REACH_MM:
                 centres[j, 0] *= REACH_MM / far
                 centres[j, 1] *= REACH_MM / far
+            keep_inside(gel, centres[j])
             radius = radii[j] + min(max(right[at + 2, 0], -1.0), 1.0)
             radii[j] = min(max(radius, LEAST_RADIUS_MM), MOST_RADIUS_MM)
     for a in range(4 * k + 3):

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.gesture.elastic.kernels.field import bound_gain, find_site
-from neurotouch_hid.gesture.elastic.kernels.fit import refine
+from neurotouch_hid.gesture.elastic.kernels.fit import keep_inside, refine
 from neurotouch_hid.gesture.elastic.kernels.markers import find_common, measure_sway, weigh_markers
 from neurotouch_hid.gesture.elastic.kernels.motion import (
     DRAG_X,
@@ -146,7 +146,7 @@ def locate_shown(
     chosen = np.empty(n, np.bool_)
     still_mm = config[0].still_share * fit.largest_mm
     count = choose_shown(fit.radii[:n], fit.motions[:n], still_mm, fit.shown[:n], least, chosen)
-    mm, px = np.empty((count, 2)), np.empty((count, 2))
+    mm, px, place = np.empty((count, 2)), np.empty((count, 2)), np.empty(2)
     total_mm = 0.0
     rig = gel[0].rig
     k = 0
@@ -154,6 +154,11 @@ def locate_shown(
         if not chosen[j]:
             continue
         x, y, size_mm = locate(fit.centres[j], fit.radii[j], fit.motions[j], fit.press[j])
+        # A finger that turns at the rim seems to be beside the gel, which it drags with it.
+        rest_x, rest_y = x - fit.motions[j, DRAG_X], y - fit.motions[j, DRAG_Y]
+        place[0], place[1] = rest_x, rest_y
+        keep_inside(gel[0], place)
+        x, y = x + (place[0] - rest_x), y + (place[1] - rest_y)
         mm[k, 0], mm[k, 1] = x, y
         x, y = x + fit.offset_x_mm, y + fit.offset_y_mm  # the whole gel, with its rig
         px[k, 0] = rig.along * x - rig.across * y + rig.x_px
