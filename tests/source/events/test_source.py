@@ -221,7 +221,8 @@ def test_a_camera_whose_clock_jumps_is_started_again():
     assert camera.n_opened == 2
 
 
-def test_a_camera_that_is_unplugged_and_back_plays_on_with_a_gap(caplog):
+def test_a_camera_that_is_unplugged_and_back_plays_on_with_a_gap(caplog, monkeypatch):
+    monkeypatch.setattr("neurotouch_hid.source.events.source.SILENCE_S", PATIENCE_S)
     caplog.set_level(logging.WARNING)
     camera = Camera("iniVation DVXplorer")
     fake = Library(camera)
@@ -245,7 +246,8 @@ def test_a_camera_that_is_unplugged_and_back_plays_on_with_a_gap(caplog):
     assert caplog.text.count("has failed") == 1
 
 
-def test_another_camera_does_not_take_its_place():
+def test_another_camera_does_not_take_its_place(monkeypatch):
+    monkeypatch.setattr("neurotouch_hid.source.events.source.SILENCE_S", PATIENCE_S)
     camera, other = Camera(serial="1"), Camera(serial="2")
     fake = Library(camera)
     camera.show(20_000, make_events([0]))
