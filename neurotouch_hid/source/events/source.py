@@ -28,6 +28,9 @@ from neurotouch_hid.source.view import View
 
 SILENCE_S: Final = 2.0
 """A camera that is silent this long has failed: each sends its time all the while."""
+ASK_S: Final = 10.0
+"""The library stops all threads while it lists cameras. One that is missing is looked for as often
+where Linux lists the same cameras as before."""
 
 log = logging.getLogger(__name__)
 
@@ -73,6 +76,8 @@ class EventCameraSource(CameraSource):
         wait: a camera need not be there yet.
         max_delay_us: data that waits longer is thrown away: old data moves no stick.
         library: the library, or what behaves like it.
+        plugged: lists the cameras at the USB without the library.
+        clock_s: the host's clock.
 
     Raises:
         CameraBusyError: another program has the camera.
@@ -89,6 +94,7 @@ class EventCameraSource(CameraSource):
         wait: bool = False,
         max_delay_us: int = MAX_DELAY_US,
         library: Library | None = None,
+        plugged: Callable[[], frozenset[str]] = list_plugged,
         clock_s: Callable[[], float] = time.monotonic,
     ) -> None:
         super().__init__(max_delay_us // slice_us)
@@ -98,7 +104,9 @@ class EventCameraSource(CameraSource):
         self._clock_s = clock_s
         self._merger = IdleMerger()
         self._info: EventCameraInfo | None = None
+        self._list_plugged = plugged
         self._plugged: frozenset[str] = frozenset()
+        self._ask_s = 0.0  # until then, only a change of the USB is a reason to ask the library
         self._device: Device | None = None
         self._reader: PacketReader | None = None
         self._view: View | None = None
@@ -158,8 +166,13 @@ class EventCameraSource(CameraSource):
     def _open(self) -> None:
         if self._device is not None:
             return
-        self._plugged = list_plugged()
+        before, self._plugged = self._plugged, self._list_plugged()
+        played, now_s = self._info, self._clock_s()
+        if played is not None and before == self._plugged and now_s < self._ask_s:
+            raise CameraAbsentError(f"The camera {played} is not plugged in.")
+        self._ask_s = now_s + ASK_S
         info = self._choose(find_event_cameras(self._library))
+        self._ask_s = 0.0
         if info.reason:
             self._n_failures += 1
             kind = CameraBusyError if info.reason.startswith("in use") else CameraError
@@ -197,7 +210,7 @@ class EventCameraSource(CameraSource):
             self._device = None
 
     def _is_replugged(self) -> bool:
-        return list_plugged() != self._plugged
+        return self._list_plugged() != self._plugged
 
     def _describe(self) -> str:
         return self._chosen if self._info is None else str(self._info)
@@ -223,8 +236,7 @@ class EventCameraSource(CameraSource):
         try:
             self._run(device, reader)
         except RuntimeError as error:  # of the library
-            gone = not find_event_cameras(self._library)
-            kind = CameraGoneError if gone else CameraError
+            kind = CameraGoneError if self._is_replugged() else CameraError
             raise kind(f"The camera {self._info} has failed: {error}.") from error
         finally:
             self._ended_s = self._clock_s()

@@ -100,7 +100,7 @@ class Camera:
         self.script = list(script)
         self.device = None
         self.unplugged = threading.Event()
-        self.n_opened = 0
+        self.n_opened = self.n_plugs = 0
 
     @property
     def model(self):
@@ -122,11 +122,13 @@ class Library:
     def __init__(self, *cameras):
         self.cameras = list(cameras)
         self.refusal = None
+        self.n_listed = 0
 
     def __getattr__(self, name):
         return getattr(neuromorphic_drivers, name)
 
     def list_devices(self):
+        self.n_listed += 1
         if self.refusal is not None:
             raise RuntimeError(self.refusal)
         names = {name.value: name for name in neuromorphic_drivers.Name}
@@ -153,6 +155,14 @@ class Library:
                 camera.device = Device(camera, configuration, iterator_timeout)
                 return camera.device
         raise RuntimeError("device not found")
+
+    def list_plugged(self):
+        """What Linux lists; a camera that is plugged in again is another one."""
+        return frozenset(f"{id(camera)} {camera.n_plugs}" for camera in self.cameras)
+
+    def plug(self, camera):
+        camera.n_plugs += 1
+        self.cameras.append(camera)
 
     def unplug(self, camera):
         self.cameras.remove(camera)

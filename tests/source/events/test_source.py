@@ -8,6 +8,7 @@ import pytest
 
 from neurotouch_hid.errors import CameraBusyError, CameraError
 from neurotouch_hid.source.camera_errors import CameraAbsentError
+from neurotouch_hid.source.camera_source import RETRY_S
 from neurotouch_hid.source.events import library as library_module
 from neurotouch_hid.source.events.config import EventsConfig
 from neurotouch_hid.source.events.models import MODELS, find_model
@@ -220,20 +221,24 @@ def test_a_camera_whose_clock_jumps_is_started_again():
     assert camera.n_opened == 2
 
 
-def test_a_camera_that_is_unplugged_and_back_plays_on_with_a_gap(caplog):
+def test_a_camera_that_is_unplugged_and_back_plays_on_with_a_gap(caplog, monkeypatch):
+    monkeypatch.setattr("neurotouch_hid.source.events.source.SILENCE_S", PATIENCE_S)
     caplog.set_level(logging.WARNING)
     camera = Camera("iniVation DVXplorer")
     fake = Library(camera)
     camera.show(20_000, make_events([0]))
-    with EventCameraSource(library=fake) as source:
+    with EventCameraSource(library=fake, plugged=fake.list_plugged) as source:
         before = take(source, lambda got: len(got) == 1)
         fake.unplug(camera)
         deadline = time.monotonic() + PATIENCE_S
         while not source.trouble:
             assert time.monotonic() < deadline
             time.sleep(0.01)
+        n_listed = fake.n_listed
+        time.sleep(3.0 * RETRY_S)
+        assert fake.n_listed <= n_listed + 1  # it stops all threads, so it is not asked in vain
         camera.show(20_000, make_events([3]))
-        fake.cameras.append(camera)
+        fake.plug(camera)
         after = take(source, lambda got: len(got) >= 1 and got[-1].gap)
         assert source.trouble == ""
         assert source.stats().n_connects == 2
@@ -241,14 +246,15 @@ def test_a_camera_that_is_unplugged_and_back_plays_on_with_a_gap(caplog):
     assert caplog.text.count("has failed") == 1
 
 
-def test_another_camera_does_not_take_its_place():
+def test_another_camera_does_not_take_its_place(monkeypatch):
+    monkeypatch.setattr("neurotouch_hid.source.events.source.SILENCE_S", PATIENCE_S)
     camera, other = Camera(serial="1"), Camera(serial="2")
     fake = Library(camera)
     camera.show(20_000, make_events([0]))
-    with EventCameraSource(library=fake) as source:
+    with EventCameraSource(library=fake, plugged=fake.list_plugged) as source:
         take(source, lambda got: len(got) == 1)
         fake.unplug(camera)
-        fake.cameras.append(other)
+        fake.plug(other)
         deadline = time.monotonic() + PATIENCE_S
         while "is not plugged in" not in source.trouble:
             assert time.monotonic() < deadline, source.trouble
