@@ -11,6 +11,7 @@ from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.gesture.elastic.fingers import FingerTracker
 from neurotouch_hid.gesture.elastic.kernels.field import build_compliance, rim_window
 from neurotouch_hid.gesture.elastic.kernels.fit import (
+    N_WHOLE,
     accumulate,
     build_columns,
     build_slopes,
@@ -92,7 +93,7 @@ def invert_coupling(centres, radii):
 @pytest.mark.parametrize("k", [1, 2, 3])
 def test_columns_equal_their_twin(k):
     centres, radii, motions = make_fingers(k, k)
-    columns, bent = np.empty((4 * k + 3, 2, 177)), np.empty((2, 177))
+    columns, bent = np.empty((4 * k + N_WHOLE, 2, 177)), np.empty((2, 177))
     inverse = invert_coupling(centres, radii)
     build_columns(POINTS, WINDOW, centres, radii, motions, inverse, columns, bent)
     columns = columns.transpose(2, 1, 0)
@@ -107,6 +108,9 @@ def test_columns_equal_their_twin(k):
         bent.T, reference.bend(PAPER_GEL.points_mm, centres, radii, motions[:, 2]), atol=1e-9
     )
     np.testing.assert_array_equal(columns[5, :, 4 * k : 4 * k + 2], np.eye(2))
+    r2 = (PAPER_GEL.points_mm**2).sum(axis=1)
+    np.testing.assert_allclose(columns[:, 1, -1], np.maximum(1.0 - r2 / 31.0**2, 0.0))
+    np.testing.assert_array_equal(columns[:, 0, -1], 0.0)
 
 
 @pytest.mark.parametrize("k", [1, 2, 3])
