@@ -54,13 +54,19 @@ def play(centres, motions, knock_mm=(0.0, 0.0)):
 
 @pytest.mark.parametrize("knock_mm", [(0.0, 0.0), (1.0, -0.5)])
 @pytest.mark.parametrize(
-    ("centre", "drag"), [((-2.0, 2.0), (-8.4, -2.8)), ((5.0, -14.0), (-1.4, -5.6))]
+    ("centre", "drag"),
+    [
+        ((-2.0, 2.0), (-8.4, -2.8)),
+        ((5.0, -14.0), (-1.4, -5.6)),
+        ((11.5, 4.2), (3.3, 6.5)),
+        ((-18.0, -7.0), (0.8, 6.8)),
+    ],
 )
 def test_a_push_is_one_contact_as_far_as_the_gel_goes(gel, centre, drag, knock_mm):
     gesture, far_mm = play([centre], [(*drag, 0.0)], knock_mm)
     assert gesture.kind is GestureKind.PUSH
     assert len(gesture.contacts_mm) == 1
-    assert gesture.intensity_mm == pytest.approx(far_mm, rel=0.08)
+    assert gesture.intensity_mm == pytest.approx(far_mm, rel=0.09)
 
 
 def test_a_twist_is_as_far_as_the_gel_goes(gel):
@@ -71,4 +77,4 @@ def test_a_twist_is_as_far_as_the_gel_goes(gel):
     gesture, far_mm = play(centres, np.column_stack([drags, [angle, angle]]))
     assert gesture.kind in (GestureKind.TWIST_CW, GestureKind.TWIST_CCW)
     assert len(gesture.contacts_mm) == 2
-    assert gesture.intensity_mm == pytest.approx(far_mm, rel=0.1)
+    assert gesture.intensity_mm == pytest.approx(far_mm, rel=0.09)
