@@ -154,7 +154,8 @@ def test_refine_finds_the_fingers_of_the_twin(k):
     np.testing.assert_allclose(fit["centres"][:k], centres, atol=0.6)
     np.testing.assert_allclose(fit["motions"][:k, :2], motions[:, :2], atol=0.3)
     np.testing.assert_allclose([fit["offset_x_mm"], fit["offset_y_mm"]], 0.0, atol=0.1)
-    x, y, turn = fit["motions"][:k].T
+    np.testing.assert_allclose(fit["whole"][:k], fit["motions"][:k], atol=0.05)  # no shear
+    x, y, turn = fit["whole"][:k].T
     size_mm = np.sqrt(x**2 + y**2 + 0.5 * (turn * fit["radii"][:k]) ** 2)
     assert fit["largest_mm"] == pytest.approx(size_mm.max())
 
