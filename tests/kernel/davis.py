@@ -8,21 +8,10 @@ from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera, Fault, Id
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 from neurotouch_hid.source.davis import DavisSource
-from neurotouch_hid.source.sensor_map import SensorMap
-from neurotouch_hid.source.view import whole_view
 
 FIFO_BYTES = 1 << 26
 """More than a slow guest can be behind: what is lost is lost on purpose."""
 PATIENCE_S = 120.0
-LIBRARY_EVENTS = np.dtype(
-    {
-        "names": ["t", "x", "y", "p"],
-        "formats": ["<u8", "<u2", "<u2", "?"],
-        "offsets": [0, 8, 10, 12],
-        "itemsize": 13,
-    }
-)
-"""Events of neuromorphic-drivers, by our names."""
 
 
 def make_scene(n_slices=20, seed=1):
@@ -56,11 +45,6 @@ def emulate(scene, *faults, serial="00000001", super_speed=True, pace=1.0):
     return EmulatedCamera(scene, config, [Fault.parse(fault) for fault in faults])
 
 
-def emulate_patiently(scene):
-    """A camera for a driver that does not reset its clock: the scene begins 5 s after its start."""
-    return EmulatedCamera(scene, CameraConfig(fifo_bytes=FIFO_BYTES, lead_us=5_000_000))
-
-
 def compare(packets, scene):
     """Whether all events and frames are there, as the packets of a scene have them."""
     found = np.concatenate([packet.events for packet in packets])
@@ -87,7 +71,6 @@ def load_kernels():
     """
     from tests.source.davis.cable import Cable
 
-    SensorMap(whole_view(346, 260)).map_events(np.zeros(1, LIBRARY_EVENTS))
     camera = emulate(make_scene(4))
     deadline = time.monotonic() + PATIENCE_S
     with DavisSource(cameras=Cable(camera)) as source:

@@ -25,13 +25,6 @@ def test_every_event_and_frame_arrives(guest, library):
     assert saw["sound"]
 
 
-def test_every_event_and_frame_arrives_through_the_library_of_other_people(guest):
-    saw = guest("davis_library")
-    assert saw["name"] == "events:00000001"
-    assert saw["same"], saw
-    assert (saw["n_shifts"], saw["gap"]) == (1, 0)
-
-
 def test_closing_switches_the_camera_off(guest):
     assert guest("davis_stream")["stopped"]
 

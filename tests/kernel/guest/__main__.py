@@ -67,7 +67,6 @@ PADS: dict[str, Callable[[Path], Any]] = {
 }
 CAMERAS: dict[str, Callable[[Path], Any]] = {
     "davis_stream": davis.stream,
-    "davis_library": davis.stream_through_library,
     "davis_killed": davis.take_over,
     "davis_choice": davis.choose,
     "davis_plugs": davis.replug,

@@ -5,8 +5,6 @@ import logging
 import os
 import select
 import signal
-import subprocess
-import sys
 import threading
 import time
 import traceback
@@ -16,15 +14,13 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from neurotouch_devtools.emulator import EmulatedCamera, UsbIp
 
 from neurotouch_hid.errors import CameraError
-from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 from neurotouch_hid.source.davis import DavisSource, find_cameras, identify
 from neurotouch_hid.source.davis.pyusb import PyusbTransport
 from neurotouch_hid.source.davis.usb import Usb
-from tests.kernel.davis import compare, emulate, emulate_patiently, flicker, make_scene
+from tests.kernel.davis import compare, emulate, flicker, make_scene
 
 PATIENCE_S = 120.0
 N_PLUGS = 4
@@ -142,32 +138,6 @@ def stream(results: Path) -> dict[str, Any]:
         with open_source(cameras=WithPyusb()) as source:
             seen["pyusb"] = describe(play(source, lambda: camera.ended), source)
     return {**seen, "log": log}
-
-
-def stream_through_library(results: Path) -> dict[str, Any]:
-    """Play a healthy camera with the driver of other people, as a source of ours.
-
-    It keeps the interpreter's lock while it opens a camera, so it plays in another process than the
-    one that answers for the camera.
-    """
-    out = results / "library.npz"
-    n_events = sum(len(packet.events) for packet in SCENE)
-    n_frames = sum(len(packet.frames) for packet in SCENE)
-    program = [sys.executable, "-m", "tests.source.events.player", "theirs", str(out)]
-    with Plugged(emulate_patiently(SCENE)):
-        done = subprocess.run(
-            [*program, str(n_events), str(n_frames)],
-            capture_output=True,
-            text=True,
-            timeout=5 * PATIENCE_S,
-            check=False,
-        )
-    if done.returncode:
-        return {"failed": done.stderr}
-    seen = np.load(out)
-    frames = tuple(Frame(pixels, 0, 0) for pixels in seen["pixels"])
-    packet = EventPacket(0, 1, seen["events"].view(EVENT_DTYPE), frames)
-    return {"name": str(seen["name"]), "gap": int(seen["gap"]), **compare([packet], SCENE)}
 
 
 class WithPyusb(Usb):
