@@ -212,7 +212,7 @@ def test_a_finger_beside_the_dots_is_found_at_their_rim(place_mm):
         motion = fingers.update(moved, np.ones(FLAT.n_markers, np.bool_), 0.05, forming=True)
         assert motion.n_fingers
         centres = fingers.fits[NOW]["centres"][: motion.n_fingers]
-        shown = fingers.locate_shown().mm - fingers.fits[NOW]["motions"][0, :2]
+        shown = fingers.locate_shown().mm - fingers.fits[NOW]["whole"][0, :2]
         for places in (centres, shown if motion.n_fingers == 1 else centres):
             assert (np.abs(places) <= (9.135 + 1e-6, 6.09 + 1e-6)).all()
 
