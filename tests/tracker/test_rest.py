@@ -232,6 +232,18 @@ def test_a_rig_on_its_way_is_not_followed_by_a_fast_camera():
     assert np.abs(last[-1].position_px - moved.to_px(PAPER_GEL.points_mm)).max() < 0.35
 
 
+def test_a_rig_that_stops_swinging_later_is_where_it_stands_in_the_end():
+    """Its last swings are too small to be followed as a motion, and used to stay as an error."""
+    detector = RestDetector()
+    show(detector, *(picture(seed=k) for k in range(20)), period_us=8_000)
+    for k in range(40):
+        swing = 6.0 + 0.35 * (1.0 if k < 12 else 0.0)
+        moved = replace(RIG, centre_px=(172.0 + swing, 130.0))
+        show(detector, picture(rig=moved, seed=k), period_us=8_000)
+    assert detector.stats().n_references == 2
+    assert detector.stats().displacement_px < 0.3
+
+
 def test_a_hand_on_the_gel_at_the_start_is_no_rest_after_a_moment():
     """Odd optics look like a soft touch; only a second without motion tells them apart."""
     detector = RestDetector()
