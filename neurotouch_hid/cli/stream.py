@@ -1,9 +1,9 @@
 """``neurotouch stream``: sends what the running driver sees to other programs."""
 
-import os
 import shutil
+import subprocess
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
@@ -61,7 +61,7 @@ def command(address: Any, markers: bool, hz: int, seconds: float | None) -> None
     from neurotouch_hid.stream import open_target
 
     if address.kind == "ros2":
-        _become_ros2(markers=markers)
+        _run_ros2(markers=markers)
     end_s = float("inf") if seconds is None else time.monotonic() + seconds
     with open_target(address, markers=markers) as target:
         echo(f"Streaming to {target.name}. Ctrl-C ends it.")
@@ -82,13 +82,19 @@ def _send_all(target: "Sender", hz: int, end_s: float) -> None:
         target.send(Reading())  # nothing stays pressed in the other program
 
 
-def _become_ros2(*, markers: bool) -> None:
-    """Becomes the node of our ROS 2 package, which needs the Python of ROS."""
-    if shutil.which(ROS2[0]) is None:
+def _run_ros2(*, markers: bool) -> NoReturn:
+    """Runs the node of our ROS 2 package, which needs the Python of ROS."""
+    program = shutil.which(ROS2[0])
+    if program is None:
         raise WrongUsage(
             "There is no ROS 2 here: the command 'ros2' is not found.",
             hint="Load it first: source /opt/ros/jazzy/setup.bash. Then build our package: "
             "integrations/ros2/README.md.",
         )
     arguments = ["--ros-args", "-p", f"markers:={str(markers).lower()}"]
-    os.execvp(ROS2[0], [*ROS2, *arguments])  # noqa: S606 - no shell, fixed words
+    with subprocess.Popen([program, *ROS2[1:], *arguments]) as node:  # noqa: S603 - fixed words
+        try:
+            raise SystemExit(node.wait())
+        except KeyboardInterrupt:  # a signal to us alone has not reached it
+            node.terminate()
+            raise

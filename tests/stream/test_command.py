@@ -1,5 +1,6 @@
 """``neurotouch stream`` as a process, beside a driver that starts, ends and is killed."""
 
+import os
 import signal
 import socket
 import subprocess
@@ -88,3 +89,18 @@ def test_a_wrong_word_is_explained(words, why):
     run = subprocess.run([*PROGRAM, "stream", *words], capture_output=True, text=True, check=False)
     assert run.returncode == 2
     assert why in run.stderr
+
+
+def test_ros2_is_run_and_its_exit_code_is_ours(tmp_path):
+    program = tmp_path / "ros2"
+    program.write_text('#!/bin/sh\necho "$@"\nexit 3\n')
+    program.chmod(0o755)
+    run = subprocess.run(
+        [*PROGRAM, "stream", "ros2", "--markers"],
+        env={**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.stdout == "run neurotouch_ros publish --ros-args -p markers:=true\n"
+    assert run.returncode == 3
