@@ -10,6 +10,7 @@ import click
 from neurotouch_hid.cli.ui.options import Finite
 from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
+from neurotouch_hid.errors import StreamError
 
 if TYPE_CHECKING:
     from neurotouch_hid.stream import Sender
@@ -86,7 +87,7 @@ def _run_ros2(*, markers: bool) -> NoReturn:
     """Runs the node of our ROS 2 package, which needs the Python of ROS."""
     program = shutil.which(ROS2[0])
     if program is None:
-        raise WrongUsage(
+        raise StreamError(
             "There is no ROS 2 here: the command 'ros2' is not found.",
             hint="Load it first: source /opt/ros/jazzy/setup.bash. Then build our package: "
             "integrations/ros2/README.md.",

@@ -1,5 +1,7 @@
 """Lab Streaming Layer: one outlet of numbers for each state, and one of the gesture's name."""
 
+import os
+from pathlib import Path
 from typing import Final
 
 from neurotouch_hid.errors import StreamError
@@ -22,6 +24,11 @@ CHANNELS: Final = (
 )
 """Name and unit of each channel. Contact points that are not there are not a number."""
 _NUMBERS: Final = {each.label: float(each) for each in GestureKind}
+_CONFIGS: Final = tuple(
+    Path(each).expanduser()
+    for each in ("lsl_api.cfg", "~/lsl_api/lsl_api.cfg", "/etc/lsl_api/lsl_api.cfg")
+)
+"""Where LSL looks for a laboratory's own settings, which stay as they are."""
 _NOWHERE: Final = float("nan")
 
 
@@ -48,6 +55,8 @@ class LslOutlets(Sender):
                 "LSL needs pylsl, which is not installed.",
                 hint="Install it: pip install 'neurotouch-hid[lsl]'",
             ) from None
+        if "LSLAPICFG" not in os.environ and not any(each.exists() for each in _CONFIGS):
+            pylsl.set_config_content("[log]\nlevel = -2\n")  # errors only
         self._pylsl, self._markers = pylsl, markers
         info = pylsl.StreamInfo(
             "neurotouch", "Touch", len(CHANNELS), pylsl.IRREGULAR_RATE, "float32", "neurotouch"

@@ -106,6 +106,14 @@ def type_call(wanted: dict, home: str, limit_s: float = LIMIT_S) -> dict:
             else:
                 os.write(terminal, b"\x03")
                 interrupted, deadline = True, time.monotonic() + END_S
+    while select.select([terminal], [], [], 0)[0]:  # what came just before its end
+        try:
+            said = os.read(terminal, 65536)
+        except OSError:
+            break
+        if not said:
+            break
+        output += said
     os.close(terminal)
     return {
         **wanted,
