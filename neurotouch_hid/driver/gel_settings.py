@@ -11,6 +11,7 @@ from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from neurotouch_hid.client import ask
+from neurotouch_hid.driver.making_settings import Making
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_bytes
 from neurotouch_hid.geometry import (
@@ -210,6 +211,12 @@ class GelSettings(Strict):
         json_schema_extra=give_unit("mm"),
     )
 
+    making: Making = Field(
+        default_factory=Making,
+        description="How the gel is made. Only `neurotouch gel` uses it. Default: a cast dome on a "
+        "webcam.",
+    )
+
     @model_validator(mode="after")
     def _has_room_for_its_dots(self) -> Self:
         points = self.layout.place()
@@ -255,6 +262,15 @@ class GelSettings(Strict):
 def gel_schema() -> dict[str, Any]:
     """Returns the JSON Schema of a gel file; shipped as ``profiles/schema/gel-1.json``."""
     return make_schema(GelSettings, "neurotouch_hid gel")
+
+
+def load_gel_settings(path: Path) -> GelSettings:
+    """Returns what a gel file says.
+
+    Raises:
+        ProfileError: there is no such file, or it is wrong; every mistake has line and column.
+    """
+    return parse_settings(_read_file(path), make_printable(str(path)), GelSettings)
 
 
 def load_gel(path: Path) -> Gel:
@@ -336,6 +352,17 @@ def _read(path: Path) -> ChosenGel:
     Raises:
         ProfileError: it is missing or wrong.
     """
+    content = _read_file(path)
+    settings = parse_settings(content, make_printable(str(path)), GelSettings)
+    return ChosenGel(settings.make(), content)
+
+
+def _read_file(path: Path) -> bytes:
+    """Returns the content of a gel file.
+
+    Raises:
+        ProfileError: it is missing, or cannot be read.
+    """
     name = make_printable(str(path))
     if not path.exists():
         raise ProfileError(
@@ -343,10 +370,9 @@ def _read(path: Path) -> ChosenGel:
             hint=f"Give the path of a file, or a NAME: {find_gel_folder()}/NAME{SUFFIX}.",
         )
     try:
-        content = read_bytes(path, MAX_SETTINGS_BYTES)
+        return read_bytes(path, MAX_SETTINGS_BYTES)
     except OSError as error:
         raise ProfileError(f"'{name}' cannot be read: {error.strerror}.") from error
-    return ChosenGel(parse_settings(content, name, GelSettings).make(), content)
 
 
 def _ask_driver(player: int | None) -> ChosenGel:
