@@ -12,7 +12,7 @@ from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, GelProble
 from neurotouch_hid.status import GelFacts
 
 _MOST_NAMED: Final = 8
-_MOST_OFF: Final = 0.15
+MOST_OFF: Final = 0.15
 """Share of the pitch by which a dot may be off its place."""
 
 _MAINS_HZ: Final = ((95.0, 105.0), (115.0, 125.0))
@@ -161,7 +161,7 @@ def explain_gel(gel: GelState) -> GelSentence:
     fix = fix.format(
         usual=f"{NOMINAL_PITCH_PX / made.pitch_mm:.1f} px/mm",
         pitch_mm=round(made.pitch_mm, 2),
-        off_mm=round(_MOST_OFF * made.pitch_mm, 2),
+        off_mm=round(MOST_OFF * made.pitch_mm, 2),
     )
     return GelSentence(head, why, fix)
 

@@ -10,13 +10,17 @@ from typing import TYPE_CHECKING
 import click
 
 from neurotouch_hid.cli.ui.options import OutFile, gel_option
-from neurotouch_hid.cli.ui.output import echo, json_option, paint, plain_option, print_json
+from neurotouch_hid.cli.ui.output import (
+    echo,
+    json_option,
+    plain_option,
+    print_json,
+    show_finding,
+)
 
 if TYPE_CHECKING:
     from neurotouch_hid.doctor import Finding
     from neurotouch_hid.doctor.directions import Advice
-
-_COLOURS = {"OK": "green", "WARNING": "yellow", "FAILED": "red", "SKIPPED": "cyan"}
 
 
 @click.command(
@@ -79,16 +83,16 @@ def command(
     for finding in examine(checks, tell=lambda text: echo(text, err=True)):
         findings.append(finding)
         if not quiet:
-            _show(finding, plain=plain)
+            show_finding(finding, plain=plain)
     if keys:
         findings.append(_try_keys())
         if not quiet:
-            _show(findings[-1], plain=plain)
+            show_finding(findings[-1], plain=plain)
     if directions:
         finding, advice = _try_directions(source, gel)
         findings.append(finding)
         if not quiet:
-            _show(finding, plain=plain)
+            show_finding(finding, plain=plain)
             if advice is not None:
                 _offer(advice)
     if as_json:
@@ -97,16 +101,6 @@ def command(
         click.echo(_write_script(findings), nl=False)
     if any(finding.status is CheckStatus.FAILED for finding in findings):
         raise SystemExit(1)
-
-
-def _show(finding: "Finding", *, plain: bool) -> None:
-    status = paint(f"{finding.status:<8}", _COLOURS[finding.status], plain=plain)
-    click.echo(f"{status} ", nl=False)
-    echo(f"{finding.check}: {finding.sentence}")
-    if finding.fix:
-        echo(f"         Fix: {finding.fix}")
-    for line in finding.commands:
-        echo(f"           {line}")
 
 
 def _write_script(findings: "list[Finding]") -> str:

@@ -33,6 +33,7 @@ _SUMMARIES = {
     "status": "Show the state of the running driver.",
     "profile": "List profiles, change them, try them, share them.",
     "calibrate": "Measure your own range of each movement, without a time limit.",
+    "gel": "Make a gel of your own: plan, printable files, check.",
     "explain": "Explain the code of a fault.",
     "schema": "Print the JSON Schema of profiles, for editors.",
     "emulate": "Plug in an emulated camera, for people who have none.",

@@ -33,6 +33,7 @@ from neurotouch_hid.source import PictureSource, open_source
 from neurotouch_hid.source.davis import find_cameras
 from neurotouch_hid.source.events.source import EventCameraSource, EventsStats
 from neurotouch_hid.source.video.live import VideoCameraSource, VideoStats
+from neurotouch_hid.source.view import View
 from neurotouch_hid.tracker import GelFinder, RestConfig, RestDetector
 from neurotouch_hid.tracker.blobs import BlobFinder
 from neurotouch_hid.tracker.lattice import LatticeFinder
@@ -46,10 +47,10 @@ _MOST_EVENTS_HZ: Final = 500_000.0
 
 _LEAST_SHARE: Final = 0.9
 """Share of the markers that a good picture shows."""
-_LEAST_CONTRAST: Final = 40
+LEAST_CONTRAST: Final = 40
 """Grey levels between markers and gel; the detector's own limit for a dark picture is 50."""
 
-_MOST_OFF_CENTRE_PX: Final = 25.0
+MOST_OFF_CENTRE_PX: Final = 25.0
 """Offset at which the outermost markers leave the picture: the dome's radius is 75 px of 130."""
 
 _MOST_DRIFT_MM: Final = 0.3
@@ -59,7 +60,7 @@ _SAME_PX: Final = 4.0
 
 
 @dataclass(frozen=True, slots=True)
-class _Seen:
+class Seen:
     """The data of some seconds.
 
     Attributes:
@@ -71,6 +72,7 @@ class _Seen:
         video: what a video camera counted; None if it is none.
         other: what an event camera of another maker counted; None if it is none.
         is_video: the source has pictures alone.
+        view: the map from the pictures of a video camera to the frames; None of other sources.
     """
 
     source: str
@@ -81,10 +83,11 @@ class _Seen:
     video: VideoStats | None = None
     other: EventsStats | None = None
     is_video: bool = False
+    view: View | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class _Gel:
+class GelFigures:
     """Content of the frames: the detector's last result, the first and the last markers at rest.
 
     Attributes:
@@ -122,7 +125,7 @@ class GelView:
 
     def check_stream(self) -> Finding:  # noqa: PLR0911
         """Checks whether frames and events arrive at the usual rates."""
-        seen = self._seen
+        seen = self.seen
         if seen is None:
             return skip("Needs a camera that can be opened, or a running driver.")
         if not seen.seconds:
@@ -155,28 +158,28 @@ class GelView:
 
     def check_markers(self) -> Finding:
         """Checks whether the whole gel is in the picture, and bright enough."""
-        seen, gel = self._seen, self._gel
+        seen, gel = self.seen, self.figures
         if seen is None or gel is None:
             return skip("Needs frames.")
         frame = seen.frames[-1]
         saved = self._save(frame, gel)
-        low, high = (float(np.percentile(frame.pixels, share)) for share in (50.0, 99.5))
+        contrast = measure_contrast(frame.pixels)
         what = (
             f"{gel.n_found} of {self._made.n_markers} markers"
             if gel.n_found
             else "No gel can be found"
         )
-        sentence = f"{what}, contrast {high - low:.0f}; {saved}"
+        sentence = f"{what}, contrast {contrast:.0f}; {saved}"
         if gel.state.problem:
             why = explain_gel(gel.state)
             judge = warn if gel.state.is_found else fail
             return judge(f"{sentence} The gel is {why.text}.", why.fix)
-        fault, fix = _find_fault(gel, high - low)
+        fault, fix = _find_fault(gel, contrast)
         return warn(sentence + fault, fix) if fix else approve(sentence)
 
     def check_rest(self) -> Finding:
         """Checks whether the gel is at rest, and stays there."""
-        gel = self._gel
+        gel = self.figures
         if gel is None:
             return skip("Needs frames.")
         if gel.first_px is None or gel.last_px is None:
@@ -201,27 +204,36 @@ class GelView:
             )
         return approve(sentence)
 
+    def save_boxes(self) -> str:
+        """Saves the last picture with boxes, and returns a sentence with its path."""
+        if self.seen is None or self.figures is None:
+            return "There is no picture."
+        saved = self._save(self.seen.frames[-1], self.figures)
+        return f"{saved[0].upper()}{saved[1:]}"
+
     @cached_property
-    def _seen(self) -> _Seen | None:
+    def seen(self) -> Seen | None:
+        """The data, collected once; None without a source."""
         with ExitStack() as stack:
             opened = self._open(stack)
             return None if opened is None else _collect(*opened, is_video=self._is_video)
 
     @cached_property
-    def _gel(self) -> _Gel | None:
-        if self._seen is None or not self._seen.frames:
+    def figures(self) -> GelFigures | None:
+        """What the frames show of the gel; None without frames."""
+        if self.seen is None or not self.seen.frames:
             return None
         detector = RestDetector(gel=self._made)
-        fields = [detector.update(frame) for frame in self._seen.frames]
+        fields = [detector.update(frame) for frame in self.seen.frames]
         rests = [field.position_px for field in fields if field is not None]
         stats = detector.stats()
         n_found = stats.n_found
         if not rests:  # then that is the number of bright dots, markers or not
-            dots = BlobFinder(gel=self._made).find(self._seen.frames[-1].pixels).centroid_px
+            dots = BlobFinder(gel=self._made).find(self.seen.frames[-1].pixels).centroid_px
             lattice = LatticeFinder(self._made).find(dots)
             n_found = 0 if lattice is None else lattice.n_found
         first, last = (rests[0], rests[-1]) if rests else (None, None)
-        return _Gel(n_found, detector.gel, stats.chamfer_px2, not stats.problem, first, last)
+        return GelFigures(n_found, detector.gel, stats.chamfer_px2, not stats.problem, first, last)
 
     def _open(self, stack: ExitStack) -> tuple[str, Iterable[EventPacket]] | None:
         """Returns the source's name and its packets; None without a source."""
@@ -250,7 +262,7 @@ class GelView:
         name = f"the running driver ({simulated}{answer.get('source', 'unknown source')})"
         return name, receive_packets(line)
 
-    def _save(self, frame: Frame, gel: _Gel) -> str:
+    def _save(self, frame: Frame, gel: GelFigures) -> str:
         """Saves the picture, and returns a sentence with its path.
 
         Markers are boxed green, other bright dots yellow, markers that are missing red.
@@ -265,7 +277,13 @@ class GelView:
         return f"the picture with boxes is {self._picture}."
 
 
-def _collect(source: str, packets: Iterable[EventPacket], *, is_video: bool) -> _Seen:
+def measure_contrast(pixels: NDArray[np.uint8]) -> float:
+    """Returns the grey levels between the dots and the gel of a picture, (260, 346) uint8."""
+    low, high = np.percentile(pixels, (50.0, 99.5))
+    return float(high - low)
+
+
+def _collect(source: str, packets: Iterable[EventPacket], *, is_video: bool) -> Seen:
     """Collects packets for five seconds, by the camera's clock or ours, whichever ends first."""
     deadline = time.monotonic() + 2 * LOOK_S
     frames: list[Frame] = []
@@ -280,7 +298,7 @@ def _collect(source: str, packets: Iterable[EventPacket], *, is_video: bool) -> 
         if end_us - begin_us >= LOOK_S * 1e6 or time.monotonic() > deadline:
             break
     seconds = 0.0 if begin_us is None or end_us is None else (end_us - begin_us) / 1e6
-    return _Seen(
+    return Seen(
         source,
         seconds,
         events,
@@ -289,10 +307,11 @@ def _collect(source: str, packets: Iterable[EventPacket], *, is_video: bool) -> 
         packets.stats() if isinstance(packets, VideoCameraSource) else None,
         packets.stats() if isinstance(packets, EventCameraSource) else None,
         is_video or isinstance(packets, PictureSource),
+        packets.view if isinstance(packets, PictureSource) else None,
     )
 
 
-def _find_fault(gel: _Gel, contrast: float) -> tuple[str, str]:
+def _find_fault(gel: GelFigures, contrast: float) -> tuple[str, str]:
     """Returns what is wrong with a gel that is found, and the fix; empty if nothing is."""
     if gel.n_found < _LEAST_SHARE * gel.state.layout.n_markers:
         missing = name_dots(gel.state.missing, gel.state.layout)
@@ -300,12 +319,12 @@ def _find_fault(gel: _Gel, contrast: float) -> tuple[str, str]:
             f" Dots not seen: {missing}.",
             "Clean the gel and the lens, and light all of the gel.",
         )
-    if contrast < _LEAST_CONTRAST:
+    if contrast < LEAST_CONTRAST:
         return "", "The picture is faint: is the LED ring at full brightness?"
     if gel.last_px is not None:
         centre = fit_rig(gel.last_px, gel.state.layout).centre_px
         off = np.subtract(centre, ((SENSOR_WIDTH_PX - 1) / 2, (SENSOR_HEIGHT_PX - 1) / 2))
-        if np.hypot(*off) > _MOST_OFF_CENTRE_PX:
+        if np.hypot(*off) > MOST_OFF_CENTRE_PX:
             return (
                 f" The gel is {off[0]:+.0f} px, {off[1]:+.0f} px off the middle.",
                 "Turn the camera until the gel is in the middle of the picture.",

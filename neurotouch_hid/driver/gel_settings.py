@@ -50,6 +50,14 @@ MOST_DOTS: Final = 400
 MOST_FAR_MM: Final = 31.0
 """Farther from the middle the recogniser does not expect any gel."""
 
+_PAPER: Final = (
+    b"version: 1\nname: paper\nlayout: {kind: square, pitch_mm: 4, radius_mm: 30}\n"
+    b"dot_mm: 1\ndots: light\ndome_height_mm: 15\n"
+    b"making:\n  camera: {name: davis346, width_px: 346, height_px: 260, view_deg: 43.7, "
+    b"fill: 0.58, lens_mm: 31, pupil_mm: 30, below_mm: 65}\n"
+)
+"""The gel of the paper as a file; its lens is our guess."""
+
 _NEEDS: Final[dict[str, tuple[str, ...]]] = {
     "square": ("pitch_mm", "radius_mm"),
     "hex": ("pitch_mm", "radius_mm"),
@@ -264,13 +272,29 @@ def gel_schema() -> dict[str, Any]:
     return make_schema(GelSettings, "neurotouch_hid gel")
 
 
-def load_gel_settings(path: Path) -> GelSettings:
-    """Returns what a gel file says.
+class GelFile(NamedTuple):
+    """What a gel's file says.
+
+    Attributes:
+        settings: its values.
+        content: the file.
+        name: its path, printable.
+    """
+
+    settings: GelSettings
+    content: bytes
+    name: str
+
+
+def load_gel_file(path: Path | None) -> GelFile:
+    """Returns what a gel file says; without one, what it would say of the gel of the paper.
 
     Raises:
         ProfileError: there is no such file, or it is wrong; every mistake has line and column.
     """
-    return parse_settings(_read_file(path), make_printable(str(path)), GelSettings)
+    content = _PAPER if path is None else _read_file(path)
+    name = "the gel of the paper" if path is None else make_printable(str(path))
+    return GelFile(parse_settings(content, name, GelSettings), content, name)
 
 
 def load_gel(path: Path) -> Gel:

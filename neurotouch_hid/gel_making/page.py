@@ -75,7 +75,7 @@ def write_page(plan: Plan, parts: Sequence[Part], needs: Sequence[Need]) -> str:
         ]
         lines += ["<h2>2 Print</h2>", *_explain_printing(plan)]
         lines.append(_table(("file", "what", "material", "support"), rows))
-        lines += [_figure(draw_part(part.file, part.solid), part.what) for part in parts]
+        lines += [_figure(draw_part(part.file, part.solid), f"{part.file}: {part.what}.") for part in parts]
     else:
         lines += [
             "<h2>2 Print the stencil</h2>",

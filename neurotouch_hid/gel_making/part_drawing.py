@@ -20,7 +20,9 @@ def draw_part(name: str, solid: "Manifold") -> Sheet:
     middle = 4.0 + 0.5 * tall
     above = solid.project()
     cut = solid.rotate((-90.0, 0.0, 0.0)).slice(0.0)  # (x, z) becomes (x, -y)
-    _draw(sheet, above, scale, (4.0 + 0.5 * _WIDE_MM, middle), (x0 + x1, y0 + y1), 0.9)
+    left, sums = (4.0 + 0.5 * _WIDE_MM, middle), (x0 + x1, y0 + y1)
+    _draw(sheet, above, scale, left, sums, 0.95)
+    _draw(sheet, solid.slice(z1 - 0.05), scale, left, sums, 0.8)  # its highest faces
     at = (10.0 + 1.5 * _WIDE_MM, middle)
     low, high = cut.bounds()[1], cut.bounds()[3]
     _draw(sheet, cut, scale, at, (x0 + x1, low + high), 0.55)

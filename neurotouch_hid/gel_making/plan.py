@@ -198,7 +198,8 @@ def _check(plan: Plan) -> None:
             f"{TALLEST_MM:.0f} mm.",
             hint="Use a lens with a larger 'view_deg', or a smaller gel.",
         )
-    if plan.seat_z + PLATE_MM + TRAVEL_MM > -plan.led_depth - RING_MM - 10.0:
+    high = plan.seat_z + PLATE_MM + TRAVEL_MM
+    if plan.way != "evening" and high > -plan.led_depth - RING_MM - 5.0:
         raise NeuroTouchError(
             f"The camera would be {plan.distance:.0f} mm below the gel: no room for the LED ring.",
             hint="Use a lens with a smaller 'view_deg'.",

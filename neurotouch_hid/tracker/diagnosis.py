@@ -99,7 +99,7 @@ class Diagnosis:
         if problem in (GelProblem.TOUCHED, GelProblem.LEARNING) and lattice is not None:
             return self._explain_bent(frame, blobs, lattice, problem, moves=moves)
         if problem is GelProblem.PATTERN and lattice is not None:
-            return replace(_measure(frame, blobs, lattice, self._gel), problem=problem)
+            return replace(measure_gel(frame, blobs, lattice, self._gel), problem=problem)
         if light := _judge_light(frame.pixels):
             return GelState(layout=self._gel, problem=light, n_seen=len(blobs.centroid_px))
         return self._look_again(frame, blobs, moves=moves)
@@ -114,7 +114,7 @@ class Diagnosis:
         moves: bool | None,
     ) -> GelState:
         """Explains a lattice with enough markers that are not where they should be."""
-        state = _measure(frame, blobs, lattice, self._gel)
+        state = measure_gel(frame, blobs, lattice, self._gel)
         if problem is GelProblem.LEARNING or moves is None:
             return replace(state, problem=GelProblem.LEARNING)
         if is_blurred(state.blur_px, state.px_per_mm or 1.0):
@@ -130,7 +130,7 @@ class Diagnosis:
         lattice = self._wide.find(blobs.centroid_px, near_rad=self._near_rad)
         if lattice is None:
             return self._explain_scattered(frame, blobs)
-        state = _measure(frame, blobs, lattice, self._gel)
+        state = measure_gel(frame, blobs, lattice, self._gel)
         return replace(state, problem=self._judge(state, lattice, blobs, moves=moves))
 
     def _judge(
@@ -197,8 +197,8 @@ def _judge_light(pixels: NDArray[np.uint8]) -> GelProblem:
     return GelProblem.NONE
 
 
-def _measure(frame: Frame, blobs: Blobs, lattice: Lattice, gel: Gel) -> GelState:
-    """Returns the figures of a lattice."""
+def measure_gel(frame: Frame, blobs: Blobs, lattice: Lattice, gel: Gel) -> GelState:
+    """Returns the figures of a lattice that was found among the blobs of a frame."""
     px_per_mm = fit_rig(lattice.position_px, gel).px_per_mm
     missing = np.flatnonzero(lattice.blob < 0)
     places = lattice.position_px[missing].tolist()
@@ -236,7 +236,14 @@ def _touches_border(dots_px: NDArray[np.float64], pitch_px: float) -> bool:
 def count_glints(
     pixels: NDArray[np.uint8], blobs: Blobs, blob: NDArray[np.integer], gel: Gel
 ) -> int:
-    """Returns how many bright dots on the gel are brighter than the markers around them.
+    """Returns how many reflections there are on the gel; the arguments are of ``find_glints``."""
+    return len(find_glints(pixels, blobs, blob, gel))
+
+
+def find_glints(
+    pixels: NDArray[np.uint8], blobs: Blobs, blob: NDArray[np.integer], gel: Gel
+) -> NDArray[np.intp]:
+    """Returns which bright dots on the gel are brighter than the markers around them.
 
     Args:
         pixels: (260, 346) uint8.
@@ -246,7 +253,7 @@ def count_glints(
     """
     seen = np.flatnonzero(blob >= 0)
     if not len(seen):
-        return 0
+        return np.empty(0, np.intp)
     dots_px = blobs.centroid_px
     peak = _find_peaks(gel.lighten(pixels), dots_px)
     marker = np.full(gel.n_markers + 1, np.nan)  # the last one for neighbours that there are none
@@ -262,7 +269,8 @@ def count_glints(
     beside = apart.min(axis=1) < pitch_px
     nearest[free[beside]] = seen[apart[beside].argmin(axis=1)]
     on_gel = nearest >= 0
-    return int((peak[on_gel] > _GLINT * usual[nearest[on_gel]]).sum())
+    glints: NDArray[np.intp] = np.flatnonzero(on_gel)
+    return glints[peak[on_gel] > _GLINT * usual[nearest[on_gel]]]
 
 
 def _measure_area(dots_px: NDArray[np.float64]) -> float:

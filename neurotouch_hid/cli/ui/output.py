@@ -7,13 +7,16 @@ import time
 from collections.abc import Callable, Sequence
 from functools import wraps
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import click
 
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.partial_file import try_writing, write_whole
 from neurotouch_hid.printable import is_printable, make_lines_printable, make_printable
+
+if TYPE_CHECKING:
+    from neurotouch_hid.doctor.finding import Finding
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -91,6 +94,18 @@ def say(status: str, sentence: str, fix: str = "", *, plain: bool = True) -> Non
     echo(sentence)
     if fix:
         echo(f"Fix: {fix}")
+
+
+def show_finding(finding: "Finding", *, plain: bool) -> None:
+    """Prints a finding of the doctor: its status, its sentence, its fix."""
+    colours = {"OK": "green", "WARNING": "yellow", "FAILED": "red"}
+    status = paint(f"{finding.status:<8}", colours.get(finding.status, "cyan"), plain=plain)
+    click.echo(f"{status} ", nl=False)
+    echo(f"{finding.check}: {finding.sentence}")
+    if finding.fix:
+        echo(f"         Fix: {finding.fix}")
+    for line in finding.commands:
+        echo(f"           {line}")
 
 
 def show_changes(lines: Sequence[tuple[str, int, str]], *, plain: bool) -> None:

@@ -1,0 +1,47 @@
+"""``neurotouch gel check``: scores a gel that was made, and says what to change."""
+
+import click
+
+from neurotouch_hid.cli.ui.options import gel_option
+from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_json, show_finding
+
+
+@click.command(
+    epilog="\b\nExamples:\n"
+    "  neurotouch gel check video:\n"
+    "  neurotouch gel check video: --gel try.yaml\n"
+    "  neurotouch gel check sim:push\n"
+    "  neurotouch gel check video: --json\n\n"
+    "Exit code 0 if nothing failed, 1 otherwise. The driver must not use the camera meanwhile."
+)
+@click.argument("source")
+@gel_option
+@plain_option
+@json_option
+def command(source: str, gel: str | None, plain: bool, as_json: bool) -> None:
+    """Look at the gel of SOURCE for five seconds, and compare it with its file.
+
+    SOURCE is video: (a webcam), davis:, file:NAME (a recording) or sim:NAME. Leave the gel
+    untouched. The picture with boxes around the dots is in your cache folder.
+    """
+    from neurotouch_hid.doctor.gel import GelView
+    from neurotouch_hid.doctor.gel_score import score_gel
+    from neurotouch_hid.driver.gel_settings import find_gel_file, load_gel_file
+    from neurotouch_hid.gel_making.plan import make_plan
+    from neurotouch_hid.source.check import check_source
+
+    check_source(source)
+    gel_file = load_gel_file(find_gel_file(gel, source))
+    plan = make_plan(gel_file.settings)
+    view = GelView(source=source, gel=gel)
+    planned = "making" in gel_file.settings.model_fields_set
+    score = score_gel(view.seen, view.figures, plan, planned=planned)
+    if as_json:
+        print_json(score.as_json())
+    else:
+        for finding in score.findings:
+            show_finding(finding, plain=plain)
+        if view.seen is not None:
+            echo(f"Compared with {gel_file.name}. {view.save_boxes()}")
+    if not score.is_good:
+        raise SystemExit(1)
