@@ -235,7 +235,7 @@ class _Picture:
             centre = self._fit().centre_px
             off = np.subtract(centre, ((SENSOR_WIDTH_PX - 1) / 2, (SENSOR_HEIGHT_PX - 1) / 2))
             most = MOST_OFF_CENTRE_PX
-        sentence = f"The gel is {off[0]:+.0f} px, {off[1]:+.0f} px off the middle."
+        sentence = f"The gel is {off[0]:+z.0f} px, {off[1]:+z.0f} px off the middle."
         if np.hypot(*off) > most:
             return warn(sentence, "Move the camera until the gel is in the middle of the picture.")
         return approve(sentence)
