@@ -1,7 +1,7 @@
 """Checks the camera's data: events and frames, the gel with its markers, and its rest."""
 
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,7 +20,7 @@ from neurotouch_hid.driver.gel_settings import choose_gel
 from neurotouch_hid.errors import NotRunningError
 from neurotouch_hid.gel_picture import GREEN, RED, YELLOW, find_picture, save_picture
 from neurotouch_hid.gel_sentences import explain_gel, name_dots
-from neurotouch_hid.geometry import fit_rig
+from neurotouch_hid.geometry import Gel, fit_rig
 from neurotouch_hid.messages import (
     SENSOR_HEIGHT_PX,
     SENSOR_WIDTH_PX,
@@ -223,17 +223,7 @@ class GelView:
         """What the frames show of the gel; None without frames."""
         if self.seen is None or not self.seen.frames:
             return None
-        detector = RestDetector(gel=self._made)
-        fields = [detector.update(frame) for frame in self.seen.frames]
-        rests = [field.position_px for field in fields if field is not None]
-        stats = detector.stats()
-        n_found = stats.n_found
-        if not rests:  # then that is the number of bright dots, markers or not
-            dots = BlobFinder(gel=self._made).find(self.seen.frames[-1].pixels).centroid_px
-            lattice = LatticeFinder(self._made).find(dots)
-            n_found = 0 if lattice is None else lattice.n_found
-        first, last = (rests[0], rests[-1]) if rests else (None, None)
-        return GelFigures(n_found, detector.gel, stats.chamfer_px2, not stats.problem, first, last)
+        return examine_frames(self.seen.frames, self._made)
 
     def _open(self, stack: ExitStack) -> tuple[str, Iterable[EventPacket]] | None:
         """Returns the source's name and its packets; None without a source."""
@@ -275,6 +265,21 @@ class GelView:
         boxes = {YELLOW: dots[lonely], GREEN: dots[~lonely], RED: unseen}
         save_picture(self._picture, frame.pixels, boxes)
         return f"the picture with boxes is {self._picture}."
+
+
+def examine_frames(frames: Sequence[Frame], gel: Gel) -> GelFigures:
+    """Returns what frames, at least one, show of a gel."""
+    detector = RestDetector(gel=gel)
+    fields = [detector.update(frame) for frame in frames]
+    rests = [field.position_px for field in fields if field is not None]
+    stats = detector.stats()
+    n_found = stats.n_found
+    if not rests:  # then that is the number of bright dots, markers or not
+        dots = BlobFinder(gel=gel).find(frames[-1].pixels).centroid_px
+        lattice = LatticeFinder(gel).find(dots)
+        n_found = 0 if lattice is None else lattice.n_found
+    first, last = (rests[0], rests[-1]) if rests else (None, None)
+    return GelFigures(n_found, detector.gel, stats.chamfer_px2, not stats.problem, first, last)
 
 
 def measure_contrast(pixels: NDArray[np.uint8]) -> float:

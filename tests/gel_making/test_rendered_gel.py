@@ -142,7 +142,7 @@ def test_a_finger_that_drags_the_skin_plays(scene, rest, tmp_path):
 
         return move
 
-    steps = [scene.render(drag(mm)) for mm in np.linspace(0.0, 7.0, 9)[1:]]
+    steps = [scene.render(drag(mm)) for mm in np.linspace(0.0, 7.0, 6)[1:]]
     pictures = [rest] * 75 + steps + [steps[-1]] * 25 + steps[::-1] + [rest] * 10
     path = tmp_path / "drag.mkv"
     mark = Simulation("tests", "trimesh rays on the made solids")
