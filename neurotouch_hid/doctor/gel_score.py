@@ -80,7 +80,9 @@ class GelScore:
         return {"figures": self.figures, "findings": [each.as_json() for each in self.findings]}
 
 
-def score_gel(seen: Seen | None, figures: GelFigures | None, plan: Plan, *, planned: bool) -> GelScore:
+def score_gel(
+    seen: Seen | None, figures: GelFigures | None, plan: Plan, *, planned: bool
+) -> GelScore:
     """Scores the gel that some frames show.
 
     Args:
@@ -254,7 +256,9 @@ class _Picture:
         if self._lattice is None:
             return skip("Needs the pattern.")
         fps, error_mm = self._fps, self._expect_error()
-        noise = "" if self._noise_mm is None else f"; dots at rest tremble by {self._noise_mm:.3f} mm"
+        noise = (
+            "" if self._noise_mm is None else f"; dots at rest tremble by {self._noise_mm:.3f} mm"
+        )
         sentence = f"Expected error of the intensity: {error_mm:.2f} mm on simulated gels{noise}."
         if self._seen.is_video and fps is not None and fps < _LEAST_FPS:
             return warn(
@@ -339,9 +343,7 @@ _HARMLESS: Final = (
 """With one of these, a single picture that shows the dots is enough."""
 
 
-def _find_bright_gel(
-    pixels: NDArray[np.uint8], lattice: Lattice, gel: Gel
-) -> NDArray[np.float64]:
+def _find_bright_gel(pixels: NDArray[np.uint8], lattice: Lattice, gel: Gel) -> NDArray[np.float64]:
     """Returns the places of markers, (n, 2) px, around which the gel itself is bright."""
     pitch_px = gel.pitch_mm * fit_rig(lattice.position_px, gel).px_per_mm
     places = lattice.position_px

@@ -1,1 +1,1 @@
-"""Turns ``gel.yaml`` into what a person needs to make the gel: solids, stencil, drawings, a page."""
+"""Turns ``gel.yaml`` into what a maker needs: solids, stencil, drawings, a page."""

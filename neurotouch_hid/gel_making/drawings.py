@@ -31,18 +31,31 @@ def draw_cut(plan: Plan) -> Sheet:
             )
 
     r = np.linspace(0.0, plan.radius, 40)
-    dome = [at(side * each, z) for side, order in ((-1.0, -1), (1.0, 1))
-            for each, z in list(zip(r.tolist(), plan.find_height(r).tolist(), strict=True))[::order]]
+    dome = [
+        at(side * each, z)
+        for side, order in ((-1.0, -1), (1.0, 1))
+        for each, z in list(zip(r.tolist(), plan.find_height(r).tolist(), strict=True))[::order]
+    ]
     lens = at(0.0, -plan.distance)
     sheet.add(Path((lens, *dome), 0.0, closed=True, fill=0.92))
     if plan.way != "evening":
         tube, bottom, ledge = plan.tube, plan.bottom_z, -plan.led_depth - RING_MM
         outer = tube + _WALL
         fill(
-            [(tube, 0.0), (plan.flange, 0.0), (plan.flange, -8.0)]
-            + [(outer, -8.0 - plan.flange + outer), (outer, bottom + 3.0)]
-            + [(plan.flange, bottom + 3.0), (plan.flange, bottom), (tube, bottom)]
-            + [(tube, ledge - 4.0), (tube - 2.0, ledge - 2.0), (tube - 2.0, ledge), (tube, ledge)],
+            [
+                (tube, 0.0),
+                (plan.flange, 0.0),
+                (plan.flange, -8.0),
+                (outer, -8.0 - plan.flange + outer),
+                (outer, bottom + 3.0),
+                (plan.flange, bottom + 3.0),
+                (plan.flange, bottom),
+                (tube, bottom),
+                (tube, ledge - 4.0),
+                (tube - 2.0, ledge - 2.0),
+                (tube - 2.0, ledge),
+                (tube, ledge),
+            ],
             GREY,
         )
         low, high = ledge, -plan.led_depth
@@ -89,15 +102,18 @@ def draw_dots(plan: Plan) -> Sheet:
     scale = 100.0 / camera.width_px
     height = camera.height_px * scale
     sheet = Sheet(104.0, height + 4.0, f"What the camera {camera.name} sees of the gel")
-    sheet.add(Path(((2.0, 2.0), (102.0, 2.0), (102.0, 2.0 + height), (2.0, 2.0 + height)), 0.3, True))
+    sheet.add(
+        Path(((2.0, 2.0), (102.0, 2.0), (102.0, 2.0 + height), (2.0, 2.0 + height)), 0.3, True)
+    )
     middle = np.array([52.0, 2.0 + 0.5 * height])
     z = plan.find_height(np.hypot(*plan.points.T))
     places = middle + plan.project(np.column_stack([plan.points * (-1.0, -1.0), z])) * scale
+    x, y = middle.tolist()
     dot = 0.5 * plan.gel.dot_mm * plan.px_per_mm * scale
-    sheet.add(Circle(*middle.tolist(), plan.radius * plan.px_per_mm * scale, 0.2, fill=0.9))
+    sheet.add(Circle(x, y, plan.radius * plan.px_per_mm * scale, 0.2, fill=0.9))
     for distance in plan.find_reflections():
-        sheet.add(Circle(*middle.tolist(), distance * plan.px_per_mm * scale, 0.2, dash=True))
-    sheet.add(*(Circle(x, y, dot, 0.1, fill=1.0) for x, y in places.tolist()))
+        sheet.add(Circle(x, y, distance * plan.px_per_mm * scale, 0.2, dash=True))
+    sheet.add(*(Circle(at_x, at_y, dot, 0.1, fill=1.0) for at_x, at_y in places.tolist()))
     return sheet
 
 

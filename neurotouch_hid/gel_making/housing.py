@@ -88,10 +88,10 @@ def make_body(plan: Plan) -> "Manifold":
     if plan.camera.seat == "straps":  # a camera wider than the body looks out on both sides
         width = min(_ARCH_MM, 1.3 * tube)
         door = make_opening(width, bottom - 1.0, plan.seat_z - TRAVEL_MM + 0.5 * width)
-        doors = (0.0, 180.0)
+        doors = [0.0, 180.0]
     else:
         door = make_opening(_DOOR_MM, bottom - 1.0, bottom + 20.0)
-        doors = (90.0,)
+        doors = [90.0]
     body -= spin(door, doors)
     return body.translate((0.0, 0.0, -bottom))
 

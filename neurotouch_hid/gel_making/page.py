@@ -66,16 +66,18 @@ def write_page(plan: Plan, parts: Sequence[Part], needs: Sequence[Need]) -> str:
         "gels in <code>docs/make-a-gel.md</code>.</p></section>",
         _figure(draw_cut(plan), _caption_cut(plan)),
         "<h2>1 What you need</h2>",
-        _table(("count", "what", "what matters"), needs),
+        _table(("amount", "what", "what matters"), needs),
     ]
     if parts:
         rows = [
-            (f"{part.file}.stl", part.what, part.material, part.support or "none")
-            for part in parts
+            (f"{part.file}.stl", part.what, part.material, part.support or "none") for part in parts
         ]
         lines += ["<h2>2 Print</h2>", *_explain_printing(plan)]
         lines.append(_table(("file", "what", "material", "support"), rows))
-        lines += [_figure(draw_part(part.file, part.solid), f"{part.file}: {part.what}.") for part in parts]
+        lines += [
+            _figure(draw_part(part.file, part.solid), f"{part.file}: {part.what}.")
+            for part in parts
+        ]
     else:
         lines += [
             "<h2>2 Print the stencil</h2>",
@@ -122,8 +124,15 @@ def _make_evening(plan: Plan) -> list[str]:
 
 def _make_printed(plan: Plan) -> list[str]:
     return [
-        "Print the dome as it lies, the crown down, with support from the bed.",
-        "Take the support off, and sand what a finger feels. The inner side stays as it is.",
+        *(
+            [
+                "Print the dome as it lies, the crown down, with support from the bed.",
+                "Take the support off, and sand what a finger feels. The inner side stays as it "
+                "is.",
+            ]
+            if plan.height
+            else ["Print the skin as it lies; the dots are on top."]
+        ),
         "Is the inner side shiny? Dull it: fine sandpaper, or a dull clear spray.",
     ]
 
@@ -153,8 +162,8 @@ _MAKE: Final = {"evening": _make_evening, "printed": _make_printed, "cast": _mak
 def _explain_light(plan: Plan) -> list[str]:
     if plan.way == "evening":
         return [
-            "<p>Lay a lamp on direct current into the box, beside the camera: a USB lamp or a torch "
-            "behind white paper. A lamp on the mains flickers.</p>"
+            "<p>Lay a lamp on direct current into the box, beside the camera: a USB lamp or a "
+            "torch behind white paper. A lamp on the mains flickers.</p>"
         ]
     return [
         "<p>Press the LEDs from below into the ring, long legs outwards. Solder a resistor to each "
@@ -162,15 +171,15 @@ def _explain_light(plan: Plan) -> list[str]:
         "Do not dim it: dimmers make it flicker.</p>",
         _figure(draw_wiring(), "The circuit of the ring."),
         "<p>T is for a strobe, which a camera without pictures may need one day. <em>The program "
-        "does not use a strobe yet.</em> T is an N-channel MOSFET for logic levels, 20 V, threshold "
-        "below 2 V. The strobe's pin is an open drain that bears 5 V.</p>",
+        "does not use a strobe yet.</em> T is an N-channel MOSFET for logic levels, 20 V, "
+        "threshold below 2 V. The strobe's pin is an open drain that bears 5 V.</p>",
     ]
 
 
 def _assemble(plan: Plan) -> list[str]:
     check = (
-        "Put <code>gel.yaml</code> into <code>~/.config/neurotouch/</code>, and run <code>neurotouch "
-        "gel check SOURCE</code>, with the camera as SOURCE: <code>video:</code> or "
+        "Put <code>gel.yaml</code> into <code>~/.config/neurotouch/</code>, and run "
+        "<code>neurotouch gel check SOURCE</code>, with the camera as SOURCE: <code>video:</code> or "
         "<code>davis:</code>. It says what to change. Turn the lens until the dots are sharp."
     )
     if plan.way == "evening":
@@ -185,8 +194,8 @@ def _assemble(plan: Plan) -> list[str]:
         else "Tie the camera below its plate, the lens in the middle of the hole."
     )
     return [
-        "Drop the LED ring on its ledge, the LEDs up. Its wires go down along the wall, through the "
-        "notch of the camera's plate.",
+        "Drop the LED ring on its ledge, the LEDs up. Its wires go down along the wall, through "
+        "the notch of the camera's plate.",
         seat,
         "Slide the plate up into the body. Put three screws with washers through the slots.",
         "Lay the skin on the body, the clamp on it, and turn the six screws in. They must hold the "

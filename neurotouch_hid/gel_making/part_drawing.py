@@ -45,8 +45,7 @@ def _draw(
 
     def area(points: "list[list[float]]") -> float:
         return sum(
-            a[0] * b[1] - b[0] * a[1]
-            for a, b in zip(points, [*points[1:], points[0]], strict=True)
+            a[0] * b[1] - b[0] * a[1] for a, b in zip(points, [*points[1:], points[0]], strict=True)
         )
 
     shapes = [[[float(x), float(y)] for x, y in points] for points in polygons]

@@ -129,9 +129,7 @@ class Plan:
         r = np.linspace(-self.radius, self.radius, 4001)
         place = np.column_stack([r, self.find_height(np.abs(r))])
         lens, led = np.array([0.0, -self.distance]), np.array([self.radius, -self.led_depth])
-        halves = sum(
-            (end - place) / np.hypot(*(end - place).T)[:, None] for end in (lens, led)
-        )
+        halves = sum((end - place) / np.hypot(*(end - place).T)[:, None] for end in (lens, led))
         slope = -r / (self.sphere - self.height + place[:, 1]) if self.height else 0.0 * r
         along = halves[:, 0] + slope * halves[:, 1]
         changes = np.flatnonzero(np.diff(np.sign(along)))
@@ -153,8 +151,8 @@ def make_plan(settings: GelSettings) -> Plan:
     gel, making = settings.make(), settings.making
     height = 0.0 if making.way == "evening" else gel.dome_height_mm
     radius = max(gel.radius_mm, _find_reach(gel))
-    distance = 2.0 * radius * find_focal(making.camera) / (
-        making.camera.fill * making.camera.height_px
+    distance = (
+        2.0 * radius * find_focal(making.camera) / (making.camera.fill * making.camera.height_px)
     )
     led_depth = max(_LED_OUT_MM, (_RING_IN_MM + _CLEAR_MM) * distance / radius)
     plan = Plan(

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
+from importlib import import_module
 from types import ModuleType
 from typing import TYPE_CHECKING, Final
 
@@ -28,14 +29,13 @@ def load_library() -> ModuleType:
         NeuroTouchError: it is not installed.
     """
     try:
-        import manifold3d  # noqa: PLC0415  # only who makes solids needs it
+        return import_module("manifold3d")
     except ImportError:
         raise NeuroTouchError(
             "Solids need manifold3d, which is not installed.",
             hint="Install it: pip install 'neurotouch-hid[gel]'. Without it, 'way: evening' in "
             "gel.yaml makes a flat gel.",
         ) from None
-    return manifold3d
 
 
 def turn(outline: Iterable[tuple[float, float]]) -> "Manifold":
@@ -61,9 +61,7 @@ def make_rod(
     return rod.translate((at[0], at[1], low))
 
 
-def make_box(
-    x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]
-) -> "Manifold":
+def make_box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> "Manifold":
     """Returns a box between two places on each axis."""
     size = (x[1] - x[0], y[1] - y[0], z[1] - z[0])
     return load_library().Manifold.cube(size).translate((x[0], y[0], z[0]))
@@ -74,7 +72,8 @@ def make_opening(width: float, low: float, high: float, far: float = _FAR) -> "M
 
     Args:
         width: along y.
-        low, high: height of its floor and of the ridge.
+        low: height of its floor.
+        high: height of the ridge.
         far: how far it reaches along x, from the axis.
     """
     eaves = high - 0.5 * width

@@ -125,9 +125,7 @@ def _draw_pdf(shape: Circle | Path | Words) -> str:
         shift = {"start": 0.0, "middle": 0.5, "end": 1.0}[shape.anchor]
         x = shape.x - shift * _WIDE * shape.size * len(shape.text)
         text = shape.text.replace("\\", "\\\\").replace("(", "\\(").replace(")", "\\)")
-        return (
-            f"BT 0 g /F {shape.size:g} Tf 1 0 0 -1 {x:.3f} {shape.y:.3f} Tm ({text}) Tj ET"
-        )
+        return f"BT 0 g /F {shape.size:g} Tf 1 0 0 -1 {x:.3f} {shape.y:.3f} Tm ({text}) Tj ET"
     paint = "B" if shape.fill is not None and shape.line else "f" if shape.fill is not None else "S"
     head = f"0 G {shape.line:g} w {'[2 1.5]' if shape.dash else '[]'} 0 d"
     if shape.fill is not None:

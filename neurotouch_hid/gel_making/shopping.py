@@ -11,12 +11,12 @@ class Need(NamedTuple):
     """Something that is needed.
 
     Attributes:
-        count: how many, or how much.
+        amount: how many, or how much.
         what: the thing.
         property: what matters of it.
     """
 
-    count: str
+    amount: str
     what: str
     property: str
 
@@ -47,7 +47,9 @@ def list_needs(plan: Plan, silicone_ml: float = 0.0) -> list[Need]:
                     f"{colours[0]} silicone baking mat, or a large balloon",
                     f"at least {size:.0f} mm wide, up to 1 mm thick, dull",
                 ),
-                Need("1", f"{colours[1]} paint pen", f"dots of {plan.gel.dot_mm:g} mm; try a scrap"),
+                Need(
+                    "1", f"{colours[1]} paint pen", f"dots of {plan.gel.dot_mm:g} mm; try a scrap"
+                ),
                 Need(
                     "1",
                     "frame such as an embroidery hoop",
@@ -90,6 +92,6 @@ def write_csv(needs: list[Need]) -> str:
     """Returns the list as a table for a spreadsheet."""
     out = StringIO()
     table = csv.writer(out, lineterminator="\n")
-    table.writerow(["count", "what", "property"])
+    table.writerow(["amount", "what", "property"])
     table.writerows(needs)
     return out.getvalue()

@@ -18,7 +18,9 @@ def draw_stencil(plan: Plan) -> Sheet:
     x, y = MIDDLE
     sheet.add(
         Words(x, 22.0, f"Stencil: gel '{plan.gel.name}', {plan.gel.n_markers} dots", 6.0, "middle"),
-        Words(x, 30.0, "Print at 100 %. Then measure the ruler: it must be 50 mm long.", 4, "middle"),
+        Words(
+            x, 30.0, "Print at 100 %. Then measure the ruler: it must be 50 mm long.", 4, "middle"
+        ),
         Words(x, 36.0, "You look at the side of the skin that the camera sees.", 4.0, "middle"),
         Circle(x, y, plan.flange, 0.2, dash=True),
         Circle(x, y, plan.radius, 0.3),

@@ -269,8 +269,9 @@ def find_glints(
     beside = apart.min(axis=1) < pitch_px
     nearest[free[beside]] = seen[apart[beside].argmin(axis=1)]
     on_gel = nearest >= 0
-    glints: NDArray[np.intp] = np.flatnonzero(on_gel)
-    return glints[peak[on_gel] > _GLINT * usual[nearest[on_gel]]]
+    is_glint = peak[on_gel] > _GLINT * usual[nearest[on_gel]]
+    glints: NDArray[np.intp] = np.flatnonzero(on_gel)[is_glint]
+    return glints
 
 
 def _measure_area(dots_px: NDArray[np.float64]) -> float:

@@ -138,9 +138,7 @@ def test_a_lens_out_of_focus():
     assert "lens" in bad["focus"].fix
 
 
-@pytest.mark.parametrize(
-    ("px_per_mm", "way", "off_mm"), [(1.9, "nearer", 41), (3.2, "away", 28)]
-)
+@pytest.mark.parametrize(("px_per_mm", "way", "off_mm"), [(1.9, "nearer", 41), (3.2, "away", 28)])
 def test_a_wrong_scale_is_told_in_mm(px_per_mm, way, off_mm):
     config = SimulatorConfig(camera=CameraConfig(rig=Rig(MIDDLE, px_per_mm)))
     bad = troubles(score(simulate(config)))

@@ -56,7 +56,7 @@ def test_the_page_says_first_that_nobody_has_built_it_and_needs_nothing_from_els
 def test_the_parts_list_names_no_maker():
     for way in WAYS:
         rows = list(csv.reader(StringIO(make_files(plan(way=way), b"")["parts.csv"].decode())))
-        assert rows[0] == ["count", "what", "property"]
+        assert rows[0] == ["amount", "what", "property"]
         assert all(len(row) == 3 and all(row) for row in rows)
         words = str(rows).lower()
         for maker in ("ecoflex", "dragon", "sylgard", "ninja", "logitech", "arduino", "ws2812"):

@@ -8,7 +8,6 @@ from neurotouch_hid.gel_making.cameras import CAMERAS, HANDS, WAYS
 from neurotouch_hid.geometry import PAPER_GEL
 from tests.gel_making.plans import plan, read, write
 
-
 GRID = ("square, pitch_mm: 4, radius_mm: 30", "grid, columns: 9, rows: 7, pitch_mm: 4")
 
 
@@ -40,8 +39,7 @@ def test_a_point_that_a_shiny_skin_mirrors_obeys_the_law_of_reflection():
         normal /= np.hypot(*normal)
         lens, led = np.array([0.0, -made.distance]), np.array([made.radius, -made.led_depth])
         angles = [
-            np.arccos(np.dot(normal, end - place) / np.hypot(*(end - place)))
-            for end in (lens, led)
+            np.arccos(np.dot(normal, end - place) / np.hypot(*(end - place))) for end in (lens, led)
         ]
         found.append(abs(angles[0] - angles[1]))
     assert min(found) < 0.01

@@ -10,8 +10,8 @@ import pytest
 import trimesh
 
 from neurotouch_hid import open_gel
-from neurotouch_hid.gel_making.parts import make_parts
 from neurotouch_hid.gel_making.mesh_files import write_stl
+from neurotouch_hid.gel_making.parts import make_parts
 from neurotouch_hid.gel_making.plan import N_LEDS
 from neurotouch_hid.recording.clip import Picture
 from neurotouch_hid.recording.clip_writer import ClipWriter
@@ -157,9 +157,7 @@ def test_a_finger_that_drags_the_skin_plays(scene, rest, tmp_path):
     held_us = [(75 + len(steps) + 5) * FRAME_US, (75 + len(steps) + 24) * FRAME_US]
     first_us = touches[0].t_us
     kinds = [
-        touch
-        for touch in touches
-        if held_us[0] < touch.t_us - first_us < held_us[1] - 5 * FRAME_US
+        touch for touch in touches if held_us[0] < touch.t_us - first_us < held_us[1] - 5 * FRAME_US
     ]
     assert len(kinds) > 5
     assert np.mean([touch.kind == "push" for touch in kinds]) > 0.9
