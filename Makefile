@@ -77,7 +77,7 @@ system-test: $(VENV)/.dev ## the newest package of dist/ in a whole Debian: inst
 
 lock: $(VENV)/.dev ## write which libraries the package carries, by hash
 	$(BIN)/uv pip compile --no-config --generate-hashes --universal --python-version 3.11 --quiet \
-		--extra lsl --extra osc --no-annotate --custom-compile-command "make lock" pyproject.toml -o $(LOCK)
+		--extra gel --extra lsl --extra osc --no-annotate --custom-compile-command "make lock" pyproject.toml -o $(LOCK)
 
 clean: ## remove everything that the tasks made
 	rm -rf $(VENV) .cache dist build docs/_build .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -179,8 +179,8 @@ def _explain_light(plan: Plan) -> list[str]:
 def _assemble(plan: Plan) -> list[str]:
     check = (
         "Put <code>gel.yaml</code> into <code>~/.config/neurotouch/</code>, and run "
-        "<code>neurotouch gel check SOURCE</code>, with the camera as SOURCE: <code>video:</code> or "
-        "<code>davis:</code>. It says what to change. Turn the lens until the dots are sharp."
+        "<code>neurotouch gel check SOURCE</code>, with the camera as SOURCE: <code>video:</code> "
+        "or <code>davis:</code>. It says what to change. Turn the lens until the dots are sharp."
     )
     if plan.way == "evening":
         return [
