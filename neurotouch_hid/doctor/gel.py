@@ -220,7 +220,7 @@ class GelView:
 
     @cached_property
     def figures(self) -> GelFigures | None:
-        """What the frames show of the gel; None without frames."""
+        """The gel as the frames show it; None without frames."""
         if self.seen is None or not self.seen.frames:
             return None
         return examine_frames(self.seen.frames, self._made)

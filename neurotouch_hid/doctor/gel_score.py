@@ -1,4 +1,4 @@
-"""Scores a gel that somebody has made: what a camera sees of it, against its file."""
+"""Scores a gel that a person has made: what a camera sees of it, against its file."""
 
 import math
 from collections.abc import Iterator

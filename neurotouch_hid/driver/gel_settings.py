@@ -221,7 +221,7 @@ class GelSettings(Strict):
 
     making: Making = Field(
         default_factory=Making,
-        description="How the gel is made. Only `neurotouch gel` uses it. Default: a cast dome on a "
+        description="The way to make the gel, and its camera. Only `neurotouch gel` uses it. Default: a cast dome on a "
         "webcam.",
     )
 
@@ -273,7 +273,7 @@ def gel_schema() -> dict[str, Any]:
 
 
 class GelFile(NamedTuple):
-    """What a gel's file says.
+    """The content of a gel's file.
 
     Attributes:
         settings: its values.

@@ -13,7 +13,7 @@ PIT_MM: Final = 0.8
 
 
 Way = Literal["evening", "printed", "cast"]
-"""How a gel is made."""
+"""The ways to make a gel."""
 
 Pixels = Annotated[int, Field(ge=120, le=8000)]
 
@@ -42,7 +42,7 @@ class Camera(Strict):
     )
     fill: Annotated[float, Field(ge=0.4, le=0.95)] = Field(
         default=0.88,
-        description="Share of the picture's height that the gel shall fill. Default: 0.88.",
+        description="Share of the picture's height that the gel fills. Default: 0.88.",
     )
     seat: Literal["board", "straps"] = Field(
         default="straps",
@@ -68,7 +68,7 @@ class Camera(Strict):
 
 
 class Making(Strict):
-    """How the gel is made; only `neurotouch gel` reads it."""
+    """The way to make the gel; only `neurotouch gel` reads it."""
 
     way: Way = Field(
         default="cast",

@@ -1,4 +1,4 @@
-"""What a person has to buy or find, by its property: makers and shops change."""
+"""The things that a person has to buy or find, by property: makers and shops change."""
 
 import csv
 from io import StringIO

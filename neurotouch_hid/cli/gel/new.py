@@ -72,7 +72,7 @@ def command(
     own = (width, height, view)
     if camera != "own" and any(each is not None for each in own):
         raise WrongUsage(
-            "--width, --height and --view are for --camera own.",
+            "The options --width, --height and --view are for --camera own.",
             hint="Add --camera own, or leave them out.",
         )
     cameras = {key: what for key, (what, _) in CAMERAS.items()}
@@ -96,7 +96,7 @@ def command(
 def _ask(question: str, option: str, choices: Mapping[str, str]) -> str:
     if not sys.stdin.isatty():
         raise WrongUsage(
-            f"{option} is missing, and there is no terminal to ask.",
+            f"The option {option} is missing, and there is no terminal to ask.",
             hint=f"Add {option} and one of: {', '.join(choices)}.",
         )
     return list(choices)[choose(question, list(choices.values()), default=0)]
@@ -112,7 +112,7 @@ def _describe_camera(width: int | None, height: int | None, view: float | None) 
     ]
     if missing and not sys.stdin.isatty():
         raise WrongUsage(
-            f"--camera own needs {', '.join(missing)}.",
+            f"The camera 'own' needs {', '.join(missing)}.",
             hint="The data sheet of the camera says them.",
         )
     if width is None:
