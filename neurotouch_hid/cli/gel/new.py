@@ -10,6 +10,7 @@ import click
 from neurotouch_hid.cli.ui.options import Finite
 from neurotouch_hid.cli.ui.output import choose, echo, save_text
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
+from neurotouch_hid.errors import NeuroTouchError
 
 if TYPE_CHECKING:
     from neurotouch_hid.driver.making_settings import Camera
@@ -65,7 +66,7 @@ def command(
 
     path = file or find_gel_folder() / FILE
     if path.exists() and not force:
-        raise WrongUsage(
+        raise NeuroTouchError(
             f"There is a gel '{path}' already.",
             hint="Give another FILE, or add --force to replace it.",
         )

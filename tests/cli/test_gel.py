@@ -1,0 +1,131 @@
+"""``neurotouch gel``: as a person and as a script type it."""
+
+import json
+import os
+import pty
+import select
+import subprocess
+import sys
+
+import pytest
+from click.testing import CliRunner
+
+from neurotouch_hid.cli.main import cli
+from neurotouch_hid.driver.gel_settings import find_gel_folder, load_gel
+from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.geometry import PAPER_GEL
+
+ANSWERS = ("--camera", "webcam", "--hand", "large", "--way", "evening")
+
+
+@pytest.fixture(autouse=True)
+def home(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def run(*words):
+    result = CliRunner().invoke(cli, ["gel", *map(str, words)])
+    error = result.exception
+    if isinstance(error, NeuroTouchError):
+        return f"{error.message}\n{error.hint}", error.exit_code
+    if error is not None and not isinstance(error, SystemExit):
+        raise error
+    return result.output, result.exit_code
+
+
+def test_from_the_questions_to_the_folder_without_a_terminal(home):
+    output, code = run("new", *ANSWERS)
+    assert code == 0
+    path = find_gel_folder() / "gel.yaml"
+    assert str(path) in output
+    assert load_gel(path).n_markers == 177
+    output, code = run("show", "--svg", "gel.svg")
+    assert code == 0
+    assert "86 mm" in output
+    assert (home / "gel.svg").read_text().startswith("<svg")
+    output, code = run("make", "out")
+    assert code == 0
+    assert "Nobody has built this yet" in output
+    assert (home / "out/stencil.pdf").exists()
+    assert (home / "out/gel.yaml").read_bytes() == path.read_bytes()
+    first = {each.name: each.read_bytes() for each in (home / "out").iterdir()}
+    output, code = run("make", "out")
+    assert code == 1
+    assert "--force" in output
+    assert run("make", "out", "--force")[1] == 0
+    assert {each.name: each.read_bytes() for each in (home / "out").iterdir()} == first
+
+
+def test_a_file_that_is_there_stays(home):
+    (home / "mine.yaml").write_text("mine")
+    output, code = run("new", "mine.yaml", *ANSWERS)
+    assert code == 1
+    assert "--force" in output
+    assert (home / "mine.yaml").read_text() == "mine"
+    output, code = run("new", "mine.yaml", *ANSWERS, "--force", "--name", "try")
+    assert code == 0
+    assert load_gel(home / "mine.yaml").name == "try"
+
+
+def test_the_same_figures_as_json():
+    output, code = run("show", "paper", "--json")
+    assert code == 0
+    figures = json.loads(output)
+    assert figures["dots"] == PAPER_GEL.n_markers
+    assert figures["px_per_mm"] == pytest.approx(2.5, abs=0.03)
+    assert 0.55 < figures["fill"] < 0.61
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "part"),
+    [
+        (("new",), 2, "--camera"),
+        (("new", "a.yaml", "--camera", "own", "--hand", "small", "--way", "cast"), 2, "--width"),
+        (("new", "a.yaml", *ANSWERS, "--width", "640"), 2, "--camera own"),
+        (("new", "a.yaml", *ANSWERS, "--name", "a b"), 6, "name"),
+        (("new", "none/a.yaml", *ANSWERS), 1, "cannot be written"),
+        (("show", "nothing.yaml"), 6, "nothing.yaml"),
+        (("make", "out", "--gel", "nothing"), 6, "nothing"),
+        (("check", "sim:nothing"), 3, "nothing"),
+        (("check", "file:none.aedat4"), 4, "none.aedat4"),
+    ],
+)
+def test_wrong_words_are_answered(home, words, code, part):
+    output, found = run(*words)
+    assert found == code, output
+    assert part in output
+    assert not (home / "a.yaml").exists()
+
+
+def test_the_questions_are_asked_in_a_terminal(home):
+    """Three questions, each answered by its number."""
+    ours, theirs = pty.openpty()
+    command = [sys.executable, "-m", "neurotouch_hid", "gel", "new", "asked.yaml"]
+    with subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=theirs) as process:
+        os.close(theirs)
+        said = b""
+        for answer in (b"3\n", b"1\n", b"3\n"):
+            begin = len(said)
+            while b"Number" not in said[begin:]:
+                assert select.select([ours], [], [], 120.0)[0]
+                said += os.read(ours, 4096)
+            os.write(ours, answer)
+        assert process.wait(120) == 0
+    os.close(ours)
+    gel = load_gel(home / "asked.yaml")
+    assert gel.radius_mm == 24.0
+    text = (home / "asked.yaml").read_text()
+    assert "name: board" in text
+    assert "way: cast" in text
+
+
+def test_a_simulated_gel_is_checked():
+    output, code = run("check", "sim:rest", "--json")
+    score = json.loads(output)
+    assert score["figures"]["source"] == "SIMULATED sim:rest"
+    if score["figures"]["found"]:
+        assert code == 0
+        assert {each["check"] for each in score["findings"]} >= {"dots", "glare", "focus", "scale"}
