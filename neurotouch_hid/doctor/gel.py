@@ -1,12 +1,13 @@
 """Checks the camera's data: events and frames, the gel with its markers, and its rest."""
 
 import time
-from collections.abc import Iterable, Sequence
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,6 +55,10 @@ MOST_OFF_CENTRE_PX: Final = 25.0
 """Offset at which the outermost markers leave the picture: the dome's radius is 75 px of 130."""
 
 _MOST_DRIFT_MM: Final = 0.3
+
+_WATCH_US: Final = 500_000
+_N_WATCHED: Final = 10
+"""Frames from which a picture is judged while a person turns the lens."""
 
 _SAME_PX: Final = 4.0
 """A dot this near to the place of a marker is that marker; markers are 10 px apart."""
@@ -225,12 +230,33 @@ class GelView:
             return None
         return examine_frames(self.seen.frames, self._made)
 
-    def _open(self, stack: ExitStack) -> tuple[str, Iterable[EventPacket]] | None:
+    def watch(self) -> Iterator[Seen]:
+        """Yields the newest frames twice a second, until the source ends."""
+        with ExitStack() as stack:
+            opened = self._open(stack, speed="recorded")
+            if opened is None:
+                return
+            name, packets = opened
+            frames: deque[Frame] = deque(maxlen=_N_WATCHED)
+            told_us = 0
+            for packet in packets:
+                frames += packet.frames
+                if not frames or packet.t_end_us - told_us < _WATCH_US:
+                    continue
+                told_us = packet.t_end_us
+                view = packets.view if isinstance(packets, PictureSource) else None
+                seconds = 1e-6 * (frames[-1].t_us - frames[0].t_us)
+                is_video = self._is_video or isinstance(packets, PictureSource)
+                yield Seen(name, seconds, 0, 0, tuple(frames), is_video=is_video, view=view)
+
+    def _open(
+        self, stack: ExitStack, speed: Literal["recorded", "max"] = "max"
+    ) -> tuple[str, Iterable[EventPacket]] | None:
         """Returns the source's name and its packets; None without a source."""
         if self._source is not None:
             source = open_source(
                 self._source,
-                speed="max",
+                speed=speed,
                 camera=load_camera_config(),
                 gel=self._made,
                 finder=GelFinder(self._made),

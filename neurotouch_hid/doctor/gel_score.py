@@ -12,12 +12,11 @@ from neurotouch_hid.doctor.finding import CheckStatus, Finding, approve, fail, s
 from neurotouch_hid.doctor.gel import (
     LEAST_CONTRAST,
     MOST_OFF_CENTRE_PX,
-    GelFigures,
     Seen,
     measure_contrast,
 )
 from neurotouch_hid.gel_making.plan import Plan
-from neurotouch_hid.gel_sentences import MOST_OFF, explain_gel
+from neurotouch_hid.gel_sentences import MOST_OFF, explain_gel, name_dots
 from neurotouch_hid.geometry import Gel, Rig, fit_rig
 from neurotouch_hid.messages import (
     SENSOR_HEIGHT_PX,
@@ -31,6 +30,7 @@ from neurotouch_hid.tracker.diagnosis import find_glints, measure_gel
 from neurotouch_hid.tracker.lattice import Lattice, LatticeFinder
 from neurotouch_hid.tracker.sharpness import is_blurred
 
+_TROUBLES: Final = (CheckStatus.FAILED, CheckStatus.WARNING)
 _LEAST_SHARE: Final = 0.9
 """Share of the dots that a good gel has; the recogniser plays with fewer."""
 _MOST_GLARE: Final = 0.3
@@ -71,6 +71,25 @@ class GelScore:
     findings: tuple[Finding, ...]
 
     @property
+    def line(self) -> str:
+        """The most important figures in a line, and the first thing to change."""
+        figures = self.figures
+        if figures.get("dots_found") is None:
+            parts = []
+        else:
+            parts = [
+                f"{figures['dots_found']} of {figures['dots']} dots",
+                f"blurred by {figures['blur_px']:.1f} px",
+                f"{100 * figures['fill']:.0f} % of the height",
+                f"contrast {figures['contrast']}",
+            ]
+        trouble = next(
+            (each for each in self.findings if each.status in _TROUBLES and each.fix), None
+        )
+        parts.append("all in order" if trouble is None else f"{trouble.sentence} {trouble.fix}")
+        return "; ".join(parts)
+
+    @property
     def is_good(self) -> bool:
         """True if nothing failed."""
         return all(each.status is not CheckStatus.FAILED for each in self.findings)
@@ -80,21 +99,19 @@ class GelScore:
         return {"figures": self.figures, "findings": [each.as_json() for each in self.findings]}
 
 
-def score_gel(
-    seen: Seen | None, figures: GelFigures | None, plan: Plan, *, planned: bool
-) -> GelScore:
+def score_gel(seen: Seen | None, state: GelState | None, plan: Plan, *, planned: bool) -> GelScore:
     """Scores the gel that some frames show.
 
     Args:
         seen: the data of some seconds; None if the source could not be opened.
-        figures: what the doctor finds in them; None without frames.
+        state: what the rest detector says of them; None without frames.
         plan: the gel as its file describes it.
         planned: the file says which camera looks at it, so the scale can be compared.
     """
-    if seen is None or figures is None:
+    if seen is None or state is None:
         finding = fail("There is no picture.", "Check the camera: neurotouch doctor")
         return GelScore({}, (replace(finding, check="gel"),))
-    picture = _Picture(seen, figures.state, plan)
+    picture = _Picture(seen, state, plan)
     findings = picture.judge(planned=planned)
     return GelScore(picture.list_figures(), tuple(findings))
 
@@ -178,7 +195,8 @@ class _Picture:
             return approve(f"{n} of {n} dots.")
         why = explain_gel(replace(self._state, problem=GelProblem.MISSING))
         many = len(missing) > (1.0 - _LEAST_SHARE) * n
-        sentence = f"{n - len(missing)} of {n} dots: {why.why}."
+        named = name_dots(missing, self._gel)
+        sentence = f"{n - len(missing)} of {n} dots. Missing or too faint: {named}."
         return (fail if many else warn)(sentence, why.fix)
 
     def _judge_places(self) -> Finding:

@@ -221,8 +221,8 @@ class GelSettings(Strict):
 
     making: Making = Field(
         default_factory=Making,
-        description="The way to make the gel, and its camera. Only `neurotouch gel` uses it. Default: a cast dome on a "
-        "webcam.",
+        description="The way to make the gel, and its camera. Only `neurotouch gel` uses it. "
+        "Default: a cast dome on a webcam.",
     )
 
     @model_validator(mode="after")

@@ -7,9 +7,10 @@ import numpy as np
 from neurotouch_hid.gel_making.plan import N_LEDS, PLATE_MM, RING_MM, TRAVEL_MM, Plan
 from neurotouch_hid.gel_making.sheet import GREY, Circle, Path, Sheet, Words
 
-_MARGIN: Final = 12.0
 _WALL: Final = 2.4
 _SMALL: Final = 3.6
+_READABLE: Final = 120.0
+"""The words of a taller drawing are larger, because a page shows it smaller."""
 
 Point = tuple[float, float]
 
@@ -18,7 +19,10 @@ def draw_cut(plan: Plan) -> Sheet:
     """Returns the gel and its housing cut through the middle, with the camera's field, 1:1."""
     top = plan.height + plan.skin + 6.0
     left = plan.flange + 8.0
-    width, height = left + plan.flange + 74.0, top - plan.bottom_z + 16.0
+    bottom = -plan.distance - 18.0 if plan.way == "evening" else plan.bottom_z
+    height = top - bottom + 8.0
+    grow = max(1.0, height / _READABLE)
+    width = left + plan.flange + 12.0 + 62.0 * grow
     sheet = Sheet(width, height, f"The gel {plan.gel.name} on its camera, cut through the middle")
 
     def at(x: float, z: float) -> Point:
@@ -39,7 +43,7 @@ def draw_cut(plan: Plan) -> Sheet:
     lens = at(0.0, -plan.distance)
     sheet.add(Path((lens, *dome), 0.0, closed=True, fill=0.92))
     if plan.way != "evening":
-        tube, bottom, ledge = plan.tube, plan.bottom_z, -plan.led_depth - RING_MM
+        tube, ledge = plan.tube, -plan.led_depth - RING_MM
         outer = tube + _WALL
         fill(
             [
@@ -65,6 +69,9 @@ def draw_cut(plan: Plan) -> Sheet:
         inner, far = plan.radius + 3.0, plan.flange
         low, high = plan.skin, plan.skin + 3.0
         fill([(inner, low), (far, low), (far, high), (inner, high)], GREY)
+    else:
+        wall = plan.flange - 2.0
+        sheet.line(at(-wall, 0.0), at(-wall, bottom), at(wall, bottom), at(wall, 0.0), dash=True)
     flange = [(plan.radius, 0.0), (plan.flange, 0.0), (plan.flange, plan.skin)]
     fill([*flange, (plan.radius + 0.03 * plan.skin, plan.skin)], 0.2)
     inner_line = list(zip(r.tolist(), plan.find_height(r).tolist(), strict=True))
@@ -72,27 +79,30 @@ def draw_cut(plan: Plan) -> Sheet:
     for side in (-1.0, 1.0):
         sheet.line(lens, at(side * plan.radius, 0.0), dash=True)
     box = 0.5 * min(plan.camera.lens_mm, 24.0)
-    eye, down = -plan.distance, -plan.distance - 10.0
+    eye, down = -plan.distance, min(-plan.distance - 10.0, plan.seat_z)
     sheet.add(
         Path((at(-box, eye), at(box, eye), at(box, down), at(-box, down)), 0.4, True, fill=1.0),
-        Words(*at(0.0, eye - 6.5), "camera", _SMALL, "middle"),
+        Words(*at(0.0, eye - 6.5), "camera", _SMALL * min(grow, 1.4), "middle"),
     )
     x = plan.flange + 6.0
+    tall = f"{plan.height:g} mm high" if plan.height else "flat"
     facts = [
-        (plan.height + plan.skin, f"skin: {2 * plan.radius:g} mm wide, {plan.height:g} mm high"),
-        (-plan.led_depth, f"LEDs: {plan.led_depth:.0f} mm below the rim"),
+        (plan.height + plan.skin, f"skin: {2 * plan.radius:g} mm wide, {tall}"),
         (-0.5 * plan.distance, f"{plan.distance:.0f} mm from the rim to the lens"),
         (eye, f"lens: {plan.camera.view_deg:g}° from top to bottom"),
     ]
-    if plan.way != "evening":
+    if plan.way == "evening":
+        facts.append((bottom + 2.0, "box, closed against light"))
+    else:
+        facts.insert(1, (-plan.led_depth, f"LEDs: {plan.led_depth:.0f} mm below the rim"))
         facts.append((plan.seat_z, f"plate: {TRAVEL_MM:g} mm up or down"))
         facts.append((plan.bottom_z + 1.0, f"body: {-plan.bottom_z:.0f} mm high"))
     before = 1e9
     for z, text in facts:
-        place = min(z, before - 6.0)
+        place = min(z, before - 6.0 * grow)
         before = place
         sheet.line(at(x - 4.0, z), at(x + 1.0, place), width=0.15)
-        sheet.add(Words(*at(x + 2.0, place - 1.2), text, _SMALL))
+        sheet.add(Words(*at(x + 2.0, place - 1.2), text, _SMALL * grow))
     return sheet
 
 

@@ -20,7 +20,8 @@ h1 { font-size: 20pt; } h2 { font-size: 14pt; margin-top: 9mm; break-after: avoi
 table { border-collapse: collapse; width: 100%; } tr, figure { break-inside: avoid; }
 th, td { border: 0.3mm solid #000; padding: 1mm 2mm; text-align: left; vertical-align: top; }
 th { background: #e6e6e6; }
-figure { margin: 4mm 0; } figcaption { font-size: 10pt; } svg { max-width: 100%; height: auto; }
+figure { margin: 4mm 0; } figcaption { font-size: 10pt; }
+svg { max-width: 100%; max-height: 95mm; height: auto; }
 li { margin: 1.5mm 0; } code { font-size: 10pt; }
 """
 
@@ -45,6 +46,7 @@ def write_page(plan: Plan, parts: Sequence[Part], needs: Sequence[Need]) -> str:
         needs: what is bought.
     """
     gel, name = plan.gel, escape(plan.gel.name)
+    high = f"{plan.height:g} mm high" if plan.height else "flat"
     lines = [
         "<!doctype html>",
         '<html lang="en"><head><meta charset="utf-8">',
@@ -52,7 +54,7 @@ def write_page(plan: Plan, parts: Sequence[Part], needs: Sequence[Need]) -> str:
         f"<title>Make the gel {name}</title><style>{_STYLE}</style></head><body><main>",
         f"<h1>{_TITLES[plan.way]}</h1>",
         f"<p>Gel “{name}”: {gel.n_markers} dots of {gel.dot_mm:g} mm, {gel.pitch_mm:.3g} mm "
-        f"apart, {2 * plan.radius:g} mm wide, {plan.height:g} mm high. Camera "
+        f"apart, {2 * plan.radius:g} mm wide, {high}. Camera "
         f"“{escape(plan.camera.name)}”, {plan.distance:.0f} mm below.</p>",
         '<section class="untested"><h2 style="margin-top:0">Nobody has built this yet</h2>',
         "<p>A program has drawn all of this, and programs have checked it. No person has made it. "
@@ -182,11 +184,16 @@ def _assemble(plan: Plan) -> list[str]:
         "<code>neurotouch gel check SOURCE</code>, with the camera as SOURCE: <code>video:</code> "
         "or <code>davis:</code>. It says what to change. Turn the lens until the dots are sharp."
     )
+    directions = (
+        "From below, left and right are exchanged. Run <code>neurotouch doctor --source SOURCE "
+        "--directions</code>: it asks for a push and a twist, and saves what it finds."
+    )
     if plan.way == "evening":
         return [
             f"Stand the camera in the box, its lens {plan.distance:.0f} mm below the skin, in the "
             "middle. Close the box against light from outside.",
             check,
+            directions,
         ]
     seat = (
         "Screw the board below the camera's plate, the lens through the hole."
@@ -201,6 +208,7 @@ def _assemble(plan: Plan) -> list[str]:
         "Lay the skin on the body, the clamp on it, and turn the six screws in. They must hold the "
         "skin, not squeeze it.",
         f"{check} Move the plate by up to {TRAVEL_MM:g} mm if it says so, then tighten the screws.",
+        directions,
     ]
 
 

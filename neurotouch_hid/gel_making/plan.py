@@ -124,8 +124,11 @@ class Plan:
     def find_reflections(self) -> list[float]:
         """Returns at which distances from the axis a shiny skin would mirror an LED, mm.
 
-        There the skin turns the light of an LED into the lens. A dull skin shows nothing.
+        There the skin turns the light of an LED into the lens. A dull skin shows nothing. Nobody
+        knows the place of the lamp of a first evening.
         """
+        if self.way == "evening":
+            return []
         r = np.linspace(-self.radius, self.radius, 4001)
         place = np.column_stack([r, self.find_height(np.abs(r))])
         lens, led = np.array([0.0, -self.distance]), np.array([self.radius, -self.led_depth])

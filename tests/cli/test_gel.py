@@ -129,3 +129,12 @@ def test_a_simulated_gel_is_checked():
     if score["figures"]["found"]:
         assert code == 0
         assert {each["check"] for each in score["findings"]} >= {"dots", "glare", "focus", "scale"}
+
+
+def test_a_person_who_turns_the_lens_hears_what_changes():
+    output, code = run("check", "sim:push-left", "--live")
+    assert code == 0
+    lines = output.splitlines()
+    assert lines
+    assert any("177 of 177 dots" in line for line in lines)
+    assert all(a != b for a, b in zip(lines, lines[1:], strict=False))

@@ -59,7 +59,7 @@ def change(frames, paint):
 
 def score(frames, *, planned=True, is_video=False, hz=25.0, view=None, plan=PLAN):
     seen = Seen("sim:rest", len(frames) / hz, 0, 0, tuple(frames), is_video=is_video, view=view)
-    return score_gel(seen, examine_frames(seen.frames, plan.gel), plan, planned=planned)
+    return score_gel(seen, examine_frames(seen.frames, plan.gel).state, plan, planned=planned)
 
 
 def troubles(result):
@@ -88,6 +88,8 @@ def test_a_good_gel_has_no_fault(good):
     assert figures["px_per_mm"] == pytest.approx(2.5, abs=0.1)
     assert figures["fill"] == pytest.approx(0.58, abs=0.03)
     assert 0.15 < figures["intensity_error_mm"] < 0.3
+    assert result.line.startswith("177 of 177 dots; blurred by 0.")
+    assert result.line.endswith("; all in order")
 
 
 def test_three_missing_dots_are_named(good):
@@ -96,6 +98,7 @@ def test_three_missing_dots_are_named(good):
     bad = troubles(result)
     assert set(bad) == {"dots"}
     assert "174 of 177 dots" in bad["dots"].sentence
+    assert bad["dots"].sentence.count("row") == 3
     assert result.figures["missing"] == lacking
     assert result.is_good
 
@@ -136,6 +139,12 @@ def test_a_lens_out_of_focus():
     bad = troubles(score(simulate(SimulatorConfig(sensor=SensorConfig(blur_px=2.2)))))
     assert "focus" in bad
     assert "lens" in bad["focus"].fix
+
+
+def test_a_line_says_the_first_thing_to_change():
+    result = score(simulate(SimulatorConfig(sensor=SensorConfig(blur_px=2.2))))
+    assert "Turn the lens" in result.line
+    assert "blurred by 2." in result.line
 
 
 @pytest.mark.parametrize(("px_per_mm", "way", "off_mm"), [(1.9, "nearer", 41), (3.2, "away", 28)])

@@ -9,22 +9,28 @@ from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_
 @click.command(
     epilog="\b\nExamples:\n"
     "  neurotouch gel check video:\n"
+    "  neurotouch gel check video: --live          while you turn the lens\n"
     "  neurotouch gel check video: --gel try.yaml\n"
     "  neurotouch gel check sim:push\n"
     "  neurotouch gel check video: --json\n\n"
     "Exit code 0 if nothing failed, 1 otherwise. The driver must not use the camera meanwhile."
 )
 @click.argument("source")
+@click.option(
+    "--live",
+    is_flag=True,
+    help="Print a line twice a second while you turn the lens, until Ctrl-C.",
+)
 @gel_option
 @plain_option
 @json_option
-def command(source: str, gel: str | None, plain: bool, as_json: bool) -> None:
+def command(source: str, live: bool, gel: str | None, plain: bool, as_json: bool) -> None:
     """Look at the gel of SOURCE for five seconds, and compare it with its file.
 
     SOURCE is video: (a webcam), davis:, file:NAME (a recording) or sim:NAME. Leave the gel
     untouched. The picture with boxes around the dots is in your cache folder.
     """
-    from neurotouch_hid.doctor.gel import GelView
+    from neurotouch_hid.doctor.gel import GelView, examine_frames
     from neurotouch_hid.doctor.gel_score import score_gel
     from neurotouch_hid.driver.gel_settings import find_gel_file, load_gel_file
     from neurotouch_hid.gel_making.plan import make_plan
@@ -35,7 +41,18 @@ def command(source: str, gel: str | None, plain: bool, as_json: bool) -> None:
     plan = make_plan(gel_file.settings)
     view = GelView(source=source, gel=gel)
     planned = "making" in gel_file.settings.model_fields_set
-    score = score_gel(view.seen, view.figures, plan, planned=planned)
+    if live:
+        said = ""
+        for seen in view.watch():
+            score = score_gel(
+                seen, examine_frames(seen.frames, plan.gel).state, plan, planned=planned
+            )
+            if score.line != said:
+                said = score.line
+                echo(said)
+        return
+    state = None if view.figures is None else view.figures.state
+    score = score_gel(view.seen, state, plan, planned=planned)
     if as_json:
         print_json(score.as_json())
     else:
