@@ -144,15 +144,15 @@ class _Picture:
 
     def judge(self, *, planned: bool) -> list[Finding]:
         """Returns all findings, each with its name."""
-        found = [
+        found = [  # causes before what they cause: a picture out of focus is faint, too
             ("gel", self._judge_gel()),
+            ("focus", self._judge_focus()),
+            ("scale", self._judge_scale(planned=planned)),
+            ("middle", self._judge_middle()),
             ("dots", self._judge_dots()),
             ("places", self._judge_places()),
             ("contrast", self._judge_contrast()),
             ("glare", self._judge_glare()),
-            ("scale", self._judge_scale(planned=planned)),
-            ("middle", self._judge_middle()),
-            ("focus", self._judge_focus()),
             ("intensity", self._judge_intensity()),
         ]
         return [replace(finding, check=name) for name, finding in found]
