@@ -1,5 +1,7 @@
 """What is wrong with the gel, on the page: seen, drawn, beside the drawing in words, heard once."""
 
+from dataclasses import replace
+
 import pytest
 
 from neurotouch_hid.gel_sentences import report_gel
@@ -64,3 +66,10 @@ def test_dots_that_are_missing_are_drawn_and_named_beside_the_drawing(play):
     driver.show(gel=report_gel(FOUND))
     wait_for(page, "gel-words", "The gel is found.")
     assert page.locator("#disc").screenshot() == whole
+
+
+def test_while_a_person_turns_the_lens_the_page_says_how_sharp_the_dots_are(play):
+    page, driver = play("live")
+    for blur_px in (1.2, 0.7, 0.3):
+        driver.show(gel=report_gel(replace(FOUND, blur_px=blur_px)))
+        wait_for(page, "gel-words", f"Blur of a dot: {blur_px} px.")

@@ -142,13 +142,14 @@ function showTitles(state) {
   say("rest", !isSeen ? "no gel" : atRest ? `neutral, ${hand}` : state.gesture.phase);
 }
 
-function describeGel({ found, text, missing, named, px_per_mm }) {
+function describeGel({ found, text, missing, named, px_per_mm, blur_px }) {
   const words = [`The gel is ${text}.`];
   if (missing.length) {
     const dots = missing.length === 1 ? "1 dot is" : `${missing.length} dots are`;
     words.push(`${dots} not seen (a cross each): ${named}, counted from the top left.`);
   }
   if (found && px_per_mm) words.push(`Scale: ${px_per_mm} px/mm.`);
+  if (found && blur_px !== null) words.push(`Blur of a dot: ${blur_px} px.`);
   return words.join(" ");
 }
 
