@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING, Final
 
+from neurotouch_hid.driver.making_settings import THINNEST_MM
 from neurotouch_hid.gel_making.plan import (
     LED_MM,
     N_LEDS,
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 _WALL_MM, _TOP_MM, _FOOT_MM, _CLAMP_MM = 2.4, 8.0, 3.0, 3.0
 _PILOT_MM: Final = 2.6  # a screw M3 cuts its own thread
 _PLAY_MM: Final = 0.3
+_SLOTS_DEG: Final = (60.0, 120.0, 240.0, 300.0)  # away from doors, notch and board
 _DOOR_MM, _ARCH_MM = 14.0, 44.0
 _BOARD_MM: Final = (13.0, 17.5)  # half of the distance of a board's holes, both ways
 
@@ -41,8 +43,8 @@ def make_clamp(plan: Plan) -> "Manifold":
         [
             (inner, 0.0),
             (plan.flange, 0.0),
-            (plan.flange, _CLAMP_MM - 1.0),
-            (plan.flange - 1.0, _CLAMP_MM),
+            (plan.flange, _CLAMP_MM - 0.5),
+            (plan.flange - 0.5, _CLAMP_MM),
             (inner + 1.5, _CLAMP_MM),
             (inner, _CLAMP_MM - 1.5),
         ]
@@ -82,7 +84,7 @@ def make_body(plan: Plan) -> "Manifold":
     body -= _drill(plan, _PILOT_MM, -_TOP_MM + 1.0, 1.0)
     seat = plan.seat_z + 0.5 * PLATE_MM
     slot = make_opening(HOLE_MM, seat - TRAVEL_MM, seat + TRAVEL_MM + 0.5 * HOLE_MM)
-    body -= spin(slot, spread(3, 30.0))
+    body -= spin(slot, _SLOTS_DEG)
     feet = place_around(flange - 3.2, 4, 45.0).tolist()
     body -= join(make_rod(2.0, bottom - 1.0, bottom + _FOOT_MM + 1.0, foot) for foot in feet)
     if plan.camera.seat == "straps":  # a camera wider than the body looks out on both sides
@@ -101,9 +103,8 @@ def make_camera_plate(plan: Plan) -> "Manifold":
     radius = plan.tube - 0.4
     plate = make_pipe(0.0, radius, 0.0, PLATE_MM)
     plate -= make_rod(0.5 * plan.camera.lens_mm, -1.0, PLATE_MM + 1.0)
-    pilot = make_opening(_PILOT_MM, 0.5 * (PLATE_MM - _PILOT_MM), 0.5 * PLATE_MM + _PILOT_MM, 60.0)
-    pilot = pilot.translate((radius - 8.0, 0.0, 0.0))
-    plate -= spin(pilot, spread(3, 30.0))
+    pilot = make_opening(_PILOT_MM, THINNEST_MM + 0.3, PLATE_MM - THINNEST_MM, 60.0)
+    plate -= spin(pilot.translate((radius - 8.0, 0.0, 0.0)), _SLOTS_DEG)
     notch = make_box((radius - 5.0, radius + 1.0), (-4.0, 4.0), (-1.0, PLATE_MM + 1.0))
     plate -= notch.rotate((0.0, 0.0, 90.0))
     if plan.camera.seat == "board":
@@ -112,7 +113,7 @@ def make_camera_plate(plan: Plan) -> "Manifold":
         return plate - spin(slot, spread(4, 45.0))
     at = 0.5 * plan.camera.lens_mm + 3.0
     slit = make_box((at, at + 3.0), (-3.0, 3.0), (-1.0, PLATE_MM + 1.0))
-    return plate - spin(slit, (60.0, 120.0, 240.0, 300.0))
+    return plate - spin(slit, (30.0, 150.0, 210.0, 330.0))
 
 
 def _drill(plan: Plan, diameter: float, low: float, high: float) -> "Manifold":

@@ -204,7 +204,7 @@ def _assemble(plan: Plan) -> list[str]:
         "Drop the LED ring on its ledge, the LEDs up. Its wires go down along the wall, through "
         "the notch of the camera's plate.",
         seat,
-        "Slide the plate up into the body. Put three screws with washers through the slots.",
+        "Slide the plate up into the body. Put four screws with washers through the slots.",
         "Lay the skin on the body, the clamp on it, and turn the six screws in. They must hold the "
         "skin, not squeeze it.",
         f"{check} Move the plate by up to {TRAVEL_MM:g} mm if it says so, then tighten the screws.",

@@ -174,3 +174,33 @@ def test_both_colours_are_in_one_3mf(made):
         mesh = scene.geometry[part.file]
         assert mesh.is_watertight
         assert mesh.volume == pytest.approx(part.solid.volume(), rel=1e-4)
+
+
+def find_slivers(section):
+    """The area of the largest piece that is thinner than a wall may be, mm².
+
+    What a disc as wide as the thinnest wall cannot reach is taken out; of a sharp corner that is
+    little, of a thin wall all.
+    """
+    import manifold3d
+
+    reach = 0.5 * THINNEST_MM - 0.02
+    corner = manifold3d.JoinType.Round
+    opened = section.offset(-reach, corner).offset(reach + 0.03, corner)
+    return max((piece.area() for piece in (section - opened).decompose()), default=0.0)
+
+
+MOST_MM2 = 0.7
+
+
+def test_no_cut_through_a_part_shows_a_thin_wall(parts):
+    for part, mesh in parts.values():
+        if part.file in ("dome-light", "pegs"):
+            continue  # dots are thinner
+        # A level cut through a shallow dome has sharp corners, but no thin wall.
+        for share in np.linspace(0.02, 0.98, 25 if part.file != "dome-dark" else 0):
+            area = find_slivers(part.solid.slice(float(share * mesh.bounds[1, 2])))
+            assert area < MOST_MM2, (part.file, share)
+        for angle in (0, 45, 60, 90, 120, 135):  # through doors, slots, screws and feet
+            turned = part.solid.rotate((0.0, 0.0, float(angle))).rotate((90.0, 0.0, 0.0))
+            assert find_slivers(turned.slice(0.0)) < MOST_MM2, (part.file, angle)
