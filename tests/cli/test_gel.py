@@ -6,6 +6,7 @@ import pty
 import select
 import subprocess
 import sys
+from itertools import pairwise
 
 import pytest
 from click.testing import CliRunner
@@ -137,4 +138,4 @@ def test_a_person_who_turns_the_lens_hears_what_changes():
     lines = output.splitlines()
     assert lines
     assert any("177 of 177 dots" in line for line in lines)
-    assert all(a != b for a, b in zip(lines, lines[1:], strict=False))
+    assert all(a != b for a, b in pairwise(lines))

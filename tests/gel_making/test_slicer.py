@@ -23,6 +23,8 @@ def test_every_part_is_sliced(tmp_path, way):
     for name in sorted(files):
         if not name.endswith((".stl", ".3mf")) or name == "dome-light.stl":
             continue  # dots alone would be printed in the air
+        if way == "cast" and not name.startswith(("mould", "pegs")):
+            continue  # the housing is the same
         path, out = tmp_path / name, tmp_path / f"{name}.gcode"
         path.write_bytes(files[name])
         info = subprocess.run(
