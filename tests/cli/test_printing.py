@@ -22,12 +22,12 @@ from neurotouch_hid.printable import make_lines_printable, make_printable
 EVIL = "\x1b]0;owned\a\x1b[8m\u202e\x9b2K\x7f\udc80"
 CLI = Path(neurotouch_hid.__file__).with_name("cli")
 RAW = {
-    "ui/output.py": 5,  # the one place
+    "ui/output.py": 6,  # the one place
     "main.py": 4,  # before any command is imported
     "shared/send_without_click.py": 4,  # without click; errors and client made it printable
     "monitor.py": 1,  # these three draw over their own last lines
     "record.py": 3,
-    "doctor.py": 2,  # a script, and a word in colour
+    "doctor.py": 1,  # a script
     "schema.py": 1,  # files of the program
     "completion.py": 1,
 }
