@@ -15,6 +15,7 @@ from neurotouch_hid.closing import Closing
 from neurotouch_hid.driver import REFERENCE, Driver
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.geometry import fit_rig
+from neurotouch_hid.labelling.hindsight import apply_hindsight
 from neurotouch_hid.labelling.track import Track
 from neurotouch_hid.messages import Frame, Gesture, MarkerField, Step
 from neurotouch_hid.source import PictureSource
@@ -75,7 +76,7 @@ class Moments:
     Attributes:
         t_us: (n,) int64, the middle of each frame's exposure.
         picture: (n,) int32, the place of its picture in ``pictures``; -1 before the first.
-        proposals: what the recogniser says.
+        proposals: what the recogniser says, with hindsight.
         confidence: (n,) float32, 0..1, of the proposals.
         markers_px: (n, m, 2) float32, the tracked dots; NaN before the gel is found.
         is_seen: (n, m) bool, the dot is measured, not guessed from its neighbours.
@@ -186,8 +187,10 @@ class _Collector:
             if np.isfinite(moved).any():
                 most = int(np.nanargmax(moved))
                 peak_mm[k], peak_px[k] = moved[most] / px_per_mm, field.position_px[most]
+        t_us = np.array(self._times, np.int64)
+        apply_hindsight(proposals, t_us, peak_mm, px_per_mm)
         return Moments(
-            np.array(self._times, np.int64),
+            t_us,
             np.array(self._shown, np.int32),
             proposals,
             np.array([gesture.confidence for gesture in self._said], np.float32),

@@ -108,11 +108,14 @@ function find() {
 
 const kindAt = (at) => Number(sheet.kinds[at] === WITHOUT ? recording.proposals[at] : sheet.kinds[at]);
 
+const countAt = (at) =>
+  Number((sheet.kinds[at] === WITHOUT ? recording.proposed_counts : sheet.counts)[at]);
+
 function describe() {
   if (!sheet || !recording) return "";
   const isLabelled = sheet.kinds[k] !== WITHOUT;
   const kind = kindAt(k);
-  const count = Number((isLabelled ? sheet.counts : recording.proposed_counts)[k]);
+  const count = countAt(k);
   const contacts = kind ? `, ${count} contact${count === 1 ? "" : "s"}` : "";
   return `${NAMES[kind]}${contacts}, ${isLabelled ? "confirmed" : "proposed"}.`;
 }
@@ -246,13 +249,11 @@ function remove(index) {
 
 function removeChosen() {
   const chosen = document.activeElement?.dataset?.index;
-  const label = moment && shownLabel();
-  if (label) remove(chosen === undefined ? label.contacts.length - 1 : Number(chosen));
+  remove(chosen === undefined ? countAt(k) - 1 : Number(chosen));
 }
 
 function add(place) {
-  const label = moment && shownLabel();
-  if (label && label.contacts.length < MOST_CONTACTS) {
+  if (countAt(k) < MOST_CONTACTS) {
     const [x, y] = place ?? [WIDTH / 2, HEIGHT / 2];
     change({ do: "add", k, x, y });
   } else {
@@ -307,6 +308,18 @@ function goToOpen(isBack) {
   goAlong(starts, isBack, "All moments after this one have a label.");
 }
 
+// The middle of each gesture, as labelled or proposed.
+function goToGesture(isBack) {
+  const middles = [];
+  for (let at = 0; at <= last();) {
+    let until = at;
+    while (until < last() && kindAt(until + 1) === kindAt(at)) until += 1;
+    if (kindAt(at)) middles.push((at + until) >> 1);
+    at = until + 1;
+  }
+  goAlong(middles, isBack, "No further gesture.");
+}
+
 const goToDifference = (isBack) =>
   goAlong(sheet.differences ?? [], isBack, "No further difference.");
 
@@ -345,7 +358,7 @@ function makeTypes() {
 for (const [id, act] of Object.entries({
   confirm, play, undo: () => change({ do: "undo" }), redo: () => change({ do: "redo" }),
   add: () => add(), remove: removeChosen, doubt: () => goToDoubt(false),
-  open: () => goToOpen(false), difference: () => goToDifference(false),
+  gesture: () => goToGesture(false), open: () => goToOpen(false), difference: () => goToDifference(false),
   "confirm-rest": () => change({ do: "confirm_rest" }),
 })) {
   part(id).addEventListener("click", () => { if (sheet) act(); });
@@ -358,7 +371,7 @@ part("stage").addEventListener("dblclick", (event) => {
 
 const LETTERS = {
   c: () => add(), d: (isBack) => goToDoubt(isBack), l: (isBack) => goToOpen(isBack),
-  f: (isBack) => goToDifference(isBack), a: () => change({ do: "confirm_rest" }),
+  f: (isBack) => goToDifference(isBack), g: (isBack) => goToGesture(isBack), a: () => change({ do: "confirm_rest" }),
   "[": () => mark(k, end), "]": () => mark(begin, k),
 };
 

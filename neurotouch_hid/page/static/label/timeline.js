@@ -17,6 +17,7 @@ export function makeTimeline({ whole, near, bar, go, reach }) {
   const span = () => Math.max(times.at(-1) - times[0], 1);
   // The seconds around the moment; at both ends of the recording the window stays inside.
   function range() {
+    if (dragged) return dragged.window;
     const wide = Math.min(NEAR_MS, span());
     const from = Math.max(times[0], Math.min(times[shown.k] - wide / 2, times.at(-1) - wide));
     return [from, from + wide];
@@ -116,7 +117,7 @@ export function makeTimeline({ whole, near, bar, go, reach }) {
     if (!shown) return;
     const edge = edgeAt(event);
     if (edge !== null) {
-      dragged = { edge, window: range() };
+      dragged = { edge, window: range(), from: shown.k };
       bar.setPointerCapture(event.pointerId);
     } else {
       go(momentAt(event, near, range()));
@@ -127,11 +128,16 @@ export function makeTimeline({ whole, near, bar, go, reach }) {
     if (dragged) go(momentAt(event, near, dragged.window));
     else bar.style.cursor = edgeAt(event) === null ? "pointer" : "ew-resize";
   });
+  bar.addEventListener("pointercancel", () => {
+    if (dragged) go(dragged.from);
+    dragged = null;
+  });
   bar.addEventListener("pointerup", (event) => {
     if (!dragged) return;
-    const { edge, window } = dragged;
+    const { edge, window, from } = dragged;
     dragged = null;
     const to = momentAt(event, near, window);
+    go(from); // the picture where the person was, as before
     const { kinds } = shown.sheet;
     if (to < edge) reach(to, edge - 1, Number(kinds[edge]));
     if (to > edge) reach(edge, to - 1, Number(kinds[edge - 1]));
