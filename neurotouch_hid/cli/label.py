@@ -29,7 +29,7 @@ class LabellerName(click.ParamType):  # type: ignore[type-arg]  # generic from c
         if not re.fullmatch(NAME_PATTERN, value):
             raise WrongUsage(
                 f"'{value}' cannot be a part of a file's name.",
-                hint="Use a to z, digits, - and _, at most 64: --as anna",
+                hint="Use at most 64 of a to z, digits, - and _.",
             )
         return value
 
@@ -37,9 +37,9 @@ class LabellerName(click.ParamType):  # type: ignore[type-arg]  # generic from c
 @click.command(
     epilog="\b\nExamples:\n"
     "  neurotouch label play.aedat4 --open           saves play.labels.csv\n"
-    "  neurotouch label play.mkv --as anna           saves play.anna.labels.csv\n"
-    "  neurotouch label play.mkv --as ben --beside anna\n"
-    "  neurotouch label play.mkv --as ben --beside anna --agreement\n\n"
+    "  neurotouch label clip.mkv --as anna           saves clip.anna.labels.csv\n"
+    "  neurotouch label clip.mkv --as ben --beside anna\n"
+    "  neurotouch label clip.mkv --as ben --beside anna --agreement\n\n"
     "Every change is saved at once. Ctrl-C ends the page."
 )
 @click.argument(
@@ -72,7 +72,10 @@ def command(
     It works by keyboard alone.
     """
     if agreement and beside is None:
-        raise WrongUsage("Whose labels are meant?", hint="Add the person: --beside NAME")
+        raise WrongUsage(
+            "Option --agreement needs another person's labels.",
+            hint="Add the person's name: --beside NAME.",
+        )
     if as_json and not agreement:
         raise WrongUsage("Option --json needs --agreement.", hint="Add --agreement.")
     if beside is not None and beside == labeller:

@@ -1,4 +1,4 @@
-"""How far the labels of two people agree."""
+"""Measures how far the labels of two people agree."""
 
 from dataclasses import dataclass
 

@@ -13,7 +13,7 @@ from neurotouch_hid.labelling.track import Run, Track, is_gesture
 from neurotouch_hid.messages import GestureKind
 
 _BEGIN_US: Final = 200_000
-"""A shorter part before a longer one of another type belongs to the begin of that."""
+"""A shorter part before a longer one of another type is how that one started."""
 _GAP_US: Final = 100_000
 """A shorter rest between two parts of a gesture is none."""
 VISIBLE_PX: Final = 1.0
@@ -49,7 +49,7 @@ def apply_hindsight(
 
 
 def _find_begins(track: Track, t_us: NDArray[np.int64]) -> list[tuple[range, Run]]:
-    """Returns the moments that are the begin of the gesture after them, with that gesture."""
+    """Returns the moments in which the gesture after them started, with that gesture."""
     found = []
     runs = list(track.runs())
     for i, run in enumerate(runs):

@@ -14,7 +14,7 @@ from neurotouch_hid.messages import GestureKind, Truth
 from neurotouch_hid.recording import labels_path, read_labels, write_labels
 
 _NEAR_US: Final = WITHOUT_FRAME_US // 3
-"""A label this near belongs to a moment: it may be stamped with the begin of the exposure."""
+"""A label this near belongs to a moment: it may be stamped with the start of the exposure."""
 
 
 def find_label_file(recording: Path, labeller: str | None) -> Path:

@@ -49,7 +49,7 @@ class Pictures(Closing):
         except OSError as error:
             raise RecordingError(
                 f"The pictures do not fit into {tempfile.gettempdir()}: {error.strerror}.",
-                hint="Free some space there, or name another folder: TMPDIR=FOLDER",
+                hint="Free some space there, or name another folder in TMPDIR.",
             ) from error
         self._places.append((begin, len(content)))
 

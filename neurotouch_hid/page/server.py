@@ -189,7 +189,7 @@ class Host(Protocol):
         ...
 
     async def run(self) -> None:
-        """Does what goes on beside the talks; may return."""
+        """Works beside the talks, if there is something to do."""
         ...
 
     async def serve(self, client: Client, hz: int) -> None:
