@@ -17,7 +17,14 @@ from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.geometry import fit_rig
 from neurotouch_hid.labelling.hindsight import apply_hindsight
 from neurotouch_hid.labelling.track import Track
-from neurotouch_hid.messages import Frame, Gesture, MarkerField, Step
+from neurotouch_hid.messages import (
+    SENSOR_HEIGHT_PX,
+    SENSOR_WIDTH_PX,
+    Frame,
+    Gesture,
+    MarkerField,
+    Step,
+)
 from neurotouch_hid.source import PictureSource
 from neurotouch_hid.source.view import View
 
@@ -81,7 +88,7 @@ class Moments:
         markers_px: (n, m, 2) float32, the tracked dots; NaN before the gel is found.
         is_seen: (n, m) bool, the dot is measured, not guessed from its neighbours.
         peak_mm: (n,) float32, displacement of the dot that is displaced most.
-        peak_px: (n, 2) float32, where that dot is.
+        peak_px: (n, 2) float32, where that dot is; before the gel is found, the picture's middle.
         px_per_mm: scale of the picture.
         pictures: the frames.
         view: map from a video's own pictures to the canonical one; None for other recordings.
@@ -149,7 +156,8 @@ class _Collector:
             self._begin_us = end_us
         for frame in step.packet.frames:
             self._add_frame(frame, step.markers)
-        if not self._times or end_us - self._times[-1] >= WITHOUT_FRAME_US:
+        last_us = self._times[-1] if self._times else self._begin_us
+        if end_us - last_us >= WITHOUT_FRAME_US:
             self._add(end_us, step.gesture, step.markers)
         self._progress((end_us - self._begin_us) / 1e6)
 
@@ -181,7 +189,8 @@ class _Collector:
             proposals.set(k, gesture.kind, gesture.intensity_mm, gesture.contacts_px)
         rest_px = self._fields[-1].rest_px
         px_per_mm = fit_rig(rest_px, self._fields[-1].gel).px_per_mm
-        peak_mm, peak_px = np.zeros(n, np.float32), np.zeros((n, 2), np.float32)
+        peak_mm = np.zeros(n, np.float32)
+        peak_px = np.tile(np.array([SENSOR_WIDTH_PX / 2, SENSOR_HEIGHT_PX / 2], np.float32), (n, 1))
         for k, field in enumerate(self._fields):
             moved = np.linalg.norm(field.position_px - field.rest_px, axis=1) * field.valid
             if np.isfinite(moved).any():

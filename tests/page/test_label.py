@@ -137,7 +137,7 @@ class Person:
                 x, to_x = (
                     box["x"] + (float(t_us[m]) - from_us) / wide_us * box["width"] for m in (at, to)
                 )
-                y = box["y"] + 75
+                y = box["y"] + 68
                 self.change(partial(self.drag, (x, y), (to_x, y)))
                 self.labels.put(min(at, to), self.truth.part(min(at, to), max(at, to) - 1))
 

@@ -54,10 +54,10 @@ export function makeTimeline({ whole, near, bar, go, reach }) {
     const place = (ms) => ((ms - window[0]) / (window[1] - window[0])) * width;
     context.fillStyle = colour("text");
     context.font = "12px system-ui, sans-serif";
-    const rows = [["Proposed", recording.proposals, 18], ["Yours", shown.sheet.kinds, 62]];
-    if (recording.others) rows.push([recording.other, recording.others, 94]);
+    const rows = [["Proposed", recording.proposals, 18], ["Yours", shown.sheet.kinds, 58]];
+    if (recording.others) rows.push([recording.other, recording.others, 98]);
     for (const [name, kinds, top] of rows) {
-      drawRow(context, kinds, width, window, top, kinds === recording.others ? 14 : 24);
+      drawRow(context, kinds, width, window, top, kinds === recording.others ? 14 : 20);
       context.fillStyle = colour("soft");
       context.fillText(name, 2, top - 4);
     }
@@ -70,8 +70,8 @@ export function makeTimeline({ whole, near, bar, go, reach }) {
     const edge = Math.min(shown.last + 1, times.length - 1);
     context.strokeStyle = colour("text");
     context.setLineDash(shown.isMarked ? [] : [3, 3]);
-    context.strokeRect(place(times[shown.first]), 59, place(times[edge]) - place(times[shown.first]),
-      30);
+    context.strokeRect(place(times[shown.first]), 55, place(times[edge]) - place(times[shown.first]),
+      26);
     context.setLineDash([]);
     drawLine(close, times[shown.k], window, 0, close.height);
   }
@@ -100,7 +100,7 @@ export function makeTimeline({ whole, near, bar, go, reach }) {
   function edgeAt(event) {
     const box = near.getBoundingClientRect();
     const [from, to] = range();
-    if (event.clientY - box.top < 56) return null;
+    if (event.clientY - box.top < 54) return null;
     const { kinds } = shown.sheet;
     for (let i = 1; i < times.length; i += 1) {
       if (kinds[i] === kinds[i - 1] || kinds[i] === "-" || kinds[i - 1] === "-") continue;
