@@ -37,6 +37,7 @@ _SUMMARIES = {
     "explain": "Explain the code of a fault.",
     "schema": "Print the JSON Schema of profiles, for editors.",
     "emulate": "Plug in an emulated camera, for people who have none.",
+    "label": "Label a recording by hand, at a page: proposals to confirm and correct.",
     "simulate": "Write a simulated data set, recordings with labels.",
     "evaluate": "Measure the recognition on labelled recordings, as the paper does.",
     "bench": "Measure the speed of every stage; how well a person points.",

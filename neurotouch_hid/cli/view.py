@@ -99,7 +99,6 @@ def serve_page(
     until_stdin_ends: bool = False,
 ) -> None:
     """Serves the page until Ctrl-C; calls ``tell`` with its address once it is ready."""
-    import asyncio
     import os
     import sys
 
@@ -111,22 +110,16 @@ def serve_page(
         write_address,
     )
     from neurotouch_hid.page.guard import Guard, make_token
-    from neurotouch_hid.page.server import EndBySignal, Server, open_sockets
+    from neurotouch_hid.page.hub import Hub
+    from neurotouch_hid.page.server import EndBySignal, Server, open_sockets, run_until_signal
 
     token = token or make_token()
     guard = Guard(token, listen)
-    server = Server(guard, open_sockets(listen, port), edit=edit, stamp=make_stamp)
+    hub = Hub(edit=edit, stamp=make_stamp, is_far=listen is not None)
+    server = Server(guard, open_sockets(listen, port), hub)
     address = Address(server.url, token, os.getpid(), may_edit=edit)
 
     end = EndBySignal()
-
-    async def serve() -> None:
-        stop = asyncio.Event()
-        end.tell(asyncio.get_running_loop(), stop)
-        if until_stdin_ends:  # a demo has started us and ends us, however it ends itself
-            asyncio.get_running_loop().add_reader(sys.stdin.fileno(), stop.set)
-        await server.run(stop)
-
     if read_address() is None:  # else the other commands go on finding the first one
         try:
             write_address(address)
@@ -139,7 +132,7 @@ def serve_page(
     try:
         tell(address)
         sys.stdout.flush()
-        asyncio.run(serve())
+        run_until_signal(server, end, until_stdin_ends=until_stdin_ends)  # of a demo
     finally:
         forget_address(address.pid)
 

@@ -3,6 +3,7 @@
 import asyncio
 import json
 import time
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Unpack
@@ -83,6 +84,10 @@ class Client:
 
     def tell(self, **message: Unpack[PageMessage]) -> None:
         """Queues a message; none of these is dropped, and there are few."""
+        self.queue_message(message)
+
+    def queue_message(self, message: Mapping[str, Any]) -> None:
+        """Queues a message of any page."""
         self._words.append(json.dumps(message, separators=(",", ":")))
         self._bell.set()
 

@@ -6,11 +6,12 @@ import http
 import os
 import signal
 import socket
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import Any, Final, cast
+from typing import Any, Final, Protocol, cast
 
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.datastructures import Headers
@@ -30,13 +31,12 @@ from neurotouch_hid.page.guard import (
     Guard,
     Waiting,
 )
-from neurotouch_hid.page.hub import Client, Hub
+from neurotouch_hid.page.hub import Client
 
 PORT: Final = 7878
 STREAM: Final = "/stream"
 OPEN: Final = "/open/"
 """Followed by a ticket, a slash and a page's name."""
-_OWN: Final = {"127.0.0.1", "::1"}
 STATIC: Final = Path(__file__).with_name("static")
 PAGES: Final = {
     "/": "/home/home.html",
@@ -86,6 +86,25 @@ class EndBySignal:
     def _note(self, *_: object) -> None:
         self._came = True
         self._tell()
+
+
+def run_until_signal(server: "Server", end: EndBySignal, *, until_stdin_ends: bool = False) -> None:
+    """Serves until Ctrl-C or a signal.
+
+    Args:
+        server: the server.
+        end: made before anybody was told of the server.
+        until_stdin_ends: also until the standard input ends, however the program behind it ends.
+    """
+
+    async def serve() -> None:
+        stop = asyncio.Event()
+        end.tell(asyncio.get_running_loop(), stop)
+        if until_stdin_ends:
+            asyncio.get_running_loop().add_reader(sys.stdin.fileno(), stop.set)
+        await server.run(stop)
+
+    asyncio.run(serve())
 
 
 def open_sockets(address: str | None, port: int | None) -> list[socket.socket]:
@@ -161,14 +180,35 @@ class _Line(ServerConnection):
         self.transport.abort()
 
 
+class Host(Protocol):
+    """Talks with the browsers that have shown the token."""
+
+    @property
+    def n_clients(self) -> int:
+        """The number of browsers."""
+        ...
+
+    async def run(self) -> None:
+        """Works beside the talks, if there is something to do."""
+        ...
+
+    async def serve(self, client: Client, hz: int) -> None:
+        """Talks with a browser, until it disconnects."""
+        ...
+
+    async def close(self) -> None:
+        """Ends: the server has closed its sockets."""
+        ...
+
+
 class Server:
-    """The page's server.
+    """A server of pages.
 
     Args:
         guard: its access rules.
         sockets: its listening sockets.
-        edit: True if browsers may change profiles.
-        stamp: returns the present time, for the names of versions.
+        host: talks with the browsers.
+        pages: the page at each address, as a path in ``static``.
         silence_s: interval of pings to a client; it must answer within the same time.
     """
 
@@ -176,17 +216,16 @@ class Server:
         self,
         guard: Guard,
         sockets: list[socket.socket],
+        host: Host,
         *,
-        edit: bool = False,
-        stamp: Callable[[], str],
+        pages: Mapping[str, str] = PAGES,
         silence_s: float = SILENCE_S,
     ) -> None:
         self._guard, self._sockets, self._silence_s = guard, sockets, silence_s
         for each in sockets:
             guard.open_port(each.getsockname()[1])
-        is_far = any(each.getsockname()[0] not in _OWN for each in sockets)
-        self._hub = Hub(edit=edit, stamp=stamp, is_far=is_far)
-        self._files = _read_files()
+        self._host, self._pages = host, pages
+        self._files = _read_files(pages)
         self._waiting = Waiting()
 
     @property
@@ -197,7 +236,7 @@ class Server:
 
     async def run(self, stop: asyncio.Event) -> None:
         """Serves until ``stop`` is set."""
-        looking = asyncio.create_task(self._hub.run())
+        looking = asyncio.create_task(self._host.run())
         line = cast("type[ServerConnection]", partial(_Line, self._waiting))
         servers = [
             await serve(
@@ -226,7 +265,7 @@ class Server:
                 server.close()
             for server in servers:
                 await server.wait_closed()
-            await self._hub.close()
+            await self._host.close()
 
     def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
         """Returns a file, a refusal, or None for the stream, whose Origin is then compared."""
@@ -254,7 +293,7 @@ class Server:
         The kernel says whose browser it is: a ticket is in the arguments of the browser, where
         every user of this machine can read it.
         """
-        is_known = self._guard.accepts(ticket) and f"/{page}" in PAGES
+        is_known = self._guard.accepts(ticket) and f"/{page}" in self._pages
         here, there = connection.local_address, connection.remote_address
         if not is_known or find_tcp_user(there, here) != os.geteuid():
             sentence = b"Open the link that the command has printed.\n"
@@ -271,12 +310,12 @@ class Server:
             if said is None or not self._guard.knows(said.get("token")):
                 await connection.close(1008, "the token is wrong")
                 return
-            if self._hub.n_clients >= MOST_CLIENTS:
+            if self._host.n_clients >= MOST_CLIENTS:
                 await connection.close(1013, "too many viewers (4)")
                 return
             self._waiting.remove(connection)
             hz = said.get("hz")
-            await self._hub.serve(Client(connection), hz if isinstance(hz, int) else 30)
+            await self._host.serve(Client(connection), hz if isinstance(hz, int) else 30)
         except TimeoutError:
             await connection.close(1008, "the token is missing")
         except ConnectionClosed:
@@ -298,17 +337,19 @@ def _listen(address: str, port: int) -> socket.socket:
     return listener
 
 
-def _read_files() -> dict[str, tuple[str, bytes]]:
+def _read_files(pages: Mapping[str, str]) -> dict[str, tuple[str, bytes]]:
     """Returns all files that are served, by their path in the address.
 
     No other file can be requested.
     """
+    folders = {"shared", *(Path(path).parts[1] for path in pages.values())}
     files = {
         f"/{path.relative_to(STATIC)}": (KINDS[path.suffix], path.read_bytes())
-        for path in STATIC.glob("*/*")
+        for folder in folders
+        for path in STATIC.glob(f"{folder}/*")
         if path.suffix in KINDS
     }
-    return files | {page: files[path] for page, path in PAGES.items()}
+    return files | {page: files[path] for page, path in pages.items()}
 
 
 def _reply(

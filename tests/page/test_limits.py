@@ -20,6 +20,7 @@ from neurotouch_hid.page.guard import (
     Waiting,
     make_token,
 )
+from neurotouch_hid.page.hub import Hub
 from neurotouch_hid.page.server import Server, open_sockets
 from tests.page.connecting import enter, read_to_the_end, show_token
 from tests.page.processes import LIMIT_S
@@ -105,7 +106,8 @@ def test_the_oldest_of_the_address_with_the_most_goes():
 def test_who_no_longer_answers_is_let_go():
     async def meet() -> bytes:
         guard = Guard(make_token())
-        server = Server(guard, open_sockets(None, 0), stamp=str, silence_s=0.2)
+        hub = Hub(edit=False, stamp=str)
+        server = Server(guard, open_sockets(None, 0), hub, silence_s=0.2)
         stop = asyncio.Event()
         running = asyncio.create_task(server.run(stop))
         host = server.url.split("/")[2]

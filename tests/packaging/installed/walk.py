@@ -39,6 +39,10 @@ N_AT_ONCE = 4
 PERSON = pwd.getpwnam("newcomer")
 CACHE = Path(PERSON.pw_dir) / ".cache"
 """Compiled once for all homes."""
+LABELS = (
+    "timestamp_us,gesture,intensity_mm,contacts,x1_px,y1_px,x2_px,y2_px,x3_px,y3_px\n"
+    "1000000,push,2,1,300,200,,,,\n"
+)
 MADE = (
     (
         "neurotouch record play.aedat4 --source sim:tour --seconds 2 --plain",
@@ -142,6 +146,8 @@ def prepare(home: Path) -> None:
         shutil.copy(home / "play.aedat4", home / name)
     shutil.copytree(home / "frames", home / "clips")
     shutil.copy(home / "friend.yaml", home / "draft.yaml")
+    for name in ("anna", "ben"):
+        (home / f"clip.{name}.labels.csv").write_text(LABELS)
     (home / "moves.txt").write_text("push left 5mm 300ms hold 1s; pinch tap\n")
     own(home)
 
