@@ -6,6 +6,7 @@ from itertools import pairwise
 import pytest
 from neurotouch_devtools.emulator.uvc import MODES, PixelFormat
 
+from tests.kernel.guest.minute import N_PICTURES
 from tests.kernel.guest.uvc import FAULT_AT, N_READ, N_TAKEN
 from tests.kernel.test_run import CLEARLY, NEUTRAL, read_reports
 
@@ -186,3 +187,12 @@ def test_a_camera_that_is_back_plays_again(guest):
     assert len(reports) > len(read_reports(saw["events"][: saw["n_unplugged"]]))
     assert reports[-1] == NEUTRAL
     assert saw["exit_code"] == 0
+
+
+def test_every_picture_that_was_played_into_the_pad_is_explained(guest):
+    """NEUROTOUCH_PICTURES=7500 plays a minute's worth of 125 pictures a second."""
+    saw = guest("minute")
+    assert saw["n_sent"] >= N_PICTURES
+    on_their_way = saw["n_sent"] - saw["n_read"] - saw["n_lost"] - saw["n_damaged"]
+    assert 0 <= on_their_way <= MOST_WAITING
+    assert {"push", "pinch"} <= set(saw["kinds"])

@@ -188,6 +188,8 @@ def serve(orders: Connection, results: Path) -> None:
             cable = UsbIp(camera)
         elif order == "unplug":
             cable.close()
+        elif order == "end":
+            camera.end()
         orders.send([camera.n_sent, camera.n_lost])
 
 
@@ -321,8 +323,8 @@ def read_log(word: str) -> list[str]:
     return [line.partition("] ")[2] for line in lines.splitlines() if word in line]
 
 
-def wait_for(condition: Any) -> None:
-    deadline = time.monotonic() + PATIENCE_S
+def wait_for(condition: Any, patience_s: float = PATIENCE_S) -> None:
+    deadline = time.monotonic() + patience_s
     while not condition():
         if time.monotonic() > deadline:
             raise TimeoutError

@@ -1,0 +1,60 @@
+"""Plays so many pictures into the pad, and counts them at both ends of the way."""
+
+import multiprocessing
+import os
+import time
+from pathlib import Path
+from threading import Event
+from typing import Any
+
+from neurotouch_hid.driver import Driver, DriverOptions
+from tests.kernel.guest import uvc
+
+N_PICTURES = int(os.environ.get("NEUROTOUCH_PICTURES", "150"))
+"""7,500 are a minute at 125 pictures a second. A guest without KVM needs a quarter of an hour for
+them, so the usual tests send fewer."""
+
+PATIENCE_S = 120.0 + N_PICTURES
+
+
+def play(results: Path) -> dict[str, Any]:
+    """Plays until the camera has sent enough pictures; where each of them has gone."""
+    ours, theirs = multiprocessing.Pipe()
+    cameras = multiprocessing.get_context("fork").Process(target=uvc.serve, args=(theirs, results))
+    cameras.start()
+    options = DriverOptions(
+        source="video:", profile="spacecraft", device="uinput", speed="max", listens=False
+    )
+    try:
+        uvc.tell(ours, "plug")
+        uvc.wait_for(uvc.list_nodes)
+        with Driver(options) as driver:
+            stop, due_s = Event(), time.monotonic() + PATIENCE_S
+            asked_s, kinds = 0.0, set()
+
+            def look() -> None:
+                nonlocal asked_s
+                if time.monotonic() - asked_s < 1.0:
+                    return
+                asked_s = time.monotonic()
+                if uvc.tell(ours, "count")[0] >= N_PICTURES or asked_s > due_s:
+                    stop.set()
+
+            begun_s = time.monotonic()
+            driver.run([lambda step: kinds.add(step.gesture.kind.label)], stop=stop, on_round=look)
+            # The stream ends first: what is on its way then is all that may be missing.
+            uvc.tell(ours, "end")
+            seconds = time.monotonic() - begun_s
+            stats = driver.source.stats()  # type: ignore[attr-defined]
+            n_sent, n_not_sent = uvc.tell(ours, "count")
+    finally:
+        cameras.kill()
+    return {
+        "n_sent": n_sent,
+        "n_not_sent": n_not_sent,
+        "n_read": stats.n_pictures,
+        "n_lost": stats.n_lost,
+        "n_damaged": stats.n_damaged,
+        "seconds": seconds,
+        "kinds": sorted(kinds),
+    }
