@@ -45,7 +45,7 @@ docs: $(VENV)/.dev ## build the documents as a site, without network: docs/_buil
 pictures: $(VENV)/.dev ## make the pictures of the documents (needs Chromium)
 	$(BIN)/python -m tests.page.pictures
 
-fuzz: $(VENV)/.dev ## feed damaged files to the program for MINUTES=30 (AREAS="recordings rigs", SEED=1, GUIDED=1 by coverage)
+fuzz: $(VENV)/.dev ## feed damaged files to the program for MINUTES=30 of processor time (AREAS="recordings rigs", SEED=1, GUIDED=1 by coverage)
 	@$(BIN)/python -m tests.fuzz $(AREAS) --minutes $(or $(MINUTES),30) $(if $(SEED),--seed $(SEED)) $(if $(GUIDED),--guided)
 
 mutants: $(VENV)/.dev ## change the safety-critical modules at COUNT=300 places: a test must fail (SEED=1, MODULES=paths, RESULTS=file to go on)
@@ -77,7 +77,7 @@ system-test: $(VENV)/.dev ## the newest package of dist/ in a whole Debian: inst
 
 lock: $(VENV)/.dev ## write which libraries the package carries, by hash
 	$(BIN)/uv pip compile --no-config --generate-hashes --universal --python-version 3.11 --quiet \
-		--no-annotate --custom-compile-command "make lock" pyproject.toml -o $(LOCK)
+		--extra lsl --extra osc --no-annotate --custom-compile-command "make lock" pyproject.toml -o $(LOCK)
 
 clean: ## remove everything that the tasks made
 	rm -rf $(VENV) .cache dist build docs/_build .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -11,6 +11,7 @@ The exit codes of the command line::
     ├── ProfileError           6   a profile cannot be loaded (file, line, column)
     ├── DeviceError            7   the virtual gamepad cannot be made or written
     ├── PageError              1   the local web page cannot be served
+    ├── StreamError            1   states cannot be sent to other programs
     ├── PluginError            1   a method or source of another package cannot be used
     ├── DesktopError           1   the desktop does not say which window is active
     └── DriverError            8   the running driver cannot be reached, or it refuses
@@ -99,6 +100,10 @@ class AlreadyRunningError(DriverError):
 
 class DesktopError(NeuroTouchError):
     """The desktop does not say which window is active."""
+
+
+class StreamError(NeuroTouchError):
+    """States cannot be sent to other programs: a library or the address is missing."""
 
 
 class PluginError(NeuroTouchError):

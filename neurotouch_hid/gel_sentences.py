@@ -58,7 +58,7 @@ _SENTENCES: Final[Mapping[GelProblem, tuple[str, str]]] = {
         "Push the gel once and let go. If the pictures stay away: neurotouch doctor",
     ),
     GelProblem.EVENTS_ONLY: (
-        "the camera sends no pictures, so the dots are drawn from events, less exactly",
+        "the camera sends no pictures, so events alone show the dots, less exactly",
         "Unplug the camera and plug it in again. If it stays so: neurotouch doctor",
     ),
     GelProblem.DARK: ("the picture is dark", "Switch the LED ring on, and take the lens cap off."),

@@ -121,6 +121,7 @@ class SourceKind(StrEnum):
 
     CAMERA = "davis"
     VIDEO = "video"
+    EVENTS = "events"
     RECORDING = "file"
     SIMULATION = "sim"
     DRIVER = "driver"
@@ -134,7 +135,7 @@ def find_source_kind(name: str) -> SourceKind:
         name: as a person writes it, for example ``sim:tour``, ``play.aedat4`` or ``play.mkv``.
     """
     kind, colon, _ = name.partition(":")
-    if colon and kind in ("davis", "video", "file", "sim", "driver"):
+    if colon and kind in ("davis", "video", "events", "file", "sim", "driver"):
         return SourceKind(kind)
     is_recording = name.lower().endswith(RECORDING_ENDINGS)
     return SourceKind.RECORDING if is_recording else SourceKind.OTHER

@@ -1,5 +1,6 @@
 """Things that many tests share: one simulated push, made once; folders that are not the user's."""
 
+import os
 import signal
 from dataclasses import dataclass
 from pathlib import Path
@@ -61,6 +62,12 @@ class _ByFile(LoadFileScheduling):
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """The slow kernels come first: each process begins with one."""
     items.sort(key=lambda item: not item.nodeid.startswith(KERNEL))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_auto_num_workers() -> int:
+    """How many processes ``-n auto`` starts: kernels and browsers wait for a part of the time."""
+    return (os.cpu_count() or 1) + 1
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -12,6 +12,7 @@ from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 if TYPE_CHECKING:
     from neurotouch_hid.doctor.inventory import Pad
     from neurotouch_hid.source.davis import CameraInfo, CameraVersions
+    from neurotouch_hid.source.events.enumeration import EventCameraInfo
     from neurotouch_hid.source.video.enumeration import VideoInfo
 
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     "  neurotouch devices --json | jq -r '.cameras[].serial'\n"
     "  neurotouch run --source davis:00000216          the camera with this number\n"
     "  neurotouch run --source video:/dev/video2       the video camera with this node\n"
+    "  neurotouch run --source events:00ca0123         the event camera of another maker\n"
     "  neurotouch devices --watch                      reads the pad of 'run --device hid' back\n\n"
     "Exit code 0, also if there are none."
 )
@@ -50,12 +52,14 @@ def command(watch: bool, as_json: bool) -> None:
         has = f"the running driver plays {playing}"
         cameras = [(info, known, f"{why}; {has}" if why else "") for info, known, why in cameras]
     videos = [(info, *_find_mode(info)) for info in find_video_cameras()]
+    others = _find_others()
     pads = find_pads()
     if as_json:
         print_json(
             {
                 "cameras": [_report_camera(*camera) for camera in cameras],
                 "video_cameras": [_report_video(*video) for video in videos],
+                "event_cameras": [_report_other(other) for other in others],
                 "pads": [_report_pad(pad) for pad in pads],
             }
         )
@@ -64,7 +68,9 @@ def command(watch: bool, as_json: bool) -> None:
         _show_camera(*camera)
     for video in videos:
         _show_video(*video)
-    if not (cameras or videos):
+    for other in others:
+        _show_other(other)
+    if not (cameras or videos or others):
         echo("No camera is plugged in. Try without: neurotouch demo")
     for pad in pads:
         _show_pad(pad)
@@ -94,10 +100,7 @@ def _show_camera(info: "CameraInfo", versions: "CameraVersions | None", reason: 
         echo(f"  firmware: {info.firmware}")
         echo(f"  not available: {reason}")
     else:
-        echo(
-            f"  versions: firmware {versions.firmware}, logic {versions.logic} patch "
-            f"{versions.logic_patch}, chip {versions.chip}"
-        )
+        echo(f"  variant: {versions}")
     echo(f"  use it: --source davis:{info.serial}")
 
 
@@ -125,6 +128,32 @@ def _show_video(info: "VideoInfo", mode: str, reason: str) -> None:
     echo(f"  use it: --source video:{info.place}")
 
 
+def _find_others() -> "list[EventCameraInfo]":
+    """Returns the event cameras of other makers; none without the library that plays them."""
+    from neurotouch_hid.source.events.enumeration import find_event_cameras, needs_library
+    from neurotouch_hid.source.events.library import INSTALL, load_library
+    from neurotouch_hid.source.events.models import DAVIS
+
+    try:
+        library = load_library()
+    except CameraError:
+        if needs_library():
+            echo(f"An event camera needs another package: {INSTALL}", err=True)
+        return []
+    return [info for info in find_event_cameras(library) if info.model is not DAVIS]
+
+
+def _show_other(info: "EventCameraInfo") -> None:
+    status = "WARNING" if info.reason else "OK"
+    model = info.model
+    echo(f"{status} event camera {info.serial or 'without a serial number'}: {model.title}")
+    echo(f"  picture: {model.width_px}x{model.height_px} pixels, no frames")
+    echo(f"  plugged in: {info.connection}")
+    if info.reason:
+        echo(f"  not available: {info.reason}")
+    echo(f"  use it: --source {info.source}")
+
+
 def _show_pad(pad: "Pad") -> None:
     whose = "ours" if pad.ours else "made by another program" if pad.virtual else "a real one"
     echo(f"OK game controller {pad.name}: {whose}")
@@ -144,6 +173,13 @@ def _report_camera(
 def _report_video(info: "VideoInfo", mode: str, reason: str) -> dict[str, Any]:
     known = asdict(info) | {"node": str(info.node), "source": f"video:{info.place}"}
     return {**known, "reason": reason or None, "mode": mode or None}
+
+
+def _report_other(info: "EventCameraInfo") -> dict[str, Any]:
+    known = {"serial": info.serial, "model": info.model.key, "title": info.model.title}
+    size = {"width": info.model.width_px, "height": info.model.height_px}
+    place = {"connection": info.connection, "address": info.address, "source": info.source}
+    return {**known, **size, **place, "reason": info.reason or None}
 
 
 def _report_pad(pad: "Pad") -> dict[str, Any]:

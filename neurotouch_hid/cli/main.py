@@ -23,6 +23,7 @@ _SUMMARIES = {
     "demo": "Try it without a camera: a simulated gel drives the pad.",
     "view": "Show the driver live, as a page on this machine.",
     "monitor": "Show the driver live, in the terminal.",
+    "stream": "Send gestures to other programs: OSC, WebSocket, LSL, ROS 2.",
     "game": "Fly the spacecraft with the gel, in your browser.",
     "pause": "Release everything and stop acting until you resume.",
     "resume": "Continue after a pause or a panic.",

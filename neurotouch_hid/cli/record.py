@@ -29,7 +29,7 @@ from neurotouch_hid.vocabulary import RUNNING_DRIVER, SourceKind, find_source_ki
 
 if TYPE_CHECKING:
     from neurotouch_hid.geometry import Gel
-    from neurotouch_hid.recording import Recorder, RecorderStats, Simulation
+    from neurotouch_hid.recording import Recorder, RecorderStats, Sensor, Simulation
     from neurotouch_hid.recording.recorder import Item
     from neurotouch_hid.source import Source
     from neurotouch_hid.vocabulary import Speed
@@ -69,7 +69,8 @@ class _Silence(KeyboardInterrupt):
 @click.option(
     "--source",
     show_default="the running driver's data, else davis:",
-    help="davis:SERIAL (a camera), video:NAME (a webcam), file:NAME.aedat4 (a recording), "
+    help="davis:SERIAL or events:SERIAL (a camera), video:NAME (a webcam), file:NAME.aedat4 "
+    "(a recording), "
     "file:NAME.mkv (a video clip) or sim:NAME (the simulator).",
 )
 @click.option("--seconds", type=Finite(min=0.1), help="End after this many seconds of sensor time.")
@@ -134,7 +135,8 @@ def command(
             recorder = Recorder(ClipWriter(out, simulation=mark))
         else:
             _require_events(opened)
-            recorder = Recorder(RecordingWriter(out, in_place=True, simulation=mark))
+            sensor = _find_sensor(opened.source)
+            recorder = Recorder(RecordingWriter(out, in_place=True, simulation=mark, sensor=sensor))
         simulated = "" if mark is None else "SIMULATED "
         echo(f"Recording {simulated}{opened.name} to {out}. Ctrl-C ends.", err=True)
         with _Progress(recorder, out, plain=plain or not sys.stderr.isatty()):
@@ -154,9 +156,18 @@ def command(
                 hint="Is the camera plugged in? Check: neurotouch doctor",
             )
         write_gel(out, chosen.file)
-        if is_clip(out):
+        if is_clip(out) or rig:
             write_beside(rig_path(out), rig)
         _tell(opened.name, out, stats, fault, mark, as_json=as_json)
+
+
+def _find_sensor(source: "Source") -> "Sensor":
+    """Returns the sensor whose pixels the recorded events name."""
+    from neurotouch_hid.recording import DAVIS346
+    from neurotouch_hid.source import SizedSource
+
+    sensor = source.sensor if isinstance(source, SizedSource) else None
+    return sensor or DAVIS346
 
 
 def _read_rig(source: str) -> bytes:
@@ -166,7 +177,12 @@ def _read_rig(source: str) -> bytes:
     from neurotouch_hid.source.check import find_path
     from neurotouch_hid.source.rig_file import rig_path
 
-    if find_source_kind(source) is SourceKind.VIDEO:
+    kind = find_source_kind(source)
+    if kind is SourceKind.EVENTS:
+        from neurotouch_hid.source.events.gel_place import describe_place
+
+        return describe_place(load_camera_config().events)
+    if kind is SourceKind.VIDEO:
         return b"mirrored: true\n" if load_camera_config().video.mirrored else b""
     if not is_clip(source):
         return b""
@@ -282,13 +298,14 @@ def _record(opened: _Opened, recorder: "Recorder", seconds: float | None) -> Non
 
 def _items(source: "Source") -> "Iterator[tuple[Item, int, int]]":
     """Gives what is recorded of a source, each with its first and last moment, µs."""
-    from neurotouch_hid.source import PictureSource
+    from neurotouch_hid.source import PictureSource, SizedSource
 
     if isinstance(source, PictureSource):
         for picture in source.pictures():
             yield picture, picture.exposure_begin_us, picture.exposure_end_us
     else:
-        for packet in source:
+        packets = source.sensor_packets() if isinstance(source, SizedSource) else source
+        for packet in packets:
             yield packet, packet.t_begin_us, packet.t_end_us
 
 

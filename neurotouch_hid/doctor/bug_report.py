@@ -60,17 +60,7 @@ _LONG_FACTS: Final = ("missing", "missing_px")
 """Keys of each dot that is not seen; the report has them in words."""
 
 _PACKAGES: Final = (
-    *(
-        "av",
-        "backports.zstd",
-        "click",
-        "evdev-binary",
-        "hidapi",
-        "libusb1",
-        "lz4",
-        "numba",
-        "numpy",
-    ),
+    *("backports.zstd", "click", "evdev-binary", "hidapi", "libusb1", "lz4", "numba", "numpy"),
     *("opencv-contrib-python-headless", "pydantic", "pyusb", "ruamel.yaml", "websockets"),
 )
 _MAC: Final = re.compile(r"\b(?:[0-9A-Fa-f]{2}[:-]){5}[0-9A-Fa-f]{2}\b")

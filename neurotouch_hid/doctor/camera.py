@@ -6,7 +6,7 @@ from typing import Final
 from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
 from neurotouch_hid.doctor.inventory import find_driver
 from neurotouch_hid.doctor.rights import apply_rules, has_service, install_rule
-from neurotouch_hid.source.davis import CameraInfo, find_cameras, identify
+from neurotouch_hid.source.davis import CameraInfo, CameraVersions, find_cameras, identify
 from neurotouch_hid.source.davis.enumeration import SUPER_SPEED_MBIT_S, SYSFS
 from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
@@ -31,11 +31,7 @@ def check_camera_right() -> Finding:
         return skip("Needs a camera.")
     info = next((info for info in cameras if not info.reason), cameras[0])
     if not info.reason:
-        found = identify(info)
-        return approve(
-            f"The camera {info.serial} answers: {found.chip}, firmware {found.firmware}, logic "
-            f"{found.logic} patch {found.logic_patch}."
-        )
+        return _judge_variant(info, identify(info))
     running = find_driver()
     source = running["source"] if running is not None else ""
     if find_source_kind(source) is SourceKind.CAMERA:
@@ -49,6 +45,16 @@ def check_camera_right() -> Finding:
     return fail(
         f"The camera {info.serial} cannot be used: {info.reason}.",
         "The tools of its maker can say more. This program does not flash cameras.",
+    )
+
+
+def _judge_variant(info: CameraInfo, found: CameraVersions) -> Finding:
+    sentence = f"The camera {info.serial} answers: {found}."
+    if found.is_usual:
+        return approve(sentence)
+    return warn(
+        f"{sentence} Such a camera was only played in a simulation.",
+        f"Try it: neurotouch run --source davis:{info.serial}. It says if it cannot be played.",
     )
 
 

@@ -40,6 +40,7 @@ def list_checks(
         Check("sandboxes", _find("programs", "check_sandboxes")),
         Check("camera", _find("camera", "check_presence")),
         Check("video cameras", _find("video", "check_video_cameras")),
+        Check("event cameras", _find("event_cameras", "check_event_cameras")),
         Check("right to the camera", _find("camera", "check_camera_right")),
         Check("USB", _find("camera", "check_connection")),
         Check("events and frames", lambda: view().check_stream(), 60.0),

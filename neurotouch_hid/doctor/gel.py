@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid import client as driver
+from neurotouch_hid.doctor.event_cameras import judge_events
 from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
 from neurotouch_hid.doctor.video import judge_pictures
 from neurotouch_hid.driver.camera_settings import load_camera_config
@@ -30,6 +31,7 @@ from neurotouch_hid.messages import (
 from neurotouch_hid.recording.wire import receive_packets
 from neurotouch_hid.source import PictureSource, open_source
 from neurotouch_hid.source.davis import find_cameras
+from neurotouch_hid.source.events.source import EventCameraSource, EventsStats
 from neurotouch_hid.source.video.live import VideoCameraSource, VideoStats
 from neurotouch_hid.tracker import GelFinder, RestConfig, RestDetector
 from neurotouch_hid.tracker.blobs import BlobFinder
@@ -67,6 +69,7 @@ class _Seen:
         lost: number of lost events.
         frames: all frames.
         video: what a video camera counted; None if it is none.
+        other: what an event camera of another maker counted; None if it is none.
         is_video: the source has pictures alone.
     """
 
@@ -76,6 +79,7 @@ class _Seen:
     lost: int
     frames: tuple[Frame, ...]
     video: VideoStats | None = None
+    other: EventsStats | None = None
     is_video: bool = False
 
 
@@ -125,6 +129,8 @@ class GelView:
             return fail(f"No data from {seen.source}.", "Unplug the camera and plug it in again.")
         if seen.video is not None:
             return judge_pictures(seen.source, seen.video)
+        if seen.other is not None:
+            return judge_events(seen.source, seen.other, seen.seconds)
         frames_hz, events_hz = len(seen.frames) / seen.seconds, seen.events / seen.seconds
         sentence = f"{seen.source}: {frames_hz:.0f} frames/s, {events_hz:,.0f} events/s."
         if not seen.frames:
@@ -281,6 +287,7 @@ def _collect(source: str, packets: Iterable[EventPacket], *, is_video: bool) -> 
         lost,
         tuple(frames),
         packets.stats() if isinstance(packets, VideoCameraSource) else None,
+        packets.stats() if isinstance(packets, EventCameraSource) else None,
         is_video or isinstance(packets, PictureSource),
     )
 

@@ -14,6 +14,7 @@ from neurotouch_hid.profile.schema import Strict, check_version, give_unit, make
 from neurotouch_hid.source.camera_config import CameraConfig
 from neurotouch_hid.source.davis.config import Biases, DavisConfig
 from neurotouch_hid.source.davis.registers import CoarseFine
+from neurotouch_hid.source.events.config import EventsConfig
 from neurotouch_hid.source.video.config import VideoConfig
 
 FILE: Final = "camera.yaml"
@@ -90,6 +91,43 @@ class VideoSettings(Strict):
     )
 
 
+BiasName = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,31}$")]
+BiasValue = Annotated[int, Field(ge=-32_768, le=65_535)]
+ModelKey = Literal[
+    "prophesee_evk4",
+    "prophesee_evk3_hd",
+    "centuryarks_vga",
+    "lucid_triton",
+    "inivation_dvxplorer",
+    "inivation_davis346",
+]
+Coordinate = Annotated[float, Field(ge=0.0, le=8192.0, allow_inf_nan=False)]
+
+
+class EventsSettings(Strict):
+    """An event camera that is opened with 'events:'."""
+
+    px_per_mm: Annotated[float, Field(ge=0.5, le=50.0)] | None = Field(
+        default=None,
+        description="How large it sees the gel. Default: the whole picture is used.",
+        json_schema_extra=make_optional("px/mm"),
+    )
+    centre_px: Annotated[list[Coordinate], Field(min_length=2, max_length=2)] | None = Field(
+        default=None,
+        description="Where it sees the gel's centre, [x, y]. Default: in its middle.",
+        json_schema_extra=make_optional("px"),
+    )
+    max_events_per_s: Annotated[int, Field(ge=0, le=1_000_000_000)] = Field(
+        default=20_000_000,
+        description="The camera drops more, where it can; 0: no limit. Default: 20000000.",
+    )
+    biases: dict[ModelKey, dict[BiasName, BiasValue]] = Field(
+        default={},
+        description="By model, then by the maker's name: prophesee_evk4: {diff_on: 20}. "
+        "Default: the library's.",
+    )
+
+
 class CameraSettings(Strict):
     """The file ``camera.yaml``."""
 
@@ -138,6 +176,11 @@ class CameraSettings(Strict):
         description="A video camera; of the keys above, it knows mirrored and rotation_deg. "
         "Default: see there.",
     )
+    events: EventsSettings = Field(
+        default_factory=EventsSettings,
+        description="A camera of 'events:'; of the keys above, it knows mirrored and "
+        "rotation_deg. Default: see there.",
+    )
 
     @property
     def config(self) -> CameraConfig:
@@ -157,7 +200,15 @@ class CameraSettings(Strict):
             biases=Biases(**biases),
         )
         video = VideoConfig(**self.video.model_dump(), mirrored=self.mirrored)
-        return CameraConfig(davis, video)
+        centre = self.events.centre_px
+        events = EventsConfig(
+            px_per_mm=self.events.px_per_mm,
+            centre_px=None if centre is None else (centre[0], centre[1]),
+            max_events_per_s=self.events.max_events_per_s,
+            biases={str(model): values for model, values in self.events.biases.items()},
+            mirrored=self.mirrored,
+        )
+        return CameraConfig(davis, video, events)
 
 
 def find_camera_file(player: int | None = None) -> Path:

@@ -7,10 +7,12 @@ from neurotouch_hid.recording.gel_file import gel_path, write_beside, write_gel
 from neurotouch_hid.recording.labels import check_labelled, labels_path, read_labels, write_labels
 from neurotouch_hid.recording.reader import Batch, Recording
 from neurotouch_hid.recording.recorder import Recorder, RecorderStats
+from neurotouch_hid.recording.sensor import DAVIS346, Sensor
 from neurotouch_hid.recording.simulation import Simulation
 from neurotouch_hid.recording.writer import RecordingWriter
 
 __all__ = [
+    "DAVIS346",
     "Batch",
     "Clip",
     "ClipWriter",
@@ -19,6 +21,7 @@ __all__ = [
     "RecorderStats",
     "Recording",
     "RecordingWriter",
+    "Sensor",
     "Simulation",
     "check_labelled",
     "find_simulation",

@@ -1,28 +1,25 @@
 """Video clips in: the grey pictures of a file and their stamps, one at a time.
 
-Only a local, regular file is read, with the reader of the container that its name tells. It may
-refer to no other file, and only its one video stream is decoded, by one of five codecs.
+Only a local, regular file is read, opened once, by the reader of the container that its name tells.
+It has one video stream, in a codec that we know.
 """
 
 import os
-from collections.abc import Iterator, Mapping
+import shlex
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
-from fractions import Fraction
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, Final, NoReturn
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.errors import RecordingError
-from neurotouch_hid.recording.container import open_recording
-from neurotouch_hid.recording.simulation import Simulation, parse_comment
-from neurotouch_hid.vocabulary import CLIP_ENDINGS
-
-if TYPE_CHECKING:
-    from av.container import InputContainer
-    from av.video.frame import VideoFrame
-    from av.video.stream import VideoStream
+from neurotouch_hid.printable import make_printable
+from neurotouch_hid.recording.container import DamageError, open_recording
+from neurotouch_hid.recording.simulation import parse_comment
+from neurotouch_hid.recording.video import CODECS, Track, Video, decode, open_video
 
 LEAST_PX: Final = 120
 MOST_PX: Final = 2560
@@ -33,23 +30,9 @@ TOLERATED_STEP_BACK_US: Final = 100_000
 """A picture this much older than the one before is left out; a larger step is a clock that was
 reset."""
 
-_CONTAINERS: Final = dict(zip(CLIP_ENDINGS, ("avi", "matroska", "mov"), strict=True))
 _MAGIC: Final = {".avi": (0, b"RIFF"), ".mkv": (0, b"\x1a\x45\xdf\xa3"), ".mp4": (4, b"ftyp")}
-_CODECS: Final = ("mjpeg", "rawvideo", "ffv1", "h264", "mpeg4")
-_LIMITS: Final = {
-    "codec_whitelist": ",".join(_CODECS),
-    "protocol_whitelist": "none",
-    "max_streams": "8",
-    "probesize": str(8 << 20),
-}
-_MAX_PACKET_BYTES: Final = 32 << 20
-"""A raw picture of the largest size has 12 MB."""
 _MAX_STAMP_US: Final = 1 << 50
 """35 years."""
-_PLANAR: Final = ("gray", "yuv", "nv")
-"""Beginnings of pixel formats whose first plane is the luma."""
-_PACKED: Final = {"yuyv422": 0, "yvyu422": 0, "uyvy422": 1}
-"""First byte of the luma in formats of two bytes a pixel."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,168 +95,90 @@ class Clip:
         self.path = Path(path)
         self.n_left_out = 0
         check_clip(self.path)
-        with self._open() as file, _Reading(self.path, file) as reading:
-            self.size_px = reading.size_px
-            self.simulation = reading.find_simulation()
+        with self._open() as (video, track):
+            self.size_px = track.width_px, track.height_px
+            self.simulation = parse_comment(video.comment)
 
     def __iter__(self) -> Iterator[Picture]:
         self.n_left_out = 0
-        with self._open() as file, _Reading(self.path, file) as reading:
-            before_us: int | None = None
-            for pixels, t_us, jpeg in reading.pictures():
-                if before_us is not None and t_us < before_us - TOLERATED_STEP_BACK_US:
-                    raise RecordingError(
-                        f"'{self.path}': the stamps go back from {before_us} to {t_us} µs.",
-                        hint="The camera's clock was reset while recording; cut the clip there.",
-                    )
-                if before_us is not None and t_us < before_us + SHORTEST_US:
-                    self.n_left_out += 1
-                    continue
-                before_us = t_us
-                yield Picture(pixels, t_us, t_us, jpeg)
-            if before_us is None:
-                raise RecordingError(f"'{self.path}' has no pictures.", hint="Record it again.")
+        before_us: int | None = None
+        for picture in self._read():
+            t_us = picture.exposure_end_us
+            if before_us is not None and t_us < before_us - TOLERATED_STEP_BACK_US:
+                raise RecordingError(
+                    f"'{self.path}': the stamps go back from {before_us} to {t_us} µs.",
+                    hint="The camera's clock was reset while recording; cut the clip there.",
+                )
+            if before_us is not None and t_us < before_us + SHORTEST_US:
+                self.n_left_out += 1
+                continue
+            before_us = t_us
+            yield picture
+        if before_us is None:
+            raise RecordingError(f"'{self.path}' has no pictures.", hint="Record it again.")
 
-    def _open(self) -> IO[bytes]:
-        return os.fdopen(open_recording(self.path), "rb")
+    def _read(self) -> Iterator[Picture]:
+        """Gives every picture up to the end, or to where the clip breaks off."""
+        last_us: int | None = None
+        with self._open() as (video, _):
+            try:
+                first = None
+                for shot in decode(video):
+                    height, width = shot.pixels.shape
+                    self._check_size(width, height)
+                    first = shot.time_s if first is None else first
+                    t_us = round((shot.time_s - first) * 1_000_000)
+                    if abs(t_us) > _MAX_STAMP_US:
+                        raise DamageError(0)
+                    last_us = t_us if last_us is None else max(t_us, last_us)
+                    yield Picture(shot.pixels, t_us, t_us, shot.jpeg)
+            except DamageError as error:
+                where = "before its first picture"
+                if last_us is not None:
+                    where = f"{last_us / 1e6:.3f} s after its first picture"
+                raise RecordingError(
+                    f"'{self.path}' {error} {where}.", hint="Copy it again from its origin."
+                ) from error
 
-
-class _Reading:
-    """One reading of a clip by FFmpeg's libraries."""
-
-    def __init__(self, path: Path, file: IO[bytes]) -> None:
-        import av  # noqa: PLC0415  # large, and of use for clips only
-
-        self._path, self._first, self._last_us, self._n = path, Fraction(0), 0, 0
-        self._errors = (av.FFmpegError, ValueError, OverflowError, MemoryError, OSError)
+    @contextmanager
+    def _open(self) -> Iterator[tuple[Video, Track]]:
+        """Gives the clip and its one track."""
+        descriptor = open_recording(self.path)
         try:
-            self._container: InputContainer = av.open(
-                file,
-                "r",
-                format=_CONTAINERS[path.suffix.lower()],
-                io_open=_refuse_other_files,
-                container_options=_LIMITS,
-                metadata_errors="replace",
-            )
-        except self._errors as error:
+            video = open_video(descriptor, self.path.suffix.lower())
+            yield video, self._choose_track(video)
+        except DamageError as error:
             raise RecordingError(
-                f"'{path}' cannot be read as a clip: it is cut off or damaged.",
+                f"'{self.path}' cannot be read as a clip: it {error}.",
                 hint="Copy it again from its origin.",
             ) from error
-        try:
-            self._stream = self._choose_stream()
-            self.size_px = self._check_size(self._stream.width, self._stream.height)
-        except BaseException:
-            self._container.close()
-            raise
+        except OSError as error:
+            raise RecordingError(f"'{self.path}' cannot be read: {error.strerror}.") from error
+        finally:
+            os.close(descriptor)
 
-    def __enter__(self) -> "_Reading":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._container.close()
-
-    def find_simulation(self) -> Simulation | None:
-        """Returns the mark of simulated data in the clip's comment."""
-        tags: Mapping[str, str] = self._container.metadata
-        return parse_comment(tags.get("comment") or tags.get("COMMENT") or "")
-
-    def pictures(self) -> Iterator[tuple[NDArray[np.uint8], int, bytes | None]]:
-        """Gives each picture: luma, µs since the first picture, and its JPEG if it is one."""
-        is_jpeg = self._stream.codec_context.name == "mjpeg"
-        packets = self._container.demux(self._stream)
-        while True:
-            try:
-                packet = next(packets, None)
-                if packet is None:
-                    break
-                if packet.size > _MAX_PACKET_BYTES:
-                    raise ValueError("a packet larger than any picture")
-                if packet.is_corrupt:
-                    raise ValueError("a packet that is cut off")
-                jpeg = bytes(packet) if is_jpeg and packet.size else None
-                decoded = [(self._take_luma(f), self._stamp(f)) for f in packet.decode()]
-            except self._errors as error:
-                raise self._damage("is damaged") from error
-            for pixels, t_us in decoded:
-                self._n += 1
-                self._last_us = max(self._last_us, t_us)
-                yield pixels, t_us, jpeg
-        if self._is_short():
-            raise self._damage("is cut off")
-
-    def _choose_stream(self) -> "VideoStream":
-        streams = self._container.streams.video
-        if len(streams) != 1:
+    def _choose_track(self, video: Video) -> Track:
+        if len(video.tracks) != 1:
             raise RecordingError(
-                f"'{self._path}' has {len(streams) or 'no'} video streams, not one.",
+                f"'{self.path}' has {len(video.tracks) or 'no'} video streams, not one.",
                 hint="Save the one that shows the gel as a clip of its own.",
             )
-        stream = streams[0]
-        context = stream.codec_context
-        name = "an unknown codec" if context is None else context.name
-        if name not in _CODECS:
+        (track,) = video.tracks
+        if track.codec not in CODECS:
+            other = self.path.with_name(f"{self.path.stem}-mjpeg.mp4")
+            names = shlex.quote(str(self.path)), shlex.quote(str(other))
             raise RecordingError(
-                f"'{self._path}' is encoded by {name}, which is not supported.",
-                hint="Convert it to MJPEG, raw video, FFV1, H.264 or MPEG-4; ffmpeg can do that.",
+                f"'{self.path}' is encoded by {make_printable(track.codec)}, "
+                "which is not supported.",
+                hint=f"Convert it: ffmpeg -i {names[0]} -an -c:v mjpeg -q:v 2 {names[1]}",
             )
-        context.thread_count = 1
-        context.options = {"max_pixels": str(MOST_PX**2)}
-        return stream
+        self._check_size(track.width_px, track.height_px)
+        return track
 
-    def _check_size(self, width: int, height: int) -> tuple[int, int]:
+    def _check_size(self, width: int, height: int) -> None:
         if not (LEAST_PX <= width <= MOST_PX and LEAST_PX <= height <= MOST_PX):
             raise RecordingError(
-                f"'{self._path}' has pictures of {width}×{height} pixels; each side must have "
+                f"'{self.path}' has pictures of {width}×{height} pixels; each side must have "
                 f"{LEAST_PX} to {MOST_PX}.",
                 hint="Record with another mode of the camera.",
             )
-        return width, height
-
-    def _take_luma(self, frame: "VideoFrame") -> NDArray[np.uint8]:
-        """Returns the grey picture of a frame, (h, w) uint8; a view of its memory where it can."""
-        self._check_size(frame.width, frame.height)
-        name, step, first = frame.format.name, 1, 0
-        if name in _PACKED:
-            step, first = 2, _PACKED[name]
-        elif not name.startswith(_PLANAR) or frame.format.components[0].bits != 8:
-            frame = frame.reformat(format="gray")
-        plane: Any = frame.planes[0]
-        rows = np.frombuffer(plane, np.uint8).reshape(-1, abs(plane.line_size))
-        luma = rows[: frame.height, first : first + frame.width * step : step]
-        return luma[::-1] if plane.line_size < 0 else luma
-
-    def _stamp(self, frame: "VideoFrame") -> int:
-        """Returns the time of a picture since the first one, µs."""
-        at = frame.pts if frame.pts is not None else frame.dts
-        if at is None or frame.time_base is None:
-            raise ValueError("a picture without a stamp")
-        time = at * Fraction(frame.time_base)
-        if not self._n:
-            self._first = time
-        t_us = round((time - self._first) * 1_000_000)
-        if abs(t_us) > _MAX_STAMP_US:
-            raise ValueError("an impossible stamp")
-        return t_us
-
-    def _is_short(self) -> bool:
-        """Returns whether the clip's own header tells of much more."""
-        stream, n = self._stream, self._n
-        if stream.frames > n:
-            return True
-        length = self._container.duration  # µs, of its longest stream
-        if not n or length is None or len(self._container.streams) != 1:
-            return False
-        return length - self._last_us > 50_000 + 2 * self._last_us / n
-
-    def _damage(self, what: str) -> RecordingError:
-        where = f"{self._last_us / 1e6:.3f} s after its first picture"
-        return RecordingError(
-            f"'{self._path}' {what} {where if self._n else 'before its first picture'}.",
-            hint="Copy it again from its origin.",
-        )
-
-
-def _refuse_other_files(url: str, *_: object) -> NoReturn:
-    """Refuses what a clip refers to: other files, addresses, devices."""
-    raise PermissionError(f"a clip may not open {url}")

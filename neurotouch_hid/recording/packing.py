@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
 from neurotouch_hid.recording.header import MAGIC
+from neurotouch_hid.recording.sensor import DAVIS346, Sensor
 from neurotouch_hid.recording.simulation import Simulation, format_simulation
 
-CAMERA_NAME: Final = "DAVIS346"
 EVENTS, FRAMES = 0, 1
 """The numbers of the two streams."""
 
@@ -47,13 +47,14 @@ TABLE_POSITION_AT: Final = len(MAGIC) + 40
 """Where in the file the position of the table is; -1 until there is one."""
 
 
-def pack_header(simulation: Simulation | None = None) -> bytes:
+def pack_header(simulation: Simulation | None = None, sensor: Sensor = DAVIS346) -> bytes:
     """Returns the beginning of a file whose table is not written yet.
 
     Args:
         simulation: where simulated data come from; None for a sensor's data.
+        sensor: what it is a recording of.
     """
-    text = _describe(simulation).encode()
+    text = _describe(simulation, sensor).encode()
     padded = text + bytes(4 - len(text) % 4)  # one 0 at least
     fields = (10, 20, 4, 12, 8)  # vtable: its size, the table's, compression, position, text
     size = _HEADER.size - 4 + len(padded)
@@ -114,14 +115,16 @@ def _frame_packet(stream: int, head: bytes, data: bytes) -> bytes:
     return bytes(_PACKET_HEAD.pack(stream, len(packed)) + packed)
 
 
-def _describe(simulation: Simulation | None) -> str:
+def _describe(simulation: Simulation | None, sensor: Sensor) -> str:
     """Returns the text in the header by which readers know the streams."""
     streams = ((EVENTS, "events", "EVTS"), (FRAMES, "frames", "FRME"))
-    nodes = "".join(_describe_stream(*stream, simulation) for stream in streams)
+    nodes = "".join(_describe_stream(*stream, simulation, sensor) for stream in streams)
     return f'<dv version="2.0"><node name="outInfo" path="/outInfo/">{nodes}</node></dv>\n'
 
 
-def _describe_stream(number: int, name: str, identifier: str, simulation: Simulation | None) -> str:
+def _describe_stream(
+    number: int, name: str, identifier: str, simulation: Simulation | None, sensor: Sensor
+) -> str:
     def say(kind: str, key: str, value: str | int) -> str:
         return f'<attr key="{key}" type="{kind}">{value}</attr>'
 
@@ -133,9 +136,9 @@ def _describe_stream(number: int, name: str, identifier: str, simulation: Simula
         say("string", "typeDescription", "Events." if number == EVENTS else "Frames."),
         say("string", "typeIdentifier", identifier),
         f'<node name="info" path="{path}info/">',
-        say("int", "sizeX", SENSOR_WIDTH_PX),
-        say("int", "sizeY", SENSOR_HEIGHT_PX),
-        say("string", "source", CAMERA_NAME),
+        say("int", "sizeX", sensor.width_px),
+        say("int", "sizeY", sensor.height_px),
+        say("string", "source", sensor.name),
         "</node>",
         "" if simulation is None or number != EVENTS else format_simulation(simulation, path),
     )

@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.errors import RecordingError
-from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
+from neurotouch_hid.messages import EVENT_DTYPE, Frame
 from neurotouch_hid.recording.container import Container, DamageError
 from neurotouch_hid.recording.header import Stream
+from neurotouch_hid.recording.sensor import DAVIS346, LARGEST_PX
 from neurotouch_hid.recording.unpacking import (
     MAX_STAMP_US,
     UnfitError,
@@ -37,7 +38,6 @@ Item = TypeVar("Item")
 
 _PIECE: Final = 1 << 16
 """Events of a batch, at most: 1 MB."""
-_RESOLUTION: Final = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX)
 
 
 class Recording:
@@ -52,9 +52,10 @@ class Recording:
         path: the file.
         has_frames: there is a stream of frames.
         simulation: where simulated data come from; None if they are not marked as simulated.
+        size_px: width and height of the sensor whose pixels the events name.
 
     Raises:
-        RecordingError: not a readable AEDAT4 file of a DAVIS-346 with events.
+        RecordingError: not a readable AEDAT4 file with events.
     """
 
     def __init__(self, path: Path | str) -> None:
@@ -63,22 +64,41 @@ class Recording:
             streams, self.simulation = file.header.streams, file.header.simulation
         self._events = _find(streams, "EVTS")
         self._frames = _find(streams, "FRME")
-        self.has_frames = self._frames is not None
         if self._events is None:
             raise RecordingError(
                 f"'{self.path}' has no stream of events.",
                 hint="Record with the events switched on.",
             )
-        for number in (self._events, self._frames):
-            if number is not None and (size := streams[number].size) != _RESOLUTION:
-                what = "of unknown size" if size is None else f"{size[0]}×{size[1]}"
-                raise RecordingError(
-                    f"'{self.path}' is {what}, not the 346×260 of a DAVIS-346.",
-                    hint="Only recordings of a DAVIS-346 can be used.",
-                )
+        self.size_px = self._check_size(streams[self._events].size)
+        if self.size_px != DAVIS346.size_px:
+            self._frames = None  # only those of a DAVIS-346 are read
+        self.has_frames = self._frames is not None
+        if self._frames is not None:
+            self._check_size(streams[self._frames].size, DAVIS346.size_px)
+
+    def _check_size(
+        self, size: tuple[int, int] | None, wanted: tuple[int, int] | None = None
+    ) -> tuple[int, int]:
+        """Returns the size of a sensor's picture, if it is one that can be read."""
+        if size is None:
+            raise RecordingError(
+                f"'{self.path}' is of unknown size.",
+                hint="Its header must name width and height of the sensor.",
+            )
+        if wanted not in (None, size):
+            raise RecordingError(
+                f"'{self.path}' has frames of {size[0]}×{size[1]}, not the 346×260 of its events.",
+                hint="Record it again.",
+            )
+        if not all(2 <= side <= LARGEST_PX for side in size):
+            raise RecordingError(
+                f"'{self.path}' is {size[0]}×{size[1]}, no sensor's size.",
+                hint=f"From 2 to {LARGEST_PX} pixels can be read.",
+            )
+        return size
 
     def __iter__(self) -> Iterator[Batch]:
-        with _Reading(self.path, self._events, self._frames) as reading:
+        with _Reading(self.path, self._events, self._frames, self.size_px) as reading:
             frames = reading.frames()
             frame = next(frames, None)
             for piece in reading.events():
@@ -113,8 +133,10 @@ def _find(streams: dict[int, Stream], kind: str) -> int | None:
 class _Reading:
     """One reading of a file: two walks, and the first damage that one of them meets."""
 
-    def __init__(self, path: Path, events: int | None, frames: int | None) -> None:
-        self._path = path
+    def __init__(
+        self, path: Path, events: int | None, frames: int | None, size_px: tuple[int, int]
+    ) -> None:
+        self._path, self._size_px = path, size_px
         self._events, self._frames = events, frames
         self._file = Container(path)
         self._end: float = float("inf")  # position of the damage: the other walk ends there, too
@@ -122,8 +144,9 @@ class _Reading:
         self._first_us: int | None = None
         self._last_us = -1
         self._frame_us = -MAX_STAMP_US
-        # A DAVIS-346 gives at most 12 events/µs and 40 frames/s.
-        self._event_rate = _Rate(most=1_000_000, per_us=20)
+        # A DAVIS-346 gives at most 12 events/µs and 40 frames/s, a larger sensor more events.
+        per_us = 20 if size_px == DAVIS346.size_px else 200
+        self._event_rate = _Rate(most=1_000_000, per_us=per_us)
         self._frame_rate = _Rate(most=MOST_WAITING, per_us=0.001)
 
     def events(self) -> Iterator[NDArray[np.void]]:
@@ -195,10 +218,11 @@ class _Reading:
         for name in ("t", "x", "y"):
             events[name] = given[name]
         events["p"] = given["p"].view(np.uint8) != 0
-        for name, size in zip("xy", _RESOLUTION, strict=True):
+        for name, size in zip("xy", self._size_px, strict=True):
             if events[name].view(np.uint16).max() >= size:
                 raise RecordingError(
-                    f"'{self._path}' has an event outside the 346×260 pixels of a DAVIS-346.",
+                    f"'{self._path}' has an event outside its {self._size_px[0]}×"
+                    f"{self._size_px[1]} pixels.",
                     hint="The file is damaged or of another camera.",
                 )
         t = events["t"]

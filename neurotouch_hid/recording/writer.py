@@ -21,6 +21,7 @@ from neurotouch_hid.recording.packing import (
     pack_header,
     pack_table,
 )
+from neurotouch_hid.recording.sensor import DAVIS346, Sensor
 from neurotouch_hid.recording.simulation import Simulation
 
 _COLUMNS = 6  # of the table
@@ -40,6 +41,7 @@ class RecordingWriter:
         path: the future path of the recording; an existing one is replaced.
         in_place: write under the name itself, from the start.
         simulation: where simulated data come from; None for a sensor's data.
+        sensor: the sensor whose pixels the events name; only a DAVIS-346 has frames.
         min_free_bytes: how much of the disk to leave free.
 
     Attributes:
@@ -56,6 +58,7 @@ class RecordingWriter:
         *,
         in_place: bool = False,
         simulation: Simulation | None = None,
+        sensor: Sensor = DAVIS346,
         min_free_bytes: int = MIN_FREE_BYTES,
     ) -> None:
         self.path = Path(path)
@@ -64,7 +67,7 @@ class RecordingWriter:
         self._last_us = 0  # the format's readers take no events before the origin
         self._frame_us = 0
         try:
-            self._output.append(pack_header(simulation))
+            self._output.append(pack_header(simulation, sensor))
         except RecordingError:
             self.discard()
             raise

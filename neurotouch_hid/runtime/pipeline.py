@@ -90,8 +90,8 @@ class Pipeline:
         rest: FrameExchange = (
             ThreadedRest(detector, finder) if frame_thread else InlineRest(detector)
         )
-        # With a frame thread the tracker finds nothing itself.
-        tracker = MarkerTracker(finder=finder, gel=gel)
+        # The thread's finder is its own; without events the tracker searches frames itself.
+        tracker = MarkerTracker(finder=None if frame_thread else finder, gel=gel)
         return cls(
             rest,
             tracker,
@@ -121,6 +121,8 @@ class Pipeline:
             packet_left = packet
         with self.timings.tracker:
             markers = self.tracker.update(packet_left)
+        if self.tracker.is_frameless:
+            self._do_without_frames(packet.t_end_us)
         if self.tracker.flicker is not self._flicker:
             self._flicker = self.tracker.flicker
             self.rest.detector.note_flicker(self._flicker.hz if self._flicker else None)
@@ -177,10 +179,13 @@ class Pipeline:
         self._anchor = self._exchange(packet)
 
     def _cut_remaining(self, packet: EventPacket) -> EventPacket:
-        """Returns the part of a slice that has not been taken in yet, without frames."""
+        """Returns the part of a slice that has not been taken in yet, without frames.
+
+        If frames alone carry the markers, they stay: the next step would be a frame late.
+        """
         partial, self._partial = self._partial, None
         if partial is None or partial.t_begin_us != packet.t_begin_us:
-            return _without_frames(packet)
+            return packet if self.tracker.follows_frames else _without_frames(packet)
         events, gap = packet.events[len(partial.events) :], packet.gap - partial.gap
         return EventPacket(partial.t_end_us, packet.t_end_us, events, (), gap)
 
@@ -199,6 +204,20 @@ class Pipeline:
             with self.timings.frames:
                 self.tracker.correct(*result.searched)
         return result.rest
+
+    def _do_without_frames(self, t_us: int) -> None:
+        """Lets events show the gel at rest, where frames are missing.
+
+        A hand that may rest on the gel would be taken for an untouched gel, so it asks for
+        ``rezero`` instead.
+        """
+        self.rest.detector.note_missing_frames(t_us)
+        if self.recognizer.neutral == "resting":
+            return
+        back = self.tracker.find_return()
+        if back is not None:
+            self.tracker.anchor(back)
+            self._anchor = back
 
     def _may_skip(self, frame_us: int) -> bool:
         """Tells whether a frame brings nothing new: the gel is idle and was at rest just before."""

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
         Periodic,
         PictureSource,
         PolledSource,
+        SizedSource,
         Source,
         Troubled,
     )
@@ -26,7 +27,8 @@ else:
         {
             "check": "FORMS check_source",
             "opening": "open_source",
-            "protocol": "ActivityAware FactTelling Periodic PictureSource PolledSource Source "
+            "protocol": "ActivityAware FactTelling Periodic PictureSource PolledSource "
+            "SizedSource Source "
             "Troubled",
             "slicer": "Slicer slice_recording",
         },
@@ -39,6 +41,7 @@ __all__ = [
     "Periodic",
     "PictureSource",
     "PolledSource",
+    "SizedSource",
     "Slicer",
     "Source",
     "Troubled",

@@ -3,17 +3,20 @@
 from dataclasses import dataclass, field
 
 from neurotouch_hid.source.davis.config import DavisConfig
+from neurotouch_hid.source.events.config import EventsConfig
 from neurotouch_hid.source.video.config import VideoConfig
 
 
 @dataclass(frozen=True, slots=True)
 class CameraConfig:
-    """The settings of a camera, of either kind.
+    """The settings of a camera, of any kind.
 
     Attributes:
         davis: of a DAVIS.
         video: of a video camera.
+        events: of an event camera of another maker.
     """
 
     davis: DavisConfig = field(default_factory=DavisConfig)
     video: VideoConfig = field(default_factory=VideoConfig)
+    events: EventsConfig = field(default_factory=EventsConfig)

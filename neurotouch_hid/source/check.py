@@ -15,7 +15,7 @@ from neurotouch_hid.vocabulary import (
 )
 
 FORMS: Final = (
-    *("davis:", "davis:SERIAL", "video:", "video:NAME"),
+    *("davis:", "davis:SERIAL", "video:", "video:NAME", "events:", "events:SERIAL"),
     *("file:NAME.aedat4", "file:NAME.mkv", "sim:NAME", RUNNING_DRIVER),
 )
 """How the sources of this package are written."""
@@ -45,6 +45,14 @@ def check_source(spec: str) -> None:
         )
 
         select_video_cameras(find_video_cameras(), rest)
+    elif kind is SourceKind.EVENTS:
+        from neurotouch_hid.source.events.enumeration import (  # noqa: PLC0415
+            choose_event_camera,
+            find_event_cameras,
+        )
+        from neurotouch_hid.source.events.library import load_library  # noqa: PLC0415
+
+        choose_event_camera(find_event_cameras(load_library()), rest)
     elif kind is SourceKind.RECORDING:
         from neurotouch_hid.recording.check import check_recording  # noqa: PLC0415
 

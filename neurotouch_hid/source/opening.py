@@ -38,13 +38,14 @@ def open_source(
 
     Args:
         spec: ``davis:`` (the first camera) or ``davis:SERIAL``, ``video:`` (the only video camera
-            that shows a gel) or ``video:NAME``, ``file:NAME.aedat4`` or a video clip,
+            that shows a gel) or ``video:NAME``, ``events:`` (the only event camera of the extra) or
+            ``events:SERIAL``, ``file:NAME.aedat4`` or a video clip,
             ``file:NAME.mkv``, ``.avi`` or ``.mp4`` (or just the path), ``sim:NAME``, ``driver:``
             (packets of the running driver), or ``KIND:REST`` of another package: its entry point
             KIND in ``neurotouch.sources`` is called as
             ``make(REST, slice_us=..., seed=...)``.
-        slice_us: length of a slice of sensor time; without, ``LIVE_US`` of a DAVIS, what suits the
-            rate of a video camera, and ``PAPER_US`` of anything else.
+        slice_us: length of a slice of sensor time; without, ``LIVE_US`` of an event camera, what
+            suits the rate of a video camera, and ``PAPER_US`` of anything else.
         speed: ``recorded`` plays no faster than it happened, ``max`` as fast as possible; ignored
             for a camera.
         seed: of the simulator's chance; recordings have none.
@@ -53,7 +54,7 @@ def open_source(
         max_delay_us: slices of a camera that wait longer to be taken are dropped;
             if None, a limit that suits the pipeline.
         repeats: a simulated scene starts again at its end, for ever.
-        gel: the gel that is simulated.
+        gel: the gel that is simulated, or in front of an event camera.
         finder: finds the gel in the pictures of a video; without, frames show whole pictures.
 
     Raises:
@@ -90,6 +91,17 @@ def open_source(
             wait=wait,
             max_delay_us=max_delay_us or MAX_DELAY_US,
         )
+    if kind is SourceKind.EVENTS:
+        from neurotouch_hid.source.events.source import EventCameraSource  # noqa: PLC0415
+
+        return EventCameraSource(
+            rest,
+            None if camera is None else camera.events,
+            gel=gel,
+            slice_us=slice_us or LIVE_US,
+            wait=wait,
+            max_delay_us=max_delay_us or MAX_DELAY_US,
+        )
     source = _open(kind, spec, slice_us or PAPER_US, seed, repeats, gel, finder)
     return PacedSource(source) if speed == "recorded" and not source.is_live else source
 
@@ -111,7 +123,7 @@ def _open(
     if kind is SourceKind.RECORDING:
         from neurotouch_hid.source.replay import Replay  # noqa: PLC0415
 
-        return Replay(find_path(spec), slice_us=slice_us)
+        return Replay(find_path(spec), slice_us=slice_us, gel=gel)
     if kind is SourceKind.OTHER:
         return open_plugin(spec, slice_us, seed)
     from neurotouch_hid.source.simulator import Simulator  # noqa: PLC0415

@@ -8,6 +8,7 @@ from neurotouch_hid.driver_state import SourceFacts
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.recording.clip import Picture
+from neurotouch_hid.recording.sensor import Sensor
 from neurotouch_hid.source.view import View
 
 
@@ -112,6 +113,20 @@ class PictureSource(Source, Protocol):
 
     def pictures(self) -> Iterator[Picture]:
         """Yields the sensor's pictures as they are, instead of packets."""
+        ...
+
+
+@runtime_checkable
+class SizedSource(Source, Protocol):
+    """A source whose sensor gives events, in a picture of a size of its own."""
+
+    @property
+    def sensor(self) -> Sensor | None:
+        """The sensor; None before it was opened."""
+        ...
+
+    def sensor_packets(self) -> Iterator[EventPacket]:
+        """Yields slices in the sensor's own pixels instead of canonical ones."""
         ...
 
 

@@ -6,6 +6,8 @@
     px_per_mm: 2.5              # together with centre_px
     rotation_deg: 0.0           # turn of the marker lattice, clockwise; needs the two above
     mirrored: false             # the camera saw the gel mirrored; the source mirrors it back
+
+Of a sensor of another size than 346 x 260 px, place and scale are in that sensor's own picture.
 """
 
 import math
@@ -46,8 +48,14 @@ def rig_path(recording: Path | str) -> Path:
     return Path(recording).with_suffix(".rig.yaml")
 
 
-def load_rig_file(path: Path | str) -> RigFile:
+def load_rig_file(
+    path: Path | str, size_px: tuple[int, int] = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX)
+) -> RigFile:
     """Returns the content of a rig file.
+
+    Args:
+        path: the file.
+        size_px: width and height of the sensor's picture.
 
     Raises:
         RecordingError: it cannot be read, or a value is wrong (``file:line:column``).
@@ -67,14 +75,14 @@ def load_rig_file(path: Path | str) -> RigFile:
         )
     if document is None or not isinstance(document.value, dict):
         raise RecordingError(f"{path}:1:1: expected keys with values: {', '.join(KEYS)}.")
-    return _Reader(path, document).read()
+    return _Reader(path, document, size_px).read()
 
 
 class _Reader:
     """Takes the values out of the document and knows the place of each."""
 
-    def __init__(self, path: Path, document: Node) -> None:
-        self._path, self._document = path, document
+    def __init__(self, path: Path, document: Node, size_px: tuple[int, int]) -> None:
+        self._path, self._document, self._size_px = path, document, size_px
         self._values: dict[str, Any] = document.value
 
     def read(self) -> RigFile:
@@ -87,7 +95,9 @@ class _Reader:
         mirrored = self._values.get("mirrored", False)
         if not isinstance(mirrored, bool):
             raise self._error("mirrored", "true or false")
-        centre, scale = self._centre(), self._number("px_per_mm", *SCALE_LIMITS)
+        least, most = SCALE_LIMITS
+        most *= max(1.0, self._size_px[0] / SENSOR_WIDTH_PX)
+        centre, scale = self._centre(), self._number("px_per_mm", least, most)
         rotation_deg = self._number("rotation_deg", -360, 360)
         if centre is None and scale is None and rotation_deg is None:
             return RigFile(None, mirrored)
@@ -105,10 +115,10 @@ class _Reader:
         if "centre_px" not in self._values:
             return None
         value = self._values["centre_px"]
-        expected = f"[x, y] within {SENSOR_WIDTH_PX}×{SENSOR_HEIGHT_PX} pixels"
+        expected = f"[x, y] within {self._size_px[0]}×{self._size_px[1]} pixels"
         if not isinstance(value, list) or len(value) != 2:
             raise self._error("centre_px", expected)
-        for number, limit in zip(value, (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX), strict=True):
+        for number, limit in zip(value, self._size_px, strict=True):
             if not _is_number(number) or not 0 <= number < limit:
                 raise self._error("centre_px", expected)
         return float(value[0]), float(value[1])

@@ -100,8 +100,9 @@ def whole_view(width_px: int, height_px: int, *, mirrored: bool = False) -> View
 class ViewTable:
     """Makes canonical pictures of sensor pictures; all its memory is taken at the start.
 
-    A larger picture is averaged over boxes first, so that no dot falls between two pixels. Points
-    beyond the sensor's picture show its edge.
+    A larger picture is averaged over boxes first, so that no dot falls between two pixels. No box
+    is larger than a canonical pixel, which would blur the dots. Points beyond the sensor's picture
+    show its edge.
 
     Args:
         view: the map.
@@ -109,7 +110,7 @@ class ViewTable:
 
     def __init__(self, view: View) -> None:
         self.view = view
-        self._n = n = min(max(round(1.0 / view.scale), 1), _LARGEST_BOX_PX)
+        self._n = n = min(max(int(1.0 / view.scale), 1), _LARGEST_BOX_PX)
         width, height = view.width_px // n, view.height_px // n
         if width < 2 or height < 2:
             raise ValueError(f"a picture of {view.width_px}×{view.height_px} is too small")

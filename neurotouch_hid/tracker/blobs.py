@@ -13,6 +13,7 @@ from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.tracker.kernels import image as kernels
 
 MAX_BLOBS = 1024  # a picture of a gel has fewer
+_MOST_BLOBS = 2  # for each marker; of more, most are noise, which also joins some to dots
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,9 +97,16 @@ class BlobFinder:
             pixels, c.n_sigma, c.min_contrast, b.threshold, b.background
         )
         if n_clear < c.min_clear:
-            kernels.smooth(pixels, float(np.median(b.background)), self._smooth)
+            middle_dn = float(np.median(b.background))
+            kernels.smooth(pixels, kernels.GAIN, middle_dn, self._smooth)
             pixels, least = self._smooth, kernels.GAIN * kernels.NOISE_LEFT * c.min_contrast
             kernels.threshold_blocks(pixels, c.n_sigma, least, b.threshold, b.background)
         n = kernels.find_blobs(pixels, c.min_area_px, c.max_area_px, b)
+        if n > _MOST_BLOBS * self._gel.n_markers and pixels is not self._smooth:
+            kernels.smooth(pixels, 1, kernels.MIDDLE_DN, self._smooth)
+            kernels.threshold_blocks(
+                self._smooth, c.n_sigma, c.min_contrast, b.threshold, b.background
+            )
+            n = kernels.find_blobs(self._smooth, c.min_area_px, c.max_area_px, b)
         begin = b.begin[: n + 1]
         return Blobs(b.centroid_px[:n], begin, b.members[: begin[n]])

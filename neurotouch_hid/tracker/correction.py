@@ -47,8 +47,10 @@ class FrameCorrection:
         if len(seen):
             track_kernels.shift(seen, by_px, self._tracks)
 
-    def anchor(self, rest: RestField) -> None:
+    def anchor(self, rest: RestField, *, is_followed: bool = False) -> None:
         """Corrects all tracks by a frame that shows the gel at rest; the frame may be late.
+
+        Tracks that follow frames alone have taken their places from it already.
 
         At rest the position identifies each marker. A track that was elsewhere had followed a
         neighbour, so it moves to the place that its own neighbours give.
@@ -59,7 +61,8 @@ class FrameCorrection:
         tracks = self._tracks
         error = rest.position_px - then_px
         astray = np.hypot(*error.T) > _MAX_ASTRAY_PX
-        track_kernels.shift(np.flatnonzero(~astray), error[~astray], tracks)
+        if not is_followed:
+            track_kernels.shift(np.flatnonzero(~astray), error[~astray], tracks)
         tracks.lost[~astray & (tracks.state["n_missed"] < correction.MAX_MISSED)] = False
         if not astray.any():
             return

@@ -81,6 +81,11 @@ class GelWatch:
                 GelState(layout=self._gel, problem=GelProblem.NO_FRAMES, n_seen=n_seen), t_us
             )
 
+    def miss(self, t_us: int) -> None:
+        """Notes that events alone show the markers; dark frames have their own reason."""
+        if self.state.is_found and t_us - self._last_us >= _NO_FRAMES_US:
+            self._consider(replace(self.state, problem=GelProblem.EVENTS_ONLY), t_us)
+
     def search(
         self, frame: Frame, blobs: Blobs, lattice: Lattice | None, problem: GelProblem
     ) -> None:

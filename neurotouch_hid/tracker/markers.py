@@ -15,6 +15,8 @@ from neurotouch_hid.tracker.flicker import Flicker, FlickerFilter
 from neurotouch_hid.tracker.kernels import correction, nearest, rigid
 from neurotouch_hid.tracker.kernels import filter as kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
+from neurotouch_hid.tracker.kernels.lost_markers import FRAMELESS_US
+from neurotouch_hid.tracker.quiet_return import QuietReturn
 
 _PAST = 64  # checks remembered: at least 128 ms, longer than exposure and delay of a frame
 _MAX_DRIFT_PX = 1.0  # a marker farther off its rest position is being pushed, or the rig was bumped
@@ -172,6 +174,7 @@ class MarkerTracker:
         self._finder = finder or BlobFinder(gel=gel)
         self._correction = FrameCorrection(self._tracks, self._tuning)
         self._flicker = FlickerFilter()
+        self._return = QuietReturn(self._tracks)
         self._rest_px = np.full((n, 2), np.nan, np.float32)
         self._anchored = False
         self._anchor_us = 0
@@ -180,7 +183,7 @@ class MarkerTracker:
         self._event_us: int | None = None  # the end of the last slice with events
         self._absent = np.zeros(n, np.bool_)  # markers that the last frame at rest hid
         self._is_unsure = False
-        self._frame_us = 0  # the middle of the last exposure
+        self._frame_us = 0  # the middle of the last exposure that was followed
         self._last_pixels: NDArray[np.uint8] | None = None
         self._n_mean = 0  # frames in the mean that the rest position is
 
@@ -193,6 +196,13 @@ class MarkerTracker:
     def follows_frames(self) -> bool:
         """True while no events come, so that frames alone show where the markers go."""
         return bool(self._tracks.common["frames_alone"][0])
+
+    @property
+    def is_frameless(self) -> bool:
+        """True while the markers are followed by events, and no frame has shown them for 0.5 s."""
+        if not self._anchored or self._end_us is None or self.follows_frames:
+            return False
+        return self._end_us - int(self._tracks.common["last_frame_us"][0]) >= FRAMELESS_US
 
     @property
     def is_unsure(self) -> bool:
@@ -227,7 +237,7 @@ class MarkerTracker:
             self._drift(off, elapsed_us)
         self._anchor_us = rest.t_us
         self._absent, self._is_unsure = tracks.state["n_missed"] > 0, False
-        self._correction.anchor(rest)
+        self._correction.anchor(rest, is_followed=self.follows_frames)
         if not np.abs(self._rest_px - tracks.rest_px).max() < _SHOWN_DRIFT_PX:
             self._rest_px = tracks.rest_px.astype(np.float32)
 
@@ -263,13 +273,26 @@ class MarkerTracker:
         self._n_events += len(packet.events)
         return MarkerField(packet.t_end_us, self._rest_px, position_px, valid, self._gel)
 
+    def find_return(self) -> RestField | None:
+        """Returns all markers if events alone show that the gel has just come back to rest.
+
+        The caller gives them to ``anchor``, unless a hand may rest on the gel.
+        """
+        if self._end_us is None:
+            return None
+        rest_px = self._return.find(self._end_us)
+        return None if rest_px is None else RestField(self._end_us, rest_px.astype(np.float32))
+
     def forget(self) -> None:
         """Knows no places any more, because the gel is lost, until the next ``anchor``."""
         self._anchored = False
 
     def correct(self, frame: Frame, blobs: Blobs) -> None:
-        """Corrects the tracks by the blobs found in a frame of an earlier slice."""
-        if self._anchored:
+        """Corrects the tracks by the blobs found in a frame of an earlier slice.
+
+        A frame that ``update`` has followed already changes nothing.
+        """
+        if self._anchored and frame.t_us > self._frame_us:
             self._correct(frame, blobs)
 
     def stats(self) -> TrackerStats:

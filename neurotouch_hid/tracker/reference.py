@@ -40,9 +40,11 @@ class Reference:
         self._match = np.empty(gel.n_markers, np.int32)
         self._n_frames = 1
         self.move(lattice.position_px, blobs)
+        self._n_moved = MEAN_FRAMES
 
     def move(self, position_px: NDArray[np.float64], blobs: Blobs) -> None:
         """Takes the same markers at other places, where the blobs of a frame show them."""
+        self._n_moved = 1
         self.position_px = position_px
         self._centre_px = position_px.mean(axis=0)
         self._pixels = self._white_pixels(blobs).copy()
@@ -53,7 +55,8 @@ class Reference:
     def add(self, centroid_px: NDArray[np.float64], match: NDArray[np.int32]) -> None:
         """Takes a frame at rest into the mean, if it is one of the first.
 
-        One frame of a blurred or noisy picture is off by as much as a soft touch.
+        One frame of a blurred or noisy picture is off by as much as a soft touch. A rig that has
+        just moved still swings a little: the mean of how far all markers are off is its place.
 
         Args:
             centroid_px: (m, 2) px, its blobs.
@@ -64,6 +67,11 @@ class Reference:
             seen = (match >= 0)[:, None]
             off_px = np.where(seen, centroid_px[match] - self.position_px, 0.0)
             self.position_px = self.position_px + off_px / self._n_frames
+        elif self._n_moved < MEAN_FRAMES:
+            self._n_moved += 1
+            found = match >= 0
+            off_px = centroid_px[match[found]] - self.position_px[found]
+            self.position_px = self.position_px + np.median(off_px, axis=0) / self._n_moved
 
     def find_moved(
         self, blobs: Blobs, n_left_out: int, limit_px: float

@@ -20,7 +20,7 @@ from neurotouch_hid.messages import (
 from neurotouch_hid.tracker.blobs import BlobConfig, BlobFinder, Blobs
 from neurotouch_hid.tracker.event_camera import EventCamera
 from neurotouch_hid.tracker.gel_watch import GelWatch
-from neurotouch_hid.tracker.kept_motion import KeptMotion
+from neurotouch_hid.tracker.kept_motion import PACE_US, KeptMotion
 from neurotouch_hid.tracker.kernels import correction, matching
 from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig, LatticeFinder
 from neurotouch_hid.tracker.reference import MOST_LEFT, Reference
@@ -51,11 +51,12 @@ class RestConfig:
             fingertip are more; those at its edge move less than the finger. With 5 % of all markers
             instead, F1 is 0.976.
         min_share: least share of the reference's markers that must be seen at their places.
-        settle_frames: a gel that is still for this many frames, 1 s at 25 Hz, becomes the reference
-            even if it is bent more than an undeformed gel (odd optics). It becomes the new
-            reference if it is elsewhere and bent no more than the old one (its mount was bumped,
-            or a hand was on it at the start).
-        max_still_px: largest median motion of the markers between two frames of a still gel.
+        settle_frames: a gel that is still for this many frames, 1 s at 25 Hz or more, becomes the
+            reference even if it is bent more than an undeformed gel (odd optics). It becomes the
+            new reference if it is elsewhere and bent no more than the old one (its mount was
+            bumped, or a hand was on it at the start).
+        max_still_px: largest median motion of the markers between two frames of a still gel, which
+            are at least ``PACE_US`` apart.
         max_odd_bend_px: largest bend with odd optics, as much as one finger that pushes by 1.5 mm.
         max_print_px: largest tolerance of single markers of a printed gel, standard deviation. It
             hides a light touch, so a gel painted by hand is accepted only once it has been still.
@@ -143,7 +144,10 @@ class RestDetector:
         self._reference: Reference | None = None
         self._camera: EventCamera | None = EventCamera(self._lattice, rig, near_rad)
         self._match = np.empty(gel.n_markers, np.int32)
+        self._paced_us: int | None = None
+        self._is_paced = False
         self._moved_px: NDArray[np.float64] | None = None
+        self._moved_us = 0
         self._kept = KeptMotion()
         self._still_px: NDArray[np.float64] = np.empty((0, 2))
         self._n_still = 0
@@ -170,6 +174,10 @@ class RestDetector:
     def note_haste(self, t_us: int) -> None:
         """Takes that the markers have just moved too fast for frames; ``gel`` then says so."""
         self._watch.haste_us = t_us
+
+    def note_missing_frames(self, t_us: int) -> None:
+        """Takes that frames no longer show the markers; ``gel`` says so if none come."""
+        self._watch.miss(t_us)
 
     @property
     def is_watching(self) -> bool:
@@ -212,6 +220,11 @@ class RestDetector:
         return RestField(frame.t_us, lattice.position_px.astype(np.float32), is_new=True)
 
     def _look(self, frame: Frame, blobs: Blobs) -> RestField | None:
+        # What tests motion from frame to frame leaves out some frames of a fast camera.
+        since_us = None if self._paced_us is None else frame.t_us - self._paced_us
+        self._is_paced = since_us is None or not 0 <= since_us < PACE_US
+        if self._is_paced:
+            self._paced_us = frame.t_us
         if self._reference is None:
             return self._search(frame, blobs)
         return self._compare(frame, blobs, self._reference)
@@ -237,8 +250,11 @@ class RestDetector:
 
     def _doubt(self, lattice: Lattice | None) -> GelProblem:
         """Returns whether a bent lattice may be the end of a touch."""
-        before_px, self._bend_px = self._bend_px, np.inf if lattice is None else lattice.bend_px
-        if _CLEAR_BEND_PX < self._bend_px < before_px - _SINKING_PX:
+        bend_px = np.inf if lattice is None else lattice.bend_px
+        is_sinking = not self._is_paced or bend_px < self._bend_px - _SINKING_PX
+        if self._is_paced:
+            self._bend_px = bend_px
+        if bend_px > _CLEAR_BEND_PX and is_sinking:
             return GelProblem.LEARNING
         return GelProblem.NONE
 
@@ -260,7 +276,7 @@ class RestDetector:
             self._kept.forget()
             reference.add(blobs.centroid_px, self._match)
         share, off_mm = n_found / reference.n_found, displacement / reference.px_per_mm
-        if is_rest or self._kept.update(blobs.centroid_px, share, off_mm):
+        if is_rest or self._kept.update(frame.t_us, blobs.centroid_px, share, off_mm):
             self._n_still = 0
             self._count(n_found, GelProblem.NONE, distance, displacement)
             found = self._match >= 0
@@ -292,7 +308,10 @@ class RestDetector:
 
         What moves rigidly is the rig: a touch leaves the gel at the rim behind.
         """
-        before, self._moved_px = self._moved_px, None
+        before, since_us = self._moved_px, frame.t_us - self._moved_us
+        if before is not None and 0 <= since_us < PACE_US:  # too early to tell
+            return False
+        self._moved_px, self._moved_us = None, frame.t_us
         moved = reference.find_moved(blobs, self._config.max_displaced, limit_px)
         if moved is None:
             return False
@@ -328,6 +347,8 @@ class RestDetector:
 
     def _count_still(self, blobs: Blobs) -> bool:
         """Returns True once for every ``settle_frames`` consecutive frames without motion."""
+        if not self._is_paced:
+            return False
         c, before, now = self._config, self._still_px, blobs.centroid_px.copy()
         self._still_px = now
         same = np.empty(len(before), np.int32)

@@ -2,11 +2,13 @@
 
 import errno
 import json
+import sys
 
 import pytest
 from click.testing import CliRunner
 
 from neurotouch_hid.cli.devices import command
+from tests.source.events.fake_library import Camera, Library
 from tests.source.video.fake_camera import FakeCamera, FakeLinux
 
 
@@ -59,3 +61,23 @@ def test_a_camera_that_another_program_uses_is_listed_all_the_same(linux):
     linux.cameras[0].in_use = True
     said = CliRunner().invoke(command, []).output
     assert "OK video camera UVC Camera: /dev/video0" in said
+
+
+def test_event_cameras_of_other_makers_are_listed(linux, monkeypatch):
+    fake = Library(Camera(), Camera("iniVation DVXplorer", serial="7", error="Rusb(Busy)"))
+    monkeypatch.setattr("neurotouch_hid.source.events.library.load_library", lambda: fake)
+    said = CliRunner().invoke(command, []).output
+    assert "OK event camera 00ca0123: Prophesee EVK4\n  picture: 1280x720 pixels" in said
+    assert "  use it: --source events:00ca0123" in said
+    assert "WARNING event camera 7: iniVation DVXplorer" in said
+    assert "  not available: in use by another program" in said
+    first, second = json.loads(CliRunner().invoke(command, ["--json"]).stdout)["event_cameras"]
+    assert (first["model"], first["width"], first["reason"]) == ("prophesee_evk4", 1280, None)
+    assert second["source"] == "events:7"
+
+
+def test_without_its_library_an_event_camera_is_named_with_the_command(linux, monkeypatch):
+    monkeypatch.setitem(sys.modules, "neuromorphic_drivers", None)
+    monkeypatch.setattr("neurotouch_hid.source.events.enumeration.needs_library", lambda: True)
+    said = CliRunner().invoke(command, []).output
+    assert "An event camera needs another package: pip install 'neurotouch-hid[events]'" in said

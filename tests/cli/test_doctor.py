@@ -106,7 +106,7 @@ def test_devices(call):
     done = call("devices", "--json")
     assert done.returncode == 0
     said = json.loads(done.stdout)
-    assert set(said) == {"cameras", "video_cameras", "pads"}
+    assert set(said) == {"cameras", "video_cameras", "event_cameras", "pads"}
     plain = call("devices").stdout
     if not said["cameras"] and not said["video_cameras"]:
         assert "No camera is plugged in. Try without: neurotouch demo" in plain

@@ -9,6 +9,7 @@ import pytest
 
 from neurotouch_hid.cli import main as command_line
 from neurotouch_hid.cli.main import cli
+from neurotouch_hid.cli.stream import StreamAddress
 
 NUMBERS = (click.types.IntParamType, click.types.FloatParamType)
 
@@ -133,6 +134,13 @@ def test_missing_argument_gets_an_example(answer, words, param):
     assert fix.startswith(("For example: neurotouch ", "See: neurotouch "))
 
 
+def find_word(kind):
+    """A word that an argument of this kind may be."""
+    if isinstance(kind, click.Choice):
+        return kind.choices[0]
+    return "lsl" if isinstance(kind, StreamAddress) else "x"
+
+
 @pytest.mark.parametrize(
     "words",
     [w for w, c in TREE if not isinstance(c, click.Group) and all(p.nargs == 1 for p in c.params)],
@@ -141,7 +149,7 @@ def test_missing_argument_gets_an_example(answer, words, param):
 def test_one_word_too_many(answer, words):
     (command,) = [command for each, command in TREE if each == words]
     arguments = [param for param in command.params if isinstance(param, click.Argument)]
-    full = [p.type.choices[0] if isinstance(p.type, click.Choice) else "x" for p in arguments]
+    full = [find_word(param.type) for param in arguments]
     sentence, _ = answer(*words, *full, "qqq!")
     assert sentence == "'qqq!' is one argument too many."
 

@@ -38,10 +38,13 @@ def test_there_are_examples_and_a_wrong_one_is_found():
 
 @pytest.mark.parametrize("spoil", [False, True])
 def test_camera_settings_can_be_loaded(tmp_path: Path, spoil: bool):
-    text, video = find_yaml("hardware.md")
+    text, events, video = find_yaml("hardware.md")
     path = tmp_path / "camera.yaml"
     path.write_text(video)
     assert load_settings(path, CameraSettings).config.video.format == "MJPG"
+    path.write_text(events)
+    config = load_settings(path, CameraSettings).config.events
+    assert config.biases == {"prophesee_evk4": {"diff_on": 20, "diff_off": 20}}
     path.write_text(text.replace("exposure_us", "exposure") if spoil else text)
     if spoil:
         with pytest.raises(NeuroTouchError):

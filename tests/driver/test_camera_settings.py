@@ -11,6 +11,7 @@ from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.source.camera_config import CameraConfig
 from neurotouch_hid.source.davis import Biases, DavisConfig
 from neurotouch_hid.source.davis.registers import CoarseFine
+from neurotouch_hid.source.events.config import EventsConfig
 from neurotouch_hid.source.video.config import VideoConfig
 
 
@@ -77,3 +78,31 @@ def test_the_words_name_the_values_that_hold():
         default = field.default
         if isinstance(default, int) and not isinstance(default, bool):
             assert f"Default: {default}." in field.description, name
+
+
+def test_every_key_of_another_event_camera_reaches_the_driver(file):
+    file.write_text(
+        "version: 1\nmirrored: true\nevents:\n  px_per_mm: 8.0\n  centre_px: [640, 360.5]\n"
+        "  max_events_per_s: 5000000\n  biases:\n    prophesee_evk4: {diff_on: 20, diff_off: -5}\n"
+        "    inivation_dvxplorer:\n      on: 9\n"
+    )
+    biases = {"prophesee_evk4": {"diff_on": 20, "diff_off": -5}, "inivation_dvxplorer": {"on": 9}}
+    assert load_camera_config().events == EventsConfig(
+        8.0, (640.0, 360.5), 5_000_000, biases, mirrored=True
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("events:\n  px_per_mm: 0.1", ":2:14"),
+        ("events:\n  centre_px: [1]", ":2:3"),
+        ("events:\n  biases:\n    evk4: {diff_on: 1}", ":3:5"),
+        ("events:\n  biases:\n    prophesee_evk4: {diff_on: 100000}", ":3:31"),
+    ],
+)
+def test_a_mistake_about_another_event_camera_has_its_place(file, text, place):
+    file.write_text(f"version: 1\n{text}\n".replace("version: 1\n", "", 1))
+    with pytest.raises(ProfileError) as caught:
+        load_camera_config()
+    assert place in str(caught.value)

@@ -3,7 +3,9 @@
 import pytest
 
 from neurotouch_hid.driver import Driver, DriverOptions, driver
+from neurotouch_hid.driver.gel_settings import ChosenGel
 from neurotouch_hid.errors import DeviceError, NotRunningError, SourceError
+from neurotouch_hid.geometry import PAPER_GEL
 
 
 @pytest.fixture
@@ -11,6 +13,7 @@ def order(monkeypatch):
     """What has been done, in its order; no kernel is loaded."""
     done = []
     monkeypatch.setattr(driver, "ask_status", lambda: done.append("driver found"))
+    monkeypatch.setattr(driver, "choose_gel", lambda *_, **__: ChosenGel(PAPER_GEL, b""))
     monkeypatch.setattr(driver, "load_kernels", lambda *_: done.append("kernels loaded"))
     return done
 

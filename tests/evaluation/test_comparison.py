@@ -76,6 +76,17 @@ def test_distance_is_in_millimetres_of_the_recording():
     assert summarise(comparison.tally)["distance_mm"] == pytest.approx(2.0, rel=1e-4)
 
 
+def test_only_the_last_frame_of_a_slice_is_judged():
+    """A camera that is faster than the slices: a step tells of one frame whether it is rest."""
+    comparison = Comparison(LABELS)
+    step = make_step(20_000, GestureKind.NONE, frame_us=19_000, rest=True)
+    early = Frame(step.packet.frames[0].pixels, 10_500, 11_500)
+    packet = replace(step.packet, frames=(early, *step.packet.frames))
+    comparison(replace(step, packet=packet))
+    assert summarise(comparison.tally)["rest_recall"] == 1.0
+    assert comparison.tally.frames == 2
+
+
 def test_rest_is_compared_with_the_label_of_its_own_frame():
     comparison = Comparison(LABELS)
     comparison(make_step(30_000, GestureKind.NONE, frame_us=21_000, rest=True))

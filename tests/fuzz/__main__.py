@@ -36,7 +36,9 @@ def main() -> int:
 def _parse() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m tests.fuzz", description=__doc__)
     parser.add_argument("areas", nargs="*", metavar="AREA", help=f"of {', '.join(AREAS)}")
-    parser.add_argument("--minutes", type=float, default=1.0, help="of all areas together")
+    parser.add_argument(
+        "--minutes", type=float, default=1.0, help="of processor time, of all areas together"
+    )
     parser.add_argument("--guided", action="store_true", help="follow the coverage, by libFuzzer")
     parser.add_argument("--cases", type=int, help="of each area, instead of minutes")
     parser.add_argument("--seed", help="what the cases are drawn from")

@@ -265,7 +265,7 @@ class _Scripted(SimpleNamespace):
     def __init__(
         self, chunks: list[bytes], layout: AddressLayout, close: Callable[[], None]
     ) -> None:
-        super().__init__(layout=layout, transport=self, count_dropped=lambda: 0)
+        super().__init__(layout=layout, is_colour=False, transport=self, count_dropped=lambda: 0)
         self._chunks, self._close = iter(chunks), close
 
     def start(self, config: DavisConfig, receive: Callable[[bytes], Any]) -> None:

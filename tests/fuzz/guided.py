@@ -7,7 +7,6 @@ import argparse
 import os
 import random
 import sys
-import time
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
@@ -22,7 +21,7 @@ COMPILED: Final = [
 """Numba cannot compile what atheris has changed."""
 
 with atheris.instrument_imports(include=["neurotouch_hid"], exclude=COMPILED):
-    from tests.fuzz.area import FAST_FOLDER, Report, format_report, run_case
+    from tests.fuzz.area import FAST_FOLDER, Report, format_report, run_case, used_seconds
     from tests.fuzz.areas import AREAS, AT_RANDOM
 
 N_FIRST: Final = 200
@@ -44,12 +43,12 @@ def main() -> None:
         first.mkdir()
         for n in range(N_FIRST):
             (first / str(n)).write_bytes(area.make(random.Random(f"{options.seed}:{n}")))
-        path, report, begin = Path(place) / f"case{area.suffix}", Report(), time.monotonic()
+        path, report, begin = Path(place) / f"case{area.suffix}", Report(), used_seconds()
 
         def run(content: bytes) -> None:
             kept = options.folder / f"{options.area}-{options.seed}-guided-{report.cases}"
             run_case(area, content, path, kept.with_suffix(area.suffix), report)
-            report.seconds = time.monotonic() - begin
+            report.seconds = used_seconds() - begin
             if report.seconds > options.seconds:
                 print(format_report(options.area, f"{options.seed} guided", report), flush=True)
                 for file in (*first.iterdir(), path):

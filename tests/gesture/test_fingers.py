@@ -189,7 +189,10 @@ def test_contacts_are_in_gel_and_image_coordinates():
     contacts = fingers.locate_shown()
     order = np.argsort(contacts.mm[:, 0])
     np.testing.assert_allclose(contacts.mm[order], [[-5.0, 0.0], [5.0, 0.0]], atol=1.0)
-    np.testing.assert_allclose(contacts.px, rig.to_px(contacts.mm), atol=1e-9)
+    fit = fingers.fits[NOW]
+    whole_mm = [fit["offset_x_mm"], fit["offset_y_mm"]]
+    np.testing.assert_allclose(contacts.px, rig.to_px(contacts.mm + whole_mm), atol=1e-9)
+    assert np.abs(whole_mm).max() < 0.01
     assert motion.n_fingers == 2
     assert contacts.intensity_mm == pytest.approx(4.0, abs=0.3)
 
@@ -209,7 +212,7 @@ def test_a_finger_beside_the_dots_is_found_at_their_rim(place_mm):
         motion = fingers.update(moved, np.ones(FLAT.n_markers, np.bool_), 0.05, forming=True)
         assert motion.n_fingers
         centres = fingers.fits[NOW]["centres"][: motion.n_fingers]
-        shown = fingers.locate_shown().mm - fingers.fits[NOW]["motions"][0, :2]
+        shown = fingers.locate_shown().mm - fingers.fits[NOW]["whole"][0, :2]
         for places in (centres, shown if motion.n_fingers == 1 else centres):
             assert (np.abs(places) <= (9.135 + 1e-6, 6.09 + 1e-6)).all()
 

@@ -11,6 +11,7 @@ from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.gesture.elastic.fingers import FingerTracker
 from neurotouch_hid.gesture.elastic.kernels.field import build_compliance, rim_window
 from neurotouch_hid.gesture.elastic.kernels.fit import (
+    N_WHOLE,
     accumulate,
     build_columns,
     build_slopes,
@@ -92,7 +93,7 @@ def invert_coupling(centres, radii):
 @pytest.mark.parametrize("k", [1, 2, 3])
 def test_columns_equal_their_twin(k):
     centres, radii, motions = make_fingers(k, k)
-    columns, bent = np.empty((4 * k + 3, 2, 177)), np.empty((2, 177))
+    columns, bent = np.empty((4 * k + N_WHOLE, 2, 177)), np.empty((2, 177))
     inverse = invert_coupling(centres, radii)
     build_columns(POINTS, WINDOW, centres, radii, motions, inverse, columns, bent)
     columns = columns.transpose(2, 1, 0)
@@ -107,6 +108,9 @@ def test_columns_equal_their_twin(k):
         bent.T, reference.bend(PAPER_GEL.points_mm, centres, radii, motions[:, 2]), atol=1e-9
     )
     np.testing.assert_array_equal(columns[5, :, 4 * k : 4 * k + 2], np.eye(2))
+    r2 = (PAPER_GEL.points_mm**2).sum(axis=1)
+    np.testing.assert_allclose(columns[:, 1, -1], np.maximum(1.0 - r2 / 31.0**2, 0.0))
+    np.testing.assert_array_equal(columns[:, 0, -1], 0.0)
 
 
 @pytest.mark.parametrize("k", [1, 2, 3])
@@ -150,7 +154,8 @@ def test_refine_finds_the_fingers_of_the_twin(k):
     np.testing.assert_allclose(fit["centres"][:k], centres, atol=0.6)
     np.testing.assert_allclose(fit["motions"][:k, :2], motions[:, :2], atol=0.3)
     np.testing.assert_allclose([fit["offset_x_mm"], fit["offset_y_mm"]], 0.0, atol=0.1)
-    x, y, turn = fit["motions"][:k].T
+    np.testing.assert_allclose(fit["whole"][:k], fit["motions"][:k], atol=0.05)  # no shear
+    x, y, turn = fit["whole"][:k].T
     size_mm = np.sqrt(x**2 + y**2 + 0.5 * (turn * fit["radii"][:k]) ** 2)
     assert fit["largest_mm"] == pytest.approx(size_mm.max())
 

@@ -68,7 +68,7 @@ def test_each_finger_lands_for_itself():
         if not motion.n_fingers:
             continue
         fit, n = tracker.fits[NOW], motion.n_fingers
-        since = twin.subtract(fit["ids"][:n].tolist(), fit["motions"][:n], 10_000)
+        since = twin.subtract(fit["ids"][:n].tolist(), fit["whole"][:n], 10_000)
         np.testing.assert_allclose(tracker.state["since"][0, :n], since, atol=1e-12)
         parts = reference.measure_motion(fit["centres"][:n], fit["radii"][:n], since)[1]
         np.testing.assert_allclose(motion.parts_mm, parts, atol=1e-9)

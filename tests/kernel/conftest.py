@@ -20,6 +20,7 @@ from tests.kernel.machine import (
     choose_machine,
     fetch_kernel,
     require_packages,
+    take_turn,
 )
 
 TIME_LIMIT_S = 2000.0 + int(os.environ.get("NEUROTOUCH_PICTURES", "0")) / 5
@@ -47,13 +48,14 @@ def machines(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
         prepare(machine, folder / "tour.aedat4")
         settings = [f"{name}={value}" for name, value in (NUMBA | read_wishes()).items()]
         program = ["env", *settings, sys.executable, "-m", "tests.kernel.guest", str(folder)]
-        console = boot(
-            kernel,
-            [*program, machine],
-            folder,
-            time_limit_s=TIME_LIMIT_S,
-            n_processors=2 if machine == "processors" else 1,
-        )
+        with take_turn():
+            console = boot(
+                kernel,
+                [*program, machine],
+                folder,
+                time_limit_s=TIME_LIMIT_S,
+                n_processors=2 if machine == "processors" else 1,
+            )
         (folder / "console.txt").write_text(console)
         return folder
 

@@ -8,8 +8,10 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import IO
 
 ROOT = Path(__file__).parents[2]
 CACHE = ROOT / ".cache/kernel"
@@ -33,6 +35,13 @@ KVM_PATIENCE_S = 30.0
 
 _EMULATED = ("--disable-kvm", "--qemu-opts=-cpu Nehalem")
 """QEMU 7.2 carries out AVX2 wrongly, see ``tests/system/machine.py``."""
+
+_KERNEL_OPTIONS = "mitigations=off norandmaps"
+"""Without hardware virtualisation it is dear to change address spaces; and QEMU translates a
+library once where all programs have it at the same address."""
+
+_PROGRAMS = Path(__file__).with_name("bin")
+"""Come before programs of the same name."""
 
 CAMERA_TESTS = ("test_camera", "test_davis")
 """The files whose chapters are played by a machine of their own, beside that of the others."""
@@ -99,6 +108,27 @@ def _download_kernel() -> Path:
     return kernel
 
 
+@contextmanager
+def take_turn() -> Iterator[None]:
+    """Waits until fewer guests run than there are processors; a guest that starves fails."""
+    with ExitStack() as files:
+        places = [
+            files.enter_context((CACHE / f"guest-{k}").open("w"))
+            for k in range(os.cpu_count() or 1)
+        ]
+        while not any(map(_lock, places)):
+            time.sleep(0.5)
+        yield
+
+
+def _lock(place: IO[str]) -> bool:
+    try:
+        fcntl.flock(place, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True
+
+
 def boot(
     kernel: Path,
     program: list[str],
@@ -131,6 +161,7 @@ def boot(
         *("--user", "root"),
         *("--cpus", str(n_processors)),
         *("--memory", "2G"),
+        *("--append", _KERNEL_OPTIONS),
         *(() if disk is None else ("--disk", str(disk))),
     ]
     COMPILED.mkdir(parents=True, exist_ok=True)
@@ -162,11 +193,11 @@ def _run(
     patience_s, time_limit_s = limits_s
     terminal, inside = os.openpty()
     # vng starts helpers by name.
-    environment = {**os.environ, "PATH": f"{_vng().parent}:{os.environ['PATH']}:/usr/sbin:/sbin"}
+    path = f"{_PROGRAMS}:{_vng().parent}:{os.environ['PATH']}:/usr/sbin:/sbin"
     process = subprocess.Popen(
         command,
         cwd=ROOT,
-        env=environment,
+        env={**os.environ, "PATH": path},
         stdin=inside,
         stdout=inside,
         stderr=inside,

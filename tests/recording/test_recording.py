@@ -7,7 +7,7 @@ import pytest
 
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
-from neurotouch_hid.recording import Recording, RecordingWriter
+from neurotouch_hid.recording import Recording, RecordingWriter, Sensor
 from tests.recording.streams import ORIGIN_US, make_events, make_frames, make_packets
 from tests.vendor import dv
 
@@ -208,8 +208,39 @@ def test_other_formats(tmp_path, data, words):
 
 
 def test_another_camera(tmp_path):
-    path = with_dv(tmp_path / "a.aedat4", (640, 480))
-    assert refusal(path) == " is 640×480, not the 346×260 of a DAVIS-346"
+    """Events of any sensor are read; its frames are not."""
+
+    def fill(writer):
+        store = dv.EventStore()
+        store.push_back(5, 639, 479, True)
+        writer.writeEvents(store)
+
+    recording = Recording(with_dv(tmp_path / "a.aedat4", (640, 480), fill=fill))
+    assert recording.size_px == (640, 480)
+    assert not recording.has_frames
+    assert [events.tolist() for events, _ in recording] == [[(5, 639, 479, True)]]
+
+
+def test_a_recording_of_another_sensor_is_read_by_its_maker_and_by_us(tmp_path):
+    path, sensor = tmp_path / "a.aedat4", Sensor("Prophesee EVK4", 1280, 720)
+    events = np.zeros(2, EVENT_DTYPE)
+    events["t"], events["x"], events["y"], events["p"] = [3, 7], [1279, 4], [719, 5], [True, False]
+    with RecordingWriter(path, sensor=sensor) as writer:
+        writer.write(EventPacket(0, 10, events))
+    reader = dv.io.MonoCameraRecording(str(path))
+    assert tuple(reader.getEventResolution()) == (1280, 720)
+    assert reader.getCameraName() == "Prophesee EVK4"
+    assert len(reader.getNextEventBatch()) == 2
+    recording = Recording(path)
+    assert recording.size_px == (1280, 720)
+    assert np.concatenate([got for got, _ in recording]).tolist() == events.tolist()
+
+
+def test_a_size_that_no_sensor_has(tmp_path):
+    path = tmp_path / "a.aedat4"
+    with RecordingWriter(path, sensor=Sensor("X", 9000, 1)) as writer:
+        writer.write(EventPacket(0, 10, np.zeros(1, EVENT_DTYPE)))
+    assert refusal(path) == " is 9000×1, no sensor's size"
 
 
 def test_no_stream_of_events(tmp_path):
@@ -269,7 +300,7 @@ def test_events_outside_the_sensor(tmp_path, place):
     data = path.read_bytes()
     assert data.count(good) == 1
     path.write_bytes(data.replace(good, struct.pack("<qhh", 500, *place)))
-    assert "outside the 346×260 pixels" in refusal(path)
+    assert "outside its 346×260 pixels" in refusal(path)
 
 
 def test_frames_of_another_size(tmp_path):

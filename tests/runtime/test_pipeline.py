@@ -133,6 +133,21 @@ def test_a_stroke_after_an_idle_time_is_seen_whole_by_frames_alone(lines):
     assert largest_mm == pytest.approx(5.0, abs=0.6)
 
 
+def test_frames_alone_are_in_their_own_step_and_wait_for_no_thread(lines):
+    """A step that waits for the frame thread is one or two frames late."""
+    live, usual = lines
+    push_9_mm = sequence("x", stroke(Finger((2.0, 3.0), (9.0, 0.0))), rest_us=600_000)
+    apart_px, same = [], []
+    for packet in Simulator(push_9_mm, nuisances={"uvc": 60.0}, seed=8):
+        now, then = play_live(live, packet), usual.advance(packet)
+        if packet.t_end_us > 700_000:
+            apart_px.append(np.abs(then.markers.position_px - now.markers.position_px).max())
+            same.append(then.gesture.kind is now.gesture.kind)
+    assert len(same) > 100
+    assert np.percentile(apart_px, 95) < 0.2
+    assert np.mean(same) > 0.98
+
+
 def test_the_gel_says_that_the_light_flickers_as_long_as_it_does(lines):
     _, line = lines
     still = sequence("still", stroke(Finger((2.0, 3.0), (4.0, -2.0))), rest_us=2_200_000)

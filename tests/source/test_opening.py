@@ -104,9 +104,10 @@ def test_a_recording_without_frames(recorded, tmp_path):
         (
             "nonsense",
             "'nonsense' is not a source",
-            "video:NAME, file:NAME.aedat4, file:NAME.mkv, sim:NAME",
+            "events:, events:SERIAL, file:NAME.aedat4, file:NAME.mkv, sim:NAME",
         ),
         ("video:", "No video camera is plugged in", "sim:tour"),
+        ("events:", "No event camera is plugged in", "sim:tour"),
         ("http://x", "'http://x' is not a source", "sim:NAME"),
         ("file:", "needs the name of a recording", "file:play.aedat4"),
         ("sim:nothing", "nothing", "tour"),

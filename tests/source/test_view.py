@@ -25,6 +25,15 @@ def test_both_directions_agree(size_px, mirrored, lens):
     assert view.to_sensor(view.to_canonical(points)) == pytest.approx(points, abs=1e-6)
 
 
+def test_a_dot_keeps_its_contrast_wherever_the_pixels_fall():
+    """Boxes larger than a canonical pixel took a quarter of it."""
+    y, x = np.mgrid[:480, :640]
+    dot = (200 * np.clip(2.8 - np.hypot(x - 320, y - 239), 0, 1)).astype(np.uint8)
+    centres_px = [(320.0 + 0.13 * k, 239.0 + 0.07 * k) for k in range(20)]
+    peaks = [draw(View(640, 480, centre_px, 0.55), dot).max() for centre_px in centres_px]
+    assert min(peaks) > 190
+
+
 def test_a_barrel_is_pulled_straight():
     view = View(640, 480, (319.5, 239.5), 1.0, lens=-0.2)
     corner = np.array([[639.0, 479.0]])  # half a diagonal from the middle, a pixel less

@@ -91,6 +91,9 @@ def test_flicker_does_not_move_the_gel(nuisances):
     assert (pushed > 2.0).mean() < 0.02
 
 
+QUIET = [True, True, False, False] * 50
+
+
 def burst(pixel, polarities, t_us, step_us):
     events = np.zeros(len(polarities), EVENT_DTYPE)
     events["t"] = t_us + step_us * np.arange(len(polarities))
@@ -111,6 +114,26 @@ def test_a_pixel_that_flickers_still_shows_a_change(up, down):
     n_left = kernels.remove_flicker(brighter, pixels, out)
     assert 6 <= n_left <= 9
     assert out["p"][:n_left].all()
+
+
+@pytest.mark.parametrize("more", [2, 4, 6])
+def test_a_pixel_brightens_and_darkens_alike_and_then_rests(more):
+    left = {}
+    for way in (True, False):
+        pixels, t_us, left[way] = make_pixels(), 5_000, []
+        moving = [True] * (2 + more * way) + [False] * (2 + more * (not way))
+        for cycles in ([True, True, False, False] * 150, moving * 3, QUIET):
+            events = burst((17, 40), cycles, t_us, 2_000)
+            t_us += 2_000 * len(events)
+            out = np.empty(len(events), EVENT_DTYPE)
+            n_left = kernels.remove_flicker(events, pixels, out)
+            polarity = out["p"][:n_left].astype(int)
+            left[way].append(int((2 * polarity - 1).sum()) * (1 if way else -1))
+    for way in (True, False):
+        _, moved, after = left[way]
+        assert 3 * more - 2 <= moved <= 3 * more + 1
+        assert abs(after) <= 0.15 * 3 * more + 1
+    assert abs(left[True][1] - left[False][1]) <= 2
 
 
 def test_a_pixel_without_flicker_keeps_its_events():

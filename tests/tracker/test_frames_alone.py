@@ -78,6 +78,21 @@ def test_a_velocity_is_that_of_the_blobs_and_ripples_fade():
     np.testing.assert_allclose(state["x"], at[:, 0])
 
 
+def test_a_hidden_marker_of_a_still_gel_does_not_drift_away():
+    """Noise has given it a velocity of a pixel from frame to frame before it was hidden."""
+    tracks = make_tracks(NEIGHBOURS, TrackerConfig())
+    tracks.rest_px[:] = REST_PX
+    track_kernels.place(np.arange(177), REST_PX, 1.0, 0.0, tracks, TUNING)
+    hidden = 88
+    tracks.state["vx"][hidden] = 60.0
+    shown = np.delete(REST_PX, hidden, axis=0)
+    begin = np.arange(0, 6 * 177, 6, dtype=np.int32)
+    for k in range(1, 8):
+        frames_alone.follow(16_500 * k, 16_500 * k + 4_000, shown, begin, tracks, TUNING)
+    assert tracks.lost.nonzero()[0].tolist() == [hidden]
+    assert abs(tracks.state["x"][hidden] - REST_PX[hidden, 0]) < 0.3
+
+
 def test_a_picture_without_the_gel_changes_nothing():
     tracks = make_tracks(NEIGHBOURS, TrackerConfig())
     tracks.rest_px[:] = REST_PX

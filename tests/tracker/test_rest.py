@@ -41,11 +41,11 @@ def picture(moved_mm=0.0, rig=RIG, level=150.0, spots=8, seed=0, brightness=None
     return np.clip(image + rng.normal(0, 2, image.shape), 0, 255).astype(np.uint8)
 
 
-def show(detector, *pictures):
+def show(detector, *pictures, period_us=40_000):
     """Returns the result of the detector for the last of some frames."""
     answer = None
     for pixels in pictures:
-        begin_us = 40_000 * detector.stats().n_frames
+        begin_us = period_us * detector.stats().n_frames
         answer = detector.update(Frame(pixels, begin_us, begin_us + 10_000))
     return answer
 
@@ -185,22 +185,30 @@ def test_what_moves_rigidly_is_the_rig_so_play_goes_on(by_mm, turn_rad, scale):
     assert detector.stats().n_references == 2
 
 
+@pytest.mark.parametrize("per_s", [25, 125])
 @pytest.mark.parametrize(
     ("largest_mm", "left_mm", "tremble_mm", "at_rest"),
     [
         (15.0, 0.75, 0.0, True),  # the gel keeps a twentieth
-        (15.0, 0.75, 0.3, False),  # a finger is on it
+        (15.0, 0.75, 0.1, False),  # a finger is on it
         (15.0, 1.5, 0.0, False),
         (0.75, 0.75, 0.0, False),  # a small push that lasts
     ],
 )
 def test_a_gel_that_keeps_a_part_of_a_large_motion_is_at_rest(
-    largest_mm, left_mm, tremble_mm, at_rest
+    largest_mm, left_mm, tremble_mm, at_rest, per_s
 ):
+    period_us = 1_000_000 // per_s
     detector = RestDetector()
-    show(detector, picture(), *(picture(push(share * largest_mm)) for share in (0.3, 0.6, 1.0)))
-    sizes_mm = left_mm + tremble_mm * np.array([1, -1, 1, -1, 1, -1, 1, -1])
-    left = [show(detector, picture(push(mm), seed=k)) for k, mm in enumerate(sizes_mm)]
+    for share in (0.0, 0.3, 0.6, 1.0):
+        show(detector, picture(push(share * largest_mm)), period_us=period_us)
+    # A finger trembles at about 12 Hz.
+    times_s = np.arange(0.0, 0.32, 1e-6 * period_us)
+    sizes_mm = left_mm + tremble_mm * np.sin(2 * np.pi * 12.5 * times_s + 0.5 * np.pi)
+    left = [
+        show(detector, picture(push(mm), seed=k), period_us=period_us)
+        for k, mm in enumerate(sizes_mm)
+    ]
     assert (left[-1] is not None) == at_rest
     assert left[2] is None
     if at_rest:
@@ -208,7 +216,41 @@ def test_a_gel_that_keeps_a_part_of_a_large_motion_is_at_rest(
             np.abs(left[-1].position_px - RIG.to_px(PAPER_GEL.points_mm + push(left_mm))).max()
             < 0.5
         )
-    assert show(detector, picture()) is not None
+    assert show(detector, picture(), period_us=period_us) is not None
+
+
+def test_a_rig_on_its_way_is_not_followed_by_a_fast_camera():
+    """A bump of 3 mm in 200 ms moves the gel by no more than 0.12 mm from frame to frame."""
+    detector = RestDetector()
+    show(detector, picture(), period_us=8_000)
+    for k in range(1, 26):
+        moved = replace(RIG, centre_px=(172.0 + 7.5 * k / 25, 130.0))
+        show(detector, picture(rig=moved, seed=k), period_us=8_000)
+    assert detector.stats().n_references == 1
+    last = [show(detector, picture(rig=moved, seed=k), period_us=8_000) for k in range(26, 38)]
+    assert detector.stats().n_references == 2
+    assert np.abs(last[-1].position_px - moved.to_px(PAPER_GEL.points_mm)).max() < 0.35
+
+
+def test_a_rig_that_stops_swinging_later_is_where_it_stands_in_the_end():
+    """Its last swings are too small to be followed as a motion, and used to stay as an error."""
+    detector = RestDetector()
+    show(detector, *(picture(seed=k) for k in range(20)), period_us=8_000)
+    for k in range(40):
+        swing = 6.0 + 0.35 * (1.0 if k < 12 else 0.0)
+        moved = replace(RIG, centre_px=(172.0 + swing, 130.0))
+        show(detector, picture(rig=moved, seed=k), period_us=8_000)
+    assert detector.stats().n_references == 2
+    assert detector.stats().displacement_px < 0.3
+
+
+def test_a_hand_on_the_gel_at_the_start_is_no_rest_after_a_moment():
+    """Odd optics look like a soft touch; only a second without motion tells them apart."""
+    detector = RestDetector()
+    touched = [picture(push(1.2), seed=k) for k in range(5)]
+    shown = [show(detector, touched[k % 5], period_us=8_000) for k in range(120)]
+    assert shown == [None] * 120
+    assert [show(detector, touched[k % 5], period_us=8_000) for k in range(10)][-1] is not None
 
 
 def test_a_rig_that_swings_is_not_followed():

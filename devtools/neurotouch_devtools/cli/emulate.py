@@ -10,7 +10,7 @@ import click
 from neurotouch_hid.cli.ui.options import seconds_option
 
 if TYPE_CHECKING:
-    from neurotouch_devtools.emulator import Fault
+    from neurotouch_devtools.emulator import CameraConfig, Fault
     from neurotouch_devtools.emulator.port import Camera
     from neurotouch_hid.messages import EventPacket
 
@@ -22,6 +22,7 @@ _POLL_S = 0.5
     "  sudo modprobe vhci-hcd                           once, on Debian and most others\n"
     "  sudo neurotouch emulate                          then, elsewhere: neurotouch run\n"
     "  sudo neurotouch emulate --source file:play.aedat4 --serial 00000042 --usb2\n"
+    "  sudo neurotouch emulate --chip 2 --colour 1      a smaller sensor, in colour\n"
     "  sudo neurotouch emulate --fault stall@configure+3 --fault unplug@stream+1000\n"
     "  sudo neurotouch emulate --camera uvc              then: neurotouch run --source video:\n"
     "  sudo neurotouch emulate --camera uvc --without gain --fault dropped+500x20\n\n"
@@ -45,6 +46,23 @@ _POLL_S = 0.5
 @click.option("--serial", default="00000001", show_default=True, help="Eight digits on real ones.")
 @click.option("--usb2", is_flag=True, help="As on a USB 2 port.")
 @click.option(
+    "--chip",
+    type=click.IntRange(0, 9),
+    default=5,
+    show_default=True,
+    help="Sensor of the DAVIS: 4, 5 and 9 are DAVIS346, 0 to 2 DAVIS240.",
+)
+@click.option(
+    "--colour",
+    type=click.IntRange(0, 8),
+    default=0,
+    show_default=True,
+    help="Colour filter of the DAVIS: 0 none, 1 to 4 with red, green and blue, 5 to 8 with white.",
+)
+@click.option(
+    "--firmware", type=click.IntRange(0, 255), default=6, show_default=True, help="Of the DAVIS."
+)
+@click.option(
     "--fault",
     "faults",
     multiple=True,
@@ -64,6 +82,9 @@ def command(
     source: str,
     serial: str,
     usb2: bool,
+    chip: int,
+    colour: int,
+    firmware: int,
     faults: tuple[str, ...],
     without: tuple[str, ...],
     list_faults: bool,
@@ -82,30 +103,35 @@ def command(
     if without and kind != "uvc":
         raise click.UsageError("Only a webcam can lack a setting: --camera uvc.")
 
-    from neurotouch_devtools.emulator import find_port
+    from neurotouch_devtools.emulator import CameraConfig, Identity, find_port
 
     find_port(super_speed=not usb2)  # before anything is compiled
     if kind == "uvc":
         _show_film(source, serial, without, chosen, super_speed=not usb2, seconds=seconds)
     else:
-        _show_packets(source, serial, chosen, super_speed=not usb2, seconds=seconds)
+        identity = Identity(serial=serial, firmware=firmware, super_speed=not usb2)
+        config = CameraConfig(identity=identity, chip=chip, colour=colour)
+        _show_packets(source, config, chosen, seconds)
 
 
 def _show_packets(
-    source: str, serial: str, faults: "list[Fault]", *, super_speed: bool, seconds: float | None
+    source: str, config: "CameraConfig", faults: "list[Fault]", seconds: float | None
 ) -> None:
-    """Plugs a DAVIS-346 in."""
-    from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera, Identity, Prefetch
+    """Plugs a DAVIS in."""
+    from neurotouch_devtools.emulator import EmulatedCamera, Prefetch
     from neurotouch_hid.source import open_source
 
-    config = CameraConfig(identity=Identity(serial=serial, super_speed=super_speed))
     with ExitStack() as stack:
         packets = stack.enter_context(open_source(source, speed="max"))
         seen = iter(_repeat(packets))
         first = next(seen)  # the kernels are compiled before the camera is plugged in
         ahead = stack.enter_context(Prefetch(chain([first], seen)))
         camera = EmulatedCamera(ahead, config, faults)
-        _plug_in(camera, f"Camera {serial} is plugged in and sees {packets.name}", seconds)
+        _plug_in(
+            camera,
+            f"Camera {config.identity.serial} is plugged in and sees {packets.name}",
+            seconds,
+        )
     if camera.n_dropped:
         click.echo(f"{camera.n_dropped} events were lost: the driver was too slow.", err=True)
 

@@ -13,6 +13,7 @@ from neurotouch_devtools.emulator.imu import Imu
 from neurotouch_devtools.emulator.readout import Words
 from neurotouch_devtools.emulator.registers import Registers
 from neurotouch_devtools.emulator.scene import Scene
+from neurotouch_devtools.emulator.sight import SHARES, see
 from neurotouch_devtools.emulator.words import WordEncoder
 from neurotouch_hid.errors import SourceError
 from neurotouch_hid.messages import EventPacket
@@ -31,9 +32,10 @@ class CameraConfig:
     Attributes:
         identity: serial, speed, versions of the USB side.
         orientation: register 1:2 and 2:2, see ``Registers``.
-        colour: the colour filter.
+        colour: the colour filter, 0 for none, 1 to 8 as ``sight.FILTERS``.
+        shares: share of the light that passes the filters R, G, B and W.
         logic: version and patch of the FPGA.
-        chip: the chip's identifier.
+        chip: the chip's identifier: 4, 5 and 9 are DAVIS346, 0 to 2 the smaller DAVIS240.
         fifo_bytes: size of its buffer for unread data. That of a real camera is unknown.
         lead_us: time from switching the sensors on to the start of the scene.
         await_reset: the scene also waits until the host has reset the clock, as our driver and
@@ -47,6 +49,7 @@ class CameraConfig:
     identity: Identity = field(default_factory=Identity)
     orientation: int = 4
     colour: int = 0
+    shares: dict[str, float] = field(default_factory=lambda: dict(SHARES))
     logic: tuple[int, int] = (18, 1)
     chip: int = reg.DAVIS346B
     fifo_bytes: int = 1 << 20
@@ -97,7 +100,8 @@ class EmulatedCamera:
         self._filter = EventFilter(self.registers)
         self._frames = FrameReader(self.registers)
         self._imu = Imu(self.registers)
-        self._scene = Scene(packets)
+        chip, colour = self.config.chip, self.config.colour
+        self._scene = Scene(see(packets, reg.find_size(chip), colour, self.config.shares))
         self._encoder = WordEncoder(swap=bool(self.config.orientation & 0b100))
         pace = self.config.pace
         self._clock_ns = clock_ns if pace == 1 else lambda: int(pace * clock_ns())

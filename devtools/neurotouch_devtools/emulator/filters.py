@@ -22,14 +22,14 @@ class EventFilter:
         registers = self._registers
         x, y = events["x"], events["y"]
         limits = [registers[address] for address in reg.DVS_REGION]
-        if limits != reg.FULL_REGION:
+        if limits != registers.full_region:
             left, top, right, bottom = limits
             events = events[(x >= left) & (x <= right) & (y >= top) & (y <= bottom)]
         silenced = [
             (registers[reg.Module.DVS, 12 + 2 * k], registers[reg.Module.DVS, 11 + 2 * k])
             for k in range(reg.N_PIXEL_FILTERS)
         ]
-        for column, row in set(silenced) - {reg.NO_PIXEL}:
+        for column, row in set(silenced) - {registers.no_pixel}:
             passes = (events["x"] != column) | (events["y"] != row)
             registers.count(reg.DVS_FILTERED_PIXELS, int(len(events) - passes.sum()))
             events = events[passes]

@@ -67,5 +67,6 @@ class FrameReader:
                     exposure_cycles=registers.adc_cycles(frame.exposure_end_us - exposed_us),
                     begin_us=begin_us,
                     global_shutter=bool(registers[reg.GLOBAL_SHUTTER]),
+                    halved=registers[reg.CHIP_ID] in reg.HALVED,
                 )
             )

@@ -94,6 +94,7 @@ def read_out(
     exposure_cycles: int,
     begin_us: int,
     global_shutter: bool = True,
+    halved: bool = False,
 ) -> Readout:
     """Returns a frame's words: start, exposure, region, reset and signal columns, end.
 
@@ -107,8 +108,11 @@ def read_out(
         exposure_cycles: value of the three exposure words.
         begin_us: scene time at which the readout of the reset columns begins.
         global_shutter: value of the start word; the order of the columns does not change.
+        halved: all samples are half as large.
     """
     reset, signal = _samples(frame, region, orientation)
+    if halved:
+        reset, signal = reset // 2, reset // 2 - (reset - signal) // 2
     n_columns = len(reset)
     start = Special.FRAME_START_GLOBAL if global_shutter else Special.FRAME_START_ROLLING
     head = [start, *_exposure_words(exposure_cycles), *_region_words(region)]

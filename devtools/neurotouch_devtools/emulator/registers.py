@@ -49,20 +49,22 @@ LOGIC_PATCH = (Module.SYSTEM, 7)
 USB_RUN = (Module.USB, 0)
 EARLY_PACKET_DELAY = (Module.USB, 1)
 
-FULL_REGION = [0, 0, SENSOR_WIDTH_PX - 1, SENSOR_HEIGHT_PX - 1]
 N_PIXEL_FILTERS = 8
-NO_PIXEL = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX)
-"""Column and row of a pixel filter that is off."""
 DAVIS346B = 5
+
+_SIZES = dict.fromkeys((0, 1, 2), (240, 180))
+"""Width and height of the sensors that are not as large as a DAVIS-346, by their numbers."""
+
+HALVED = frozenset(_SIZES)
+"""Sensors whose ADC uses half of its range."""
 
 _MHZ = {"logic": 120, "adc": 30, "usb": 80}
 _DEVIATION = 1008  # thousandths; the clocks that all drivers accept, a real unit's are not known
 
 
-def _chip_size(orientation: int) -> tuple[int, int]:
-    """Returns columns and rows as the chip counts them: turned by 90 degrees if bit 2 is set."""
-    image = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX)
-    return image[::-1] if orientation & 0b100 else image
+def find_size(chip: int) -> tuple[int, int]:
+    """Returns width and height of a sensor's picture, by its number."""
+    return _SIZES.get(chip, (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX))
 
 
 class Registers:
@@ -76,6 +78,10 @@ class Registers:
         colour: the colour filter, 0 for none.
         logic: version and patch of the FPGA's logic.
         chip: the chip's identifier.
+
+    Attributes:
+        full_region: first column, first row, last column, last row of its picture.
+        no_pixel: column and row of a pixel filter that is off.
     """
 
     def __init__(
@@ -86,7 +92,11 @@ class Registers:
         logic: tuple[int, int] = (18, 1),
         chip: int = DAVIS346B,
     ) -> None:
-        columns, rows = _chip_size(orientation)
+        size = width, height = find_size(chip)
+        self.full_region = [0, 0, width - 1, height - 1]
+        self.no_pixel = size
+        # The chip counts turned by 90 degrees if bit 2 is set.
+        columns, rows = size[::-1] if orientation & 0b100 else size
         dvs, aps = Module.DVS, Module.APS
         self._fixed: dict[tuple[int, int], int] = {
             (Module.MUX, 80): 1,
@@ -124,10 +134,10 @@ class Registers:
     def power_up(self) -> None:
         """Resets all registers to their values after power-up."""
         self._values = {
-            **dict(zip(DVS_REGION, FULL_REGION, strict=True)),
-            **dict(zip(APS_REGION, FULL_REGION, strict=True)),
-            **{(Module.DVS, 12 + 2 * k): NO_PIXEL[0] for k in range(N_PIXEL_FILTERS)},
-            **{(Module.DVS, 11 + 2 * k): NO_PIXEL[1] for k in range(N_PIXEL_FILTERS)},
+            **dict(zip(DVS_REGION, self.full_region, strict=True)),
+            **dict(zip(APS_REGION, self.full_region, strict=True)),
+            **{(Module.DVS, 12 + 2 * k): self.no_pixel[0] for k in range(N_PIXEL_FILTERS)},
+            **{(Module.DVS, 11 + 2 * k): self.no_pixel[1] for k in range(N_PIXEL_FILTERS)},
             (Module.APS, 5): 1,
             GLOBAL_SHUTTER: 1,
             EXPOSURE: self.adc_cycles(4000),

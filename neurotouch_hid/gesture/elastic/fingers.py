@@ -21,6 +21,7 @@ SITE_MM: Final = 4.0
 N_SIDES: Final = 32
 """Sides of the polygon around the dots in which fingers are."""
 
+_PLACES: Final = ("standing_x_mm", "standing_y_mm", "before_x_mm", "before_y_mm")
 _MIDDLE: Final = 0.4
 _REACH_MM: Final = 8.0
 
@@ -96,7 +97,8 @@ def _lay_out_fit(n: int) -> np.dtype[np.void]:
     - ``shown``: 1 for a finger that is shown as a contact, else 0.
     - ``landed``, ``landed_us``: how each finger landed, see ``subtract_landing``.
     - ``centres``, ``radii``: of the contact patches on the gel at rest, mm.
-    - ``motions``: drag x, drag y in mm, sine of the turn.
+    - ``motions``: drag x, drag y in mm, sine of the turn; beyond the shear of the whole gel.
+    - ``whole``: the same with that shear, so how far the fingers go.
     - ``press``: mm.
     - ``offset_x_mm``, ``offset_y_mm``, ``offset_rad``: motion of the whole gel.
     - ``residual``: the part of each marker's motion that is not explained, mm.
@@ -114,6 +116,7 @@ def _lay_out_fit(n: int) -> np.dtype[np.void]:
             ("centres", "f8", (MOST, 2)),
             ("radii", "f8", MOST),
             ("motions", "f8", (MOST, 3)),
+            ("whole", "f8", (MOST, 3)),
             ("press", "f8", MOST),
             ("offset_x_mm", "f8"),
             ("offset_y_mm", "f8"),
@@ -161,6 +164,9 @@ def _lay_out_state(n: int) -> np.dtype[np.void]:
     - ``noise_mm``: error of a marker on one axis.
     - ``common_x_mm``, ``common_y_mm``: how far the whole gel had moved at the last search.
     - ``standing_x_mm``, ``standing_y_mm``: the recent mean place of the whole gel.
+    - ``before_x_mm``, ``before_y_mm``: where the whole gel was before the fingers came.
+    - ``taken_along``: by how much the fingers take the whole gel along, a share of their motion;
+      negative where it follows less than the closed form says.
     - ``moved``: displacement of each marker, mm.
     - ``weight``: trust in each marker, 0..1.
     - ``since``: motions of the fingers since they landed, as ``motions`` of a fit.
@@ -180,6 +186,9 @@ def _lay_out_state(n: int) -> np.dtype[np.void]:
             ("common_y_mm", "f8"),
             ("standing_x_mm", "f8"),
             ("standing_y_mm", "f8"),
+            ("before_x_mm", "f8"),
+            ("before_y_mm", "f8"),
+            ("taken_along", "f8"),
             ("moved", "f8", (n, 2)),
             ("weight", "f8", n),
             ("since", "f8", (MOST, 3)),
@@ -270,11 +279,12 @@ class FingerTracker:
 
     def reset(self) -> None:
         """Forgets all fingers, but not where the whole gel is."""
-        standing = self.state["standing_x_mm"].copy(), self.state["standing_y_mm"].copy()
+        places = {name: self.state[name].copy() for name in _PLACES}
         self.fits["count"] = 0
         self.fits["trust"] = 0.0
         self.state[0] = 0
-        self.state["standing_x_mm"], self.state["standing_y_mm"] = standing
+        for name, place_mm in places.items():
+            self.state[name] = place_mm
         self.state["unsearched_us"] = CHECK_US
 
     def measure_noise(self) -> float:
@@ -296,8 +306,8 @@ class FingerTracker:
         )
         if self._rest_px is not None:  # where the whole gel is counts from the new rest position
             x_mm, y_mm = rig.vector_to_mm(np.nanmedian(rest_px - self._rest_px, axis=0))
-            self.state["standing_x_mm"] -= x_mm
-            self.state["standing_y_mm"] -= y_mm
+            for name, moved_mm in zip(_PLACES, (x_mm, y_mm, x_mm, y_mm), strict=True):
+                self.state[name] -= moved_mm
         self._rest_px = rest_px
         points_mm = rig.to_mm(rest_px)
         gel["points"] = points_mm.T
@@ -347,7 +357,7 @@ class FingerTracker:
         Args:
             least: the least number of contacts, even if the fingers hardly move.
         """
-        return Contacts(*locate_shown(self.fits, self.gel, self._rules, least))
+        return Contacts(*locate_shown(self.state, self.fits, self.gel, self._rules, least))
 
 
 def find_sides(gel: Gel) -> tuple[Floats, Floats]:

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import Final
 
 from neurotouch_hid.errors import CameraError
-from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.source.davis import registers as r
-from neurotouch_hid.source.davis.config import DavisConfig
+from neurotouch_hid.source.davis.chips import FILTERS, KNOWN, NAMES, UPDATE_PAGE, Chip
+from neurotouch_hid.source.davis.config import DavisConfig, Roi
 from neurotouch_hid.source.davis.enumeration import SUPER_SPEED_MBIT_S, CameraInfo
 from neurotouch_hid.source.davis.kernels.decode import AddressLayout
 from neurotouch_hid.source.davis.registers import Register
@@ -28,6 +28,11 @@ READY_S: Final = 0.05
 IDLE_DELAY_US: Final = 1_000
 """How long data may wait for a full packet while nothing happens: what cameras power up with."""
 
+_BOTH_REFUSE: Final = "libcaer and dv-processing refuse it, too."
+_BOTH, _LIBCAER = "libcaer and dv-processing play", "libcaer plays"
+_OTHERS_PLAY: Final = {3: _LIBCAER, 6: _BOTH, 7: _BOTH, 8: _LIBCAER}
+"""Which public drivers play the sensors that this one does not, by their numbers."""
+
 log = logging.getLogger(__name__)
 
 
@@ -41,7 +46,7 @@ class CameraVersions:
         logic_patch: its patch.
         chip_id: number of the sensor.
         chip: its name.
-        color: 0 for a monochrome sensor.
+        color: the colour filter, 0 for a monochrome sensor.
     """
 
     firmware: int
@@ -50,6 +55,20 @@ class CameraVersions:
     chip_id: int
     chip: str
     color: int
+
+    @property
+    def is_usual(self) -> bool:
+        """True for the sensor and the firmware that this driver was made for, in any colour."""
+        return self.chip_id == r.CHIP and self.firmware == r.FIRMWARE
+
+    def __str__(self) -> str:
+        chip = KNOWN.get(self.chip_id)
+        size = "" if chip is None else f", {chip.width_px}×{chip.height_px} pixels"
+        colour = FILTERS.get(self.color, f"colour, an unknown filter, number {self.color}")
+        return (
+            f"{self.chip}{size}, {colour}, firmware {self.firmware}, logic {self.logic} patch "
+            f"{self.logic_patch}"
+        )
 
 
 def identify(info: CameraInfo) -> CameraVersions:
@@ -69,7 +88,7 @@ def identify(info: CameraInfo) -> CameraVersions:
 
 
 class Camera:
-    """A DAVIS-346 behind a transport.
+    """A DAVIS behind a transport.
 
     Args:
         info: which one.
@@ -79,7 +98,9 @@ class Camera:
     Attributes:
         info: which one.
         transport: its USB.
-        layout: maps its addresses to the picture; set by ``check``.
+        chip: its sensor; set by ``check``, as the next two.
+        layout: maps its addresses to the picture.
+        is_colour: its pixels have colour filters.
     """
 
     def __init__(
@@ -91,7 +112,9 @@ class Camera:
         self.info = info
         self._sleep_s = sleep_s
         self.transport = transport
+        self.chip: Chip = KNOWN[r.CHIP]
         self.layout = AddressLayout()
+        self.is_colour = False
         self._usb_mhz = 0.0
         self._dropped: dict[Register, int] = {}
 
@@ -102,7 +125,7 @@ class Camera:
             CameraError: it does not answer.
         """
         logic, patch, chip_id = map(self.read, (r.SYSINFO_LOGIC, r.SYSINFO_PATCH, r.SYSINFO_CHIP))
-        chip = r.CHIPS.get(chip_id, f"an unknown chip, number {chip_id}")
+        chip = NAMES.get(chip_id, f"an unknown chip, number {chip_id}")
         color = self.read(r.APS_COLOR)
         return CameraVersions(self.info.firmware, logic, patch, chip_id, chip, color)
 
@@ -113,20 +136,46 @@ class Camera:
             CameraError: names the version found and the version needed.
         """
         found = self.identify()
-        if found.firmware != r.FIRMWARE:
+        if found.firmware < r.FIRMWARE:
             raise self._refuse("firmware", f"version {found.firmware}", f"version {r.FIRMWARE}")
         if found.logic != r.LOGIC:
             raise self._refuse("logic", f"version {found.logic}", f"version {r.LOGIC}")
         if found.logic_patch < r.LOGIC_PATCH:
             raise self._refuse("logic", f"patch {found.logic_patch}", f"patch {r.LOGIC_PATCH}")
-        if found.chip_id != r.CHIP:
-            raise self._refuse("chip", found.chip, r.CHIPS[r.CHIP])
+        chip = KNOWN.get(found.chip_id)
+        if chip is None:
+            others = _OTHERS_PLAY.get(found.chip_id, "Neither libcaer nor dv-processing plays")
+            raise self._refuse("chip", found.chip, KNOWN[r.CHIP].name, f"{others} this sensor.")
+        self.chip, self.is_colour = chip, found.color != 0
+        self._warn_of_variant(found)
         self.layout = self._read_layout()
         if self.info.speed_mbit_s < SUPER_SPEED_MBIT_S:
             log.warning(
                 "The camera %s runs at the speed of USB 2: it works, but fast motion may lose "
                 "events. Use a blue USB 3 socket and a USB 3 cable.",
                 self.info.serial,
+            )
+
+    def _warn_of_variant(self, found: CameraVersions) -> None:
+        """Logs what is unusual about a camera that is played all the same."""
+        if found.firmware > r.FIRMWARE:
+            log.warning(
+                "The camera %s has firmware version %d; this driver was made for version %d. It "
+                "is tried, as libcaer does; dv-processing refuses it.",
+                self.info.serial,
+                found.firmware,
+                r.FIRMWARE,
+            )
+        if found.chip_id != r.CHIP:
+            others = "libcaer and dv-processing play it, too"
+            if self.chip.name.startswith("DAVIS346"):
+                others = "libcaer plays it, too; dv-processing refuses it"
+            log.warning(
+                "The camera %s has the sensor %s, which this driver has only played in a "
+                "simulation; %s.",
+                self.info.serial,
+                self.chip.name,
+                others,
             )
 
     def silence(self) -> None:
@@ -216,9 +265,11 @@ class Camera:
         events, frames = self.read(r.DVS_ORIENTATION), self.read(r.APS_ORIENTATION)
         swap = bool(events & r.ORIENTATION_SWAP)
         size = (rows, columns) if swap else (columns, rows)
-        if size != (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX):
-            wanted = f"{SENSOR_WIDTH_PX}×{SENSOR_HEIGHT_PX}"
-            raise self._refuse("sensor", f"{size[0]}×{size[1]} pixels", f"{wanted} pixels")
+        chip = self.chip
+        if size != (chip.width_px, chip.height_px):
+            wanted = f"{chip.width_px}×{chip.height_px} pixels for a {chip.name}"
+            others = "libcaer and dv-processing take the size that a camera reports."
+            raise self._refuse("sensor", f"{size[0]}×{size[1]} pixels", wanted, others)
         return AddressLayout(
             columns,
             rows,
@@ -226,6 +277,9 @@ class Camera:
             swap_frames=bool(frames & r.ORIENTATION_SWAP),
             flip_columns=bool(frames & r.ORIENTATION_FLIP_COLUMNS),
             flip_rows=bool(frames & r.ORIENTATION_FLIP_ROWS),
+            width_px=chip.width_px,
+            height_px=chip.height_px,
+            sample_shift=chip.sample_shift,
         )
 
     def _write_together(self, *values: tuple[Register, int]) -> None:
@@ -242,9 +296,9 @@ class Camera:
             self.write(register, 0)
 
     def _list_settings(self, c: DavisConfig) -> Iterable[tuple[Register, int]]:
-        yield from r.FIXED_CHIP.items()
-        for name, value in (r.FIXED_CURRENTS | c.biases._asdict()).items():
-            current = r.CURRENTS[name]
+        yield from self.chip.fixed.items()
+        for name, value in {**self.chip.fixed_currents, **c.biases._asdict()}.items():
+            current = self.chip.currents[name]
             yield Register(5, current.address), current.word(value)
         yield from ((r.MUX_DROP_EXTINPUT, 1), (r.MUX_DROP_DVS, 1))
         yield from ((r.DVS_WAIT, 0), (r.DVS_EXTERNAL_AER, 0))
@@ -252,8 +306,7 @@ class Camera:
         shutter = self.read(r.APS_HAS_GLOBAL_SHUTTER)
         yield r.APS_WAIT, 1
         yield from ((r.CHIP_GLOBAL_SHUTTER, shutter), (r.APS_GLOBAL_SHUTTER, shutter))
-        roi = c.frames_roi
-        yield from zip(r.APS_ROI, (roi.x_begin, roi.y_begin, roi.x_end, roi.y_end), strict=True)
+        yield from zip(r.APS_ROI, self._limit(c.frames_roi), strict=True)
         adc_mhz = self._read_clock(r.SYSINFO_ADC_MHZ)
         self._usb_mhz = self._read_clock(r.SYSINFO_USB_MHZ)
         yield r.APS_EXPOSURE, round(c.exposure_us * adc_mhz)
@@ -263,7 +316,7 @@ class Camera:
     def _list_filters(self, c: DavisConfig) -> Iterable[tuple[Register, int]]:
         """Filters that this camera's logic has."""
         if self.read(r.DVS_HAS_PIXEL_FILTER):
-            nowhere = (SENSOR_WIDTH_PX, SENSOR_HEIGHT_PX)
+            nowhere = (self.chip.width_px, self.chip.height_px)
             pixels = c.hot_pixels + (nowhere,) * (r.N_FILTERED_PIXELS - len(c.hot_pixels))
             for k, (x, y) in enumerate(pixels):
                 row, column = r.pixel_filter(k)
@@ -275,20 +328,27 @@ class Camera:
             ):
                 yield from ((time_, -(-time_us // r.FILTER_UNIT_US)), (run, int(time_us > 0)))
         if self.read(r.DVS_HAS_ROI_FILTER):
-            roi = c.events_roi
-            yield from zip(r.DVS_ROI, (roi.x_begin, roi.y_begin, roi.x_end, roi.y_end), strict=True)
+            yield from zip(r.DVS_ROI, self._limit(c.events_roi), strict=True)
         if self.read(r.DVS_HAS_SKIP_FILTER):
             yield r.DVS_SKIP_FILTER, 0
         if self.read(r.DVS_HAS_POLARITY_FILTER):
             yield from ((r.DVS_POLARITY_FLATTEN, 0), (r.DVS_POLARITY_SUPPRESS, 0))
 
+    def _limit(self, roi: Roi) -> tuple[int, int, int, int]:
+        """Returns the limits of a region in this sensor's picture: columns and rows, begin, end."""
+        last_x, last_y = self.chip.width_px - 1, self.chip.height_px - 1
+        x_begin, y_begin, x_end, y_end = roi
+        return min(x_begin, last_x), min(y_begin, last_y), min(x_end, last_x), min(y_end, last_y)
+
     def _read_clock(self, register: Register) -> float:
         """Returns the true frequency of a clock, in MHz."""
         return self.read(register) * self.read(r.SYSINFO_DEVIATION) / 1000
 
-    def _refuse(self, part: str, found: str, wanted: str) -> CameraError:
+    def _refuse(
+        self, part: str, found: str, wanted: str, others: str = _BOTH_REFUSE
+    ) -> CameraError:
         return CameraError(
             f"The camera {self.info.serial} has {part} {found}; this driver needs {wanted}.",
-            hint="It is made for the DAVIS346 with firmware 6 and logic 18. This program does not "
-            "flash cameras; the vendor's tools do.",
+            hint=f"{others} The maker's page about versions: {UPDATE_PAGE} This program does not "
+            "flash cameras.",
         )

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.events import copy_events
-from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
+from neurotouch_hid.messages import EVENT_DTYPE, Frame
 from neurotouch_hid.source.davis.kernels.decode import (
     BETWEEN_COLUMNS,
     COUNTERS_DTYPE,
@@ -14,6 +14,7 @@ from neurotouch_hid.source.davis.kernels.decode import (
     AddressLayout,
     decode,
 )
+from neurotouch_hid.source.davis.mosaic import Mosaic
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,10 +57,16 @@ class Decoder:
         layout: how its addresses map to the picture.
         origin_us: the stream's time at the camera's time 0.
         synced: use all words from the first; else skip those before the timestamp reset.
+        is_colour: the sensor has a colour filter, whose mosaic is taken out of the frames.
     """
 
     def __init__(
-        self, layout: AddressLayout | None = None, *, origin_us: int = 0, synced: bool = False
+        self,
+        layout: AddressLayout | None = None,
+        *,
+        origin_us: int = 0,
+        synced: bool = False,
+        is_colour: bool = False,
     ) -> None:
         self._layout = layout or AddressLayout()
         self._state = np.zeros(1, STATE_DTYPE)
@@ -67,11 +74,12 @@ class Decoder:
         self._state["origin_us"] = self._state["now_us"] = origin_us
         self._state["y"], self._state["kind"] = -1, BETWEEN_COLUMNS
         self._counters = np.zeros(1, COUNTERS_DTYPE)
-        shape = (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
+        shape = (self._layout.height_px, self._layout.width_px)
         self._reset = np.zeros(shape, np.int16)
         self._pixels = np.zeros(shape, np.uint8)
         self._events = np.empty(0, EVENT_DTYPE)
         self._odd = b""
+        self._mosaic = Mosaic() if is_colour else None
 
     @property
     def is_synced(self) -> bool:
@@ -127,4 +135,7 @@ class Decoder:
     def _copy_frame(self) -> Frame:
         state = self._state[0]
         begin_us, end_us = int(state["exposure_begin_us"]), int(state["exposure_end_us"])
-        return Frame(self._pixels.copy(), begin_us, end_us)
+        pixels = self._pixels.copy()
+        if self._mosaic is not None:
+            self._mosaic.level(pixels)
+        return Frame(pixels, begin_us, end_us)

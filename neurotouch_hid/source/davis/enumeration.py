@@ -111,8 +111,8 @@ def _describe(folder: Path) -> CameraInfo:
         firmware=firmware,
     )
     reason = ""
-    if firmware != FIRMWARE:
-        reason = f"its firmware is version {firmware}, only {FIRMWARE} is known to work"
+    if firmware < FIRMWARE:
+        reason = f"its firmware is version {firmware}, and {FIRMWARE} is the least"
     elif not os.access(info.node, os.R_OK | os.W_OK):
         reason = f"no right to read and write {info.node}"
     elif users := find_users(info):

@@ -9,22 +9,10 @@ from typing import Final, NamedTuple
 
 VENDOR_ID: Final = 0x152A
 PRODUCT_ID: Final = 0x841A  # all DAVIS with this USB chip; SYSINFO says which one it is
-FIRMWARE: Final = 6  # low byte of bcdDevice; later ones are for other cameras
+FIRMWARE: Final = 6  # low byte of bcdDevice, at least
 LOGIC: Final = 18
 LOGIC_PATCH: Final = 1  # at least
-CHIP: Final = 5
-CHIPS: Final = {
-    0: "DAVIS240A",
-    1: "DAVIS240B",
-    2: "DAVIS240C",
-    3: "DAVIS128",
-    4: "DAVIS346A",
-    5: "DAVIS346B",
-    6: "DAVIS640",
-    7: "DAVIS640H",
-    8: "DAVIS208",
-    9: "DAVIS346C",
-}
+CHIP: Final = 5  # the usual sensor, see ``chips``
 
 INTERFACE: Final = 0
 ENDPOINT: Final = 0x82  # bulk IN
@@ -196,21 +184,77 @@ FIXED_CURRENTS: Final = {
 }
 """Never tuned to the light: buffers, readout and the unused calibration neuron."""
 
-FIXED_CHIP: Final = {
-    Register(5, 0): Vdac(27, 6).word,  # ApsOverflowLevel
-    Register(5, 1): Vdac(21, 6).word,  # ApsCas
-    Register(5, 2): Vdac(32, 7).word,  # AdcRefHigh
-    Register(5, 3): Vdac(1, 7).word,  # AdcRefLow
-    Register(5, 4): Vdac(21, 7).word,  # AdcTestVoltage
-    Register(5, 35): 33 << 10 | 1 << 4,  # SSP: regulator 33, reference 1, shifted source
-    Register(5, 36): 33 << 10 | 1 << 4,  # SSN
+CHIP_SETTINGS: Final = {
     **{Register(5, 128 + k): 0 for k in range(8)},  # digital, analog and bias multiplexers
     Register(5, 136): 1,  # ResetCalibNeuron
     Register(5, 137): 0,  # TypeNCalibNeuron
     Register(5, 138): 1,  # ResetTestPixel
     Register(5, 140): 0,  # AERnArow
     Register(5, 141): 0,  # UseAOut
+}
+"""Settings of every chip, with the values that all public drivers write."""
+
+_SHIFTED_SOURCE: Final = 33 << 10 | 1 << 4  # regulator 33, reference 1
+
+FIXED_CHIP: Final = {
+    Register(5, 0): Vdac(27, 6).word,  # ApsOverflowLevel
+    Register(5, 1): Vdac(21, 6).word,  # ApsCas
+    Register(5, 2): Vdac(32, 7).word,  # AdcRefHigh
+    Register(5, 3): Vdac(1, 7).word,  # AdcRefLow
+    Register(5, 4): Vdac(21, 7).word,  # AdcTestVoltage
+    Register(5, 35): _SHIFTED_SOURCE,  # SSP
+    Register(5, 36): _SHIFTED_SOURCE,  # SSN
     Register(5, 143): 1,  # SelectGrayCounter
     Register(5, 144): 0,  # TestADC
 }
-"""Voltages and chip settings with the values that all public drivers write."""
+"""Voltages and settings of the DAVIS346 with the values that all public drivers write."""
+
+_N_CASCODE: Final = 0xB
+
+CURRENTS_240: Final = {
+    "DiffBn": Current(0, _N),
+    "OnBn": Current(1, _N),
+    "OffBn": Current(2, _N),
+    "ApsCasEpc": Current(3, _N_CASCODE),
+    "DiffCasBnc": Current(4, _N_CASCODE),
+    "ApsROSFBn": Current(5, _N),
+    "LocalBufBn": Current(6, _N),
+    "PixInvBn": Current(7, _N),
+    "PrBp": Current(8, _P),
+    "PrSFBp": Current(9, _P),
+    "RefrBp": Current(10, _P),
+    "AEPdBn": Current(11, _N),
+    "LcolTimeoutBn": Current(12, _N),
+    "AEPuXBp": Current(13, _P),
+    "AEPuYBp": Current(14, _P),
+    "IFThrBn": Current(15, _N),
+    "IFRefrBn": Current(16, _N),
+    "PadFollBn": Current(17, _N),
+    "ApsOverflowLevelBn": Current(18, _N),
+    "BiasBuffer": Current(19, _N),
+}
+"""The same of the DAVIS240, whose bias generator is an older one [libcaer ``davis.h``]."""
+
+FIXED_CURRENTS_240: Final = {
+    "ApsCasEpc": CoarseFine(5, 185),
+    "DiffCasBnc": CoarseFine(5, 115),
+    "ApsROSFBn": CoarseFine(6, 219),
+    "LocalBufBn": CoarseFine(5, 164),
+    "PixInvBn": CoarseFine(6, 144),
+    "AEPdBn": CoarseFine(6, 91),
+    "LcolTimeoutBn": CoarseFine(5, 49),
+    "AEPuXBp": CoarseFine(4, 80),
+    "AEPuYBp": CoarseFine(7, 152),
+    "IFThrBn": CoarseFine(5, 255),
+    "IFRefrBn": CoarseFine(5, 255),
+    "PadFollBn": CoarseFine(7, 215),
+    "ApsOverflowLevelBn": CoarseFine(6, 253),
+    "BiasBuffer": CoarseFine(5, 254),
+}
+
+FIXED_CHIP_240: Final = {
+    Register(5, 20): _SHIFTED_SOURCE,  # SSP
+    Register(5, 21): _SHIFTED_SOURCE,  # SSN
+    Register(5, 139): 0,  # SpecialPixelControl
+}
+"""Voltages and settings of the DAVIS240 [libcaer ``davis_common.h``]."""

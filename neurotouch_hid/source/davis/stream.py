@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Final
 
 from neurotouch_hid.errors import CameraError
+from neurotouch_hid.events import join_events
 from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.source.camera_errors import CameraGoneError
 from neurotouch_hid.source.davis.camera import Camera
@@ -16,6 +17,7 @@ from neurotouch_hid.source.davis.decoder import Decoder, DecoderStats
 from neurotouch_hid.source.davis.stream_check import StreamCheck
 from neurotouch_hid.source.davis.transport import StreamHaltedError
 from neurotouch_hid.source.partial import SHORTEST_US
+from neurotouch_hid.source.sensor_map import make_middle_map
 from neurotouch_hid.source.slicer import Slicer
 
 PUMP_S: Final = 0.05
@@ -87,7 +89,8 @@ class Stream:
             self.n_faults, self.n_dropped = before.n_faults, before.n_dropped
             self._gap = 1  # at least
         layout = camera.layout._replace(mirrored=config.mirrored)
-        self._decoder = Decoder(layout, origin_us=self.end_us)
+        self._decoder = Decoder(layout, origin_us=self.end_us, is_colour=camera.is_colour)
+        self._map = make_middle_map(layout.width_px, layout.height_px, self.end_us)
         self._slicer = Slicer(slice_us, self.end_us)
         self._stream_check = StreamCheck(self.end_us, self._begun_s)
         self._is_idle = False
@@ -190,6 +193,9 @@ class Stream:
 
     def _decode(self, data: bytes, now_s: float) -> None:
         events, frames = self._decoder.decode(data)
+        if self._map is not None:
+            events = join_events(self._map.map_events(events))
+            frames = self._map.map_frames(frames)
         stats, now_us = self._decoder.stats(), self._decoder.now_us
         self._stream_check.check(len(data) // 2, stats.n_impossible, now_us, now_s)
         self._gap += stats.n_lost - self._n_lost

@@ -63,3 +63,66 @@ def interpolate(
             lower = pixels[i + 1, j] * (ONE - right) + pixels[i + 1, j + 1] * right
             total = upper * (ONE - below) + lower * below
             out[y, x] = (total + ONE * ONE // 2) // (ONE * ONE)
+
+
+NOWHERE = -1
+"""In a table of places: the pixel has none in the canonical picture."""
+
+
+@kernel
+def map_events(
+    events: NDArray[np.void],
+    shift_us: int,
+    last_us: int,
+    places: NDArray[np.int32],
+    sums: NDArray[np.int16],
+    out: NDArray[np.void],
+) -> tuple[int, int, int]:
+    """Brings events to the canonical picture, in which a pixel may stand for several of the sensor.
+
+    Each canonical pixel sums up the signs of its events. It fires once the sum is half of its area
+    off, and then has the whole area less: an edge that crosses it makes as many events as it makes
+    in one pixel of the sensor, when it is in the middle. With an area of 1 all events stay.
+
+    Args:
+        events: (n,) records with ``t``, ``x``, ``y`` and ``p``.
+        shift_us: is added to the times.
+        last_us: no event is older; those that are get this time.
+        places: (h, w) int32 of each pixel of the sensor: x + 65,536 y, or ``NOWHERE``.
+        sums: (height, width, 2) int16: the sum of each canonical pixel, carried from call to call,
+            and its area in pixels of the sensor.
+        out: (n,) EVENT_DTYPE or longer, written.
+
+    Returns:
+        The number of events written, the last time, and the number of times that went back.
+    """
+    height, width = places.shape
+    n = n_back = 0
+    for i in range(len(events)):
+        event = events[i]
+        t = int(event.t) + shift_us
+        if t < last_us:
+            t = last_us
+            n_back += 1
+        last_us = t
+        x, y = np.int64(event.x), np.int64(event.y)
+        if x >= width or y >= height:
+            continue
+        place = places[y, x]
+        if place < 0:
+            continue
+        column, row = place & 0xFFFF, place >> 16
+        total, area = sums[row, column, 0], sums[row, column, 1]
+        if event.p:
+            total += 1
+            fires = 2 * total >= area
+            sums[row, column, 0] = total - area if fires else total
+        else:
+            total -= 1
+            fires = 2 * total <= -area
+            sums[row, column, 0] = total + area if fires else total
+        if fires:
+            mapped = out[n]
+            mapped.t, mapped.x, mapped.y, mapped.p = t, column, row, event.p
+            n += 1
+    return n, last_us, n_back

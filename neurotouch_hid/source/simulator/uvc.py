@@ -13,6 +13,7 @@ from neurotouch_hid.source.simulator.kernels.optics import (
     POINT_DTYPE,
     Lamps,
     Picture,
+    average_rows,
     draw_markers,
     shine,
 )
@@ -120,8 +121,8 @@ class UvcSensor:
     def _take_frame(self, start_us: int) -> Frame:
         config, uvc = self._config, self._uvc
         first = start_us // TICK_US % len(self._ticks)
-        ticks = np.roll(self._ticks, -first, axis=0)
-        light: NDArray[np.float64] = np.einsum("rk,krx->rx", self._weights, ticks)
+        light = np.empty((SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX))
+        average_rows(self._weights, self._ticks, first, light)
         noise = np.random.default_rng((self._seed, 2, start_us)).standard_normal(
             light.shape, np.float32
         )

@@ -5,6 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.recording.jpeg import decode_jpeg
 from neurotouch_hid.source.video.capture import PictureFormat
 
 COMPRESSED: Final = ("MJPG", "JPEG")
@@ -19,10 +20,6 @@ _START: Final = b"\xff\xd8"
 _END: Final = b"\xff\xd9"
 _MOST_PADDING: Final = 64
 """Bytes after the end of a JPEG picture that are looked through for its end mark."""
-_MOST_SEGMENTS: Final = 64
-_SIZES: Final = frozenset((0xC0, 0xC1, 0xC2))
-"""Segments of a JPEG picture that state its size: baseline, extended, progressive."""
-_SCAN: Final = 0xDA
 
 
 class GreyReader:
@@ -48,7 +45,7 @@ class GreyReader:
         """
         width, height = self._size
         if self._is_compressed:
-            return _decode_jpeg(data, width, height)
+            return decode_jpeg(data, width, height) if _is_whole(data) else None
         if len(data) < self._n_needed:
             return None
         values = np.lib.stride_tricks.as_strided(
@@ -58,31 +55,6 @@ class GreyReader:
         return self._grey
 
 
-def _decode_jpeg(data: NDArray[np.uint8], width: int, height: int) -> NDArray[np.uint8] | None:
-    import cv2  # noqa: PLC0415  # 0.1 s, which a camera without compression does not need
-
-    if not _is_whole(data) or _find_size(data) != (width, height):
-        return None
-    try:
-        grey = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE | cv2.IMREAD_IGNORE_ORIENTATION)
-    except cv2.error:
-        return None
-    return None if grey is None or grey.shape != (height, width) else np.asarray(grey, np.uint8)
-
-
 def _is_whole(data: NDArray[np.uint8]) -> bool:
     """Returns whether both ends of a JPEG picture are there; a decoder fills up what is missing."""
     return data[:2].tobytes() == _START and _END in data[-_MOST_PADDING:].tobytes()
-
-
-def _find_size(data: NDArray[np.uint8]) -> tuple[int, int] | None:
-    """Returns the size (width, height) that a JPEG picture states, before any memory is taken."""
-    at = 2
-    for _ in range(_MOST_SEGMENTS):
-        head = data[at : at + 9].tobytes()
-        if len(head) < 9 or head[0] != 0xFF or head[1] == _SCAN:
-            return None
-        if head[1] in _SIZES:
-            return int.from_bytes(head[7:9], "big"), int.from_bytes(head[5:7], "big")
-        at += 2 + int.from_bytes(head[2:4], "big")
-    return None

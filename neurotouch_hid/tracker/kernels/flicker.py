@@ -13,7 +13,9 @@ SAMPLES = 16  # of the events in a bin; enough to see a rhythm
 N_RUNS = 4  # runs of events of one polarity after which a pixel's flicker is measured again
 CLOCK_SHIFT = 6  # a pixel's clock ticks every 64 µs
 LONGEST = (N_RUNS * 11_000) >> CLOCK_SHIFT  # ticks of so many runs with a lamp of 45 Hz
-REMEMBERED = 400  # events by which a pixel's thresholds are compared
+REMEMBERED = 20_000.0  # events by which a pixel's thresholds are compared: they never change
+MOTION = 2  # events that remain of N_RUNS runs: the picture moves, which tells less of thresholds
+MOTION_WEIGHT = 0.125  # of such events
 EVEN = 4.0  # events of each polarity that a new pixel counts as having made
 WHOLE = 0.999  # an event, but for rounding
 
@@ -24,8 +26,10 @@ PIXEL: Final = np.dtype(
         ("n_on", "u2"),
         ("n_runs", "u1"),
         ("is_on", "?"),
-        ("sum_off", "u2"),
-        ("sum_on", "u2"),
+        ("rises", "?"),
+        ("n_left", "i2"),
+        ("sum_off", "f4"),
+        ("sum_on", "f4"),
         ("step", "f4"),
         ("width", "f4"),
         ("place", "f4"),
@@ -39,6 +43,8 @@ PIXEL: Final = np.dtype(
 - ``n_off``, ``n_on``: events since then of each polarity.
 - ``n_runs``: how often the polarity has changed since then.
 - ``is_on``: polarity of the last event.
+- ``rises``: the range has last moved up.
+- ``n_left``: by how many events the range has moved since ``since``.
 - ``sum_off``, ``sum_on``: older events of each polarity. In the long run a pixel brightens as much
   as it darkens, so their ratio is that of its thresholds.
 - ``step``: how far an OFF event goes, in ON events.
@@ -115,12 +121,15 @@ def remove_flicker(
             s.n_off += 1
             s.place -= s.step
         inside = min(max(s.place, np.float32(0.0)), s.width)
+        if s.place != inside:
+            s.rises = s.place > inside
         s.moved += s.place - inside
         s.place = inside
         out[n] = e
         moved = s.moved if e.p else -s.moved
         if moved >= WHOLE:
             s.moved -= np.float32(1.0) if e.p else np.float32(-1.0)
+            s.n_left += 1 if e.p else -1
         n += np.uint64(moved >= WHOLE or s.width == 0.0)
     return int(n)
 
@@ -129,11 +138,15 @@ def remove_flicker(
 def _measure(t_us: int, s: Any) -> None:
     """Updates the range of a pixel by its last runs."""
     now = np.uint32((t_us >> CLOCK_SHIFT) & 0xFFFFFFFF)
-    s.sum_on, s.sum_off = s.sum_on + s.n_on, s.sum_off + s.n_off
+    weight = np.float32(MOTION_WEIGHT if abs(s.n_left) >= MOTION else 1.0)
+    s.sum_on, s.sum_off = s.sum_on + weight * s.n_on, s.sum_off + weight * s.n_off
     if s.sum_on + s.sum_off >= REMEMBERED:
-        s.sum_on, s.sum_off = s.sum_on // 2, s.sum_off // 2
+        s.sum_on, s.sum_off = np.float32(0.5) * s.sum_on, np.float32(0.5) * s.sum_off
     s.step = np.float32((s.sum_on + EVEN) / (s.sum_off + EVEN))
     if np.uint32(now - s.since) < LONGEST:  # without flicker, runs last longer
-        s.width = np.float32((s.n_on + s.n_off * s.step) / N_RUNS)
-        s.place = min(s.place, s.width)
-    s.since, s.n_on, s.n_off, s.n_runs = now, 0, 0, 0
+        width = np.float32((s.n_on + s.n_off * s.step) / N_RUNS)
+        if s.rises:  # a pixel at the top of its range remains there, as one at the bottom does
+            s.place += width - s.width
+        s.width = width
+        s.place = min(max(s.place, np.float32(0.0)), s.width)
+    s.since, s.n_on, s.n_off, s.n_runs, s.n_left = now, 0, 0, 0, 0

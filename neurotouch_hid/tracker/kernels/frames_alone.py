@@ -1,5 +1,6 @@
 """Compiled loops that follow the markers from frame to frame where no events come between."""
 
+import math
 from typing import Final
 
 import numpy as np
@@ -21,6 +22,8 @@ ROUNDS = 6  # from a gel that is still to the middle of the fastest fingertip
 SMOOTH_PX = 2.0  # neighbours differ by less in how far they are from their expected places ...
 SMOOTH_RATIO = 2.0  # ... or by no more than so many spreads of these
 COMMON_SHARE = 0.3  # of a change of velocity, from the neighbours; half would let ripples grow
+STILL_PX = 1.0  # neighbours that go less far from frame to frame tell where a hidden marker is
+RETURN_SHARE = 0.3  # of the way to where its neighbours say that a hidden marker is
 
 LEAST_SHARE = 3  # of three markers one is seen, or the picture or all tracks are wrong
 NO_BLOB: Final = -1
@@ -133,6 +136,32 @@ def pair_blobs(
 
 
 @kernel
+def _carry_hidden(elapsed_s: float, blob: NDArray[np.int32], tracks: Tracks) -> None:
+    """Carries each marker without a blob along with its neighbours that have one.
+
+    With its own velocity, which is as noisy as one blob, it would drift away from a gel at rest.
+    Where neighbours are fast, they differ by more than that noise.
+    """
+    state, rest_px = tracks.state, tracks.rest_px
+    for i in range(len(state)):
+        if blob[i] >= 0:
+            continue
+        x, y, vx, vy, used = 0.0, 0.0, 0.0, 0.0, 0
+        for k in range(8):
+            j = tracks.neighbours[i, k]
+            if j >= 0 and blob[j] >= 0:
+                s = state[j]
+                x, y, used = x + s.x - rest_px[j, 0], y + s.y - rest_px[j, 1], used + 1
+                vx, vy = vx + s.vx, vy + s.vy
+        way_px = elapsed_s * math.sqrt(vx * vx + vy * vy) / max(used, 1)
+        if used and way_px < STILL_PX:
+            s = state[i]
+            s.vx, s.vy = vx / used, vy / used
+            s.x += RETURN_SHARE * (rest_px[i, 0] + x / used - s.x)
+            s.y += RETURN_SHARE * (rest_px[i, 1] + y / used - s.y)
+
+
+@kernel
 def follow(
     middle_us: int,
     end_us: int,
@@ -173,9 +202,11 @@ def follow(
         change_px[i] = place_px[i] - expected_px[i]
     if n_seen < n // LEAST_SHARE:
         return 0
+    longest_us = 0.0
     for i in range(n):
         s = state[i]
         elapsed_us = middle_us - s.t_us
+        longest_us = max(longest_us, elapsed_us)
         if elapsed_us > LONGEST_US:
             s.vx = s.vy = 0.0
         elif elapsed_us > 0.0:
@@ -184,12 +215,12 @@ def follow(
                 j = tracks.neighbours[i, k]
                 if j >= 0 and blob[j] >= 0:
                     x, y, used = x + change_px[j, 0], y + change_px[j, 1], used + 1
-            share = COMMON_SHARE if blob[i] >= 0 else 1.0
-            own, common = (1.0 - share, share / used) if used else (1.0, 0.0)
+            own, common = (1.0 - COMMON_SHARE, COMMON_SHARE / used) if used else (1.0, 0.0)
             s.vx += (own * change_px[i, 0] + common * x) / (elapsed_us * SECOND)
             s.vy += (own * change_px[i, 1] + common * y) / (elapsed_us * SECOND)
         s.x, s.y, s.t_us = place_px[i, 0], place_px[i, 1], float(middle_us)
         s.n_missed = 0 if blob[i] >= 0 else s.n_missed + 1
         tracks.lost[i] = s.n_missed >= MAX_MISSED
+    _carry_hidden(longest_us * SECOND, blob, tracks)
     tracks.common[0].last_frame_us = end_us
     return n_seen

@@ -98,19 +98,20 @@ def threshold_blocks(
 
 
 @kernel
-def smooth(pixels: NDArray[np.uint8], middle_dn: float, out: NDArray[np.uint8]) -> None:
-    """Writes a picture smoothed by binomials of five pixels, with ``GAIN`` times the contrast.
+def smooth(pixels: NDArray[np.uint8], gain: int, middle_dn: float, out: NDArray[np.uint8]) -> None:
+    """Writes a picture smoothed by binomials of five pixels, with ``gain`` times the contrast.
 
-    Noise that differs from pixel to pixel shrinks to ``NOISE_LEFT`` of it, before ``GAIN``.
+    Noise that differs from pixel to pixel shrinks to ``NOISE_LEFT`` of it, before ``gain``.
 
     Args:
         pixels: (h, w) uint8.
+        gain: 1 or more.
         middle_dn: grey level that becomes ``MIDDLE_DN``.
         out: (h, w) uint8, written.
     """
     h, w = pixels.shape
     column = np.zeros(w + 4, np.int32)
-    shift = np.int32(256.0 * (MIDDLE_DN - GAIN * middle_dn)) + 128
+    shift = np.int32(256.0 * (MIDDLE_DN - gain * middle_dn)) + 128
     for y in range(h):
         a, b = pixels[max(y - 2, 0)], pixels[max(y - 1, 0)]
         c, d = pixels[min(y + 1, h - 1)], pixels[min(y + 2, h - 1)]
@@ -122,7 +123,7 @@ def smooth(pixels: NDArray[np.uint8], middle_dn: float, out: NDArray[np.uint8]) 
         column[w + 2] = column[w + 3] = column[w + 1]
         for x in range(w):
             ends, near = column[x] + column[x + 4], column[x + 1] + column[x + 3]
-            level = (GAIN * (ends + 4 * near + 6 * column[x + 2]) + shift) >> 8
+            level = (gain * (ends + 4 * near + 6 * column[x + 2]) + shift) >> 8
             out[y, x] = min(max(level, 0), 255)
 
 

@@ -19,6 +19,7 @@ import termios
 import time
 from concurrent.futures import ThreadPoolExecutor
 from fcntl import ioctl
+from functools import partial
 from pathlib import Path
 
 ROWS, COLUMNS = 24, 80
@@ -28,6 +29,8 @@ SILENT_S = 30.0
 """In which the first words have come."""
 LIMIT_S = 240.0
 """In which all others have ended by themselves."""
+COMPILE_S = 900.0
+"""In which what compiles for them has ended; how fast that is is not asked."""
 END_S = 20.0
 """In which a command has ended after Ctrl-C."""
 N_AT_ONCE = 4
@@ -36,6 +39,24 @@ N_AT_ONCE = 4
 PERSON = pwd.getpwnam("newcomer")
 CACHE = Path(PERSON.pw_dir) / ".cache"
 """Compiled once for all homes."""
+MADE = (
+    (
+        "neurotouch record play.aedat4 --source sim:tour --seconds 2 --plain",
+        "neurotouch simulate play --users 1 --minutes 0.1",
+        "neurotouch evaluate play/*push.aedat4 --method neurotouch --method paper",
+    ),
+    (
+        "neurotouch profile new mine",
+        "neurotouch profile set user filter light",
+        "neurotouch profile export mine --output friend.yaml --user me.yaml",
+        "neurotouch record clip.mkv --source sim:tour,uvc=60 --seconds 2 --plain",
+        "neurotouch simulate frames --users 1 --minutes 0.1 --camera uvc --fps 60 "
+        "--nuisance rolling=12 --nuisance doubled",
+        "neurotouch evaluate frames/*push.mkv",
+    ),
+)
+"""What makes the files that the examples are about; and compiles, once, what many calls need. Two
+processors work through the lists side by side."""
 
 
 def become(person: pwd.struct_passwd) -> None:
@@ -44,7 +65,7 @@ def become(person: pwd.struct_passwd) -> None:
     os.setuid(person.pw_uid)
 
 
-def type_call(wanted: dict, home: str) -> dict:
+def type_call(wanted: dict, home: str, limit_s: float = LIMIT_S) -> dict:
     """Types a call in a terminal of 80 x 24; waits until it ends, or until Ctrl-C ends it."""
     environment = {
         "PATH": "/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sbin",
@@ -64,7 +85,7 @@ def type_call(wanted: dict, home: str) -> dict:
         os.chdir(home)
         os.execve("/bin/sh", ["/bin/sh", "-c", f"exec {wanted['call']}"], environment)
     output, interrupted, code = b"", False, None
-    deadline = begun + (SILENT_S if wanted.get("endless") else LIMIT_S)
+    deadline = begun + (SILENT_S if wanted.get("endless") else limit_s)
     while code is None:
         if select.select([terminal], [], [], 0.1)[0]:
             try:
@@ -84,6 +105,14 @@ def type_call(wanted: dict, home: str) -> dict:
             else:
                 os.write(terminal, b"\x03")
                 interrupted, deadline = True, time.monotonic() + END_S
+    while select.select([terminal], [], [], 0)[0]:  # what came just before its end
+        try:
+            said = os.read(terminal, 65536)
+        except OSError:
+            break
+        if not said:
+            break
+        output += said
     os.close(terminal)
     return {
         **wanted,
@@ -94,23 +123,20 @@ def type_call(wanted: dict, home: str) -> dict:
     }
 
 
+def type_one_by_one(calls: tuple[str, ...], home: Path) -> None:
+    """Types calls that must work."""
+    for call in calls:
+        done = type_call({"call": call, "accessible": True}, str(home), COMPILE_S)
+        if done["code"] != 0:
+            raise SystemExit(f"{call}: {done['output']}")
+
+
 def prepare(home: Path) -> None:
     """Makes what the examples are about: recordings, profiles of one's own, files of friends."""
     shutil.copytree("/tmp/things", home, dirs_exist_ok=True)
     own(home)
-    for call in (
-        "neurotouch record play.aedat4 --source sim:tour --seconds 2 --plain",
-        "neurotouch simulate play --users 1 --minutes 0.1",
-        "neurotouch record clip.mkv --source sim:tour,uvc=60 --seconds 2 --plain",
-        "neurotouch simulate frames --users 1 --minutes 0.1 --camera uvc --fps 60 "
-        "--nuisance rolling=12 --nuisance doubled",
-        "neurotouch profile new mine",
-        "neurotouch profile set user filter light",
-        "neurotouch profile export mine --output friend.yaml --user me.yaml",
-    ):
-        done = type_call({"call": call, "accessible": True}, str(home))
-        if done["code"] != 0:
-            raise SystemExit(f"{call}: {done['output']}")
+    with ThreadPoolExecutor(len(MADE)) as pool:
+        list(pool.map(partial(type_one_by_one, home=home), MADE))
     type_call({"call": "neurotouch doctor"}, str(home))  # compiles more; there is no camera
     for name in ("me.aedat4", "spin.aedat4", "recording.aedat4"):
         shutil.copy(home / "play.aedat4", home / name)

@@ -62,7 +62,7 @@ class Cable:
             serial=identity.serial,
             product="DAVIS 346",
             speed_mbit_s=5000 if identity.super_speed else 480,
-            firmware=6,
+            firmware=identity.firmware,
         )
         self.camera = camera  # last: another thread may be looking for it
 

@@ -59,11 +59,18 @@ def test_others_and_half_gone_ones_are_left_out(plug):
     assert find_cameras(plug.folder / "nothing") == ()
 
 
-def test_without_names_and_with_another_firmware(plug):
-    plug("1-1", serial=None, product=None, speed="480", bcdDevice="0207")
+def test_without_names_and_with_an_old_firmware(plug):
+    plug("1-1", serial=None, product=None, speed="480", bcdDevice="0205")
     (info,) = find_cameras(plug.folder)
-    assert (info.serial, info.product, info.speed_mbit_s, info.firmware) == ("", "DAVIS", 480, 7)
-    assert info.reason == "its firmware is version 7, only 6 is known to work"
+    assert (info.serial, info.product, info.speed_mbit_s, info.firmware) == ("", "DAVIS", 480, 5)
+    assert info.reason == "its firmware is version 5, and 6 is the least"
+
+
+def test_a_newer_firmware_is_no_reason(plug):
+    plug("1-1", bcdDevice="0307")
+    (info,) = find_cameras(plug.folder)
+    assert info.firmware == 7
+    assert "firmware" not in info.reason
 
 
 def test_cameras_come_in_the_order_of_their_ports(plug):

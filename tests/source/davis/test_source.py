@@ -312,9 +312,13 @@ def test_settings_no_camera_can_have_are_refused(options, words):
     [
         ({(6, 0): 17}, {}, "logic version 17; this driver needs version 18"),
         ({(6, 7): 0}, {}, "logic patch 0; this driver needs patch 1"),
-        ({(6, 1): 2}, {}, "chip DAVIS240C; this driver needs DAVIS346B"),
+        ({(6, 1): 3}, {}, "chip DAVIS128; this driver needs DAVIS346B"),
         ({(6, 1): 77}, {}, "unknown chip, number 77"),
-        ({(1, 0): 240, (1, 1): 180}, {}, "sensor 180×240 pixels; this driver needs 346×260"),
+        (
+            {(1, 0): 240, (1, 1): 180},
+            {},
+            "sensor 180×240 pixels; this driver needs 346×260 pixels for",
+        ),
         ({}, {"firmware": 5}, "firmware version 5; this driver needs version 6"),
     ],
 )

@@ -22,7 +22,7 @@ from neurotouch_hid.recording import (
 from neurotouch_hid.source import PictureSource, open_source
 from neurotouch_hid.tracker import GelFinder
 from neurotouch_hid.vocabulary import GestureKind
-from tests.recording.clips import draw, write_clip
+from tests.recording.clips import draw, read_by_ffmpeg, write_clip
 from tests.source.video.simulated_clip import Lens, make_clip
 
 
@@ -130,6 +130,8 @@ def test_a_real_gel_is_read_with_its_stamps(real_gel):
     assert clip.n_left_out == 0
     assert all(20 < p.pixels.mean() < 235 for p in pictures)
     assert len({p.pixels.tobytes() for p in pictures}) > 200
+    for given, picture in zip(read_by_ffmpeg(real_gel)[0], pictures, strict=True):
+        assert (given == picture.pixels).all()
 
 
 REAL_GEL = """\

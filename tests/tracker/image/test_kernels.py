@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from neurotouch_hid.geometry import PAPER_GEL
 from neurotouch_hid.tracker.blobs import BlobConfig, BlobFinder
 from neurotouch_hid.tracker.kernels import image as kernels
 from tests.reference import tracker as reference
@@ -91,15 +92,31 @@ def test_blobs_at_the_border_of_the_picture_are_whole():
     )  # the right and the left border do not touch
 
 
-def test_a_smoothed_picture_is_the_picture_in_binomials_of_five_pixels():
+@pytest.mark.parametrize("gain", [1, kernels.GAIN])
+def test_a_smoothed_picture_is_the_picture_in_binomials_of_five_pixels(gain):
     pixels = draw_dots(np.random.default_rng(2)) // 4
     smooth = np.empty_like(pixels)
-    kernels.smooth(pixels, 10.0, smooth)
+    kernels.smooth(pixels, gain, 10.0, smooth)
     wide, weights = np.pad(pixels.astype(float), 2, mode="edge"), np.array([1, 4, 6, 4, 1]) / 16
     rows = sum(w * wide[k : k + 260] for k, w in enumerate(weights))
     twin = sum(w * rows[:, k : k + 346] for k, w in enumerate(weights))
-    level = kernels.MIDDLE_DN + kernels.GAIN * (twin - 10.0)
+    level = kernels.MIDDLE_DN + gain * (twin - 10.0)
     np.testing.assert_allclose(smooth, np.clip(level, 0, 255), atol=0.51)
+
+
+def test_dots_on_a_gel_that_auto_exposure_made_grey_are_not_drowned_in_noise():
+    """Dots saturate, and noise joins them to blobs that are too large: a third of them was lost."""
+    rng = np.random.default_rng(5)
+    y, x = np.mgrid[:260, :346]
+    at = PAPER_GEL.points_mm * 2.5 + (172.3, 130.4)
+    dots = sum(np.clip(1.75 - np.hypot(x - u, y - v), 0, 1) for u, v in at)
+    gel = 40.0 + 165.0 / (1.0 + np.exp((np.hypot(x - 172, y - 130) - 84.0) / 4.0))
+    noise = rng.normal(0.0, 0.16, gel.shape) * gel
+    noisy = np.clip(gel + 150.0 * dots + noise, 0, 255).astype(np.uint8)
+    found_px = BlobFinder().find(noisy).centroid_px
+    off_px = np.hypot(*(found_px[None] - at[:, None]).transpose(2, 0, 1)).min(axis=1)
+    assert (off_px > 1.5).mean() < 0.15
+    assert len(found_px) < 2 * len(at)
 
 
 def test_dots_out_of_focus_are_found_to_a_third_of_a_pixel():

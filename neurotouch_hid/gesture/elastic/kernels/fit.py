@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.gesture.elastic.kernels.field import (
+    CLAMP_MM,
     N_ROWS,
     RATIO,
     TURN_X,
@@ -30,6 +31,10 @@ PRESS_MM = 1.5  # prior width of a press
 HEIGHT_MM = 20.0  # height of the gel under a finger; gel that is pressed down flows aside
 OFFSET_MM = 0.2  # prior width of a shift of the whole gel, by a knock at the table
 SWAY_RAD = 0.01  # prior width of a turn of the whole gel under the camera
+SHEAR_SHARE = 0.25  # prior width of the shear of the whole gel, in largest motions ...
+SHEARED_MM = 1.0  # ... beyond this one: below it, the error of the closed form is less than noise
+LEAST_SHEAR_MM = 0.01  # hardly any
+N_WHOLE = 5  # unknowns of the whole gel: shift (x, y), turn, shear (x, y)
 RADIUS_MM = 0.8  # prior width of the radius of a contact patch
 LEAST_RADIUS_MM, MOST_RADIUS_MM = 4.5, 9.0
 STEP_MM = 2.0  # longest step of a centre in one iteration
@@ -104,6 +109,16 @@ def invert(matrix: Floats) -> None:
             matrix[i, j] = work[i, n + j]
 
 
+@kernel(inline="always")
+def _shear(x: float, y: float) -> float:
+    """Returns how far (x, y) goes where the middle of the gel goes 1, its rim held.
+
+    A gel that is tall, or soft below, follows a finger as a whole. The closed form, of a half
+    space, knows no height.
+    """
+    return max(1.0 - (x * x + y * y) / (CLAMP_MM * CLAMP_MM), 0.0)
+
+
 @kernel(error_model="numpy", inline="always")
 def build_columns(
     points: Floats,
@@ -127,9 +142,9 @@ def build_columns(
         radii: (k,) float64 mm.
         motions: (k, 3) float64: drag x, drag y in mm, sine of the turn.
         inverse: (3 k, 3 k) float64, of ``build_compliance``.
-        columns: (4 k + 3 or more, 2, n) float64, the first 4 k + 3 are written: motions, presses,
-            offset (x, y, turn) of the whole gel. Markers come last, so that a processor takes
-            several at once.
+        columns: (4 k + 5 or more, 2, n) float64, the first 4 k + 5 are written: motions, presses,
+            offset (x, y, turn) and shear (x, y) of the whole gel. Markers come last, so that a
+            processor takes several at once.
         bent: (2, n) float64 mm, written: the difference of a finite turn from the linear one.
     """
     k, n = len(centres), len(window)
@@ -142,6 +157,9 @@ def build_columns(
         columns[4 * k, 0, i], columns[4 * k, 1, i] = 1.0, 0.0
         columns[4 * k + 1, 0, i], columns[4 * k + 1, 1, i] = 0.0, 1.0
         columns[4 * k + 2, 0, i], columns[4 * k + 2, 1, i] = -y[i], x[i]
+        free = _shear(x[i], y[i])
+        columns[4 * k + 3, 0, i], columns[4 * k + 3, 1, i] = free, 0.0
+        columns[4 * k + 4, 0, i], columns[4 * k + 4, 1, i] = 0.0, free
     for j in range(k):
         cx, cy, a = centres[j, 0], centres[j, 1], radii[j]
         respond_along(x, y, window, cx, cy, a, answer)
@@ -310,16 +328,16 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
     known = np.empty((k, 2))
     for j in range(k):
         known[j, 0], known[j, 1] = centres[j, 0], centres[j, 1]
-    columns, bent = np.empty((7 * k + 3, 2, n)), np.empty((2, n))
+    columns, bent = np.empty((7 * k + N_WHOLE, 2, n)), np.empty((2, n))
     target = np.empty((2, n))
     for step in range(n_steps + 1):
         is_last = step == n_steps
-        m = 4 * k + 3 if is_last else 7 * k + 3
+        m = 4 * k + N_WHOLE if is_last else 7 * k + N_WHOLE
         inverse = build_compliance(centres, radii)
         invert(inverse)
         build_columns(gel.points, window, centres, radii, motions, inverse, columns, bent)
         if not is_last:
-            slopes = columns[4 * k + 3 :]
+            slopes = columns[4 * k + N_WHOLE :]
             build_slopes(gel.points, window, centres, radii, motions, inverse, slopes)
         for i in range(n):
             target[0, i], target[1, i] = moved[i, 0] - bent[0, i], moved[i, 1] - bent[1, i]
@@ -335,7 +353,7 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
             normal[3 * j + 2, 3 * j + 2] += variance / TURN_RAD**2
             normal[3 * k + j, 3 * k + j] += variance / PRESS_MM**2
             if not is_last:
-                at = 4 * k + 3 + 3 * j
+                at = 4 * k + N_WHOLE + 3 * j
                 for p in range(2):
                     normal[at + p, at + p] += variance * (trust[j] + 1.0 / STEP_MM**2)
                     right[at + p, 0] += variance * trust[j] * (known[j, p] - centres[j, p])
@@ -344,6 +362,9 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
         for p in range(2):
             normal[4 * k + p, 4 * k + p] += variance / OFFSET_MM**2
         normal[4 * k + 2, 4 * k + 2] += variance / SWAY_RAD**2
+        shear_mm = SHEAR_SHARE * max(math.sqrt(largest2) - SHEARED_MM, 0.0) + LEAST_SHEAR_MM
+        for p in range(3, N_WHOLE):
+            normal[4 * k + p, 4 * k + p] += variance / (shear_mm * shear_mm)
         if not solve(normal, right):
             fit.cost = np.inf
             for i in range(n):
@@ -356,10 +377,11 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
             fit.press[j] = right[3 * k + j, 0]
         fit.offset_x_mm, fit.offset_y_mm = right[4 * k, 0], right[4 * k + 1, 0]
         fit.offset_rad = right[4 * k + 2, 0]
+        shear_x_mm, shear_y_mm = right[4 * k + 3, 0], right[4 * k + 4, 0]
         if is_last:
             break
         for j in range(k):
-            at = 4 * k + 3 + 3 * j
+            at = 4 * k + N_WHOLE + 3 * j
             for p in range(2):
                 centres[j, p] += min(max(right[at + p, 0], -STEP_MM), STEP_MM)
             far = math.hypot(centres[j, 0], centres[j, 1])
@@ -369,7 +391,7 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
             keep_inside(gel, centres[j])
             radius = radii[j] + min(max(right[at + 2, 0], -1.0), 1.0)
             radii[j] = min(max(radius, LEAST_RADIUS_MM), MOST_RADIUS_MM)
-    for a in range(4 * k + 3):
+    for a in range(4 * k + N_WHOLE):
         for axis in range(2):
             for i in range(n):
                 target[axis, i] -= columns[a, axis, i] * right[a, 0]
@@ -381,4 +403,8 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
         fit.cost += weight[i] * y * y
     fit.largest_mm = 0.0
     for j in range(k):
-        fit.largest_mm = max(fit.largest_mm, measure_size(motions[j], radii[j]))
+        free = _shear(centres[j, 0], centres[j, 1])
+        fit.whole[j, DRAG_X] = motions[j, DRAG_X] + free * shear_x_mm
+        fit.whole[j, DRAG_Y] = motions[j, DRAG_Y] + free * shear_y_mm
+        fit.whole[j, TURN] = motions[j, TURN]
+        fit.largest_mm = max(fit.largest_mm, measure_size(fit.whole[j], radii[j]))

@@ -39,6 +39,10 @@ STANDING_US = 400_000
 """Time constant of the mean place of the whole gel: a rig that was bumped stays where it is, and
 only what moves about that mean is sway."""
 
+TAKEN_US = 60_000  # time constant of how much of the whole gel the fingers take along
+MOST_TAKEN = 0.3  # of their motion; more is the rig
+SMALL_MM = 0.5  # fingers that have moved less take nothing along
+
 STEPS_NONE, STEPS_ON, STEPS_LESS, STEPS_MORE = np.arange(4)
 """Numbers of Gauss-Newton steps: for a finger that was just added, whose motion is unknown; for
 followed fingers; for one finger fewer; for one more. They are numpy's integers, for which numba
@@ -113,10 +117,11 @@ def follow(
     motion.sway_mm, motion.error_mm = math.hypot(x, y), 0.0
     motion.x_mm = motion.y_mm = motion.rotation_rad = 0.0
     motion.parts_mm[:] = 0.0
+    _take_along(fit, fingers, step_us)
     if n == 0:
         fingers.unchecked_us, fingers.n_checks, fingers.unsearched_us = 0, 0, CHECK_US
         return
-    subtract_landing(fit.motions[:n], step_us, fit.landed[:n], fit.landed_us[:n], fingers.since[:n])
+    subtract_landing(fit.whole[:n], step_us, fit.landed[:n], fit.landed_us[:n], fingers.since[:n])
     n, centres, radii, motions, since = _leave_out_still(fit, fingers, rules)
     motion.n_fingers, motion.largest_mm = n, fit.largest_mm
     motion.error_mm = math.sqrt(0.5 * fit.cost / use.sum())
@@ -126,12 +131,41 @@ def follow(
 
 
 @kernel
+def _take_along(fit: Any, fingers: Any, step_us: int) -> None:
+    """Updates how much of the motion of the whole gel since the fingers came is theirs.
+
+    A rig that is knocked moves anyhow. What a finger takes along goes its own way, and dots under
+    it go as far as both together.
+    """
+    share = -math.expm1(-step_us / TAKEN_US)
+    if fit.count == 0:
+        fingers.before_x_mm += share * (fingers.common_x_mm - fingers.before_x_mm)
+        fingers.before_y_mm += share * (fingers.common_y_mm - fingers.before_y_mm)
+        fingers.taken_along = 0.0
+        return
+    x, y = fit.offset_x_mm - fingers.before_x_mm, fit.offset_y_mm - fingers.before_y_mm
+    along, square = 0.0, SMALL_MM**2
+    for j in range(fit.count):
+        dx, dy = fit.whole[j, DRAG_X], fit.whole[j, DRAG_Y]
+        along += (x - fit.offset_rad * fit.centres[j, 1]) * dx
+        along += (y + fit.offset_rad * fit.centres[j, 0]) * dy
+        square += dx * dx + dy * dy
+    taken = min(max(along / square, -MOST_TAKEN), MOST_TAKEN)
+    fingers.taken_along += share * (taken - fingers.taken_along)
+
+
+@kernel
 def locate_shown(
-    fits: NDArray[np.void], gel: NDArray[np.void], config: NDArray[np.void], least: int
+    state: NDArray[np.void],
+    fits: NDArray[np.void],
+    gel: NDArray[np.void],
+    config: NDArray[np.void],
+    least: int,
 ) -> tuple[Floats, Floats, float]:
     """Returns the contacts of the fingers in ``NOW``, of which there is at least one.
 
     Args:
+        state: (1,), see ``FingerTracker.state``; ``taken_along`` is read.
         fits: (N_FITS,); ``shown`` is updated.
         gel: (1,), see ``FingerTracker.gel``.
         config: (1,) ``CONFIG``.
@@ -145,7 +179,7 @@ def locate_shown(
     n = fit.count
     chosen = np.empty(n, np.bool_)
     still_mm = config[0].still_share * fit.largest_mm
-    count = choose_shown(fit.radii[:n], fit.motions[:n], still_mm, fit.shown[:n], least, chosen)
+    count = choose_shown(fit.radii[:n], fit.whole[:n], still_mm, fit.shown[:n], least, chosen)
     mm, px, place = np.empty((count, 2)), np.empty((count, 2)), np.empty(2)
     total_mm = 0.0
     rig = gel[0].rig
@@ -153,9 +187,9 @@ def locate_shown(
     for j in range(n):
         if not chosen[j]:
             continue
-        x, y, size_mm = locate(fit.centres[j], fit.radii[j], fit.motions[j], fit.press[j])
+        x, y, size_mm = locate(fit.centres[j], fit.radii[j], fit.whole[j], fit.press[j])
         # A finger that turns at the rim seems to be beside the gel, which it drags with it.
-        rest_x, rest_y = x - fit.motions[j, DRAG_X], y - fit.motions[j, DRAG_Y]
+        rest_x, rest_y = x - fit.whole[j, DRAG_X], y - fit.whole[j, DRAG_Y]
         place[0], place[1] = rest_x, rest_y
         keep_inside(gel[0], place)
         x, y = x + (place[0] - rest_x), y + (place[1] - rest_y)
@@ -165,7 +199,7 @@ def locate_shown(
         px[k, 1] = rig.across * x + rig.along * y + rig.y_px
         total_mm += size_mm
         k += 1
-    return mm, px, total_mm / count
+    return mm, px, (1.0 + state[0].taken_along) * total_mm / count
 
 
 @kernel
@@ -177,10 +211,10 @@ def _leave_out_still(
     motions, since = np.empty((fit.count, 3)), np.empty((fit.count, 3))
     n = 0
     for j in range(fit.count):
-        if measure_size(fit.motions[j], fit.radii[j]) < rules.still_share * fit.largest_mm:
+        if measure_size(fit.whole[j], fit.radii[j]) < rules.still_share * fit.largest_mm:
             continue
         centres[n], radii[n] = fit.centres[j], fit.radii[j]
-        motions[n], since[n] = fit.motions[j], fingers.since[j]
+        motions[n], since[n] = fit.whole[j], fingers.since[j]
         n += 1
     return n, centres[:n], radii[:n], motions[:n], since[:n]
 

@@ -43,6 +43,8 @@ class AddressLayout(NamedTuple):
         flip_columns: a frame's columns come last to first.
         flip_rows: the samples of a column come last to first.
         mirrored: mirror the whole picture, left to right.
+        width_px, height_px: size of the picture.
+        sample_shift: samples are shifted left by so many bits.
     """
 
     columns: int = SENSOR_HEIGHT_PX
@@ -52,6 +54,9 @@ class AddressLayout(NamedTuple):
     flip_columns: bool = False
     flip_rows: bool = False
     mirrored: bool = False
+    width_px: int = SENSOR_WIDTH_PX
+    height_px: int = SENSOR_HEIGHT_PX
+    sample_shift: int = 0
 
 
 STATE_DTYPE = np.dtype(
@@ -132,15 +137,15 @@ def decode(
         counted: (1,) COUNTERS_DTYPE, counted up.
         events: EVENT_DTYPE, long enough for all words.
         n: number of events already in it.
-        reset: (260, 346) int16, the reset values of the frame that is being read.
-        pixels: (260, 346) uint8, that frame.
+        reset: (height, width) int16, the reset values of the frame that is being read.
+        pixels: (height, width) uint8, that frame.
 
     Returns:
         The first word not read, the number of events, and whether a frame is complete.
     """
     state, counters = carried[0], counted[0]
     columns, rows = layout.columns, layout.rows
-    swap, mirrored = layout.swap_events, layout.mirrored
+    swap, mirrored, last_x = layout.swap_events, layout.mirrored, layout.width_px - 1
     now, y = state["now_us"], state["y"]
     origin = state["origin_us"] + state["base_us"]
     i = start
@@ -170,7 +175,7 @@ def decode(
                 event = events[n]
                 event.t = now
                 x_px, y_px = (y, data) if swap else (data, y)
-                event.x = SENSOR_WIDTH_PX - 1 - x_px if mirrored else x_px
+                event.x = last_x - x_px if mirrored else x_px
                 event.y = y_px
                 event.p = code == COLUMN_ON
                 n += 1
@@ -205,7 +210,7 @@ def decode(
             if kind == ROI_HIGH:
                 state["limit_byte"] = data & 0xFF
             elif kind == ROI_LOW:
-                _take_limit(data & 0xFF, state, pixels)
+                _take_limit(data & 0xFF, layout, state, pixels)
             elif kind not in (IMU_BYTE, IMU_SETUP):
                 counters["unknown"] += 1
         elif data >> 10:  # SLICE: parts of the exposure in clock cycles, only 0 is in use
@@ -292,7 +297,7 @@ def _expected(layout: AddressLayout, state: Records, rows: bool) -> int:
 
 
 @kernel
-def _take_limit(low: int, state: Records, pixels: NDArray[np.uint8]) -> None:
+def _take_limit(low: int, layout: AddressLayout, state: Records, pixels: NDArray[np.uint8]) -> None:
     """Takes the low byte of a limit of the frame's region; the fourth one completes it."""
     if not state["in_frame"] or state["n_limits"] > 3:
         return
@@ -309,13 +314,13 @@ def _take_limit(low: int, state: Records, pixels: NDArray[np.uint8]) -> None:
     if state["n_limits"] < 4:
         return
     if not (
-        state["first_x"] <= state["last_x"] < SENSOR_WIDTH_PX
-        and state["first_y"] <= state["last_y"] < SENSOR_HEIGHT_PX
+        state["first_x"] <= state["last_x"] < layout.width_px
+        and state["first_y"] <= state["last_y"] < layout.height_px
     ):
         state["is_frame_ok"] = False
     elif (
-        state["last_x"] - state["first_x"] + 1 < SENSOR_WIDTH_PX
-        or state["last_y"] - state["first_y"] + 1 < SENSOR_HEIGHT_PX
+        state["last_x"] - state["first_x"] + 1 < layout.width_px
+        or state["last_y"] - state["first_y"] + 1 < layout.height_px
     ):
         pixels[:] = 0
 
@@ -345,11 +350,11 @@ def _take_samples(
     if layout.swap_frames:
         x, y, x_step, y_step = state["first_x"] + along, state["first_y"] + across, step, 0
     if layout.mirrored:
-        x, x_step = SENSOR_WIDTH_PX - 1 - x, -x_step
+        x, x_step = layout.width_px - 1 - x, -x_step
     x, y = x + row * x_step, y + row * y_step
     while i < len(words) and words[i] >> 12 == SAMPLE:
         if is_read and column < n_columns and row < n_rows:
-            value = np.int64(words[i] & 0x3FF)
+            value = np.int64(words[i] & 0x3FF) << layout.sample_shift
             if kind == RESET_COLUMN:
                 reset[y, x] = value
             else:

@@ -166,3 +166,24 @@ def expose_all(picture: Picture) -> None:
     for i in range(len(picture.canvas)):
         point = picture.canvas[i]
         point["exposed"] += point["image"] - point["base"]
+
+
+@kernel
+def average_rows(weights: Floats, ticks: Singles, first: int, out: Floats) -> None:
+    """Writes the mean of each row of a frame over its own exposure.
+
+    Args:
+        weights: (rows, k) float64, the share of each tick in each row.
+        ticks: (k, rows, columns) float32, the picture of each tick, in a circle.
+        first: where the circle begins.
+        out: (rows, columns) float64, written.
+    """
+    n = len(ticks)
+    out[:] = 0.0
+    for k in range(n):
+        tick = ticks[(first + k) % n]
+        for row in range(out.shape[0]):
+            weight = weights[row, k]
+            if weight != 0.0:
+                for column in range(out.shape[1]):
+                    out[row, column] += weight * tick[row, column]

@@ -1,0 +1,110 @@
+"""The examples for other programs, in these programs."""
+
+import csv
+import functools
+import http.server
+import os
+import shutil
+import subprocess
+import sys
+import threading
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import sync_playwright
+
+from neurotouch_hid.stream import open_target
+from neurotouch_hid.stream.target import Address
+from tests.page.conftest import find_chromium
+from tests.stream.test_targets import PINCH
+
+EXAMPLES = Path(__file__).parents[2] / "examples" / "streams"
+LIMIT_S = 120.0
+
+
+def find_pure_data() -> str:
+    """Pure Data's program; its test is skipped where there is none."""
+    found = shutil.which("pd")
+    if found is None:
+        sentence = "no Pure Data here (Debian: apt install puredata-core)"
+        if os.environ.get("NEUROTOUCH_REQUIRE_PURE_DATA") == "1":
+            pytest.fail(f"it is required, but there is {sentence}")
+        pytest.skip(sentence)
+    return found
+
+
+@contextmanager
+def playing(target):
+    """Sends a state to a target again and again, from a thread."""
+    done = threading.Event()
+
+    def send():
+        while not done.wait(0.02):
+            target.send(PINCH)
+
+    thread = threading.Thread(target=send)
+    thread.start()
+    yield
+    done.set()
+    thread.join()
+
+
+def test_pure_data_prints_the_strength():
+    words = [
+        find_pure_data(),
+        "-nogui",
+        "-noaudio",
+        "-nomidi",
+        "-stderr",
+        str(EXAMPLES / "push.pd"),
+    ]
+    with (
+        subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as pd,
+        open_target(Address("osc", "127.0.0.1", 9000), markers=True) as target,
+        playing(target),
+    ):
+        said = set()
+        for line in pd.stderr:
+            said.add(line.strip())
+            if {"strength: 0.325", "gesture: symbol pinch"} <= said or len(said) > 20:
+                break
+        pd.kill()
+    assert "strength: 0.325" in said
+    assert "gesture: symbol pinch" in said
+
+
+def test_lsl_is_recorded(tmp_path):
+    file = tmp_path / "touch.csv"
+    with open_target(Address("lsl"), markers=False) as target, playing(target):
+        words = [sys.executable, str(EXAMPLES / "record_lsl.py"), str(file), "1"]
+        subprocess.run(words, check=True, timeout=LIMIT_S)
+    with file.open() as lines:
+        rows = list(csv.DictReader(lines))
+    assert len(rows) > 3
+    assert {row["intensity"] for row in rows} == {"3.25"}
+    assert {row["contact_2_x"] for row in rows} == {"10.0"}
+
+
+def test_a_browser_shows_the_gesture(tmp_path):
+    page = (EXAMPLES / "gesture.html").read_text()
+    with open_target(Address("websocket", "127.0.0.1", 0), markers=False) as target:
+        (tmp_path / "gesture.html").write_text(page.replace("ws://127.0.0.1:8765", target.name))
+        handler = functools.partial(_Quiet, directory=tmp_path)
+        with http.server.HTTPServer(("127.0.0.1", 0), handler) as server:
+            threading.Thread(target=server.serve_forever, daemon=True).start()
+            with playing(target), sync_playwright() as playwright:
+                browser = playwright.chromium.launch(
+                    executable_path=find_chromium(), args=["--no-sandbox"]
+                )
+                shown = browser.new_page()
+                shown.goto(f"http://127.0.0.1:{server.server_port}/gesture.html")
+                shown.wait_for_selector(".contact >> nth=1", state="attached")
+                assert shown.inner_text("#kind") == "pinch 3.3 mm"
+                browser.close()
+            server.shutdown()
+
+
+class _Quiet(http.server.SimpleHTTPRequestHandler):
+    def log_message(self, *_):
+        """Says nothing."""
