@@ -22,7 +22,7 @@ def read(results: Path) -> dict[str, Any]:
     """Reads the camera through our source, and counts on both sides."""
     subprocess.run(["modprobe", "gspca_ov534"], check=True)
     camera = EyeCamera(Film(np.load(results / "film.npy"), PICTURE_US))
-    n_shown, shown = 0, None
+    n_shown, is_gel, finder = 0, False, GelFinder()
     with uvc.plugged(camera) as node:
         formats = uvc.ask(node, "--list-formats-ext")
         controls = uvc.ask(node, "--list-ctrls")
@@ -31,8 +31,8 @@ def read(results: Path) -> dict[str, Any]:
             for packet in source.poll():
                 if packet is not None and packet.frames:
                     n_shown += len(packet.frames)
-                    shown = packet.frames[-1].pixels
-                if n_shown >= N_SHOWN or time.monotonic() > deadline:
+                    is_gel |= finder.find(packet.frames[-1].pixels) is not None
+                if (n_shown >= N_SHOWN and is_gel) or time.monotonic() > deadline:
                     break
             settings = {name: camera.sensor[at] for name, at in REGISTERS.items()}
             camera.end()
@@ -48,7 +48,7 @@ def read(results: Path) -> dict[str, Any]:
         "mode": str(stats.mode),
         "lacking": list(stats.lacking),
         "settings": settings,
-        "is_gel": shown is not None and GelFinder().find(shown) is not None,
+        "is_gel": is_gel,
         "log": uvc.read_log("gspca") + uvc.read_log("ov534"),
     }
 
