@@ -152,9 +152,8 @@ def read(guest):
 
 
 def test_every_picture_that_was_sent_was_read_or_is_counted_as_lost(read):
-    assert read["n_read"] >= N_READ
-    assert read["n_sent"] == read["n_read"] + read["n_lost"] + read["n_waiting"]
-    assert read["n_waiting"] <= MOST_WAITING
+    assert read["n_shown"] >= N_READ
+    assert 0 <= read["n_sent"] - read["n_read"] - read["n_lost"] <= MOST_WAITING
 
 
 def test_the_settings_that_blur_pictures_are_fixed(read):

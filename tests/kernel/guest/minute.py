@@ -8,6 +8,8 @@ from threading import Event
 from typing import Any
 
 from neurotouch_hid.driver import Driver, DriverOptions
+from neurotouch_hid.messages import Step
+from neurotouch_hid.source.video.live import VideoCameraSource
 from tests.kernel.guest import uvc
 
 N_PICTURES = int(os.environ.get("NEUROTOUCH_PICTURES", "150"))
@@ -30,22 +32,29 @@ def play(results: Path) -> dict[str, Any]:
         uvc.wait_for(uvc.list_nodes)
         with Driver(options) as driver:
             stop, due_s = Event(), time.monotonic() + PATIENCE_S
-            asked_s, kinds = 0.0, set()
+            asked_s, n_before, kinds = 0.0, 0, set()
 
             def look() -> None:
-                nonlocal asked_s
+                nonlocal asked_s, n_before
                 if time.monotonic() - asked_s < 1.0:
                     return
                 asked_s = time.monotonic()
-                if uvc.tell(ours, "count")[0] >= N_PICTURES or asked_s > due_s:
+                n_sent = uvc.tell(ours, "count")[0]
+                if not kinds:  # the gel is still searched, which takes some seconds here
+                    n_before = n_sent
+                if n_sent - n_before >= N_PICTURES or asked_s > due_s:
                     stop.set()
 
+            def note(step: Step) -> None:
+                if step.gel.is_found:
+                    kinds.add(step.gesture.kind.label)
+
             begun_s = time.monotonic()
-            driver.run([lambda step: kinds.add(step.gesture.kind.label)], stop=stop, on_round=look)
-            # The stream ends first: what is on its way then is all that may be missing.
-            uvc.tell(ours, "end")
+            driver.run([note], stop=stop, on_round=look)
             seconds = time.monotonic() - begun_s
-            stats = driver.source.stats()  # type: ignore[attr-defined]
+            source = driver.source
+            assert isinstance(source, VideoCameraSource)
+            stats = uvc.finish(source, lambda: uvc.tell(ours, "end"))
             n_sent, n_not_sent = uvc.tell(ours, "count")
     finally:
         cameras.kill()

@@ -4,7 +4,7 @@ import multiprocessing
 import re
 import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -26,6 +26,7 @@ from neurotouch_devtools.emulator.uvc import (
 from neurotouch_hid.client import ask as ask_driver
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.source import open_source
+from neurotouch_hid.source.video.live import VideoCameraSource, VideoStats
 from neurotouch_hid.tracker.gel_finder import GelFinder
 from tests.kernel.guest.driver import started
 from tests.kernel.guest.sdl import look, open_games
@@ -123,13 +124,12 @@ def read(results: Path) -> dict[str, Any]:
             n_read += 0 if packet is None else len(packet.frames)
             if n_read >= N_READ or time.monotonic() > deadline:
                 break
-        camera.end()
-        stats = source.stats()
+        stats = finish(source, camera.end)
         return {
             "n_sent": camera.n_sent,
-            "n_read": n_read,
+            "n_shown": n_read,
+            "n_read": stats.n_pictures,
             "n_lost": stats.n_lost + stats.n_damaged,
-            "n_waiting": camera.n_sent - n_read - stats.n_lost - stats.n_damaged,
             "n_not_sent": camera.n_lost,
             "settings": camera.controls.values,
             "exposure_us": stats.exposure_us,
@@ -177,6 +177,18 @@ def play(results: Path) -> dict[str, Any]:
         }
     finally:
         cameras.kill()
+
+
+def finish(source: VideoCameraSource, end: Callable[[], object]) -> VideoStats:
+    """Ends the stream while the source keeps up, and returns what it has counted.
+
+    Of pictures for which there was no buffer, the kernel tells only by the number of the next one.
+    """
+    n_enough = source.stats().n_pictures + 2
+    wait_for(lambda: source.stats().n_pictures >= n_enough)
+    end()
+    time.sleep(0.5)  # for what is on its way
+    return source.stats()
 
 
 def serve(orders: Connection, results: Path) -> None:
