@@ -9,6 +9,7 @@ import pytest
 from neurotouch_hid.doctor import video
 from neurotouch_hid.doctor.finding import CheckStatus
 from neurotouch_hid.doctor.gel import GelView
+from neurotouch_hid.source.simulator import Simulator, find_scene, uvc
 from neurotouch_hid.source.video.enumeration import VideoInfo
 from neurotouch_hid.source.video.live import VideoStats
 from neurotouch_hid.source.video.modes import Mode
@@ -94,3 +95,22 @@ def test_the_gel_before_a_video_camera_is_examined(monkeypatch, tmp_path):
     assert "177 of 177 markers" in markers.sentence
     assert rest.status is CheckStatus.OK
     assert fake.n_open == 0
+
+
+def test_an_overexposed_picture_is_called_too_bright_not_out_of_focus(monkeypatch, tmp_path):
+    fake = FakeCamera(formats={"YUYV": {(640, 480): (30,)}})
+    light = uvc.enlarge(take_picture({"overexposed": 14.0}))
+    fake.draw = lambda k: light if k % 2 else light - (light > 200)  # no two are the same
+    linux = FakeLinux(fake)
+    monkeypatch.setattr("neurotouch_hid.source.video.live.Linux", lambda: linux)
+    monkeypatch.setattr("neurotouch_hid.doctor.gel.LOOK_S", 2.0)
+    markers = GelView(tmp_path / "gel.png", "video:").check_markers()
+    assert markers.status is CheckStatus.WARNING
+    assert "The gel is found: the picture is too bright." in markers.sentence
+    assert "exposure_us" in markers.fix
+
+
+def take_picture(nuisances):
+    """Returns a simulated picture of the gel, (260, 346) uint8."""
+    with Simulator(find_scene("rest"), nuisances={"uvc": 60.0} | nuisances, seed=3) as simulator:
+        return next(packet.frames[0].pixels for packet in simulator if packet.frames)

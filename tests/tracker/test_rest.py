@@ -9,7 +9,7 @@ from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.messages import Frame, GelProblem
 from neurotouch_hid.tracker import BlobFinder, RestConfig, RestDetector
 from neurotouch_hid.tracker.lattice import LatticeFinder
-from neurotouch_hid.tracker.sharpness import measure_blur
+from neurotouch_hid.tracker.sharpness import measure_sharpness
 from tests.source.video.pattern_pictures import draw_plate
 
 RIG = Rig((172.0, 130.0), 2.5, 0.1)
@@ -92,9 +92,10 @@ def test_reflections_are_sharp_even_if_the_lens_is_out_of_focus():
     pixels = blurred(0)
     for x, y in ((60, 30), (280, 40), (64, 220), (300, 210)):
         pixels[y : y + 2, x : x + 2] = 220
-    blur_px = measure_blur(pixels, BlobFinder().find(pixels), RIG.px_per_mm)
+    blur_px, problem = measure_sharpness(pixels, BlobFinder().find(pixels), RIG.px_per_mm)
     assert blur_px is not None
     assert 1.6 < blur_px < 2.8
+    assert problem is GelProblem.BLURRED
 
 
 @pytest.mark.parametrize(("mm", "at_rest"), [(0.0, True), (0.1, True), (0.4, False), (9.0, False)])
