@@ -270,6 +270,38 @@ def test_a_light_that_grows_weaker_is_still_rest():
     assert detector.stats().n_found == 177
 
 
+def beside(pixels, n=60):
+    """Returns a frame with specks as large as dots on the gel's left half, between its dots."""
+    pixels = pixels.copy()
+    between = RIG.to_px(PAPER_GEL.points_mm + 0.5 * PAPER_GEL.pitch_mm)
+    left = between[np.argsort(between[:, 0])][:n]
+    for u, v in np.rint(left).astype(int):
+        pixels[v : v + 2, u : u + 2] = 250
+    return pixels
+
+
+def test_specks_beside_the_dots_neither_move_nor_hide_a_rig_that_was_followed():
+    detector, moved = RestDetector(), replace(RIG, centre_px=(174.0, 130.0))
+    show(detector, *(picture(seed=k) for k in range(17)))
+    show(detector, *(picture(rig=moved, seed=k) for k in range(3)))
+    assert detector.stats().n_references == 2
+    swung = replace(RIG, centre_px=(174.5, 130.0))
+    show(detector, beside(picture(rig=swung, seed=3)))
+    rest = show(detector, picture(rig=moved, seed=4))
+    assert rest is not None
+    assert np.abs(rest.position_px - moved.to_px(PAPER_GEL.points_mm)).max() < 0.35
+
+
+def test_a_bumped_rig_is_followed_among_specks():
+    detector, moved = RestDetector(), replace(RIG, centre_px=(173.0, 130.0))
+    show(detector, *(picture(seed=k) for k in range(17)))
+    show(detector, *(beside(picture(rig=moved, seed=k)) for k in range(3)))
+    assert detector.stats().n_references == 2
+    rest = show(detector, picture(rig=moved, seed=4))
+    assert rest is not None
+    assert np.abs(rest.position_px - moved.to_px(PAPER_GEL.points_mm)).max() < 0.35
+
+
 def test_a_known_rig_is_taken():
     rig = Rig((172.0, 130.0), 2.5, 1.2)
     detector = RestDetector(rig=rig)
