@@ -2,6 +2,7 @@
 
 import subprocess
 import time
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +37,7 @@ def read(results: Path) -> dict[str, Any]:
                 if len(shown) >= N_SHOWN or time.monotonic() > deadline:
                     break
             settings = {name: camera.sensor[at] for name, at in REGISTERS.items()}
-            stats = uvc.finish(source, camera.end)
+            stats = uvc.finish(source, partial(uvc.slow_down, camera), camera.end)
     finder = GelFinder()
     return {
         "formats": formats["said"],

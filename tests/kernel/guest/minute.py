@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import time
+from functools import partial
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -54,7 +55,8 @@ def play(results: Path) -> dict[str, Any]:
             seconds = time.monotonic() - begun_s
             source = driver.source
             assert isinstance(source, VideoCameraSource)
-            stats = uvc.finish(source, lambda: uvc.tell(ours, "end"))
+            orders = (partial(uvc.tell, ours, order) for order in ("slow down", "end"))
+            stats = uvc.finish(source, *orders)
             n_sent, n_not_sent = uvc.tell(ours, "count")
     finally:
         cameras.kill()

@@ -6,6 +6,8 @@ import subprocess
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import replace
+from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
@@ -39,6 +41,8 @@ PLAY_S = 90.0
 PICTURES_PER_S = 10
 """Of the camera whose pictures are played: what a guest without KVM can carry. The film was taken
 with 31 pictures a second, so it is seen in slow motion."""
+SLOWLY = 5_000_000
+"""100 ns from picture to picture."""
 MOST_MARKERS = 170
 N_MOVES = 2
 FAR = 8_000
@@ -124,7 +128,7 @@ def read(results: Path) -> dict[str, Any]:
             n_read += 0 if packet is None else len(packet.frames)
             if n_read >= N_READ or time.monotonic() > deadline:
                 break
-        stats = finish(source, camera.end)
+        stats = finish(source, partial(slow_down, camera), camera.end)
         return {
             "n_sent": camera.n_sent,
             "n_shown": n_read,
@@ -179,16 +183,26 @@ def play(results: Path) -> dict[str, Any]:
         cameras.kill()
 
 
-def finish(source: VideoCameraSource, end: Callable[[], object]) -> VideoStats:
+def finish(
+    source: VideoCameraSource, slow_down: Callable[[], object], end: Callable[[], object]
+) -> VideoStats:
     """Ends the stream while the source keeps up, and returns what it has counted.
 
     Of pictures for which there was no buffer, the kernel tells only by the number of the next one.
+    So the last pictures come slowly.
     """
-    n_enough = source.stats().n_pictures + 2
+    slow_down()
+    n_enough = source.stats().n_pictures + 4
     wait_for(lambda: source.stats().n_pictures >= n_enough)
     end()
     time.sleep(0.5)  # for what is on its way
     return source.stats()
+
+
+def slow_down(camera: UvcCamera) -> None:
+    """Lets a camera send two pictures a second."""
+    if camera.agreement is not None:
+        camera.agreement = replace(camera.agreement, interval=SLOWLY)
 
 
 def serve(orders: Connection, results: Path) -> None:
@@ -200,6 +214,8 @@ def serve(orders: Connection, results: Path) -> None:
             cable = UsbIp(camera)
         elif order == "unplug":
             cable.close()
+        elif order == "slow down":
+            slow_down(camera)
         elif order == "end":
             camera.end()
         orders.send([camera.n_sent, camera.n_lost])
