@@ -9,6 +9,7 @@ import pytest
 from neurotouch_hid.doctor import video
 from neurotouch_hid.doctor.finding import CheckStatus
 from neurotouch_hid.doctor.gel import GelView
+from neurotouch_hid.geometry import make_gel, place_square
 from neurotouch_hid.source.simulator import Simulator, find_scene, uvc
 from neurotouch_hid.source.video.enumeration import VideoInfo
 from neurotouch_hid.source.video.live import VideoStats
@@ -57,6 +58,13 @@ def test_each_fault_is_a_warning_with_a_fix(change, words):
     assert finding.status is CheckStatus.WARNING
     assert words in finding.sentence
     assert finding.fix
+
+
+def test_the_blur_is_that_of_the_gel_before_the_camera():
+    small = make_gel("small", place_square(2.0, 15.0), radius_mm=15.0, pitch_mm=2.0, dot_mm=0.5)
+    finding = video.judge_pictures("video:x", GOOD, small)
+    assert finding.status is CheckStatus.WARNING
+    assert "which blurs 5.0 px at 100 mm/s" in finding.sentence
 
 
 def test_a_camera_without_pictures_has_failed():
