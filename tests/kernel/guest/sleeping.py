@@ -29,6 +29,8 @@ FELT = 1_000
 """Of 32767: a busy guest sees few pictures of a push, and seldom its end."""
 
 START_S = 300.0
+PATIENCE_S = 100.0
+"""For a gesture; the film has two in 13 s."""
 
 
 def try_both(results: Path) -> dict[str, Any]:
@@ -54,15 +56,15 @@ def try_both(results: Path) -> dict[str, Any]:
 def disturb(reader: Reader, act: Callable[[], None]) -> dict[str, Any]:
     """Does something in a gesture, then waits until the pad is neutral and pressed again."""
     n_before = len(reader.events)
-    reader.wait_for(lambda events: is_felt(events[n_before:]), START_S)
+    reader.wait_for(lambda events: is_felt(events[n_before:]), PATIENCE_S)
     begun_s, n_begun = time.time(), len(reader.events)
     act()
     over_s = time.time()
     n_neutral = n_begun
     with suppress(TimeoutError):  # the tests say what is wrong
-        reader.wait_for(lambda events: STICK_BACK in events[n_begun:], START_S)
+        reader.wait_for(lambda events: STICK_BACK in events[n_begun:], PATIENCE_S)
         n_neutral = n_begun + reader.events[n_begun:].index(STICK_BACK) + 1
-        reader.wait_for(lambda events: is_felt(events[n_neutral:]), START_S)
+        reader.wait_for(lambda events: is_felt(events[n_neutral:]), PATIENCE_S)
     return {
         "seconds": over_s - begun_s,
         "n_begun": n_begun,
