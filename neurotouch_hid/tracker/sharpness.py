@@ -17,7 +17,7 @@ _WHITE_DN: Final = 230.0  # many webcams send white as 235, and compression make
 
 
 class Sharpness(NamedTuple):
-    """How sharp dots are.
+    """The sharpness of dots.
 
     Attributes:
         blur_px: standard deviation of the point spread, px, to a tenth; None without dots.
