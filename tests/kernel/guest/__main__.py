@@ -36,7 +36,6 @@ from tests.kernel.guest import (
     pad,
     resident,
     rumble,
-    sleeping,
     uvc,
     vivid,
     watching,
@@ -89,7 +88,6 @@ VIDEO: dict[str, Callable[[Path], Any]] = {
     "uvc_play": uvc.play,
     "eye": eye.read,
     "minute": minute.play,
-    "sleeping": sleeping.try_both,
 }
 MACHINES = {"pads": PADS, "cameras": CAMERAS, "processors": VIDEO | PROCESSORS}
 """The last chapter of the third takes one of its two processors away."""

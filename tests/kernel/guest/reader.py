@@ -45,13 +45,11 @@ class Reader:
 
     Attributes:
         events: (type, code, value) in order, the ends of frames included.
-        times: of each event, s since 1970.
         ended: the error that ended the reading, or None while it lasts.
     """
 
     def __init__(self, device: evdev.InputDevice) -> None:
         self.events: list[tuple[int, int, int]] = []
-        self.times: list[float] = []
         self.ended: str | None = None
         self._device = device
         self._thread = threading.Thread(target=self._read, daemon=True)
@@ -98,8 +96,7 @@ class Reader:
         os.set_blocking(self._device.fd, True)
         try:
             while True:
-                for s, us, *event in EVENT.iter_unpack(os.read(self._device.fd, 64 * EVENT.size)):
-                    self.times.append(s + 1e-6 * us)
+                for _, _, *event in EVENT.iter_unpack(os.read(self._device.fd, 64 * EVENT.size)):
                     self.events.append(tuple(event))
         except OSError as error:
             self.ended = os.strerror(error.errno)

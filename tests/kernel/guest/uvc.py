@@ -351,8 +351,8 @@ def read_log(word: str) -> list[str]:
     return [line.partition("] ")[2] for line in lines.splitlines() if word in line]
 
 
-def wait_for(condition: Any, patience_s: float = PATIENCE_S) -> None:
-    deadline = time.monotonic() + patience_s
+def wait_for(condition: Any) -> None:
+    deadline = time.monotonic() + PATIENCE_S
     while not condition():
         if time.monotonic() > deadline:
             raise TimeoutError
