@@ -84,12 +84,17 @@ def slide(frame: Frame) -> Frame:
 
 
 LED_OFF = SimulatorConfig(light=LightConfig(white_dn=12.0, black_dn=1.0, spot_dn=10.0))
+VIDEO = {"uvc": 60.0, "gamma": 2.2}
 RIGHT, LEFT = {"decentring": 150.0}, {"decentring": -150.0}
 BUMP_S = 1e-6 * BUMP_AT * USUAL_US
 CONDITIONS = {
     "cap": Condition(GelProblem.DARK, "the picture is dark", {"black": 100.0}),
     "led-off": Condition(GelProblem.DARK, "the picture is dark", config=LED_OFF),
     "bright": Condition(GelProblem.BRIGHT, "too bright", {"overexposed": 20.0}),
+    "bright-video": Condition(
+        GelProblem.BRIGHT, "too bright", VIDEO | {"overexposed": 10.0}, is_found=True
+    ),
+    "bright-10": Condition(GelProblem.BRIGHT, "too bright", {"overexposed": 10.0}, is_found=True),
     "no-frames": Condition(GelProblem.NO_FRAMES, "sends no pictures", {"frames": 0.0}),
     "missing": Condition(GelProblem.MISSING, "106 of 177 dots are missing", {"missing": 60.0}),
     "pale": Condition(GelProblem.FAINT, "hardly brighter", {"pale": 1.3}),

@@ -136,7 +136,7 @@ class GelView:
         if not seen.seconds:
             return fail(f"No data from {seen.source}.", "Unplug the camera and plug it in again.")
         if seen.video is not None:
-            return judge_pictures(seen.source, seen.video)
+            return judge_pictures(seen.source, seen.video, self._made)
         if seen.other is not None:
             return judge_events(seen.source, seen.other, seen.seconds)
         frames_hz, events_hz = len(seen.frames) / seen.seconds, seen.events / seen.seconds

@@ -3,9 +3,10 @@
 from typing import Final
 
 from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
-from neurotouch_hid.geometry import NOMINAL_PX_PER_MM
+from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.source.video.enumeration import find_video_cameras
 from neurotouch_hid.source.video.live import VideoStats
+from neurotouch_hid.source.video.view_search import find_scale
 
 FAST_MM_S: Final = 100.0
 """Speed of a hand that plays fast."""
@@ -37,20 +38,22 @@ def check_video_cameras() -> Finding:
     )
 
 
-def judge_pictures(source: str, stats: VideoStats) -> Finding:
+def judge_pictures(source: str, stats: VideoStats, gel: Gel = PAPER_GEL) -> Finding:
     """Judges the pictures of a camera that has just played.
 
     Args:
         source: its name.
         stats: what it counted.
+        gel: the gel before it; of a small one, the pipeline sees a mm larger.
     """
-    mode = stats.mode
+    mode, px_per_mm = stats.mode, find_scale(gel)
+    exposure = _describe_exposure(stats.exposure_us, px_per_mm)
     if mode is None or not stats.fps:
         reason = f" {stats.trouble}" if stats.trouble else ""
         return fail(f"No pictures from {source}.{reason}", "Unplug it and plug it in again.")
     sentence = (
         f"{source}: {mode.width}x{mode.height} {mode.fourcc}, {stats.fps:.0f} of {mode.fps:.0f} "
-        f"pictures/s; {_describe_exposure(stats.exposure_us)}; from its stamp to the driver "
+        f"pictures/s; {exposure}; from its stamp to the driver "
         f"{1e-3 * stats.latency_us:.1f} ms; {stats.n_lost} pictures lost, {stats.n_damaged} "
         f"damaged, {stats.n_pictures} read."
     )
@@ -61,22 +64,23 @@ def judge_pictures(source: str, stats: VideoStats) -> Finding:
         return warn(
             sentence, "More light, a shorter exposure_us in camera.yaml, or another USB socket."
         )
-    if stats.exposure_us is not None and _blur_px(stats.exposure_us) > _MOST_BLUR_PX:
+    if stats.exposure_us is not None and _blur_px(stats.exposure_us, px_per_mm) > _MOST_BLUR_PX:
         return warn(sentence, "More light, and a shorter exposure_us in camera.yaml.")
     if stats.lacking:
         return warn(f"{sentence} {' '.join(stats.lacking)}", "Another camera would play better.")
     return approve(sentence)
 
 
-def _describe_exposure(exposure_us: int | None) -> str:
+def _describe_exposure(exposure_us: int | None, px_per_mm: float) -> str:
     if exposure_us is None:
         return "exposure unknown"
     return (
-        f"exposure {1e-3 * exposure_us:g} ms, which blurs {_blur_px(exposure_us):.1f} px at "
+        f"exposure {1e-3 * exposure_us:g} ms, "
+        f"which blurs {_blur_px(exposure_us, px_per_mm):.1f} px at "
         f"{FAST_MM_S:.0f} mm/s"
     )
 
 
-def _blur_px(exposure_us: int) -> float:
+def _blur_px(exposure_us: int, px_per_mm: float) -> float:
     """Returns how far a dot of a fast hand moves within an exposure, in the pipeline's px."""
-    return 1e-6 * exposure_us * FAST_MM_S * NOMINAL_PX_PER_MM
+    return 1e-6 * exposure_us * FAST_MM_S * px_per_mm

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import PAPER_GEL, Gel
+from neurotouch_hid.geometry import NOMINAL_PITCH_PX, PAPER_GEL, Gel
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.tracker.kernels import image as kernels
 
@@ -81,6 +81,7 @@ class BlobFinder:
             members=np.empty(h * w, np.int32),
         )
         self._smooth = np.empty((h, w), np.uint8)
+        self._window_px = 0.5 * gel.dot_mm * NOMINAL_PITCH_PX / gel.pitch_mm
         self._found: tuple[NDArray[np.uint8], Blobs] | None = None
 
     def find(self, pixels: NDArray[np.uint8]) -> Blobs:
@@ -108,5 +109,6 @@ class BlobFinder:
                 self._smooth, c.n_sigma, c.min_contrast, b.threshold, b.background
             )
             n = kernels.find_blobs(self._smooth, c.min_area_px, c.max_area_px, b)
+            kernels.centre_blobs(pixels, self._window_px, b.background, b.centroid_px[:n])
         begin = b.begin[: n + 1]
         return Blobs(b.centroid_px[:n], begin, b.members[: begin[n]])

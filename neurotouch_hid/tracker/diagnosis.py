@@ -19,7 +19,7 @@ from neurotouch_hid.tracker.blobs import Blobs
 from neurotouch_hid.tracker.growth import find_net
 from neurotouch_hid.tracker.kernels import matching
 from neurotouch_hid.tracker.lattice import Lattice, LatticeFinder
-from neurotouch_hid.tracker.sharpness import is_blurred, measure_blur
+from neurotouch_hid.tracker.sharpness import is_blurred, measure_sharpness
 from neurotouch_hid.tracker.spectrum import find_pattern
 
 _DARK, _DIM = 16.0, 50.0  # grey levels that 199 of 200 pixels of a dark picture do not reach
@@ -117,8 +117,8 @@ class Diagnosis:
         state = measure_gel(frame, blobs, lattice, self._gel)
         if problem is GelProblem.LEARNING or moves is None:
             return replace(state, problem=GelProblem.LEARNING)
-        if is_blurred(state.blur_px, state.px_per_mm or 1.0):
-            problem = GelProblem.BLURRED
+        if state.problem:
+            problem = state.problem
         elif state.n_glints > self._config.max_displaced and not moves:
             problem = GelProblem.GLINTS
         elif not moves:
@@ -140,7 +140,7 @@ class Diagnosis:
         px_per_mm = state.px_per_mm or 1.0
         if lattice.beyond > self._config.max_beyond:
             return GelProblem.PATTERN
-        if problem := self._judge_view(px_per_mm, state.blur_px):
+        if problem := self._judge_view(px_per_mm, state.problem):
             return problem
         if _is_outside(state, blobs.centroid_px):
             return GelProblem.OUTSIDE
@@ -150,13 +150,13 @@ class Diagnosis:
             return GelProblem.IRREGULAR
         return GelProblem.GLINTS if state.n_glints > len(state.missing) else GelProblem.MISSING
 
-    def _judge_view(self, px_per_mm: float, blur_px: float | None) -> GelProblem:
-        """Returns what is wrong with the scale or the focus."""
+    def _judge_view(self, px_per_mm: float, sharpness: GelProblem) -> GelProblem:
+        """Returns what is wrong with the scale, or else with how sharp the dots are."""
         if px_per_mm * self._gel.pitch_mm < self._config.min_pitch_px:
             return GelProblem.SMALL
         if px_per_mm * self._gel.radius_mm > self._config.max_radius_px:
             return GelProblem.LARGE
-        return GelProblem.BLURRED if is_blurred(blur_px, px_per_mm) else GelProblem.NONE
+        return sharpness
 
     def _explain_scattered(self, frame: Frame, blobs: Blobs) -> GelState:
         """Explains bright dots that form no lattice."""
@@ -165,7 +165,7 @@ class Diagnosis:
         pitch_px = _find_pitch(blobs.centroid_px)
         if pitch_px is not None and _touches_border(blobs.centroid_px, pitch_px):
             scale = round(pitch_px / self._gel.pitch_mm, 2)
-            problem = self._judge_view(scale, None) or GelProblem.OUTSIDE
+            problem = self._judge_view(scale, GelProblem.NONE) or GelProblem.OUTSIDE
             return replace(state, problem=problem, px_per_mm=scale)
         # Only a square lattice looks the same after a quarter turn, which the pattern relies on.
         pattern = find_pattern(frame.pixels, self._gel) if self._is_square else None
@@ -173,7 +173,9 @@ class Diagnosis:
             is_dim = float(np.percentile(frame.pixels, 99.5)) < _DIM
             return replace(state, problem=GelProblem.DARK) if is_dim else state
         px_per_mm, blur_px = (round(pattern.px_per_mm, 2), round(pattern.blur_px, 1))
-        problem = self._judge_view(px_per_mm, blur_px) or GelProblem.FAINT
+        is_soft = is_blurred(blur_px, px_per_mm)
+        sharpness = GelProblem.BLURRED if is_soft else GelProblem.NONE
+        problem = self._judge_view(px_per_mm, sharpness) or GelProblem.FAINT
         return replace(state, problem=problem, px_per_mm=px_per_mm, blur_px=blur_px)
 
 
@@ -198,19 +200,24 @@ def _judge_light(pixels: NDArray[np.uint8]) -> GelProblem:
 
 
 def measure_gel(frame: Frame, blobs: Blobs, lattice: Lattice, gel: Gel) -> GelState:
-    """Returns the figures of a lattice that was found among the blobs of a frame."""
+    """Returns the figures of a lattice that was found among the blobs of a frame.
+
+    Its problem is that of dots which are not sharp.
+    """
     px_per_mm = fit_rig(lattice.position_px, gel).px_per_mm
     missing = np.flatnonzero(lattice.blob < 0)
     places = lattice.position_px[missing].tolist()
+    blur_px, problem = measure_sharpness(frame.pixels, blobs, px_per_mm, gel)
     return GelState(
         layout=gel,
+        problem=problem,
         n_seen=lattice.n_found,
         missing=tuple(missing.tolist()),
         missing_px=tuple((round(x, 1), round(y, 1)) for x, y in places),
         px_per_mm=round(px_per_mm, 2),
         bend_px=round(lattice.bend_px, 1),
         scatter_px=round(lattice.print_px, 1),
-        blur_px=measure_blur(frame.pixels, blobs, px_per_mm, gel),
+        blur_px=blur_px,
         n_glints=count_glints(frame.pixels, blobs, lattice.blob, gel),
     )
 

@@ -12,7 +12,7 @@ from neurotouch_hid.messages import Frame, GelProblem, GelState
 from neurotouch_hid.tracker.blobs import Blobs
 from neurotouch_hid.tracker.diagnosis import Diagnosis, Motion, count_glints
 from neurotouch_hid.tracker.lattice import Lattice, LatticeFinder
-from neurotouch_hid.tracker.sharpness import is_blurred, measure_blur
+from neurotouch_hid.tracker.sharpness import is_blurred, measure_sharpness
 
 _SURE_US: Final = 400_000  # a problem lasts as long before it replaces another one
 _LOST_US: Final = 800_000  # as long as nothing of the gel is seen, before it is lost
@@ -66,6 +66,7 @@ class GelWatch:
         self._rests = False
         self._begin_us: int | None = None
         self._seen = GelState(layout=gel)
+        self._sharpness = GelProblem.NONE
 
     @property
     def blur_px(self) -> float:
@@ -182,6 +183,9 @@ class GelWatch:
         """Returns a gel at rest with all its figures."""
         place_px = self._place_px
         missing = np.flatnonzero(blob < 0)
+        blur_px, self._sharpness = measure_sharpness(
+            frame.pixels, blobs, self._px_per_mm, self._gel
+        )
         return GelState(
             layout=self._gel,
             is_found=True,
@@ -193,7 +197,7 @@ class GelWatch:
             px_per_mm=round(self._px_per_mm, 2),
             rotation_deg=round(self._rotation_deg, 1),
             bend_px=round(bend_px, 1),
-            blur_px=measure_blur(frame.pixels, blobs, self._px_per_mm, self._gel),
+            blur_px=blur_px,
             n_glints=count_glints(frame.pixels, blobs, blob, self._gel),
         )
 
@@ -204,7 +208,7 @@ class GelWatch:
         flaws = (
             (self.is_drawn, GelProblem.EVENTS_ONLY),
             (self._rests, GelProblem.RESTS),
-            (is_blurred(self._seen.blur_px, self._px_per_mm), GelProblem.BLURRED),
+            (bool(self._sharpness), self._sharpness),
             (self.flicker_hz is not None, GelProblem.FLICKER),
             (was_fast, GelProblem.TOO_FAST),
             (was_moved, GelProblem.MOVED),

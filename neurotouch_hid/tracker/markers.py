@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import NOMINAL_PX_PER_MM, PAPER_GEL, Gel
+from neurotouch_hid.geometry import NOMINAL_PITCH_PX, PAPER_GEL, Gel
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, MarkerField, RestField
 from neurotouch_hid.tracker.blobs import BlobFinder, Blobs
 from neurotouch_hid.tracker.correction import FrameCorrection
@@ -328,7 +328,7 @@ class MarkerTracker:
             self._is_unsure = unseen > _SURE_SHARE
         elif unseen > _UNSURE_SHARE:
             way_px = 1e-6 * elapsed_us * float(np.hypot(state["vx"], state["vy"]).max())
-            self._is_unsure = way_px > 0.5 * self._gel.pitch_mm * NOMINAL_PX_PER_MM
+            self._is_unsure = way_px > 0.5 * NOMINAL_PITCH_PX
 
     def _follow_rig(self, measured_px: NDArray[np.float64], elapsed_us: int) -> None:
         """Moves the rest position with the rig, if the rig has moved."""

@@ -86,11 +86,26 @@ class Reference:
         Returns:
             None if the gel is plainly touched: some markers are far off and most are not.
         """
+
+        def measure(by_px: tuple[float, float]) -> tuple[float, float, int]:
+            """Returns the motions from places moved by this, and how many markers are there."""
+            median_px, largest_px = matching.measure_motions(
+                self.position_px + by_px,
+                blobs.centroid_px,
+                self.gate_px,
+                n_left_out,
+                self._match,
+            )
+            return median_px, largest_px, int((self._match >= 0).sum())
+
+        # Specks beside the dots pull the middle of all blobs, but then it fits fewer markers.
         by_px = rigid.recentre(blobs.centroid_px, self._centre_px, self._radius_px)
+        n_unmoved = measure((0.0, 0.0))[2]
+        median_px, largest_px, n_seen = measure(by_px)
+        if n_seen < n_unmoved:
+            by_px = (0.0, 0.0)
+            median_px, largest_px, _ = measure(by_px)
         shifted: NDArray[np.float64] = self.position_px + by_px
-        median_px, largest_px = matching.measure_motions(
-            shifted, blobs.centroid_px, self.gate_px, n_left_out, self._match
-        )
         left_px = MOST_LEFT * math.hypot(*by_px, median_px)
         if largest_px > _TURN_RATIO * median_px + min(limit_px, left_px):
             return None

@@ -262,9 +262,9 @@ class RestDetector:
         """Returns all markers if white pixels and markers are at the places of the reference."""
         c, limit_px = self._config, self._config.max_displacement_mm * reference.px_per_mm
         n_found, displacement = self._measure(blobs, reference, reference.position_px)
-        if displacement > _RIG_SHARE * limit_px and self._follow_rig(
-            frame, blobs, reference, limit_px
-        ):
+        if displacement > _RIG_SHARE * limit_px:
+            self._follow_rig(frame, blobs, reference, limit_px)
+            # Also if it was not followed: other places have been measured in between.
             n_found, displacement = self._measure(blobs, reference, reference.position_px)
         distance = float("nan")
         is_rest = (
@@ -303,32 +303,31 @@ class RestDetector:
 
     def _follow_rig(
         self, frame: Frame, blobs: Blobs, reference: Reference, limit_px: float
-    ) -> bool:
-        """Moves the reference with a rig that now stands still elsewhere; returns whether it did.
+    ) -> None:
+        """Moves the reference with a rig that now stands still elsewhere.
 
         What moves rigidly is the rig: a touch leaves the gel at the rim behind.
         """
         before, since_us = self._moved_px, frame.t_us - self._moved_us
         if before is not None and 0 <= since_us < PACE_US:  # too early to tell
-            return False
+            return
         self._moved_px, self._moved_us = None, frame.t_us
         moved = reference.find_moved(blobs, self._config.max_displaced, limit_px)
         if moved is None:
-            return False
+            return
         n_found, left_px = self._measure(blobs, reference, moved)
         rig_px = correction.median_size(moved - reference.position_px)
         enough = self._config.min_share * reference.n_found
         is_rig = n_found >= enough and left_px <= min(limit_px, MOST_LEFT * rig_px)
         self._moved_px = moved if is_rig else None
         if not is_rig or before is None:
-            return False
+            return
         if np.abs(moved - before).max() > _RIG_STILL_MM * reference.px_per_mm:
-            return False
+            return
         reference.move(moved, blobs)
         self._watch.find(moved, reference.n_found, frame)
         self._moved_px = None
         self._stats = replace(self._stats, n_references=self._stats.n_references + 1)
-        return True
 
     def _settle(self, frame: Frame, blobs: Blobs, reference: Reference) -> RestField | None:
         """Takes a new reference if the gel is at rest elsewhere, and returns its markers."""

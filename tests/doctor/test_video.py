@@ -9,6 +9,8 @@ import pytest
 from neurotouch_hid.doctor import video
 from neurotouch_hid.doctor.finding import CheckStatus
 from neurotouch_hid.doctor.gel import GelView
+from neurotouch_hid.geometry import make_gel, place_square
+from neurotouch_hid.source.simulator import Simulator, find_scene, uvc
 from neurotouch_hid.source.video.enumeration import VideoInfo
 from neurotouch_hid.source.video.live import VideoStats
 from neurotouch_hid.source.video.modes import Mode
@@ -58,6 +60,13 @@ def test_each_fault_is_a_warning_with_a_fix(change, words):
     assert finding.fix
 
 
+def test_the_blur_is_that_of_the_gel_before_the_camera():
+    small = make_gel("small", place_square(2.0, 15.0), radius_mm=15.0, pitch_mm=2.0, dot_mm=0.5)
+    finding = video.judge_pictures("video:x", GOOD, small)
+    assert finding.status is CheckStatus.WARNING
+    assert "which blurs 5.0 px at 100 mm/s" in finding.sentence
+
+
 def test_a_camera_without_pictures_has_failed():
     silent = replace(GOOD, fps=0.0, trouble="The camera Rig sends no pictures.")
     finding = video.judge_pictures("video:x", silent)
@@ -94,3 +103,22 @@ def test_the_gel_before_a_video_camera_is_examined(monkeypatch, tmp_path):
     assert "177 of 177 markers" in markers.sentence
     assert rest.status is CheckStatus.OK
     assert fake.n_open == 0
+
+
+def test_an_overexposed_picture_is_called_too_bright_not_out_of_focus(monkeypatch, tmp_path):
+    fake = FakeCamera(formats={"YUYV": {(640, 480): (30,)}})
+    light = uvc.enlarge(take_picture({"overexposed": 14.0}))
+    fake.draw = lambda k: light if k % 2 else light - (light > 200)  # no two are the same
+    linux = FakeLinux(fake)
+    monkeypatch.setattr("neurotouch_hid.source.video.live.Linux", lambda: linux)
+    monkeypatch.setattr("neurotouch_hid.doctor.gel.LOOK_S", 2.0)
+    markers = GelView(tmp_path / "gel.png", "video:").check_markers()
+    assert markers.status is CheckStatus.WARNING
+    assert "The gel is found: the picture is too bright." in markers.sentence
+    assert "exposure_us" in markers.fix
+
+
+def take_picture(nuisances):
+    """Returns a simulated picture of the gel, (260, 346) uint8."""
+    with Simulator(find_scene("rest"), nuisances={"uvc": 60.0} | nuisances, seed=3) as simulator:
+        return next(packet.frames[0].pixels for packet in simulator if packet.frames)

@@ -53,7 +53,7 @@ class MissingError(Exception):
 
 def choose_machine(test_file: str) -> str:
     """Which of the machines plays the chapters that a file of tests asks about."""
-    if test_file.startswith(("test_processor", "test_video", "test_uvc")):
+    if test_file.startswith(("test_processor", "test_video", "test_uvc", "test_eye")):
         return "processors"
     return "cameras" if test_file.startswith(CAMERA_TESTS) else "pads"
 

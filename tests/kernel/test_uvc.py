@@ -6,6 +6,7 @@ from itertools import pairwise
 import pytest
 from neurotouch_devtools.emulator.uvc import MODES, PixelFormat
 
+from tests.kernel.guest.minute import N_PICTURES
 from tests.kernel.guest.uvc import FAULT_AT, N_READ, N_TAKEN
 from tests.kernel.test_run import CLEARLY, NEUTRAL, read_reports
 
@@ -151,9 +152,8 @@ def read(guest):
 
 
 def test_every_picture_that_was_sent_was_read_or_is_counted_as_lost(read):
-    assert read["n_read"] >= N_READ
-    assert read["n_sent"] == read["n_read"] + read["n_lost"] + read["n_waiting"]
-    assert read["n_waiting"] <= MOST_WAITING
+    assert read["n_shown"] >= N_READ
+    assert 0 <= read["n_sent"] - read["n_read"] - read["n_lost"] <= MOST_WAITING
 
 
 def test_the_settings_that_blur_pictures_are_fixed(read):
@@ -186,3 +186,13 @@ def test_a_camera_that_is_back_plays_again(guest):
     assert len(reports) > len(read_reports(saw["events"][: saw["n_unplugged"]]))
     assert reports[-1] == NEUTRAL
     assert saw["exit_code"] == 0
+
+
+def test_every_picture_that_was_played_into_the_pad_is_explained(guest):
+    """NEUROTOUCH_PICTURES=7500 plays a minute's worth of 125 pictures a second."""
+    saw = guest("minute")
+    assert saw["n_sent"] >= N_PICTURES
+    on_their_way = saw["n_sent"] - saw["n_read"] - saw["n_lost"] - saw["n_damaged"]
+    assert 0 <= on_their_way <= MOST_WAITING
+    # The others were too late for the slow guest's pipeline: old data moves no stick.
+    assert 0 < saw["n_played"] <= saw["n_read"]

@@ -1,11 +1,13 @@
 """Clips read by us and by FFmpeg as a whole: the same pictures, bit for bit, at the same times."""
 
+import struct
 from fractions import Fraction
 
 import av
 import numpy as np
 import pytest
 
+from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.recording import Clip
 from tests.recording.clips import draw, read_by_ffmpeg, write_clip
 
@@ -67,6 +69,67 @@ def compare(path, worst=0):
 def test_pictures_and_times_are_the_same(tmp_path, ending, codec, pixels, options):
     pictures = make_pictures((250, 130))
     compare(write_clip(tmp_path / f"a.{ending}", pictures, STAMPS_US, codec, pixels, **options))
+
+
+def change_edit(path, n_entry, *, lasts=None, first=None, speed=None, count=None):
+    """Changes an entry of a clip's edit list, as a program that trims does; ms and µs."""
+    data = bytearray(path.read_bytes())
+    at = data.index(b"elst")
+    assert data[at + 4] == 0
+    if count is not None:
+        data[at + 8 : at + 12] = struct.pack(">I", count)
+    for k, value in enumerate((lasts, first, speed)):
+        if value is not None:
+            place = at + 12 + 12 * n_entry + 4 * k
+            data[place : place + 4] = struct.pack(">i", value)
+    path.write_bytes(data)
+
+
+EDITED = [
+    ("mjpeg", "yuvj420p", {}),
+    ("png", "gray", {}),
+    ("libx264", "yuv420p", {"bf": "0", "g": "4"}),
+    ("libx264", "yuv420p", {"bf": "3", "g": "5"}),
+]
+
+
+@pytest.mark.parametrize(("codec", "pixels", "options"), EDITED)
+def test_a_clip_that_was_cut_begins_and_ends_where_it_should(tmp_path, codec, pixels, options):
+    path = tmp_path / "a.mp4"
+    write_clip(path, make_pictures((250, 130)), STAMPS_US, codec, pixels, **options)
+    whole = [picture.exposure_end_us for picture in Clip(path)]
+    (tick,) = {Fraction(s.time_base) for s in av.open(str(path)).streams.video}
+    begin = struct.unpack(">i", path.read_bytes()[path.read_bytes().index(b"elst") + 16 :][:4])[0]
+    change_edit(path, 0, first=begin + round(Fraction(70_000, 1_000_000) / tick), lasts=170)
+    compare(path, worst=codec == "mjpeg")
+    assert [p.exposure_end_us for p in Clip(path)] == [t - 70_000 for t in whole[4:11]]
+
+
+@pytest.mark.parametrize(("codec", "pixels", "options"), EDITED)
+def test_a_clip_that_begins_late_is_the_same(tmp_path, codec, pixels, options):
+    path, late = tmp_path / "a.mp4", [400_000 + t_us for t_us in STAMPS_US]
+    write_clip(path, make_pictures((250, 130)), late, codec, pixels, **options)
+    compare(path, worst=codec == "mjpeg")
+    assert path.read_bytes()[path.read_bytes().index(b"elst") + 11] == 2  # an empty one first
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"count": 1 << 20}, "is damaged"),
+        ({"first": -5}, "is damaged"),
+        ({"first": -1}, "is cut in several places"),
+        ({"speed": 1 << 17}, "changes its speed"),
+        ({"first": 1 << 30}, "has no pictures"),
+    ],
+)
+def test_a_wrong_edit_list_is_one_sentence(tmp_path, change, words):
+    path = write_clip(tmp_path / "a.mp4", make_pictures((250, 130)), STAMPS_US, "png", "gray")
+    change_edit(path, 0, **change)
+    with pytest.raises(RecordingError) as caught:
+        list(Clip(path))
+    assert words in caught.value.message
+    assert caught.value.hint
 
 
 @pytest.mark.parametrize("size_px", [(333, 251), (121, 2_559), (2_560, 120)])

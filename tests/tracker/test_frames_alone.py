@@ -8,9 +8,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from neurotouch_hid.geometry import PAPER_GEL, Rig
+from neurotouch_hid.geometry import PAPER_GEL, Rig, make_gel, place_square
 from neurotouch_hid.gesture import GestureConfig
-from neurotouch_hid.messages import EVENT_DTYPE, GelProblem, GestureKind
+from neurotouch_hid.messages import (
+    EVENT_DTYPE,
+    EventPacket,
+    Frame,
+    GelProblem,
+    GestureKind,
+    RestField,
+)
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline
 from neurotouch_hid.source.simulator import (
@@ -22,7 +29,7 @@ from neurotouch_hid.source.simulator import (
     twist,
 )
 from neurotouch_hid.source.simulator.nuisances import read_nuisances
-from neurotouch_hid.tracker import TrackerConfig
+from neurotouch_hid.tracker import MarkerTracker, TrackerConfig
 from neurotouch_hid.tracker.kernels import frames_alone
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
 from neurotouch_hid.tracker.markers import make_tracks
@@ -172,3 +179,33 @@ def test_a_slow_twist_that_hides_dots_is_no_haste():
     held = [s for s, t in played if t.intensity_mm > 8.0]
     assert held
     assert {s.gesture.kind for s in held} == {GestureKind.TWIST_CW}
+
+
+SMALL = make_gel("small", place_square(2.0, 15.0), pitch_mm=2.0, radius_mm=15.0, dot_mm=0.5)
+"""Half of the paper's gel. A webcam's picture is scaled, so its dots are 10 px apart, too."""
+
+
+def draw_dots(places_px):
+    """A frame's pixels with a dot at each place."""
+    y, x = np.mgrid[:260, :346]
+    pixels = np.full(x.shape, 20.0)
+    for u, v in places_px:
+        a, b = slice(int(v) - 5, int(v) + 6), slice(int(u) - 5, int(u) + 6)
+        pixels[a, b] += 180.0 * np.exp(-((x[a, b] - u) ** 2 + (y[a, b] - v) ** 2) / 2.0)
+    return np.clip(pixels, 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize(("way_px", "is_unsure"), [(4.0, False), (6.5, True)])
+def test_half_of_the_pitch_is_that_of_the_gel(way_px, is_unsure):
+    rest_px = SMALL.points_mm * 5.0 + (173.0, 130.0)
+    tracker = MarkerTracker(gel=SMALL)
+    tracker.anchor(RestField(0, rest_px.astype(np.float32), is_new=True))
+    hidden = np.hypot(*SMALL.points_mm.T) < 5.0
+    moved_px = rest_px.copy()
+    for k in range(8):
+        moved_px[:, 0] += min(2.0 * k, way_px)
+        seen_px = moved_px[~hidden] if k > 5 else moved_px
+        begin_us = 8_000 * k
+        frame = Frame(draw_dots(seen_px), begin_us, begin_us + 4_000)
+        tracker.update(EventPacket(begin_us, begin_us + 8_000, np.empty(0, EVENT_DTYPE), (frame,)))
+    assert tracker.is_unsure == is_unsure

@@ -9,7 +9,7 @@ from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.messages import Frame, GelProblem
 from neurotouch_hid.tracker import BlobFinder, RestConfig, RestDetector
 from neurotouch_hid.tracker.lattice import LatticeFinder
-from neurotouch_hid.tracker.sharpness import measure_blur
+from neurotouch_hid.tracker.sharpness import measure_sharpness
 from tests.source.video.pattern_pictures import draw_plate
 
 RIG = Rig((172.0, 130.0), 2.5, 0.1)
@@ -92,9 +92,10 @@ def test_reflections_are_sharp_even_if_the_lens_is_out_of_focus():
     pixels = blurred(0)
     for x, y in ((60, 30), (280, 40), (64, 220), (300, 210)):
         pixels[y : y + 2, x : x + 2] = 220
-    blur_px = measure_blur(pixels, BlobFinder().find(pixels), RIG.px_per_mm)
+    blur_px, problem = measure_sharpness(pixels, BlobFinder().find(pixels), RIG.px_per_mm)
     assert blur_px is not None
     assert 1.6 < blur_px < 2.8
+    assert problem is GelProblem.BLURRED
 
 
 @pytest.mark.parametrize(("mm", "at_rest"), [(0.0, True), (0.1, True), (0.4, False), (9.0, False)])
@@ -267,6 +268,38 @@ def test_a_light_that_grows_weaker_is_still_rest():
     show(detector, picture())
     assert show(detector, picture(level=90.0, seed=1)) is not None
     assert detector.stats().n_found == 177
+
+
+def beside(pixels, n=60):
+    """Returns a frame with specks as large as dots on the gel's left half, between its dots."""
+    pixels = pixels.copy()
+    between = RIG.to_px(PAPER_GEL.points_mm + 0.5 * PAPER_GEL.pitch_mm)
+    left = between[np.argsort(between[:, 0])][:n]
+    for u, v in np.rint(left).astype(int):
+        pixels[v : v + 2, u : u + 2] = 250
+    return pixels
+
+
+def test_specks_beside_the_dots_neither_move_nor_hide_a_rig_that_was_followed():
+    detector, moved = RestDetector(), replace(RIG, centre_px=(174.0, 130.0))
+    show(detector, *(picture(seed=k) for k in range(17)))
+    show(detector, *(picture(rig=moved, seed=k) for k in range(3)))
+    assert detector.stats().n_references == 2
+    swung = replace(RIG, centre_px=(174.5, 130.0))
+    show(detector, beside(picture(rig=swung, seed=3)))
+    rest = show(detector, picture(rig=moved, seed=4))
+    assert rest is not None
+    assert np.abs(rest.position_px - moved.to_px(PAPER_GEL.points_mm)).max() < 0.35
+
+
+def test_a_bumped_rig_is_followed_among_specks():
+    detector, moved = RestDetector(), replace(RIG, centre_px=(173.0, 130.0))
+    show(detector, *(picture(seed=k) for k in range(17)))
+    show(detector, *(beside(picture(rig=moved, seed=k)) for k in range(3)))
+    assert detector.stats().n_references == 2
+    rest = show(detector, picture(rig=moved, seed=4))
+    assert rest is not None
+    assert np.abs(rest.position_px - moved.to_px(PAPER_GEL.points_mm)).max() < 0.35
 
 
 def test_a_known_rig_is_taken():

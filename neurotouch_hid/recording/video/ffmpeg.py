@@ -56,7 +56,7 @@ def decode_by_ffmpeg(track: Track, packets: Iterator[Packet]) -> Iterator[Shot]:
     feeder = _Feeder(track, packets, process.stdin)
     feeder.start()
     try:
-        yield from _read_pictures(process.stdout, track)
+        yield from _read_pictures(process.stdout, track, feeder)
         feeder.join()
         if feeder.error is not None:
             raise feeder.error
@@ -83,16 +83,18 @@ class _Feeder(threading.Thread):
 
     Attributes:
         error: what ended it early.
+        least_ticks: the smallest stamp of the packets so far.
     """
 
     def __init__(self, track: Track, packets: Iterator[Packet], pipe: IO[bytes]) -> None:
         super().__init__(name="clip", daemon=True)
         self._track, self._packets, self._pipe = track, packets, pipe
         self.error: Exception | None = None
+        self.least_ticks = 0
 
     def run(self) -> None:
         try:
-            for data in wrap(self._track, self._packets):
+            for data in wrap(self._track, self._note(self._packets)):
                 self._pipe.write(data)
         except BrokenPipeError:
             pass  # the process has ended, or nobody wants more pictures
@@ -100,6 +102,11 @@ class _Feeder(threading.Thread):
             self.error = error
         with contextlib.suppress(OSError):
             self._pipe.close()
+
+    def _note(self, packets: Iterator[Packet]) -> Iterator[Packet]:
+        for n, packet in enumerate(packets):
+            self.least_ticks = min(packet.ticks, self.least_ticks) if n else packet.ticks
+            yield packet
 
 
 def wrap(track: Track, packets: Iterator[Packet]) -> Iterator[bytes]:
@@ -120,10 +127,10 @@ def wrap(track: Track, packets: Iterator[Packet]) -> Iterator[bytes]:
     yield _PADDING
 
 
-def _read_pictures(pipe: IO[bytes], track: Track) -> Iterator[Shot]:
+def _read_pictures(pipe: IO[bytes], track: Track, feeder: _Feeder) -> Iterator[Shot]:
     descriptor = pipe.fileno()
     first_us: int | None = None
-    before_us = last_us = 0
+    before_us = last_us = origin = 0
     while (head := _read(descriptor, PICTURE_HEAD.size)) is not None:
         t_us, width, height = PICTURE_HEAD.unpack(head)
         if width * height > MAX_PACKET_BYTES:
@@ -134,8 +141,9 @@ def _read_pictures(pipe: IO[bytes], track: Track) -> Iterator[Shot]:
         if track.is_decode_order and t_us < last_us:  # held back to the end, which has no stamps
             t_us = 2 * last_us - before_us
         before_us, last_us = last_us, t_us
-        first_us = t_us if first_us is None else first_us
-        ticks = round(Fraction(t_us - first_us, 1_000_000) / track.tick_s)
+        if first_us is None:  # FFmpeg counts from this one, whose packet it has read
+            first_us, origin = t_us, feeder.least_ticks
+        ticks = origin + round(Fraction(t_us - first_us, 1_000_000) / track.tick_s)
         grey = np.frombuffer(pixels, np.uint8).reshape(height, width)
         yield Shot(grey, ticks * track.tick_s, None)
 

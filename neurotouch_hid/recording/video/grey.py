@@ -37,11 +37,11 @@ def decode(video: Video) -> Iterator[Shot]:
     """
     (track,) = video.tracks
     if track.codec in FFMPEG_CODECS:
-        yield from decode_by_ffmpeg(track, video.packets())
-        return
-    decode_picture = _DECODERS[track.codec]
-    for packet in video.packets():
-        yield _decode(packet, track, decode_picture)
+        shots = decode_by_ffmpeg(track, video.packets())
+    else:
+        decode_picture = _DECODERS[track.codec]
+        shots = (_decode(packet, track, decode_picture) for packet in video.packets())
+    return (shot for shot in shots if track.shows(shot.time_s))
 
 
 def _decode(packet: Packet, track: Track, decode_picture: _Decoder) -> Shot:

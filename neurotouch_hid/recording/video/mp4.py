@@ -2,7 +2,7 @@
 
 import struct
 from collections.abc import Generator, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import repeat
 from typing import Final, NamedTuple
@@ -27,6 +27,9 @@ _MAX_HEAD_BYTES: Final = 48 << 20
 _OBJECT_TYPES: Final = {0x20: "mpeg4", 0x6C: "mjpeg", 0x6D: "png"}
 _ENTRY_BYTES: Final = 86
 """Of the description of a video codec, before the boxes in it."""
+_EMPTY: Final = -1
+"""Place of an edit that shows nothing: the clip begins later."""
+_USUAL_SPEED: Final = 1 << 16
 _HERE: Final = 1
 """Flag of a data reference: the data are in this file."""
 
@@ -70,6 +73,7 @@ def read_mp4(file: ClipFile) -> Video:
     if box.end - box.begin > _MAX_HEAD_BYTES:
         raise DamageError(box.begin)
     head = file.read(box.begin, box.end - box.begin)
+    movie_rate = _read_rate(_boxes(head).get(b"mvhd", b""))
     tracks: list[tuple[_Samples, Track]] = []
     usual: dict[int, _Usual] = {}
     comment = ""
@@ -77,7 +81,7 @@ def read_mp4(file: ClipFile) -> Video:
         if n >= MAX_TRACKS:
             raise DamageError(box.begin)
         if kind == b"trak":
-            found = _read_track(content)
+            found = _read_track(content, movie_rate)
             if found is not None:
                 tracks.append(found)
         elif kind == b"mvex":
@@ -91,7 +95,8 @@ def read_mp4(file: ClipFile) -> Video:
         if usual:
             yield from _fragments(file, box.end, samples.number, usual, end)
 
-    return Video(tuple(track for _, track in tracks), comment, packets)
+    shown = (replace(t, first_tick=None, end_tick=None) if usual else t for _, t in tracks)
+    return Video(tuple(shown), comment, packets)
 
 
 def _find_comment(udta: memoryview) -> str:
@@ -144,7 +149,34 @@ def _take(data: memoryview | bytes, form: str, at: int = 0) -> tuple[int, ...]:
         raise DamageError(at) from error
 
 
-def _read_track(trak: memoryview) -> tuple[_Samples, Track] | None:
+def _read_rate(head: memoryview | bytes) -> int:
+    """Returns the ticks a second that a movie's or a track's head tells."""
+    (rate,) = _take(head, ">I", 20 if _take(head, ">B")[0] == 1 else 12)
+    if not rate:
+        raise DamageError(0)
+    return rate
+
+
+def _read_cut(elst: memoryview | bytes, movie_rate: int, rate: int) -> tuple[int, int | None]:
+    """Returns the first tick that an edit list shows, and the end; None if it is the clip's own.
+
+    Empty edits delay the whole clip, whose first picture is at 0 s anyway.
+    """
+    is_long, n = _take(elst, ">B3xI")
+    form = ">QqI" if is_long else ">IiI"
+    edits = [_take(elst, form, 8 + k * struct.calcsize(form)) for k in range(n)]
+    shown = [edit for edit in edits if edit[1] != _EMPTY]
+    if len(shown) != 1 or edits[-1][1] == _EMPTY:
+        raise DamageError(0, "is cut in several places")
+    ((lasts, first, speed),) = shown
+    if first < 0:
+        raise DamageError(0)
+    if speed != _USUAL_SPEED:
+        raise DamageError(0, "changes its speed")
+    return first, first + lasts * rate // movie_rate if lasts else None
+
+
+def _read_track(trak: memoryview, movie_rate: int) -> tuple[_Samples, Track] | None:
     """Returns where a video track's packets are, and what they are; None for any other track."""
     outer = _boxes(trak)
     media = _boxes(outer.get(b"mdia", b""))
@@ -152,14 +184,15 @@ def _read_track(trak: memoryview) -> tuple[_Samples, Track] | None:
         return None
     information = _boxes(media.get(b"minf", b""))
     tables = _boxes(information.get(b"stbl", b""))
-    is_long = _take(media.get(b"mdhd", b""), ">B")[0] == 1
-    (rate,) = _take(media[b"mdhd"], ">I", 20 if is_long else 12)
+    rate = _read_rate(media.get(b"mdhd", b""))
     (number,) = _take(
         outer.get(b"tkhd", b""), ">I", 20 if _take(outer.get(b"tkhd", b""), ">B")[0] == 1 else 12
     )
-    if not rate:
-        raise DamageError(0)
     track = _read_description(tables.get(b"stsd", b""), Fraction(1, rate))
+    elst = _boxes(outer.get(b"edts", b"")).get(b"elst")
+    if elst is not None and _take(elst, ">I", 4)[0]:
+        first, end = _read_cut(elst, movie_rate, rate)
+        track = replace(track, first_tick=first, end_tick=end)
     _check_is_here(information.get(b"dinf", b""))
     samples = _Samples(
         number,

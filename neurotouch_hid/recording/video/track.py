@@ -32,6 +32,8 @@ class Track:
         private: what the decoder must know before the first packet.
         is_bottom_up: raw pictures begin with the bottom row.
         is_decode_order: the stamps tell when a packet is decoded, not when it is shown.
+        first_tick: pictures before it are only decoded, as others may need them.
+        end_tick: so are those from it on; None if the clip is not cut at its end.
     """
 
     codec: str
@@ -41,6 +43,15 @@ class Track:
     private: bytes = b""
     is_bottom_up: bool = False
     is_decode_order: bool = False
+    first_tick: int | None = None
+    end_tick: int | None = None
+
+    def shows(self, time_s: Fraction) -> bool:
+        """Returns whether a picture with this stamp belongs to the clip."""
+        is_cut_off = self.end_tick is not None and time_s >= self.end_tick * self.tick_s
+        return not is_cut_off and (
+            self.first_tick is None or time_s >= self.first_tick * self.tick_s
+        )
 
 
 class Packet(NamedTuple):

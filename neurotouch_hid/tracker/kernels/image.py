@@ -12,6 +12,9 @@ BLOCK_PX = 8  # brightness is measured in windows of 3 x 3 blocks, two to three 
 SHIFT = 3  # log2(BLOCK_PX)
 GAIN = 3  # of a smoothed picture, so that rounding is no noise
 MIDDLE_DN = 64.0  # grey level between its dots
+WINDOW_PX = 3  # a dot lies within so many pixels of its middle
+WINDOW_ROUNDS = 3  # of a centroid in a window that follows it
+WINDOW_GAIN = 2.0  # the window hides a half of how far a dot is off, if it is as wide as the dot
 NOISE_LEFT = 70.0 / 256.0  # of the noise: 1, 4, 6, 4, 1 squared, over 16 squared
 
 
@@ -216,6 +219,50 @@ def find_blobs(
                     n += 1
                     begin[n] = used
     return n
+
+
+@kernel(error_model="numpy")
+def centre_blobs(
+    pixels: NDArray[np.uint8],
+    sigma_px: float,
+    background: NDArray[np.float64],
+    centroid_px: NDArray[np.float64],
+) -> None:
+    """Moves centroids to the middle of their dots in a Gaussian window (SExtractor's XWIN).
+
+    Noise decides which pixels exceed a threshold, and whether a dot has joined specks beside it.
+    Such a window asks for no threshold, and pixels far from the dot hardly count.
+
+    Args:
+        pixels: (h, w) uint8.
+        sigma_px: standard deviation of the window, half of a dot's diameter.
+        background: (rows, columns) float64, the level between the dots in each block.
+        centroid_px: (n, 2) float64 px, updated.
+    """
+    h, w = pixels.shape
+    falling = -0.5 / (sigma_px * sigma_px)
+    for i in range(len(centroid_px)):
+        x, y = centroid_px[i, 0], centroid_px[i, 1]
+        for _ in range(WINDOW_ROUNDS):
+            x0, y0 = int(x + 0.5), int(y + 0.5)
+            if not (WINDOW_PX <= x0 < w - WINDOW_PX and WINDOW_PX <= y0 < h - WINDOW_PX):
+                break
+            level = background[y0 >> SHIFT, x0 >> SHIFT]
+            mass, mx, my = 0.0, 0.0, 0.0
+            for v in range(y0 - WINDOW_PX, y0 + WINDOW_PX + 1):
+                row = math.exp(falling * (v - y) ** 2)
+                for u in range(x0 - WINDOW_PX, x0 + WINDOW_PX + 1):
+                    above = max(pixels[v, u] - level, 0.0)
+                    weight = above * row * math.exp(falling * (u - x) ** 2)
+                    mass += weight
+                    mx += weight * (u - x)
+                    my += weight * (v - y)
+            if mass <= 0.0:
+                break
+            x += WINDOW_GAIN * mx / mass
+            y += WINDOW_GAIN * my / mass
+        if abs(x - centroid_px[i, 0]) < WINDOW_PX and abs(y - centroid_px[i, 1]) < WINDOW_PX:
+            centroid_px[i, 0], centroid_px[i, 1] = x, y
 
 
 @kernel

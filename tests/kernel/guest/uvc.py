@@ -4,8 +4,10 @@ import multiprocessing
 import re
 import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import replace
+from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
@@ -26,6 +28,7 @@ from neurotouch_devtools.emulator.uvc import (
 from neurotouch_hid.client import ask as ask_driver
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.source import open_source
+from neurotouch_hid.source.video.live import VideoCameraSource, VideoStats
 from neurotouch_hid.tracker.gel_finder import GelFinder
 from tests.kernel.guest.driver import started
 from tests.kernel.guest.sdl import look, open_games
@@ -38,6 +41,8 @@ PLAY_S = 90.0
 PICTURES_PER_S = 10
 """Of the camera whose pictures are played: what a guest without KVM can carry. The film was taken
 with 31 pictures a second, so it is seen in slow motion."""
+SLOWLY = 5_000_000
+"""100 ns from picture to picture."""
 MOST_MARKERS = 170
 N_MOVES = 2
 FAR = 8_000
@@ -123,13 +128,12 @@ def read(results: Path) -> dict[str, Any]:
             n_read += 0 if packet is None else len(packet.frames)
             if n_read >= N_READ or time.monotonic() > deadline:
                 break
-        camera.end()
-        stats = source.stats()
+        stats = finish(source, partial(slow_down, camera), camera.end)
         return {
             "n_sent": camera.n_sent,
-            "n_read": n_read,
+            "n_shown": n_read,
+            "n_read": stats.n_pictures,
             "n_lost": stats.n_lost + stats.n_damaged,
-            "n_waiting": camera.n_sent - n_read - stats.n_lost - stats.n_damaged,
             "n_not_sent": camera.n_lost,
             "settings": camera.controls.values,
             "exposure_us": stats.exposure_us,
@@ -179,6 +183,28 @@ def play(results: Path) -> dict[str, Any]:
         cameras.kill()
 
 
+def finish(
+    source: VideoCameraSource, slow_down: Callable[[], object], end: Callable[[], object]
+) -> VideoStats:
+    """Ends the stream while the source keeps up, and returns what it has counted.
+
+    Of pictures for which there was no buffer, the kernel tells only by the number of the next one.
+    So the last pictures come slowly.
+    """
+    slow_down()
+    n_enough = source.stats().n_pictures + 4
+    wait_for(lambda: source.stats().n_pictures >= n_enough)
+    end()
+    time.sleep(0.5)  # for what is on its way
+    return source.stats()
+
+
+def slow_down(camera: UvcCamera) -> None:
+    """Lets a camera send two pictures a second."""
+    if camera.agreement is not None:
+        camera.agreement = replace(camera.agreement, interval=SLOWLY)
+
+
 def serve(orders: Connection, results: Path) -> None:
     """Holds the other end of the cable, in a process that the driver does not slow down."""
     while True:
@@ -188,6 +214,10 @@ def serve(orders: Connection, results: Path) -> None:
             cable = UsbIp(camera)
         elif order == "unplug":
             cable.close()
+        elif order == "slow down":
+            slow_down(camera)
+        elif order == "end":
+            camera.end()
         orders.send([camera.n_sent, camera.n_lost])
 
 
