@@ -213,7 +213,7 @@ def test_missing_events_end_all_motion(lost):
     tracker = MarkerTracker()
     tracker.anchor(RestField(0, REST_PX))
     x, y = np.rint(REST_PX[80]).astype(int)
-    run = [(100 * k, x + int(0.05 * k), y, True) for k in range(100)]
+    run = [(100 * k, x + int(0.05 * k), y, k % 2 == 0) for k in range(100)]
     moving = tracker.update(packet(0, run))
     k, gap = {"gap": (1, 500), "jump": (90, 0), "backwards": (0, 0)}[lost]
     still = tracker.update(packet(k, gap=gap))
