@@ -134,6 +134,12 @@ _SENTENCES: Final[Mapping[GelProblem, tuple[str, str]]] = {
 }
 """The sentence and the fix for each problem: the only place that has them."""
 
+_WIDE: Final = (
+    "the pattern of dots is bent too much to be found",
+    "Use a lens with a smaller angle of view, or mount the camera straight below the gel.",
+)
+"""The sentence and the fix where even the bend cannot be measured."""
+
 _MAINS_FIX: Final = "Switch off the lamp on the mains, or keep its light off the gel."
 
 
@@ -141,6 +147,8 @@ def explain_gel(gel: GelState) -> GelSentence:
     """Returns what the camera sees of the gel, and what to do."""
     head = "found" if gel.is_found else "lost" if gel.was_found else "not found"
     why, fix = _SENTENCES[gel.problem]
+    if gel.problem is GelProblem.BENT and gel.bend_px is None:
+        why, fix = _WIDE
     if gel.problem is GelProblem.FLICKER and _is_mains(gel.flicker_hz or 0.0):
         fix = _MAINS_FIX
     why = why.format(

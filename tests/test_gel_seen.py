@@ -106,6 +106,7 @@ CONDITIONS = {
     "large": Condition(GelProblem.LARGE, "too large in the picture: 6.1", config=seen_at(6.0)),
     "right": Condition(GelProblem.OUTSIDE, "outside of the picture, on the right", RIGHT),
     "left": Condition(GelProblem.OUTSIDE, "outside of the picture, on the left", LEFT),
+    "fisheye": Condition(GelProblem.BENT, "bent too much", {"fisheye": 125.0}),
     "painted": Condition(GelProblem.IRREGULAR, "single dots are off", {"painted": 1.2}),
     "held": Condition(GelProblem.TOUCHED, "is touched", {"hand-on": 0.3}, "twist-cw"),
     "learnt": Condition(GelProblem.LEARNING, "is being learnt", {"painted": 0.6}),
@@ -204,6 +205,13 @@ def test_nothing_is_said_of_a_gel_that_is_played_as_usual():
     assert (status["text"], status["missing"], status["glints"]) == ("found", [], 0)
     assert status["px_per_mm"] == pytest.approx(2.56, abs=0.02)
     assert status["blur_px"] < 1.0
+
+
+def test_a_lens_out_of_focus_is_not_taken_for_a_hand_that_rests():
+    play = Play(Condition(GelProblem.RESTS, "", {"blur": 3.0}))
+    play.run(4.0)
+    assert "out of focus" in play.control.status()["gel"]["text"]
+    assert "rests" not in play.lines.getvalue()
 
 
 def test_a_hand_that_may_rest_there_is_no_problem():

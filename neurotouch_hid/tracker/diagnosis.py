@@ -172,6 +172,8 @@ class Diagnosis:
         if pattern is None:
             is_dim = float(np.percentile(frame.pixels, 99.5)) < _DIM
             return replace(state, problem=GelProblem.DARK) if is_dim else state
+        if n_seen >= self._config.min_share * self._gel.n_markers:  # seen, but not where they fit
+            return replace(state, problem=GelProblem.BENT)
         px_per_mm, blur_px = (round(pattern.px_per_mm, 2), round(pattern.blur_px, 1))
         is_soft = is_blurred(blur_px, px_per_mm)
         sharpness = GelProblem.BLURRED if is_soft else GelProblem.NONE

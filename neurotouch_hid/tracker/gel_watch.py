@@ -207,8 +207,9 @@ class GelWatch:
         was_fast = self.haste_us is not None and t_us - self.haste_us < _HASTE_US
         flaws = (
             (self.is_drawn, GelProblem.EVENTS_ONLY),
-            (self._rests, GelProblem.RESTS),
+            # Frames that are not sharp do not show whether something rests on the gel.
             (bool(self._sharpness), self._sharpness),
+            (self._rests, GelProblem.RESTS),
             (self.flicker_hz is not None, GelProblem.FLICKER),
             (was_fast, GelProblem.TOO_FAST),
             (was_moved, GelProblem.MOVED),

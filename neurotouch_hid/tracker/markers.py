@@ -138,7 +138,7 @@ def make_tracks(neighbours: NDArray[np.intp], config: TrackerConfig) -> track_ke
         ),
         n_new=np.zeros(n, np.int64),
         rate_hz=np.zeros(n),
-        r_px2=np.full(n, config.r_px2),
+        r_px2=np.full((n, 2), config.r_px2),
         lost=np.zeros(n, np.bool_),
         rest_px=np.full((n, 2), np.nan),
         neighbours=neighbours.copy(),  # writeable, because kernels are compiled for one type only
@@ -394,8 +394,9 @@ class MarkerTracker:
         """Forgets velocities and the past, because events are missing, but keeps positions."""
         tracks = self._tracks
         state = tracks.state
-        for name in ("vx", "vy", "cov_xv", "lead_x", "lead_y", "ahead_x", "ahead_y", "excess"):
+        for name in ("vx", "vy", "cov_xv", "lead_x", "lead_y", "ahead_x", "ahead_y"):
             state[name] = 0.0
+        state["excess"] = state["excess_hz"] = 0.0
         state["var_x"], state["var_v"], state["t_us"] = 1.0, 100.0, t_us
         track_kernels.aim(float(t_us), tracks, self._tuning)
         tracks.n_new[:] = 0

@@ -40,7 +40,7 @@ def filter_events(events, state, aim, r_px2, tuning):
         px, py = px + vx * step, py + vy * step
         sign = 1 if on else -1  # where the event would be if it came from the marker's centre
         rx, ry = x - sign * lead_x - px, y - sign * lead_y - py
-        r = r_px2[i] * (1 + ((rx * rx + ry * ry) / tuning.spread_px**2) ** 2)
+        r = r_px2[i][int(on)] * (1 + ((rx * rx + ry * ry) / tuning.spread_px**2) ** 2)
         k1, k2 = a / (a + r), b / (a + r)
         state[i][:8] = [
             px + k1 * rx, py + k1 * ry, vx * fade + k2 * rx, vy * fade + k2 * ry,
@@ -81,19 +81,25 @@ def tear(positions, usable, rest, neighbours, least):
 def weigh(t, motion, count, rate, noise, neighbours, n_checks, last, tuning):
     """Rates, noise, variances, leads and what the velocities' variances grow by, of all markers.
 
-    ``motion`` rows vx, vy, since, lead x, y, ahead x, y, excess; ``last`` is the last check.
+    ``motion`` rows vx, vy, since, lead x, y, ahead x, y, excess and its recent mean per second;
+    ``last`` is the last check. The variances are those of OFF and ON events.
     """
     dt = (t - last) * SECOND
     share = 1 - math.exp(-dt / tuning.rate_s)
     rate = [(1 - share) * r + share * n / dt for r, n in zip(rate, count, strict=True)]
+    more = [(1 - share) * before + share * new / dt for *_, new, before in motion]
     quiet = sorted(rate)[len(rate) // 4]
     noise += (quiet - noise) * dt / (0.1 if quiet < noise else min(5.0, dt * (n_checks + 1)))
     r_px2, leads, growth = [], [], []
-    for i, (vx, vy, since, *before, ahead_x, ahead_y, excess) in enumerate(motion):
-        around = [rate[i], *(rate[j] for j in neighbours[i] if j >= 0)]
-        sigma = math.sqrt(noise / (2 * tuning.rate_s * len(around)))
-        moving = max(0.0, statistics.fmean(around) - noise - tuning.n_sigma * sigma)
-        r_px2.append(tuning.r_px2 / max(moving / (moving + noise), 0.05))
+    for i, (vx, vy, since, *before, ahead_x, ahead_y, excess, _) in enumerate(motion):
+        around = [i, *(j for j in neighbours[i] if j >= 0)]
+        mean, one_way = (statistics.fmean(of[j] for j in around) for of in (rate, more))
+        unsure = noise + tuning.n_sigma * math.sqrt(noise / (2 * tuning.rate_s * len(around)))
+        light = max(abs(one_way) - unsure, 0.0)
+        moving = max(0.0, mean - unsure - light)
+        usual = tuning.r_px2 / max(moving / (moving + noise), 0.05)
+        lit = usual / max((mean - light) / (mean + light), 1e-3)
+        r_px2.append([usual, lit] if one_way > 0 else [lit, usual])
         fade = 1 - min(max((t - since) * SECOND / tuning.memory_s, 0.0), 1.0)
         speed = math.hypot(fade * vx, fade * vy, 60.0)
         lead = [tuning.lead_px * fade * v / speed for v in (vx, vy)]

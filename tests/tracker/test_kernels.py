@@ -62,7 +62,7 @@ def test_filter_equals_a_matrix_filter_with_a_search_of_all(seed, scatter, searc
     events["x"][:500] = np.clip(position[near, 0] + rng.normal(0, 2, 600), 0, 345)[:500]
     events["y"][:500] = np.clip(position[near, 1] + rng.normal(0, 2, 600), 0, 259)[:500]
     rows(tracks)[:, 8:10] = rng.uniform(-0.7, 0.7, (177, 2))
-    tracks.r_px2[:] = rng.uniform(5, 50, 177)
+    tracks.r_px2[:] = rng.uniform(5, 50, (177, 2))
     track_kernels.aim(10_000.0, tracks, tuning)
     state, aim = rows(tracks).tolist(), tracks.targets.aim_px[:, ::-1].reshape(177, 4).tolist()
 
@@ -208,10 +208,11 @@ def test_weights_are_those_of_the_plain_twin(seed, n_checks, elapsed_us):
     rows(tracks)[:, 8:10] = rng.uniform(-0.7, 0.7, (177, 2))
     rows(tracks)[:, 11:13] = tracks.n_new[:, None] * rng.normal(0, 1, (177, 2))
     tracks.state["excess"] = tracks.n_new - 2 * rng.integers(0, tracks.n_new + 1)
+    tracks.state["excess_hz"] = rng.uniform(-1, 1, 177) * tracks.rate_hz
     variance = tracks.state["var_v"].copy()
     tracks.common["noise_hz"][0] = rng.uniform(0, 2000)
     tracks.common["n_checks"] = n_checks
-    motion = rows(tracks)[:, [2, 3, 7, 8, 9, 11, 12, 13]].tolist()
+    motion = rows(tracks)[:, [2, 3, 7, 8, 9, 11, 12, 13, 14]].tolist()
     twin = reference.weigh(
         10_000, motion, tracks.n_new.tolist(), tracks.rate_hz.tolist(),
         float(tracks.common["noise_hz"][0]), PAPER_GEL.neighbours.tolist(), n_checks,
@@ -254,8 +255,22 @@ def test_noise_counts_less_than_motion():
         kernels.weigh(2_000 * k, tracks, TUNING)
         tracks.common["n_checks"] += 1
     assert tracks.common["noise_hz"][0] == pytest.approx(250.0, rel=0.2)
-    assert tracks.r_px2[85] < 4.0 * TUNING.r_px2
-    assert tracks.r_px2[20] > 10.0 * TUNING.r_px2
+    assert (tracks.r_px2[85] < 4.0 * TUNING.r_px2).all()
+    assert (tracks.r_px2[20] > 10.0 * TUNING.r_px2).all()
+
+
+@pytest.mark.parametrize(("n_off", "least", "most"), [(10, 0.9, 1.2), (0, 5.0, 20.0)])
+def test_events_of_a_passing_shadow_count_little(n_off, least, most):
+    tracks = make_tracks(REST_PX)
+    for k in range(1, 101):
+        tracks.n_new[:] = k % 2
+        tracks.n_new[40:140] += (10 + n_off) * (k > 90)  # a marker that moves makes both
+        tracks.state["excess"][40:140] += (10 - n_off) * (k > 90)
+        kernels.weigh(2_000 * k, tracks, TUNING)
+        tracks.common["n_checks"] += 1
+    off, on = tracks.r_px2[85] / TUNING.r_px2
+    assert off < 4.0
+    assert least <= on / off <= most
 
 
 def make_sided_events(at_px, way, n, begin_us, *, one_sided=False):

@@ -213,7 +213,7 @@ def test_missing_events_end_all_motion(lost):
     tracker = MarkerTracker()
     tracker.anchor(RestField(0, REST_PX))
     x, y = np.rint(REST_PX[80]).astype(int)
-    run = [(100 * k, x + int(0.05 * k), y, True) for k in range(100)]
+    run = [(100 * k, x + int(0.05 * k), y, k % 2 == 0) for k in range(100)]
     moving = tracker.update(packet(0, run))
     k, gap = {"gap": (1, 500), "jump": (90, 0), "backwards": (0, 0)}[lost]
     still = tracker.update(packet(k, gap=gap))
@@ -404,3 +404,18 @@ def test_a_frame_that_shows_nothing_changes_nothing(gestures, level):
         without = other.update(replace(p, frames=()))
     assert np.array_equal(with_frames.position_px, without.position_px)
     assert with_frames.valid.all()
+
+
+def test_the_shadow_of_a_hand_moves_no_marker():
+    script = sequence("test", stroke(Finger((0.0, 0.0), drag_mm=(5.0, 0.0))), rest_us=480_000)
+    simulator = Simulator(script, nuisances={"shadow": 40.0}, seed=3)
+    packets, truth = [], []
+    for packet in simulator:
+        if packet.t_end_us > 470_000:  # the finger touches next
+            break
+        packets.append(packet)
+        truth.append(simulator.truth(packet.t_end_us).markers_px)
+    light = [int(packet.events["p"].sum()) / max(len(packet.events), 1) for packet in packets]
+    assert min(light) < 0.1  # the shadow passes: nearly all pixels darken
+    error = errors(follow(packets), np.array(truth))[5:]  # found by then
+    assert np.percentile(error, 99, axis=1).max() < 0.6  # between frames it was 2.5

@@ -13,6 +13,8 @@ from neurotouch_hid.tracker.kernels.tracks import SECOND, Tracks, Tuning, aim, p
 
 BLOCK = 512  # events whose markers are found before the events move these markers
 MIN_TRUST = 0.05  # a marker that seems to be at rest still follows its events, slowly
+LEAST_HZ = 1e-3  # events of a marker; fewer are none
+LEAST_LIT = 1e-3  # of the events of a polarity that light has made, for none would be left
 NOISE_FALL_S = 0.1
 NOISE_RISE_S = 5.0  # slow, so that only a long motion of the whole gel is taken for noise
 SLOW_PX_S = 60.0  # the direction of a slower marker, and the sides of its events, are uncertain
@@ -72,7 +74,7 @@ def filter_events(
             dx, dy = e.x - px - sign * s.lead_x, e.y - py - sign * s.lead_y
             # Heavy-tailed noise: an event far from the marker is more probably noise.
             far = (dx * dx + dy * dy) * tail
-            inverse = 1.0 / (a + r_px2[i] * (1.0 + far * far))
+            inverse = 1.0 / (a + r_px2[i, np.uint64(e.p)] * (1.0 + far * far))
             k1, k2 = a * inverse, b * inverse
             s.x, s.y = px + k1 * dx, py + k1 * dy
             s.vx, s.vy = s.vx * keep + k2 * dx, s.vy * keep + k2 * dy
@@ -106,7 +108,9 @@ def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     """Updates the rates of the markers, the variance of their events and the lead of the events.
 
     A marker at rest receives noise at a certain rate. A higher rate of it and its neighbours is
-    motion. The larger the share of motion in the events, the smaller is ``r_px2``.
+    motion, but for what one polarity has more: a marker that moves brightens as many pixels as it
+    darkens, while the shadow of a hand does one of both. The larger the share of motion in the
+    events of a polarity, the smaller is ``r_px2``.
     """
     state, rate, n_new = tracks.state, tracks.rate_hz, tracks.n_new
     n, last_us = len(state), _last_check_us(tracks)
@@ -114,6 +118,7 @@ def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     share = -math.expm1(-dt / tuning.rate_s)
     for i in range(n):
         rate[i] += share * (n_new[i] / dt - rate[i])
+        state[i].excess_hz += share * (state[i].excess / dt - state[i].excess_hz)
     quiet = select(rate, n // 4)  # a quarter of the gel is usually at rest
     noise = tracks.common[0].noise_hz
     rise_s = min(NOISE_RISE_S, dt * (tracks.common[0].n_checks + 1))  # fast at first
@@ -121,16 +126,23 @@ def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     tracks.common[0].noise_hz = noise
     spread_hz = tuning.n_sigma * math.sqrt(noise / (2.0 * tuning.rate_s))
     for i in range(n):
-        total, used = rate[i], 1
+        total, excess, used = rate[i], state[i].excess_hz, 1
         for k in range(8):
             j = tracks.neighbours[i, k]
             if j >= 0:
                 total += rate[j]
+                excess += state[j].excess_hz
                 used += 1
         # The mean of several rates has a smaller spread.
-        motion = total / used - noise - spread_hz / math.sqrt(used)
-        trust = motion / (motion + noise) if motion > 0.0 else 0.0
-        tracks.r_px2[i] = tuning.r_px2 / max(trust, MIN_TRUST)
+        spread = spread_hz / math.sqrt(used)
+        total, excess = total / used, excess / used
+        light = max(abs(excess) - noise - spread, 0.0)  # noise may be of one polarity
+        motion = total - noise - spread - light
+        trust = max(motion / (motion + noise) if motion > 0.0 else 0.0, MIN_TRUST)
+        lit = trust * max((total - light) / max(total + light, LEAST_HZ), LEAST_LIT)
+        is_on = excess > 0.0
+        tracks.r_px2[i, 0] = tuning.r_px2 / (trust if is_on else lit)
+        tracks.r_px2[i, 1] = tuning.r_px2 / (lit if is_on else trust)
     _lead(t_us, dt, tracks, tuning)
     n_new[:] = 0
 

@@ -26,7 +26,8 @@ MARKER: Final = np.dtype(
         ("ahead_x", "f8"),
         ("ahead_y", "f8"),
         ("excess", "f8"),
-        ("padding", "f8", 2),
+        ("excess_hz", "f8"),
+        ("padding", "f8"),
     ]
 )
 """The filter's state of one marker, in two cache lines.
@@ -41,6 +42,7 @@ MARKER: Final = np.dtype(
 - ``ahead_x``, ``ahead_y``: over the events since the last check, the sum of how far ON events were
   ahead of where they were expected, and OFF events behind, px.
 - ``excess``: how many more of these events were ON than OFF.
+- ``excess_hz``: the recent mean of that per second.
 """
 
 COMMON: Final = np.dtype(
@@ -74,7 +76,8 @@ class Tracks(NamedTuple):
             because tracks lag a little.
         n_new: (n,) int64, number of events of each marker since the last check.
         rate_hz: (n,) float64, recent events of each marker per second.
-        r_px2: (n,) float64, present variance of an event about its marker's centre.
+        r_px2: (n, 2) float64, present variance of an OFF and of an ON event about its marker's
+            centre.
         lost: (n,) bool, True where the position is a guess.
         rest_px: (n, 2) float64, positions of the undeformed gel.
         neighbours: (n, 8) intp, -1 where there is none.
