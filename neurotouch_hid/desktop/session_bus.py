@@ -89,7 +89,11 @@ class _Teller:
         from jeepney import MatchRule  # noqa: PLC0415
 
         rule = MatchRule(
-            type="signal", sender=_BUS, interface=_BUS, member="NameOwnerChanged", path="/org/freedesktop/DBus"
+            type="signal",
+            sender=_BUS,
+            interface=_BUS,
+            member="NameOwnerChanged",
+            path="/org/freedesktop/DBus",
         )
         rule.add_arg_condition(0, self._owner)
         self._ask(_BUS, "/org/freedesktop/DBus", _BUS, "AddMatch", "s", rule.serialise())

@@ -108,4 +108,6 @@ class Toplevels:
 
 
 def _is_active(states: bytes) -> bool:
-    return _ACTIVATED in (state for (state,) in struct.iter_unpack("=I", states[: len(states) & ~3]))
+    return _ACTIVATED in (
+        state for (state,) in struct.iter_unpack("=I", states[: len(states) & ~3])
+    )

@@ -2,7 +2,6 @@
 
 import mmap
 import os
-import select
 import shutil
 import signal
 import socket
@@ -19,6 +18,7 @@ from neurotouch_hid.errors import DesktopError
 
 LIMIT_S = 60.0
 SIDE = 64
+ACTIVATED = 4  # among the states of xdg_toplevel
 
 
 class Program:
@@ -27,6 +27,9 @@ class Program:
     Args:
         environment: names the compositor.
         app_id: what the window says of its program.
+
+    Attributes:
+        active_s: when the compositor has told it that its window is active; None: not yet.
     """
 
     def __init__(self, environment: Mapping[str, str], app_id: str) -> None:
@@ -36,7 +39,10 @@ class Program:
             self.wayland.bind(registry, name, found[name][0], 1)
             for name in ("wl_compositor", "wl_shm", "xdg_wm_base")
         )
-        self.surface, pool, self.buffer, self.xdg, toplevel = (self.wayland.new() for _ in range(5))
+        self.active_s: float | None = None
+        self.surface, pool, self.buffer, self.xdg, self.toplevel = (
+            self.wayland.new() for _ in range(5)
+        )
         send = self.wayland.send
         send(compositor, 0, self.surface)
         n_bytes = 4 * SIDE * SIDE
@@ -52,9 +58,9 @@ class Program:
         os.close(memory)
         send(pool, 0, self.buffer, 0, SIDE, SIDE, 4 * SIDE, 1)
         send(self.shell, 2, self.xdg, self.surface)
-        send(self.xdg, 1, toplevel)
-        send(toplevel, 2, "a title that nobody may keep")
-        send(toplevel, 3, app_id)
+        send(self.xdg, 1, self.toplevel)
+        send(self.toplevel, 2, "a title that nobody may keep")
+        send(self.toplevel, 3, app_id)
         send(self.surface, 6)
         self.done = threading.Event()
         self.thread = threading.Thread(target=self._answer, daemon=True)
@@ -81,6 +87,10 @@ class Program:
             send(self.surface, 1, self.buffer, 0, 0)
             send(self.surface, 2, 0, 0, SIDE, SIDE)
             send(self.surface, 6)
+        elif message.sender == self.toplevel and message.opcode == 0 and self.active_s is None:
+            states = message.take_array(8)
+            if ACTIVATED in struct.unpack(f"={len(states) // 4}I", states):
+                self.active_s = time.monotonic()
         elif message.sender == self.shell:
             send(self.shell, 3, message.take_word())
 
@@ -106,10 +116,18 @@ class Compositor:
         command: the program and its options.
         environment: with ``WAYLAND_DISPLAY``, which names its socket.
         log: what it says is written there.
+        user: number of the user who runs it, and of the group; None: this one.
     """
 
-    def __init__(self, command: Sequence[str], environment: Mapping[str, str], log: Path) -> None:
+    def __init__(
+        self,
+        command: Sequence[str],
+        environment: Mapping[str, str],
+        log: Path,
+        user: int | None = None,
+    ) -> None:
         self.command, self.environment, self.log = command, dict(environment), log
+        self.user = user
         self.start()
 
     def start(self) -> None:
@@ -117,7 +135,14 @@ class Compositor:
         inner = {key: value for key, value in self.environment.items() if key != "WAYLAND_DISPLAY"}
         with self.log.open("ab") as log:
             self.process = subprocess.Popen(
-                self.command, env=inner, stdout=log, stderr=log, start_new_session=True
+                self.command,
+                env=inner,
+                stdout=log,
+                stderr=log,
+                start_new_session=True,
+                user=self.user,
+                group=self.user,
+                extra_groups=None if self.user is None else [],
             )
         wait(self._answers, lambda: self.log.read_text(errors="replace")[-3000:])
 
@@ -160,8 +185,3 @@ def find_without_rights(name: str, folder: Path) -> str | None:
     shutil.copyfile(found, copy)
     copy.chmod(0o755)
     return str(copy)
-
-
-def readable(fd: int) -> bool:
-    """Returns whether a descriptor has something to read."""
-    return bool(select.select([fd], [], [], 0.0)[0])
