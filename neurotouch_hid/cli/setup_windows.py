@@ -115,7 +115,7 @@ def _remove(files: Mapping[Path, str], is_gnome: bool) -> None:
     for path in files:
         path.unlink(missing_ok=True)
     for folder in {path.parent for path in files}:
-        with suppress(OSError):  # somebody else has put a file there
+        with suppress(OSError):  # another program has put a file there
             folder.rmdir()
 
 

@@ -15,6 +15,7 @@ from tests.desktop.programs import (
     Program,
     find_without_rights,
     session_bus,
+    skip,
     wait,
 )
 
@@ -28,7 +29,7 @@ def desktop(tmp_path, monkeypatch):
     """A KWin of this test's own; the driver's environment."""
     program = find_without_rights("kwin_wayland", tmp_path)
     if program is None or shutil.which("dbus-daemon") is None:
-        pytest.skip("KWin is not installed (Debian: apt install kwin-wayland dbus-daemon)")
+        skip("KWin is not installed (Debian: apt install kwin-wayland dbus-daemon)")
     runtime = tmp_path / "runtime"
     runtime.mkdir(mode=0o700)
     with session_bus() as address:

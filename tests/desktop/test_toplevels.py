@@ -12,7 +12,7 @@ import pytest
 from neurotouch_hid.desktop import open_window
 from neurotouch_hid.desktop.wayland import pack
 from neurotouch_hid.errors import DesktopError
-from tests.desktop.programs import Compositor, Program, find_without_rights, wait
+from tests.desktop.programs import Compositor, Program, find_without_rights, skip, wait
 
 NOBODY = 65534
 
@@ -24,7 +24,7 @@ def sway(tmp_path):
         folder = Path(name)
         program = find_without_rights("sway", folder)
         if program is None:
-            pytest.skip("sway is not installed (Debian: apt install sway)")
+            skip("sway is not installed (Debian: apt install sway)")
         (folder / "config").touch()
         environment = {
             **{key: os.environ[key] for key in ("PATH", "LANG") if key in os.environ},
