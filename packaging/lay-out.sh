@@ -16,6 +16,7 @@ pip() {
         --root-user-action=ignore --quiet --target "$library" "$@"
 }
 pip --require-hashes --find-links "$wheelhouse" -r packaging/requirements.lock
+rm -rf "$library/bin"
 pip --find-links "$(dirname "$wheel")" "neurotouch-hid==$(basename "$wheel" | cut -d- -f2)"
 rm -rf "$library/bin" "$library/share"
 find "$library" -type d \( -name tests -o -name sample_data \) -prune -exec rm -rf {} +
