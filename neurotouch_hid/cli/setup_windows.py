@@ -1,6 +1,7 @@
 """``neurotouch setup --windows``: lets KDE and GNOME tell which program is in front."""
 
 import ast
+import importlib.util
 import os
 import shutil
 import subprocess
@@ -60,6 +61,8 @@ def change_windows(dry_run: bool, uninstall: bool, yes: bool) -> None:
         echo("Done. Log out and in again, then start the driver: GNOME loads it then.")
     else:
         echo("Done. Start the driver again: it uses it from then on.")
+    if not uninstall and importlib.util.find_spec("jeepney") is None:
+        echo("The driver needs one more library: pip install 'neurotouch-hid[desktop]'")
 
 
 def _list_files(environment: Mapping[str, str]) -> dict[Path, str]:

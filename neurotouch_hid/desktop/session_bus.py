@@ -204,11 +204,19 @@ class GnomeShell(_Teller):
             self._follow_owner()
             rule = MatchRule(type="signal", sender=_SHELL, interface=WINDOWS_INTERFACE)
             self._ask(_BUS, "/org/freedesktop/DBus", _BUS, "AddMatch", "s", rule.serialise())
-            answer = self._ask(_SHELL, WINDOWS_PATH, WINDOWS_INTERFACE, "GetNames")
-            self._names = _read_names(answer)
+            self._names = self._ask_names()
         except BaseException:
             self.close()
             raise
+
+    def _ask_names(self) -> tuple[str, ...]:
+        try:
+            return _read_names(self._ask(_SHELL, WINDOWS_PATH, WINDOWS_INTERFACE, "GetNames"))
+        except DesktopError:
+            raise DesktopError(
+                "GNOME does not run the extension that tells the active window.",
+                hint="Log out and in again after installing it, or switch it on in 'Extensions'.",
+            ) from None
 
 
 def _connect(desktop: str) -> "DBusConnection":

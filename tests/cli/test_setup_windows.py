@@ -132,3 +132,9 @@ def test_missing_program_of_gnome_is_named(home):
     said = run("GNOME", "--yes")
     assert isinstance(said.exception, NeuroTouchError)
     assert "gsettings" in said.exception.message
+
+
+def test_missing_library_is_named(home, monkeypatch):
+    assert "pip install" not in run("KDE", "--yes").output
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    assert "pip install 'neurotouch-hid[desktop]'" in run("KDE", "--yes").output

@@ -134,3 +134,21 @@ def test_extension_is_switched_off_and_gone_after_uninstalling(shell, tmp_path):
         check=True,
     )
     assert said.stdout.strip() == "@as []"
+
+
+def test_extension_that_does_not_run_yet_is_explained(shell):
+    """As between installing it and the next login."""
+    subprocess.run(
+        ["gsettings", "reset", "org.gnome.shell", "enabled-extensions"],
+        env=shell.environment,
+        check=True,
+    )
+
+    def tell() -> str:
+        try:
+            open_window(shell.environment).close()
+        except DesktopError as error:
+            return f"{error.message} {error.hint}"
+        return ""
+
+    wait(lambda: "Log out" in tell(), tell)
