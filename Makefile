@@ -13,7 +13,7 @@ WHEELHOUSE := .cache/wheelhouse
 EPOCH := $(shell git log -1 --format=%ct 2>/dev/null || echo 315532800)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint kernel docs pictures fuzz mutants soak room bench dist deb lock try-package system-test clean
+.PHONY: help demo test lint kernel docs pictures fuzz mutants soak room bench dist deb sysext lock try-package system-test clean
 
 help: ## list the tasks
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -74,6 +74,10 @@ try-package: $(VENV)/.dev ## install the newest package of dist/ in a copy of th
 
 system-test: $(VENV)/.dev ## the newest package of dist/ in a whole Debian: install, plug, play, purge (needs root; CHAPTERS="install purge" for a part, MACHINE=container for the short form)
 	NEUROTOUCH_SYSTEM_TEST=1 NEUROTOUCH_CHAPTERS="$(CHAPTERS)" NEUROTOUCH_MACHINE="$(MACHINE)" $(BIN)/pytest -n 0 --timeout 0 tests/system
+
+sysext: $(VENV)/.dev $(WHEELHOUSE)/.complete ## build the image for systems with a read-only /usr, into dist/ (needs squashfs-tools)
+	SOURCE_DATE_EPOCH=$(EPOCH) $(BIN)/python -m build --no-isolation --wheel
+	SOURCE_DATE_EPOCH=$(EPOCH) PYTHON=/usr/bin/python3 packaging/sysext/build.sh "$$(ls -t dist/*.whl | head -n 1)" $(WHEELHOUSE) dist
 
 lock: $(VENV)/.dev ## write which libraries the package carries, by hash
 	$(BIN)/uv pip compile --no-config --generate-hashes --universal --python-version 3.11 --quiet \

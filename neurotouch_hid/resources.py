@@ -5,12 +5,13 @@ from typing import Final, Literal
 
 PACKAGE_FOLDER: Final = Path(__file__).parent
 
-Resource = Literal["profiles", "udev", "modules-load.d"]
+Resource = Literal["profiles", "udev", "modules-load.d", "windows"]
 
 _IN_CHECKOUT: Final[dict[Resource, str]] = {
     "profiles": "profiles",
     "udev": "udev",
     "modules-load.d": "packaging/modules-load.d",
+    "windows": "packaging/windows",
 }
 
 

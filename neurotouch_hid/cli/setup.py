@@ -11,6 +11,7 @@ from typing import Final
 
 import click
 
+from neurotouch_hid.cli.setup_windows import change_windows, list_installed
 from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.doctor.rights import UDEV, has_service
 from neurotouch_hid.errors import NeuroTouchError
@@ -31,17 +32,27 @@ _MEANING: Final = {
     epilog="\b\nExamples:\n"
     "  neurotouch setup --dry-run        only show the changes\n"
     "  neurotouch setup                  show them, ask, make them (with sudo or pkexec)\n"
-    "  neurotouch setup --uninstall      remove everything again\n\n"
+    "  neurotouch setup --uninstall      remove everything again\n"
+    "  neurotouch setup --windows        let KDE or GNOME say which program is in front\n\n"
     "Exit codes: 0 done, 1 not done."
 )
 @click.option("--dry-run", is_flag=True, help="Only show the changes.")
 @click.option("--uninstall", is_flag=True, help="Remove the files that setup has installed.")
 @click.option("--yes", is_flag=True, help="Do not ask.")
-def command(dry_run: bool, uninstall: bool, yes: bool) -> None:
+@click.option(
+    "--windows",
+    is_flag=True,
+    help="Only for profiles of applications: install or remove what KDE and GNOME need under "
+    "Wayland.",
+)
+def command(dry_run: bool, uninstall: bool, yes: bool, windows: bool) -> None:
     """Install the rules that camera and pad need, for people who installed with pip.
 
     The Debian package does all this itself, with fewer rights: only its service gets them.
     """
+    if windows:
+        change_windows(dry_run, uninstall, yes)
+        return
     if has_service() and not uninstall:
         raise NeuroTouchError(
             "The Debian package is installed, and its service has all the rights it needs.",
@@ -50,6 +61,8 @@ def command(dry_run: bool, uninstall: bool, yes: bool) -> None:
     files = _list_files()
     if uninstall:
         files = {source: target for source, target in files.items() if target.exists()}
+        if list_installed(os.environ):
+            echo("What the desktop got stays. Remove it: neurotouch setup --windows --uninstall")
         if not files:
             echo("Setup has installed nothing here, so there is nothing to remove.")
             return

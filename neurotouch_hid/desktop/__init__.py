@@ -1,6 +1,14 @@
 """Gives each application a profile of its own, where the desktop says which one is active."""
 
 from neurotouch_hid.desktop.follower import Follower
+from neurotouch_hid.desktop.session_bus import GNOME_UUID, find_gnome_extension, find_kwin_script
 from neurotouch_hid.desktop.window import ActiveWindow, open_window
 
-__all__ = ["ActiveWindow", "Follower", "open_window"]
+__all__ = [
+    "GNOME_UUID",
+    "ActiveWindow",
+    "Follower",
+    "find_gnome_extension",
+    "find_kwin_script",
+    "open_window",
+]

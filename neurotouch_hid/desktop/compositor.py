@@ -25,6 +25,7 @@ class Sway:
     """
 
     desktop = "sway"
+    fd: int | None = None
 
     def __init__(self, path: str) -> None:
         self._path = path
@@ -54,6 +55,7 @@ class Hyprland:
     """
 
     desktop = "Hyprland"
+    fd: int | None = None
 
     def __init__(self, runtime: str, signature: str) -> None:
         self._path = str(Path(runtime) / "hypr" / signature / ".socket.sock")

@@ -1,5 +1,6 @@
 """Gives each application the profile that the person has chosen for it."""
 
+import select
 import threading
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -9,7 +10,15 @@ from neurotouch_hid.desktop.window import ActiveWindow
 from neurotouch_hid.errors import DesktopError
 from neurotouch_hid.printable import make_printable
 
-POLL_S: Final = 0.5
+POLL_S: Final = 0.2
+"""Interval of asking a desktop that does not tell by itself: a change counts within 0.3 s."""
+
+TOLD_S: Final = 0.5
+"""The longest wait for a desktop that tells; the driver may end meanwhile."""
+
+SETTLE_S: Final = 0.05
+"""Between two windows some desktops tell of none for a moment. That must not release the pad."""
+
 AGAIN_S: Final = 5.0
 """Interval at which a desktop that does not answer is asked again: it may still be starting."""
 
@@ -80,4 +89,11 @@ class Follower:
             if wanted != self._wanted:
                 self._wanted = wanted
                 self._follow(wanted)
+            self._wait(window)
+
+    def _wait(self, window: ActiveWindow) -> None:
+        """Returns when another window may be active."""
+        if window.fd is None:
             self._done.wait(POLL_S)
+        elif select.select([window.fd], [], [], TOLD_S)[0]:
+            self._done.wait(SETTLE_S)

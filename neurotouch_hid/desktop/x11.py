@@ -18,6 +18,8 @@ class XServer:
         DesktopError: the server cannot be reached, or the library for it is missing.
     """
 
+    fd: int | None = None
+
     def __init__(self, display: str, desktop: str) -> None:
         try:
             import xcffib  # noqa: PLC0415 - an optional extra

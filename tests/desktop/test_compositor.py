@@ -125,9 +125,18 @@ def test_compositor_that_is_gone_is_an_error(tmp_path):
         names({"SWAYSOCK": str(tmp_path / "sway")})
 
 
-def test_gnome_and_kde_under_wayland_say_that_they_do_not_tell():
-    with pytest.raises(DesktopError, match="GNOME does not tell programs") as caught:
-        open_window({"WAYLAND_DISPLAY": "wayland-0", "XDG_CURRENT_DESKTOP": "GNOME"})
+@pytest.mark.parametrize("desktop", ["GNOME", "ubuntu:GNOME", "KDE"])
+def test_gnome_and_kde_under_wayland_say_how_to_make_them_tell(tmp_path, desktop):
+    environment = {"WAYLAND_DISPLAY": "w", "XDG_CURRENT_DESKTOP": desktop, "HOME": str(tmp_path)}
+    with pytest.raises(DesktopError, match=f"{desktop} does not tell programs") as caught:
+        open_window(environment)
+    assert "setup --windows" in caught.value.hint
+
+
+def test_other_wayland_desktop_says_that_it_does_not_tell(tmp_path):
+    environment = {"WAYLAND_DISPLAY": "w", "XDG_RUNTIME_DIR": str(tmp_path)}
+    with pytest.raises(DesktopError, match="This desktop does not tell programs") as caught:
+        open_window(environment)
     assert "profile use" in caught.value.hint
 
 

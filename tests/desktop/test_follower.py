@@ -13,6 +13,7 @@ class Desktop:
     """A desktop of the test's making: ``front`` is the active window, or what goes wrong."""
 
     desktop = "Test"
+    fd: int | None = None
 
     def __init__(self) -> None:
         self.front: tuple[str, ...] | DesktopError = ()
