@@ -106,7 +106,7 @@ Coordinate = Annotated[float, Field(ge=0.0, le=8192.0, allow_inf_nan=False)]
 
 
 class StrobeSettings(Strict):
-    """How the LED ring of an event camera is switched."""
+    """The LED ring of an event camera, which goes off at regular times."""
 
     hz: Annotated[float, Field(ge=5.0, le=50.0, allow_inf_nan=False)] = Field(
         default=StrobeConfig().hz,

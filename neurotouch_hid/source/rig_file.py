@@ -6,7 +6,7 @@
     px_per_mm: 2.5              # together with centre_px
     rotation_deg: 0.0           # turn of the marker lattice, clockwise; needs the two above
     mirrored: false             # the camera saw the gel mirrored; the source mirrors it back
-    strobe: {hz: 20, dark_us: 1500}  # the LED ring went off so often, for so long
+    strobe: {hz: 20, dark_us: 1500}  # the LED ring went off at regular times
 
 Of a sensor of another size than 346 x 260 px, place and scale are in that sensor's own picture.
 """

@@ -24,7 +24,7 @@ def add_answers(
         events: (m,) EVENT_DTYPE around the dip.
         off_us: when the light went off.
         on_us: when it came back.
-        answer_us: for so long after that, events are an answer.
+        answer_us: for this time after that, events are an answer.
         level: (260, 346) float32, larger where it is brighter; updated.
     """
     for k in range(len(events)):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class StrobeConfig:
-    """How the LED ring of an event camera is switched.
+    """An LED ring that goes off at regular times.
 
     Attributes:
         hz: how often a second it goes off.
