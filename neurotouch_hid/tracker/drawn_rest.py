@@ -51,7 +51,8 @@ class DrawnRest:
             self._learn_full(rest_px)
         self._net[:] = self._low[:] = 0.0
         sigma_px = SIGMA * self._gel.dot_mm * fit_rig(rest_px, self._gel).px_per_mm
-        kernels.draw_rest(rest_px, sigma_px, RATIO, math.log1p(RATIO) / self._full, self._rest)
+        kernels.draw_rest(rest_px, sigma_px, RATIO, math.log1p(RATIO) / self._full, self._now)
+        kernels.smooth(self._now, self._rest)  # as the events are, or dots seem nearer to rest
         self._next_us, self.is_on = t_us + _PERIOD_US, True
 
     def end(self) -> None:
