@@ -52,7 +52,8 @@ class DrawnRest:
         self._net[:] = self._low[:] = 0.0
         sigma_px = SIGMA * self._gel.dot_mm * fit_rig(rest_px, self._gel).px_per_mm
         kernels.draw_rest(rest_px, sigma_px, RATIO, math.log1p(RATIO) / self._full, self._now)
-        kernels.smooth(self._now, self._rest)  # as the events are, or dots seem nearer to rest
+        kernels.smooth(self._now, self._rest)  # as wide as what events draw, and as deep
+        self._rest *= self._full / self._rest.max()
         self._next_us, self.is_on = t_us + _PERIOD_US, True
 
     def end(self) -> None:
