@@ -15,6 +15,7 @@ from neurotouch_hid.source.camera_config import CameraConfig
 from neurotouch_hid.source.davis.config import Biases, DavisConfig
 from neurotouch_hid.source.davis.registers import CoarseFine
 from neurotouch_hid.source.events.config import EventsConfig
+from neurotouch_hid.source.strobe.config import StrobeConfig
 from neurotouch_hid.source.video.config import VideoConfig
 
 FILE: Final = "camera.yaml"
@@ -104,6 +105,21 @@ ModelKey = Literal[
 Coordinate = Annotated[float, Field(ge=0.0, le=8192.0, allow_inf_nan=False)]
 
 
+class StrobeSettings(Strict):
+    """The LED ring of an event camera, which goes off at regular times."""
+
+    hz: Annotated[float, Field(ge=5.0, le=50.0, allow_inf_nan=False)] = Field(
+        default=StrobeConfig().hz,
+        description="How often it goes off. Default: 20.",
+        json_schema_extra=give_unit("Hz"),
+    )
+    dark_us: Annotated[int, Field(ge=500, le=5_000)] = Field(
+        default=StrobeConfig().dark_us,
+        description="For how long. Default: 1500.",
+        json_schema_extra=give_unit("us"),
+    )
+
+
 class EventsSettings(Strict):
     """An event camera that is opened with 'events:'."""
 
@@ -125,6 +141,11 @@ class EventsSettings(Strict):
         default={},
         description="By model, then by the maker's name: prophesee_evk4: {diff_on: 20}. "
         "Default: the library's.",
+    )
+    strobe: StrobeSettings | None = Field(
+        default=None,
+        description="The LED ring goes off at regular times; see the circuit under Hardware. "
+        "Default: it stays on.",
     )
 
 
@@ -200,13 +221,14 @@ class CameraSettings(Strict):
             biases=Biases(**biases),
         )
         video = VideoConfig(**self.video.model_dump(), mirrored=self.mirrored)
-        centre = self.events.centre_px
+        centre, strobe = self.events.centre_px, self.events.strobe
         events = EventsConfig(
             px_per_mm=self.events.px_per_mm,
             centre_px=None if centre is None else (centre[0], centre[1]),
             max_events_per_s=self.events.max_events_per_s,
             biases={str(model): values for model, values in self.events.biases.items()},
             mirrored=self.mirrored,
+            strobe=None if strobe is None else StrobeConfig(strobe.hz, strobe.dark_us),
         )
         return CameraConfig(davis, video, events)
 

@@ -138,8 +138,13 @@ def _open(
     scene = replace(scene, endless=repeats or scene.endless)
     config = scene_config(name).show(gel)
     simulator = Simulator(scene, config, nuisances=nuisances, seed=seed, slice_us=slice_us)
-    if "uvc" not in nuisances:
+    if "uvc" not in nuisances and "strobe" not in nuisances:
         return simulator
+    if "uvc" not in nuisances:
+        from neurotouch_hid.source.strobe.config import StrobeConfig  # noqa: PLC0415
+        from neurotouch_hid.source.strobe.source import StrobedSource  # noqa: PLC0415
+
+        return StrobedSource(simulator, StrobeConfig(dark_us=round(1e3 * nuisances["strobe"])))
     from neurotouch_hid.source.video.simulated import SimulatedVideo  # noqa: PLC0415
 
     return SimulatedVideo(simulator, finder, slice_us)

@@ -13,6 +13,7 @@ from neurotouch_hid.recording import DAVIS346, Batch, Recording
 from neurotouch_hid.source.rig_file import RigFile, load_rig_file, rig_path
 from neurotouch_hid.source.sensor_map import SensorMap
 from neurotouch_hid.source.slicer import slice_recording
+from neurotouch_hid.source.strobe.decoder import Strobe
 from neurotouch_hid.source.video.view_search import find_scale
 from neurotouch_hid.source.view import View, whole_view
 
@@ -50,11 +51,12 @@ class Replay(Closing):
         known = load_rig_file(beside, size_px) if beside.exists() else RigFile()
         self.view = None if size_px == DAVIS346.size_px else _find_view(size_px, known, gel)
         self.rig = known.rig if self.view is None else None
-        self._mirrored = known.mirrored
+        self._mirrored, self._strobe = known.mirrored, known.strobe
         self._slice_us = slice_us
 
     def __iter__(self) -> Iterator[EventPacket]:
-        return slice_recording(self._batches(), self._slice_us)
+        slices = slice_recording(self._batches(), self._slice_us)
+        return slices if self._strobe is None else map(Strobe(self._strobe).take, slices)
 
     def close(self) -> None:
         """Does nothing: nothing stays open between two iterations."""

@@ -6,6 +6,7 @@
     px_per_mm: 2.5              # together with centre_px
     rotation_deg: 0.0           # turn of the marker lattice, clockwise; needs the two above
     mirrored: false             # the camera saw the gel mirrored; the source mirrors it back
+    strobe: {hz: 20, dark_us: 1500}  # the LED ring went off at regular times
 
 Of a sensor of another size than 346 x 260 px, place and scale are in that sensor's own picture.
 """
@@ -23,8 +24,10 @@ from neurotouch_hid.files.yaml_document import Node, parse_document
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.printable import make_printable
+from neurotouch_hid.source.strobe.config import StrobeConfig
 
-KEYS = ("centre_px", "px_per_mm", "rotation_deg", "mirrored")
+KEYS = ("centre_px", "px_per_mm", "rotation_deg", "mirrored", "strobe")
+STROBE_LIMITS = {"hz": (5.0, 50.0), "dark_us": (500.0, 5_000.0)}
 SCALE_LIMITS = (0.5, 10.0)  # px/mm: the gel 30 px wide, or only 26 mm of it in the picture
 _CONTENT = re.compile(r"^\s*[^\s#]", re.MULTILINE)
 """A line that is more than a comment."""
@@ -37,10 +40,12 @@ class RigFile:
     Attributes:
         rig: the override, or None where the file leaves it to the resting frame.
         mirrored: events and frames have to be flipped left to right.
+        strobe: how the LED ring was switched; None if it stayed on.
     """
 
     rig: Rig | None = None
     mirrored: bool = False
+    strobe: StrobeConfig | None = None
 
 
 def rig_path(recording: Path | str) -> Path:
@@ -78,6 +83,11 @@ def load_rig_file(
     return _Reader(path, document, size_px).read()
 
 
+def describe_strobe(strobe: StrobeConfig) -> str:
+    """Returns the line of a rig file that says how the LED ring was switched."""
+    return f"strobe: {{hz: {strobe.hz:g}, dark_us: {strobe.dark_us}}}"
+
+
 class _Reader:
     """Takes the values out of the document and knows the place of each."""
 
@@ -99,17 +109,30 @@ class _Reader:
         most *= max(1.0, self._size_px[0] / SENSOR_WIDTH_PX)
         centre, scale = self._centre(), self._number("px_per_mm", least, most)
         rotation_deg = self._number("rotation_deg", -360, 360)
+        strobe = self._strobe()
         if centre is None and scale is None and rotation_deg is None:
-            return RigFile(None, mirrored)
+            return RigFile(None, mirrored, strobe)
         if centre is None or scale is None:
             missing = "centre_px" if centre is None else "px_per_mm"
-            given = next(key for key in self._values if key != "mirrored")
+            given = next(key for key in self._values if key not in ("mirrored", "strobe"))
             place = _format_place(self._path, self._document.keys[given])
             raise RecordingError(
                 f"{place}: {given} needs {missing} beside it.",
                 hint="Give both, or leave the rig to be found from the resting frame.",
             )
-        return RigFile(Rig(centre, scale, math.radians(rotation_deg or 0.0), mirrored), mirrored)
+        rig = Rig(centre, scale, math.radians(rotation_deg or 0.0), mirrored)
+        return RigFile(rig, mirrored, strobe)
+
+    def _strobe(self) -> StrobeConfig | None:
+        if "strobe" not in self._values:
+            return None
+        value = self._values["strobe"]
+        if not isinstance(value, dict) or set(value) != set(STROBE_LIMITS):
+            raise self._error("strobe", "{hz: 20, dark_us: 1500}, or other numbers")
+        for key, (least, most) in STROBE_LIMITS.items():
+            if not _is_number(value[key]) or not least <= value[key] <= most:
+                raise self._error("strobe", f"{key} from {least:g} to {most:g}")
+        return StrobeConfig(float(value["hz"]), int(value["dark_us"]))
 
     def _centre(self) -> tuple[float, float] | None:
         if "centre_px" not in self._values:

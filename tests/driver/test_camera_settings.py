@@ -12,6 +12,7 @@ from neurotouch_hid.source.camera_config import CameraConfig
 from neurotouch_hid.source.davis import Biases, DavisConfig
 from neurotouch_hid.source.davis.registers import CoarseFine
 from neurotouch_hid.source.events.config import EventsConfig
+from neurotouch_hid.source.strobe.config import StrobeConfig
 from neurotouch_hid.source.video.config import VideoConfig
 
 
@@ -84,12 +85,17 @@ def test_every_key_of_another_event_camera_reaches_the_driver(file):
     file.write_text(
         "version: 1\nmirrored: true\nevents:\n  px_per_mm: 8.0\n  centre_px: [640, 360.5]\n"
         "  max_events_per_s: 5000000\n  biases:\n    prophesee_evk4: {diff_on: 20, diff_off: -5}\n"
-        "    inivation_dvxplorer:\n      on: 9\n"
+        "    inivation_dvxplorer:\n      on: 9\n  strobe: {hz: 25, dark_us: 1000}\n"
     )
     biases = {"prophesee_evk4": {"diff_on": 20, "diff_off": -5}, "inivation_dvxplorer": {"on": 9}}
     assert load_camera_config().events == EventsConfig(
-        8.0, (640.0, 360.5), 5_000_000, biases, mirrored=True
+        8.0, (640.0, 360.5), 5_000_000, biases, mirrored=True, strobe=StrobeConfig(25.0, 1_000)
     )
+
+
+def test_a_strobe_without_values_is_the_usual_one(file):
+    file.write_text("version: 1\nevents:\n  strobe: {}\n")
+    assert load_camera_config().events.strobe == StrobeConfig(20.0, 1_500)
 
 
 @pytest.mark.parametrize(
@@ -97,6 +103,8 @@ def test_every_key_of_another_event_camera_reaches_the_driver(file):
     [
         ("events:\n  px_per_mm: 0.1", ":2:14"),
         ("events:\n  centre_px: [1]", ":2:3"),
+        ("events:\n  strobe: {hz: 60}", ":2:16"),
+        ("events:\n  strobe: {dark_us: 100}", ":2:21"),
         ("events:\n  biases:\n    evk4: {diff_on: 1}", ":3:5"),
         ("events:\n  biases:\n    prophesee_evk4: {diff_on: 100000}", ":3:31"),
     ],

@@ -8,6 +8,7 @@ import pytest
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.source.rig_file import RigFile, load_rig_file, rig_path
+from neurotouch_hid.source.strobe.config import StrobeConfig
 
 
 def load(tmp_path, text):
@@ -22,6 +23,7 @@ def load(tmp_path, text):
         ("", RigFile()),
         ("# nothing known\n", RigFile()),
         ("mirrored: true\n", RigFile(None, mirrored=True)),
+        ("strobe: {hz: 25, dark_us: 1000}\n", RigFile(strobe=StrobeConfig(25.0, 1_000))),
         ("centre_px: [170, 131.5]\npx_per_mm: 2.4\n", RigFile(Rig((170.0, 131.5), 2.4))),
         (
             "centre_px: [170, 131.5]\npx_per_mm: 3\nrotation_deg: 90\nmirrored: true\n",
@@ -46,6 +48,8 @@ def test_good_files(tmp_path, text, expected):
         ("px_per_mm: 2.5\ncentre_px: [1, 260]\n", "within 346×260 pixels, found [1, 260]"),
         ("px_per_mm: .nan\n", ":1:12: px_per_mm: expected a number from 0.5 to 10, found nan"),
         ("px_per_mm: true\n", "found True"),
+        ("strobe: 20\n", ":1:9: strobe: expected {hz: 20, dark_us: 1500}, or other numbers"),
+        ("strobe: {hz: 60, dark_us: 1500}\n", ":1:9: strobe: expected hz from 5 to 50"),
         ("- 1\n", ":1:1: expected keys with values"),
         ("centre_px: [1, 2\n", ":2:1: "),
         ("mirrored: true\nmirrored: false\n", ":2:1: "),

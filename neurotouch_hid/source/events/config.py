@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from neurotouch_hid.source.strobe.config import StrobeConfig
+
 
 @dataclass(frozen=True, slots=True)
 class EventsConfig:
@@ -14,6 +16,7 @@ class EventsConfig:
         max_events_per_s: more are dropped in the camera, where it can; 0 for no limit.
         biases: values by model, then by the maker's name of a bias; of others the library's stay.
         mirrored: the camera sees the gel mirrored; the source mirrors it back.
+        strobe: how the LED ring is switched; None if it stays on.
     """
 
     px_per_mm: float | None = None
@@ -21,3 +24,4 @@ class EventsConfig:
     max_events_per_s: int = 20_000_000
     biases: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
     mirrored: bool = False
+    strobe: StrobeConfig | None = None

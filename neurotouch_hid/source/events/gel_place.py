@@ -11,6 +11,7 @@ from neurotouch_hid.geometry import Gel
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.source.events.config import EventsConfig
 from neurotouch_hid.source.events.models import Model, Region
+from neurotouch_hid.source.rig_file import describe_strobe
 from neurotouch_hid.source.video.view_search import find_scale
 from neurotouch_hid.source.view import View, whole_view
 
@@ -35,6 +36,8 @@ def describe_place(config: EventsConfig) -> bytes:
     if config.px_per_mm is not None and config.centre_px is not None:
         lines += [f"centre_px: [{config.centre_px[0]:g}, {config.centre_px[1]:g}]"]
         lines += [f"px_per_mm: {config.px_per_mm:g}"]
+    if config.strobe is not None:
+        lines += [describe_strobe(config.strobe)]
     return "".join(f"{line}\n" for line in lines).encode()
 
 

@@ -24,6 +24,7 @@ from neurotouch_hid.source.events.library import Device, Library, Status, load_l
 from neurotouch_hid.source.events.models import make_configuration, make_ring
 from neurotouch_hid.source.events.reader import ClockJumpError, PacketReader
 from neurotouch_hid.source.idle import IdleMerger
+from neurotouch_hid.source.strobe.decoder import Strobe
 from neurotouch_hid.source.view import View
 
 SILENCE_S: Final = 2.0
@@ -103,6 +104,8 @@ class EventCameraSource(CameraSource):
         self._slice_us, self._max_delay_s = slice_us, 1e-6 * max_delay_us
         self._clock_s = clock_s
         self._merger = IdleMerger()
+        strobe = self._config.strobe
+        self._strobe = None if strobe is None else Strobe(strobe)
         self._info: EventCameraInfo | None = None
         self._list_plugged = plugged
         self._plugged: frozenset[str] = frozenset()
@@ -289,6 +292,8 @@ class EventCameraSource(CameraSource):
             )
 
     def _hand_over(self, packet: EventPacket) -> None:
+        if self._strobe is not None and not self._keeps_size:
+            packet = self._strobe.take(packet)
         for whole in self._merger.take(packet):
             self._queue.put(whole)
         self._note_progress(packet.t_end_us)

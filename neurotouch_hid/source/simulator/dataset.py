@@ -21,9 +21,11 @@ from neurotouch_hid.recording import (
     RecordingWriter,
     Simulation,
     labels_path,
+    write_beside,
     write_gel,
     write_labels,
 )
+from neurotouch_hid.source.rig_file import describe_strobe, rig_path
 from neurotouch_hid.source.simulator.gel import Elasticity
 from neurotouch_hid.source.simulator.script import PRESS_US, Script, Stroke
 from neurotouch_hid.source.simulator.simulated_people import (
@@ -33,6 +35,7 @@ from neurotouch_hid.source.simulator.simulated_people import (
 )
 from neurotouch_hid.source.simulator.simulator import Simulator
 from neurotouch_hid.source.simulator.uvc import enlarge, enlarge_points
+from neurotouch_hid.source.strobe.config import StrobeConfig
 
 KINDS = tuple(GestureKind)[1:]
 MODEL = 1  # raised when the simulator changes, so that old files are written again
@@ -230,6 +233,10 @@ def _record(recipe: Recipe, path: Path, command: str, gel: Gel, gel_file: bytes)
         for t_us in write(simulator, path, mark):
             yield min(t_us / recipe.duration_us, 0.999)
         write_gel(path, gel_file)
+        dark_ms = recipe.nuisances.get("strobe")
+        if dark_ms is not None:
+            strobe = StrobeConfig(dark_us=round(1e3 * dark_ms))
+            write_beside(rig_path(path), f"{describe_strobe(strobe)}\n".encode())
 
 
 def _write_recording(simulator: Simulator, path: Path, mark: Simulation) -> Iterator[int]:

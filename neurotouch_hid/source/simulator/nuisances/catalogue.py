@@ -90,6 +90,7 @@ _TABLE: Final = (
     Nuisance("pwm-leak", "light", 6.0, "%", 0.0, 100.0, light.pwm_leak),
     Nuisance("mains", "light", 40.0, "%", 0.0, 200.0, light.mains),
     Nuisance("mains-leak", "light", 15.0, "%", 0.0, 100.0, light.mains_leak),
+    Nuisance("strobe", "light", 1.5, "ms", 0.5, 5.0, light.strobe),
     Nuisance("lamp", "light", 30.0, "%", -90.0, 300.0, light.lamp),
     Nuisance("lamp-leak", "light", 15.0, "%", 0.0, 100.0, light.lamp_leak),
     Nuisance("sun", "light", 30.0, "%", 0.0, 100.0, light.sun),

@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.source.simulator.knot import Knot
+from neurotouch_hid.source.simulator.nuisances.stream import frames
 from neurotouch_hid.source.simulator.setup import Lamp, Setup
+from neurotouch_hid.source.strobe.config import StrobeConfig
 
 Floats = NDArray[np.float64]
 Wave = Callable[[Floats], Floats]
@@ -48,6 +50,20 @@ def pwm_fast(setup: Setup, percent: float) -> Setup:
 def pwm_leak(setup: Setup, percent: float) -> Setup:
     """Sends light of an LED lamp through the gel, ``percent`` % of a white dot, at 200 Hz."""
     return setup.plus(lamps=_leak(_square(200.0), 0.01 * percent))
+
+
+def strobe(setup: Setup, ms: float) -> Setup:
+    """Switches the LED ring off for ``ms`` ms, 20 times a second; the camera sends no frames."""
+
+    def dark_us(t_us: Floats) -> Floats:
+        periods, rest_us = np.divmod(t_us, 1e6 / StrobeConfig().hz)
+        return np.asarray(1e3 * ms * periods + np.clip(rest_us, 0.0, 1e3 * ms))
+
+    def light(t_us: Floats) -> tuple[Floats, Floats]:
+        dark = (dark_us(t_us) - dark_us(t_us - TICK_US)) / TICK_US
+        return 1.0 - dark, np.zeros(len(t_us))
+
+    return frames(setup.plus(lamps=light), 0.0)
 
 
 def lamp(setup: Setup, percent: float) -> Setup:
