@@ -4,8 +4,6 @@
 """
 
 import json
-import os
-import tempfile
 import time
 from collections.abc import Mapping
 from contextlib import suppress
@@ -13,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from neurotouch_hid.errors import DesktopError
+from neurotouch_hid.partial_file import write_whole
 
 if TYPE_CHECKING:
     from jeepney.io.blocking import DBusConnection
@@ -169,10 +168,9 @@ class KWin(_Teller):
         self._plugin = "neurotouch-hid" + listener.replace(":", "-").replace(".", "-")
         try:
             text = script.read_text(encoding="utf-8")
-            number, path = tempfile.mkstemp(".js", f"{self._plugin}-", runtime)
-            self._copy = Path(path)
-            with os.fdopen(number, "w", encoding="utf-8") as copy:
-                copy.write(f"const LISTENER = {json.dumps(listener)};\n{text}")
+            copy = runtime / f"{self._plugin}.js"
+            write_whole(copy, f"const LISTENER = {json.dumps(listener)};\n{text}".encode())
+            self._copy = copy
         except OSError as error:
             raise DesktopError(f"The script for KWin cannot be read: {error}.") from None
         self._script("loadScript", "ss", str(self._copy), self._plugin)
