@@ -19,7 +19,7 @@ from neurotouch_hid.tracker.lattice import LatticeFinder
 from neurotouch_hid.tracker.smooth_map import assign, fit_model
 
 _PERIOD_US = 40_000  # from one picture to the next
-FADE_US = 2_000_000.0  # time constant with which noise fades while the gel is at rest
+_FADE_US = 2_000_000.0  # time constant with which noise fades while the gel is at rest
 _NOISE = 5.0  # times the noise: a pixel has changed
 _LEAST_NOISE = 0.3  # events
 _LEAST_CHANGED = 150  # pixels that a touch changes
@@ -30,11 +30,11 @@ _STUCK_US = 1_500_000  # a hand was on the gel at first if nothing moves for as 
 _GREY = 2.5  # grey levels of a deviation of the noise in the picture of dark spots
 _REMEMBER = 0.9  # of older dark spots, which complete the lattice
 _GATE = 0.42  # of the pitch, from a marker to its spot
-RATIO = 10.0  # how much brighter than the gel a marker is drawn
-SIGMA = 0.45  # of a marker, in diameters
+_RATIO = 10.0  # how much brighter than the gel a marker is drawn
+_SIGMA = 0.45  # of a marker, in diameters
 _FULL = 0.8  # of the depth of the spot of a marker that has left it
 _FAINT = 0.15  # of it; less may be noise
-FULL_SHARE = 97  # percentile of the depths that is certainly full
+_FULL_SHARE = 97  # percentile of the depths that is certainly full
 _SPOT_GATE = (
     0.6  # of the pitch, from the dark to the bright spot of a marker that has moved a little
 )
@@ -124,7 +124,7 @@ class EventCamera:
             self._most_changed = changed
             self._most[:] = self._now
         if self._most_changed < _LEAST_CHANGED:
-            self._fade(math.exp(-_PERIOD_US / FADE_US))
+            self._fade(math.exp(-_PERIOD_US / _FADE_US))
             return
         is_still = moving <= _MOVING_SHARE * self._most_changed
         self._still_us = self._still_us + _PERIOD_US if is_still else 0
@@ -165,9 +165,9 @@ class EventCamera:
         seen &= own_px <= _MAX_OWN * self._gel.pitch_mm * spots.px_per_mm
         share = np.where(seen, self._weight / (self._weight + _MODEL_WEIGHT), 0.0)[:, None]
         position_px = share * mean_px + (1.0 - share) * model_px
-        self._log_per_event = math.log1p(RATIO) / spots.full
-        sigma_px = SIGMA * self._gel.dot_mm * spots.px_per_mm
-        kernels.draw_rest(position_px, sigma_px, RATIO, self._log_per_event, self._rest)
+        self._log_per_event = math.log1p(_RATIO) / spots.full
+        sigma_px = _SIGMA * self._gel.dot_mm * spots.px_per_mm
+        kernels.draw_rest(position_px, sigma_px, _RATIO, self._log_per_event, self._rest)
         self.n_learnt += 1
 
     def _find_spots(self) -> _Spots | None:
@@ -188,7 +188,7 @@ class EventCamera:
         position_px = np.where(seen[:, None], spots_px[blob], lattice.position_px)
         x, y = np.rint(position_px).astype(np.intp).T
         depth = dark[y.clip(0, SENSOR_HEIGHT_PX - 1), x.clip(0, SENSOR_WIDTH_PX - 1)]
-        full = float(np.percentile(depth, FULL_SHARE))
+        full = float(np.percentile(depth, _FULL_SHARE))
         bright_px = self._find_blobs(self._most)
         weight = np.where(seen, np.clip(depth / full, 0.0, 1.0), 0.0)
         weight[weight < _FAINT] = 0.0
@@ -199,7 +199,7 @@ class EventCamera:
             if apart_px[k] > _SPOT_GATE * gel.pitch_mm * px_per_mm:
                 weight[i] = 0.0
                 continue
-            lead_px = find_lead(float(apart_px[k]), SIGMA * gel.dot_mm * px_per_mm)
+            lead_px = find_lead(float(apart_px[k]), _SIGMA * gel.dot_mm * px_per_mm)
             position_px[i] += lead_px / apart_px[k] * to_bright[k]
         return _Spots(position_px, weight, px_per_mm, full)
 

@@ -11,7 +11,6 @@ from neurotouch_hid.geometry import NOMINAL_PITCH_PX, PAPER_GEL, Gel
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, MarkerField, RestField
 from neurotouch_hid.tracker.blobs import BlobFinder, Blobs
 from neurotouch_hid.tracker.correction import FrameCorrection
-from neurotouch_hid.tracker.drawn_rest import DrawnRest
 from neurotouch_hid.tracker.flicker import Flicker, FlickerFilter
 from neurotouch_hid.tracker.kernels import correction, nearest, rigid
 from neurotouch_hid.tracker.kernels import filter as kernels
@@ -176,7 +175,6 @@ class MarkerTracker:
         self._correction = FrameCorrection(self._tracks, self._tuning)
         self._flicker = FlickerFilter()
         self._return = QuietReturn(self._tracks)
-        self._drawn = DrawnRest(self._tracks, gel)
         self._rest_px = np.full((n, 2), np.nan, np.float32)
         self._anchored = False
         self._anchor_us = 0
@@ -273,11 +271,6 @@ class MarkerTracker:
         kernels.filter_slice(events, start, packet.t_end_us, tracks, tuning, position_px, valid)
         self._end_us = packet.t_end_us
         self._n_events += len(packet.events)
-        if self._drawn.is_on and self.is_frameless:
-            is_at_rest = self._return.is_back
-            self._drawn.update(events, packet.t_end_us, tuning, is_at_rest=is_at_rest)
-        else:
-            self._drawn.end()
         return MarkerField(packet.t_end_us, self._rest_px, position_px, valid, self._gel)
 
     def find_return(self) -> RestField | None:
@@ -288,10 +281,7 @@ class MarkerTracker:
         if self._end_us is None:
             return None
         rest_px = self._return.find(self._end_us)
-        if rest_px is None:
-            return None
-        self._drawn.begin(self._end_us)
-        return RestField(self._end_us, rest_px.astype(np.float32))
+        return None if rest_px is None else RestField(self._end_us, rest_px.astype(np.float32))
 
     def forget(self) -> None:
         """Knows no places any more, because the gel is lost, until the next ``anchor``."""
@@ -402,7 +392,6 @@ class MarkerTracker:
 
     def _restart(self, t_us: int) -> None:
         """Forgets velocities and the past, because events are missing, but keeps positions."""
-        self._drawn.end()
         tracks = self._tracks
         state = tracks.state
         for name in ("vx", "vy", "cov_xv", "lead_x", "lead_y", "ahead_x", "ahead_y"):

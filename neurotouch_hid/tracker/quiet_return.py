@@ -34,9 +34,6 @@ class QuietReturn:
 
     Args:
         tracks: of the tracker; tracks at rest are moved.
-
-    Attributes:
-        is_back: the gel has come back, and has not moved since.
     """
 
     def __init__(self, tracks: Tracks) -> None:
@@ -51,7 +48,7 @@ class QuietReturn:
 
     def _begin(self) -> None:
         self._most_px = math.inf  # nobody knows what the hand did while there were frames
-        self._quiet_us, self.is_back = 0, False
+        self._quiet_us, self._is_back = 0, False
 
     def find(self, t_us: int) -> NDArray[np.float64] | None:
         """Returns where the markers are at rest if they have just come back, (n, 2) float64 px.
@@ -81,14 +78,14 @@ class QuietReturn:
         is_still = _measure(self._now_px - self._before_px) <= STILL_PX
         self._quiet_us = self._quiet_us + elapsed_us if is_still and far_px <= NEAR_PX else 0
         if self._most_px > MOTION_PX and far_px > RETURNED * self._most_px:
-            self.is_back = False
+            self._is_back = False
             return None
         if self._quiet_us < QUIET_US:
             return None
-        if self.is_back:
+        if self._is_back:
             self._pull(off_px, common_px, elapsed_us)
             return None
-        self.is_back, self._most_px = True, 0.0
+        self._is_back, self._most_px = True, 0.0
         share = 1.0 if math.hypot(*common_px) > RIG_PX else RIG_SHARE
         return rest_px + share * common_px
 
