@@ -1,6 +1,7 @@
 """Opens a source by its name on the command line."""
 
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from neurotouch_hid.geometry import PAPER_GEL, Gel
@@ -13,6 +14,7 @@ from neurotouch_hid.vocabulary import SourceKind, Speed, find_source_kind, is_cl
 
 if TYPE_CHECKING:
     from neurotouch_hid.source.camera_config import CameraConfig
+    from neurotouch_hid.source.simulator.script import Play
     from neurotouch_hid.source.video.view_search import GelFinder
 
 PAPER_US = 10_000
@@ -127,17 +129,23 @@ def _open(
     if kind is SourceKind.OTHER:
         return open_plugin(spec, slice_us, seed)
     from neurotouch_hid.source.simulator import Simulator  # noqa: PLC0415
+    from neurotouch_hid.source.simulator.field_table import read_field_table  # noqa: PLC0415
     from neurotouch_hid.source.simulator.scenes import (  # noqa: PLC0415
+        FIELD_ENDING,
         find_scene,
         read_simulation,
         scene_config,
     )
 
     name, nuisances = read_simulation(spec.partition(":")[2])
-    scene = find_scene(name)
-    scene = replace(scene, endless=repeats or scene.endless)
+    play: Play
+    if name.endswith(FIELD_ENDING):
+        play = read_field_table(Path(name))
+    else:
+        scene = find_scene(name)
+        play = replace(scene, endless=repeats or scene.endless)
     config = scene_config(name).show(gel)
-    simulator = Simulator(scene, config, nuisances=nuisances, seed=seed, slice_us=slice_us)
+    simulator = Simulator(play, config, nuisances=nuisances, seed=seed, slice_us=slice_us)
     if "uvc" not in nuisances and "strobe" not in nuisances:
         return simulator
     if "uvc" not in nuisances:

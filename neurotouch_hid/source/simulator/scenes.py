@@ -7,6 +7,7 @@ import difflib
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -24,6 +25,9 @@ from neurotouch_hid.source.simulator.strokes import (
     zoom,
 )
 
+FIELD_ENDING = ".csv"
+"""A name with this ending is the file of a table of displacements."""
+
 LEFT, RIGHT, UP, DOWN = math.pi, 0.0, -math.pi / 2, math.pi / 2
 
 THREE = Fingertips(n_fingers=3, spread_mm=12.0)
@@ -36,12 +40,18 @@ def scene_names() -> tuple[str, ...]:
 
 
 def check_scene(name: str) -> None:
-    """Checks that there is a scene of this name.
+    """Checks that there is a scene of this name, or a file of a table.
 
     Raises:
         SourceError: there is none.
     """
     if name in _SCENES:
+        return
+    if name.endswith(FIELD_ENDING):
+        if not Path(name).is_file():
+            raise SourceError(
+                f"There is no file '{name}'.", hint="It is a table of displacements, a CSV file."
+            )
         return
     close = difflib.get_close_matches(name.lower(), _SCENES, 1)
     hint = f"Did you mean sim:{close[0]}?" if close else f"Scenes: {', '.join(_SCENES)}."

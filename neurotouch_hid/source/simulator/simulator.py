@@ -10,7 +10,8 @@ from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, Truth
 from neurotouch_hid.source.simulator.clock import Clock
 from neurotouch_hid.source.simulator.config import SimulatorConfig
-from neurotouch_hid.source.simulator.gel import KNOT_US, GelMotion
+from neurotouch_hid.source.simulator.field_table import FieldTable
+from neurotouch_hid.source.simulator.gel import KNOT_US, FieldMotion, GelMotion
 from neurotouch_hid.source.simulator.knot import make_dots
 from neurotouch_hid.source.simulator.nuisances import disturb
 from neurotouch_hid.source.simulator.optics import CameraModel
@@ -59,7 +60,12 @@ class Simulator(Closing):
         self._frame_us = config.sensor.frame_us, config.sensor.exposure_us
         self._late_us = config.uvc.readout_us // 2 if config.uvc else 0  # of the middle row
         camera = CameraModel(config.camera, gel)
-        self._motion = GelMotion(setup.script, camera, config.gel, setup.dots, setup.mount)
+        about = camera, config.gel, setup.dots, setup.mount
+        self._motion: GelMotion = (
+            FieldMotion(setup.script, *about)
+            if isinstance(setup.script, FieldTable)
+            else GelMotion(setup.script, *about)
+        )
         self._view = View(self._motion, setup)
         parts = config.light, config.camera.rig, seed, gel
         self._sensor: Sensor | UvcSensor = (

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from neurotouch_hid.geometry import Gel
 from neurotouch_hid.messages import GestureKind, Truth
 from neurotouch_hid.source.simulator.config import GelConfig
+from neurotouch_hid.source.simulator.field_table import FieldTable
 from neurotouch_hid.source.simulator.gel import solid
 from neurotouch_hid.source.simulator.kernels import gel as kernels
 from neurotouch_hid.source.simulator.knot import Dots, Knot, Pose, make_dots
@@ -135,6 +136,26 @@ class GelMotion:
         outline[:, :2] = (outline[:, :2] - centre) @ turned + shift
         contacts = (knot.contacts_px - centre) @ turned + shift
         return replace(knot, outline=outline, contacts_px=contacts)
+
+
+class FieldMotion(GelMotion):
+    """Knots of a table of displacements: it moves the markers itself, without fingers."""
+
+    def __init__(
+        self,
+        table: FieldTable,
+        camera: CameraModel,
+        gel: GelConfig,
+        dots: Dots,
+        mount: Sequence[Callable[[int], Pose]] = (),
+    ) -> None:
+        self._table, self._weights = table, table.spread(dots.points_mm)
+        super().__init__(table, camera, gel, dots, mount)
+
+    def _compute(self, index: int) -> Knot:
+        at_us = index * KNOT_US
+        moved_mm = self._weights @ self._table.measure(at_us)
+        return self._place(self._lie(self._dots.points_mm + moved_mm), at_us)
 
 
 class Residue:
