@@ -1,5 +1,6 @@
 """``neurotouch label``: labels a recording by hand, at a page."""
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -88,9 +89,10 @@ def command(
     mine, other = find_label_file(recording, labeller), None
     if beside is not None:
         other = find_label_file(recording, beside)
-        _require(other)
+        _require(other, f"neurotouch label {shlex.quote(str(recording))} --as {beside}")
     if agreement:
-        _require(mine)
+        own = "" if labeller is None else f" --as {labeller}"
+        _require(mine, f"neurotouch label {shlex.quote(str(recording))}{own}")
     with Pictures() as pictures:
         progress = _Progress(as_json=as_json)
         moments = look_through(recording, pictures, gel=gel, progress=progress)
@@ -102,13 +104,11 @@ def command(
             _serve(moments, file, recording, theirs, beside, port=port, open_browser=open_browser)
 
 
-def _require(path: Path) -> None:
+def _require(path: Path, command: str) -> None:
     from neurotouch_hid.errors import RecordingError
 
     if not path.exists():
-        raise RecordingError(
-            f"There is no file '{path}'.", hint="Label first: neurotouch label FILE --as NAME"
-        )
+        raise RecordingError(f"There is no file '{path}'.", hint=f"Make it: {command}")
 
 
 class _Progress:
