@@ -1,4 +1,4 @@
-"""Makes a start quicker; nothing breaks without it, it only takes longer.
+"""Makes a start quicker, and keeps libraries from what nobody has asked for.
 
 ``tests/process/test_startup.py`` tells when one of these is no longer needed.
 """
@@ -28,6 +28,15 @@ def leave_out_scipy() -> None:
     kernel needs any of it, and nothing else here needs SciPy.
     """
     sys.modules.setdefault("scipy", None)  # type: ignore[arg-type]  # "no such module"
+
+
+def leave_out_colours() -> None:
+    """Keeps numba from colouring its errors, which nobody sees.
+
+    Where colorama is installed, numba starts it. It then writes to the terminal at our end, also to
+    that of a screen reader.
+    """
+    os.environ.setdefault("NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING", "1")
 
 
 def leave_out_pydantic_plugins() -> None:

@@ -31,6 +31,21 @@ def test_numba_loads_scipy_unless_it_is_left_out():
     assert say(program, PREPARED + "leave_out_scipy(); ") == "False"
 
 
+def test_numba_starts_colorama_unless_it_is_left_out(tmp_path):
+    """As Debian's python3-colorama does: its start writes to the terminal at the end."""
+    (tmp_path / "colorama.py").write_text(
+        "__version__ = '0.4.6'\nreinit = deinit = print\n"
+        "class Any:\n    def __getattr__(self, name): return ''\nFore = Style = Any()\n"
+        "def init(): print('started')\n"
+    )
+    program = (
+        f"import sys; sys.path.insert(0, {str(tmp_path)!r}); from numba.core import errors\n"
+        "try:\n    errors.ColorShell()\nexcept AttributeError:\n    pass\nprint('end')"
+    )
+    assert "started" in say(program), "numba starts no colorama: leave_out_colours may go"
+    assert say(program, PREPARED + "leave_out_colours(); ") == "end"
+
+
 def test_python_looks_for_garbage_while_it_loads_unless_told_otherwise():
     program = (
         "import gc; import numpy, pydantic; import neurotouch_hid.profile.schema.profile; "
