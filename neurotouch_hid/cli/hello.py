@@ -97,7 +97,7 @@ def command(name: str, source: str | None, seed: int, force: bool, plain: bool) 
                 for step in steps:
                     session.take(step, _find_view(driver.source))
             session.finish()
-        except (click.Abort, KeyboardInterrupt):
+        except (click.Abort, KeyboardInterrupt, NeuroTouchError):
             voice.say("Nothing was saved.")
             raise
         path = recording.finish()
@@ -121,7 +121,7 @@ def _find_place(name: str, *, force: bool) -> Path:
     """Returns the path of the file.
 
     Raises:
-        NeuroTouchError: it is there already, or cannot be written.
+        NeuroTouchError: it exists already, or cannot be written.
     """
     from neurotouch_hid.doctor.hello.archive import ENDING
 
@@ -143,7 +143,7 @@ def _find_camera() -> str:
 
 
 class _Recording:
-    """What is recorded of a session.
+    """Records a session.
 
     Args:
         recorder: writes it.

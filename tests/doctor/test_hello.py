@@ -133,6 +133,29 @@ def test_planted_differences_are_said():
         assert way in say(meet_other(), name)
 
 
+def test_recording_without_a_rest_says_nothing_of_the_gels_return():
+    session = Session(make_plan(load_gel_file(None).settings), "file", guided=False)
+    begin_us = make_script().strokes[0].start_us - 300_000
+    for step in play(SimulatorConfig()):
+        if step.packet.t_begin_us >= begin_us:
+            session.take(step)
+    session.finish()
+    assert [span.prompt.key for span in session.spans] == ["rest", "everything"]
+    assert len(session.spans[1].strokes) == 2
+    assert session.list_figures()["kept_share"] is None
+    assert "this run does not show it" in say(session, "kept_share")
+
+
+def test_recording_with_a_rest_is_measured_without_prompts():
+    session = Session(make_plan(load_gel_file(None).settings), "file", guided=False)
+    for step in play(SimulatorConfig()):
+        session.take(step)
+    session.finish()
+    assert "as simulated" in say(session, "kept_share")
+    assert "as simulated" in say(session, "noise_hz_per_px")
+    assert answer(session, "play").word is Word.OPEN
+
+
 def test_what_cannot_be_measured_is_said():
     assert "not measurable without force" in say(meet_usual(), "stiffness")
 

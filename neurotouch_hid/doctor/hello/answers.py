@@ -97,7 +97,6 @@ _ABSOLUTE: Final = {
     "px_per_mm": 0.1,
 }
 """Differences up to which these count as the same: near 0, a share of them says nothing."""
-_NO_EVENTS: Final = frozenset({"noise_hz_per_px", "hot_pixels", "events_per_dot_px"})
 
 _UNKNOWN: Final = (
     ("stiffness", "Stiffness is not measurable without force: nothing here weighs the finger."),
@@ -114,8 +113,7 @@ def compare(figures: Mapping[str, float | None]) -> list[Difference]:
 def _compare(name: str, here: float | None) -> Difference:
     figure = _FIGURES[name]
     if here is None:
-        why = "this source shows no events" if name in _NO_EVENTS else "this run does not show it"
-        sentence = f"{figure.words}: {why}."
+        sentence = f"{figure.words}: this run does not show it."
         return Difference(name, None, figure.simulated, sentence)
     unit = f" {figure.unit}" if figure.unit else ""
     value = f"{here:z.{figure.digits}f}"
@@ -173,11 +171,12 @@ def answer_all(
     if not is_simulated:
         return answers
     return [
-        Answer(
+        each
+        if each.word is Word.OPEN
+        else Answer(
             each.point,
             Word.OPEN,
-            f"This source is simulated, so it cannot tell. With a camera it would be: "
-            f"{each.word}. {each.sentence}",
+            f"Simulated, so it tells nothing of a camera. Here: {each.word}. {each.sentence}",
         )
         for each in answers
     ]

@@ -24,6 +24,8 @@ ALL: Final = "everything"
 """A recording follows no prompts: all after its rest is measured together."""
 _SETTLE_US: Final = 800_000
 """After a gesture, before rest counts."""
+_LEAST_REST_S: Final = 0.5
+"""With less, nobody knows where the dots were before the first touch."""
 _N_FRAMES: Final = 10
 _JUDGE_US: Final = 2_000_000
 """From one judgement of light and focus to the next."""
@@ -110,7 +112,7 @@ class Session:
         gel: the gel as it was seen last.
         n_prompts: number of prompts.
         begin_us, end_us: sensor time so far; None before the first slice.
-        n_lost: events that were lost.
+        n_lost: events that were lost during movements; judging a picture at rest may cost some.
     """
 
     def __init__(
@@ -141,12 +143,12 @@ class Session:
 
     @property
     def prompt(self) -> Prompt | None:
-        """What the person is asked for now; None when all is done."""
+        """The present request; None when all is done."""
         return self._left[0] if self._left else None
 
     @property
     def missing(self) -> str:
-        """What is missing before the next prompt makes sense, in a sentence; empty if nothing."""
+        """A sentence about what the present prompt lacks; empty if nothing."""
         prompt = self.prompt
         if prompt is None or prompt.key == LIGHT:
             return "" if self.gel.is_found or prompt is None else "The gel is not found yet."
@@ -169,20 +171,20 @@ class Session:
         if self.begin_us is None:
             self.begin_us = self._asked_us = packet.t_begin_us
         self.end_us, self._step, self.gel = packet.t_end_us, step, step.gel
-        self.n_lost += packet.gap
         self._frames += packet.frames
         stroke = self._finder.take(step)
         prompt = self.prompt
         if prompt is None:
             return ""
         if not self._guided and prompt.key == REST and step.gesture.kind is not GestureKind.NONE:
-            self._judge(view)
+            self._judge(self._rest.frames, view)
             self.next()
             return ""
         if prompt.key == LIGHT:
             return self._tell_light(view)
         if prompt.key == REST:
             return self._take_rest(step, view)
+        self.n_lost += packet.gap
         self._motion.take(step, self._finder.quiet_us)
         if stroke is None:
             return ""
@@ -194,7 +196,7 @@ class Session:
     def next(self, *, is_skipped: bool = False) -> None:
         """Goes to the next prompt: the person has done this one, or skips it."""
         prompt = self._left.popleft()
-        if prompt.key == REST and self._step is not None and self.gel.is_found:
+        if prompt.key == REST and self._step is not None and self._rest.seconds >= _LEAST_REST_S:
             self._motion.set_home(self._step)
         strokes = tuple(self._strokes)
         self.spans.append(Span(prompt, self._asked_us, self.end_us, strokes, is_skipped))
@@ -238,7 +240,7 @@ class Session:
         before = self._rest.seconds
         self._rest.take(step.packet)
         if 1e6 * before < REST_US <= 1e6 * self._rest.seconds:
-            self._judge(view)
+            self._judge(self._rest.frames, view)
             return "That is enough. Go on when you like."
         return ""
 
@@ -247,15 +249,15 @@ class Session:
         if self.end_us - self._judged_us < _JUDGE_US or not self._frames:
             return ""
         self._judged_us = self.end_us
-        self._judge(view)
+        self._judge(self._frames, view)
         line = "" if self.score is None else self.score.advice
         if line == self._said:
             return ""
         self._said = line
         return line
 
-    def _judge(self, view: View | None) -> None:
-        frames = tuple(self._frames)
+    def _judge(self, newest: Iterable[Frame], view: View | None) -> None:
+        frames = tuple(newest)
         if not frames:
             return
         seconds = 1e-6 * (frames[-1].t_us - frames[0].t_us)
