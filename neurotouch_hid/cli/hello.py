@@ -80,8 +80,9 @@ def command(name: str, source: str | None, seed: int, force: bool, plain: bool) 
     with ExitStack() as stack:
         voice = stack.enter_context(Voice(load_user().feedback))
         camera, secrets = read_davis(source)
-        speed = "recorded" if guided else "max"
-        driver = stack.enter_context(open_silent_driver(source, speed, seed))
+        driver = stack.enter_context(
+            open_silent_driver(source, "recorded" if guided else "max", seed)
+        )
         camera = camera or read_opened(driver.source)
         session = Session(plan, str(kind), guided=guided)
         folder = tempfile.TemporaryDirectory(prefix=".hello-", dir=out.parent)

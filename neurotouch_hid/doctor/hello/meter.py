@@ -187,14 +187,14 @@ class MotionMeter:
         self._rim: list[float] = []
         self._is_pending = False
         radius = np.hypot(*gel.points_mm.T)
-        self._is_rim = radius > _RIM * radius.max()
+        self._is_rim: NDArray[np.bool_] = np.asarray(radius > _RIM * radius.max())
 
     def set_home(self, step: Step) -> None:
         """Notes where the dots are before the first touch, from the frames at rest."""
         places = [self._find_places(frame, step) for frame in self._rest.frames]
         with np.errstate(all="ignore"):
             stack = np.array(places or [step.markers.position_px.astype(np.float64)])
-            seen = np.isfinite(stack).all(axis=2)
+            seen = np.isfinite(stack[..., 0]) & np.isfinite(stack[..., 1])
             total = np.where(seen[..., None], stack, 0.0).sum(axis=0)
             self._home_px = total / seen.sum(axis=0)[:, None]
 
