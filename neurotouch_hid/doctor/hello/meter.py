@@ -21,8 +21,7 @@ from neurotouch_hid.messages import (
 from neurotouch_hid.tracker import BlobFinder
 
 REST_US: Final = 5_000_000
-"""Rest that gives steady figures."""
-_MOST_REST_US: Final = 20_000_000
+"""Rest that gives steady figures; what comes after it may be the beginning of a touch."""
 _SETTLED_US: Final = 800_000
 """A gel without a gesture for this long has come back as far as it does at once."""
 LEAST_MM: Final = 1.5
@@ -108,8 +107,8 @@ class RestMeter:
         self._edges_us: list[int] = []
 
     def take(self, packet: EventPacket) -> None:
-        """Counts a slice; after twenty seconds, no more."""
-        if self.seconds >= 1e-6 * _MOST_REST_US:
+        """Counts a slice; after five seconds, no more."""
+        if 1e6 * self.seconds >= REST_US:
             return
         self.seconds += 1e-6 * (packet.t_end_us - packet.t_begin_us)
         events = packet.events

@@ -235,6 +235,10 @@ class Session:
         self._strokes, self._asked_us, self._said = [], self.end_us, ""
 
     def _take_rest(self, step: Step, view: View | None) -> str:
+        is_touched = step.gesture.kind is not GestureKind.NONE
+        if is_touched and 0.0 < 1e6 * self._rest.seconds < REST_US:
+            self.restart()
+            return "The gel was touched, so the rest begins again."
         if not step.gel.is_found or self._finder.quiet_us < _SETTLE_US:
             return ""
         before = self._rest.seconds
@@ -247,6 +251,8 @@ class Session:
     def _tell_light(self, view: View | None) -> str:
         """Judges light and focus now and then; returns the judgement if it has changed."""
         if self.end_us - self._judged_us < _JUDGE_US or not self._frames:
+            return ""
+        if self._finder.quiet_us < _SETTLE_US:  # a touched gel looks worse than it is
             return ""
         self._judged_us = self.end_us
         self._judge(self._frames, view)
