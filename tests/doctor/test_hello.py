@@ -204,11 +204,10 @@ def test_prompt_waits_for_what_is_missing():
 def test_touch_begins_the_rest_again():
     session = make_waiting_session()
     session.next()
-    heard = []
     begin_us = make_script().strokes[0].start_us - 2_000_000
-    for step in play(SimulatorConfig()):
-        if step.packet.t_begin_us >= begin_us:
-            heard.append(session.take(step))
+    heard = [
+        session.take(step) for step in play(SimulatorConfig()) if step.packet.t_begin_us >= begin_us
+    ]
     assert "The gel was touched, so the rest begins again." in heard
     assert session.list_figures()["hot_pixels"] in (None, 0.0)
     assert session.missing.endswith("of 5 seconds so far.")
