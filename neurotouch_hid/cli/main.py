@@ -33,6 +33,7 @@ _SUMMARIES = {
     "status": "Show the state of the running driver.",
     "profile": "List profiles, change them, try them, share them.",
     "calibrate": "Measure your own range of each movement, without a time limit.",
+    "hello": "Meet a camera for the first time: guided minutes, and one file of what it showed.",
     "gel": "Make a gel of your own: plan, printable files, check.",
     "explain": "Explain the code of a fault.",
     "schema": "Print the JSON Schema of profiles, for editors.",

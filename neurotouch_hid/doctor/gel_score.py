@@ -83,11 +83,16 @@ class GelScore:
                 f"{100 * figures['fill']:.0f} % of the height",
                 f"contrast {figures['contrast']}",
             ]
+        parts.append(self.advice or "all in order")
+        return "; ".join(parts)
+
+    @property
+    def advice(self) -> str:
+        """The first thing to change, after what is wrong; empty if all is in order."""
         trouble = next(
             (each for each in self.findings if each.status in _TROUBLES and each.fix), None
         )
-        parts.append("all in order" if trouble is None else f"{trouble.sentence} {trouble.fix}")
-        return "; ".join(parts)
+        return "" if trouble is None else f"{trouble.sentence} {trouble.fix}"
 
     @property
     def is_good(self) -> bool:

@@ -28,6 +28,15 @@ READY_S: Final = 0.05
 IDLE_DELAY_US: Final = 1_000
 """How long data may wait for a full packet while nothing happens: what cameras power up with."""
 
+DESCRIBING: Final = (
+    *("SYSINFO_LOGIC", "SYSINFO_PATCH", "SYSINFO_CHIP", "SYSINFO_ADC_MHZ", "SYSINFO_USB_MHZ"),
+    *("SYSINFO_DEVIATION", "DVS_COLUMNS", "DVS_ROWS", "DVS_ORIENTATION", "APS_ORIENTATION"),
+    *("APS_COLOR", "APS_HAS_GLOBAL_SHUTTER", "DVS_HAS_PIXEL_FILTER", "DVS_HAS_ACTIVITY_FILTER"),
+    *("DVS_HAS_ROI_FILTER", "DVS_HAS_SKIP_FILTER", "DVS_HAS_POLARITY_FILTER"),
+    *("DVS_HAS_STATISTICS", "MUX_HAS_STATISTICS", "EXTINPUT_HAS_GENERATOR"),
+)
+"""Names of the registers that this driver reads to learn which camera it plays."""
+
 _BOTH_REFUSE: Final = "libcaer and dv-processing refuse it, too."
 _BOTH, _LIBCAER = "libcaer and dv-processing play", "libcaer plays"
 _OTHERS_PLAY: Final = {3: _LIBCAER, 6: _BOTH, 7: _BOTH, 8: _LIBCAER}
@@ -83,6 +92,24 @@ def identify(info: CameraInfo) -> CameraVersions:
     transport = Usb().open(info)
     try:
         return Camera(info, transport).identify()
+    finally:
+        transport.close()
+
+
+def read_registers(info: CameraInfo) -> dict[str, int]:
+    """Returns the values of the registers that a camera describes itself with, by their names.
+
+    They are those that this driver reads before it plays. The camera is opened for a moment and
+    nothing is changed in it.
+
+    Raises:
+        CameraBusyError: another program has it.
+        CameraError: it cannot be opened or does not answer.
+    """
+    transport = Usb().open(info)
+    try:
+        camera = Camera(info, transport)
+        return {name: camera.read(getattr(r, name)) for name in DESCRIBING}
     finally:
         transport.close()
 

@@ -16,6 +16,20 @@ _MOST_OF_INTERVAL: Final = 0.9
 _LINE_FREQUENCIES: Final = {0: 0, 50: 1, 60: 2}
 """The values of V4L2's ``power_line_frequency``, by Hz."""
 
+CONTROLS: Final = {
+    "auto_white_balance": v4l2.CID_AUTO_WHITE_BALANCE,
+    "exposure": v4l2.CID_EXPOSURE,
+    "autogain": v4l2.CID_AUTOGAIN,
+    "gain": v4l2.CID_GAIN,
+    "power_line_frequency": v4l2.CID_POWER_LINE_FREQUENCY,
+    "exposure_auto": v4l2.CID_EXPOSURE_AUTO,
+    "exposure_absolute": v4l2.CID_EXPOSURE_ABSOLUTE,
+    "exposure_auto_priority": v4l2.CID_EXPOSURE_AUTO_PRIORITY,
+    "focus_absolute": v4l2.CID_FOCUS_ABSOLUTE,
+    "focus_auto": v4l2.CID_FOCUS_AUTO,
+}
+"""All controls that this driver knows, by V4L2's names."""
+
 
 @dataclass(frozen=True, slots=True)
 class FixedControls:

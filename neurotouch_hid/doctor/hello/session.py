@@ -1,0 +1,272 @@
+"""The guided minutes: prompts that wait for the person, and what is measured in each."""
+
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Final
+
+from neurotouch_hid.doctor.gel import Seen, examine_frames
+from neurotouch_hid.doctor.gel_score import GelScore, score_gel
+from neurotouch_hid.doctor.hello.meter import (
+    REST_US,
+    MotionMeter,
+    RestMeter,
+    Stroke,
+    StrokeFinder,
+)
+from neurotouch_hid.gel_making.plan import Plan
+from neurotouch_hid.messages import Frame, GelState, GestureKind, Step
+from neurotouch_hid.source.view import View
+
+LIGHT: Final = "light"
+REST: Final = "rest"
+ALL: Final = "everything"
+"""A recording follows no prompts: all after its rest is measured together."""
+_SETTLE_US: Final = 800_000
+"""After a gesture, before rest counts."""
+_LEAST_REST_S: Final = 0.5
+"""With less, nobody knows where the dots were before the first touch."""
+_N_FRAMES: Final = 10
+_JUDGE_US: Final = 2_000_000
+"""From one judgement of light and focus to the next."""
+
+
+@dataclass(frozen=True, slots=True)
+class Prompt:
+    """One thing that the person is asked for.
+
+    Attributes:
+        key: its name in the file.
+        request: what the person is asked.
+        kind: the gesture that is asked for; None for none.
+    """
+
+    key: str
+    request: str
+    kind: GestureKind | None = None
+
+
+PROMPTS: Final = (
+    Prompt(
+        LIGHT,
+        "Light and focus. Take your hand off the gel. You hear what to change, if anything is "
+        "wrong. When all is well, or as well as it gets, go on.",
+    ),
+    Prompt(REST, "Rest. Leave the gel alone. Five seconds are enough.", GestureKind.NONE),
+    Prompt("push_right", "Push the gel to the right, as you sit, and let go.", GestureKind.PUSH),
+    Prompt("push_left", "Push the gel to the left, and let go.", GestureKind.PUSH),
+    Prompt("pinch", "Put two fingers on the gel, pinch them, and let go.", GestureKind.PINCH),
+    Prompt("zoom", "Put two fingers on the gel, spread them, and let go.", GestureKind.ZOOM),
+    Prompt(
+        "twist_cw", "Twist the gel clockwise with two fingers, and let go.", GestureKind.TWIST_CW
+    ),
+    Prompt("twist_ccw", "Twist it the other way, and let go.", GestureKind.TWIST_CCW),
+    Prompt("rest_after", "Rest once more. Leave the gel alone.", GestureKind.NONE),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """Sensor time in which the person was asked for something: a weak label.
+
+    Attributes:
+        prompt: the prompt.
+        begin_us, end_us: from the prompt to the person's word that it is done.
+        strokes: what was recognised meanwhile.
+        is_skipped: the person could not, or would not.
+    """
+
+    prompt: Prompt
+    begin_us: int
+    end_us: int
+    strokes: tuple[Stroke, ...]
+    is_skipped: bool = False
+
+    def as_json(self) -> dict[str, Any]:
+        """Returns the same as plain values."""
+        return {
+            "prompt": self.prompt.key,
+            "asked": None if self.prompt.kind is None else self.prompt.kind.label,
+            "begin_us": self.begin_us,
+            "end_us": self.end_us,
+            "skipped": self.is_skipped,
+            "recognised": [
+                {"gesture": each.kind.label, "intensity_mm": round(each.gesture.intensity_mm, 2)}
+                for each in self.strokes
+            ],
+        }
+
+
+class Session:
+    """Goes from prompt to prompt, and measures.
+
+    Args:
+        plan: the gel as it should be.
+        source: the source's kind, in words.
+        prompts: what the person is asked for.
+        guided: a person follows the prompts; otherwise the first stroke ends the rest.
+
+    Attributes:
+        spans: what is done.
+        score: light and focus, as they were judged last; None before the first frames.
+        gel: the gel as it was seen last.
+        n_prompts: number of prompts.
+        begin_us, end_us: sensor time so far; None before the first slice.
+        n_lost: events that were lost during movements; judging a picture at rest may cost some.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        source: str,
+        prompts: Iterable[Prompt] = PROMPTS,
+        *,
+        guided: bool = True,
+    ) -> None:
+        self.spans: list[Span] = []
+        self.score: GelScore | None = None
+        self.gel = GelState(layout=plan.gel)
+        self.begin_us: int | None = None
+        self.end_us = 0
+        self.n_lost = 0
+        self._plan, self._source, self._guided = plan, source, guided
+        self._left = deque(prompts if guided else (PROMPTS[1], Prompt(ALL, "")))
+        self.n_prompts = len(self._left)
+        self._frames: deque[Frame] = deque(maxlen=_N_FRAMES)
+        self._rest = RestMeter()
+        self._motion = MotionMeter(plan.gel, self._rest)
+        self._finder = StrokeFinder()
+        self._strokes: list[Stroke] = []
+        self._asked_us = self._judged_us = 0
+        self._said = ""
+        self._step: Step | None = None
+
+    @property
+    def prompt(self) -> Prompt | None:
+        """The present request; None when all is done."""
+        return self._left[0] if self._left else None
+
+    @property
+    def missing(self) -> str:
+        """A sentence about what the present prompt lacks; empty if nothing."""
+        prompt = self.prompt
+        if prompt is None or prompt.key == LIGHT:
+            return "" if self.gel.is_found or prompt is None else "The gel is not found yet."
+        if prompt.key == REST and 1e6 * self._rest.seconds < REST_US:
+            return f"{self._rest.seconds:.0f} of 5 seconds so far."
+        if prompt.kind is not GestureKind.NONE and not self._strokes:
+            return "No movement was seen yet."
+        if prompt.kind is not GestureKind.NONE and self._finder.quiet_us < _SETTLE_US:
+            return "Let go first: how the gel comes back is measured, too."
+        return ""
+
+    def take(self, step: Step, view: View | None = None) -> str:
+        """Measures a slice; returns what the person should hear, or an empty text.
+
+        Args:
+            step: the slice.
+            view: the map from the pictures of a video camera to the frames.
+        """
+        packet = step.packet
+        if self.begin_us is None:
+            self.begin_us = self._asked_us = packet.t_begin_us
+        self.end_us, self._step, self.gel = packet.t_end_us, step, step.gel
+        self._frames += packet.frames
+        stroke = self._finder.take(step)
+        prompt = self.prompt
+        if prompt is None:
+            return ""
+        if not self._guided and prompt.key == REST and step.gesture.kind is not GestureKind.NONE:
+            self._judge(self._rest.frames, view)
+            self.next()
+            return ""
+        if prompt.key == LIGHT:
+            return self._tell_light(view)
+        if prompt.key == REST:
+            return self._take_rest(step, view)
+        self.n_lost += packet.gap
+        self._motion.take(step, self._finder.quiet_us)
+        if stroke is None:
+            return ""
+        self._strokes.append(stroke)
+        return (
+            f"{stroke.kind.label.replace('_', ' ')}, {stroke.gesture.intensity_mm:.1f} millimetres"
+        )
+
+    def next(self, *, is_skipped: bool = False) -> None:
+        """Goes to the next prompt: the person has done this one, or skips it."""
+        prompt = self._left.popleft()
+        if prompt.key == REST and self._step is not None and self._rest.seconds >= _LEAST_REST_S:
+            self._motion.set_home(self._step)
+        strokes = tuple(self._strokes)
+        self.spans.append(Span(prompt, self._asked_us, self.end_us, strokes, is_skipped))
+        self._begin()
+
+    def restart(self) -> None:
+        """Begins the present prompt again."""
+        if self.prompt is not None and self.prompt.key == REST:
+            self._rest = RestMeter()
+            self._motion = MotionMeter(self._plan.gel, self._rest)
+        self._begin()
+
+    def finish(self) -> None:
+        """Closes the present prompt: the source has ended."""
+        if self.prompt is not None and self.end_us > self._asked_us:
+            self.next(is_skipped=self._guided and not self._strokes)
+
+    def list_figures(self) -> dict[str, float | None]:
+        """Returns all that was measured; None for what was not, or cannot be."""
+        gel = self.gel
+        light = {} if self.score is None else self.score.figures
+        return {
+            **self._rest.list_figures(),
+            **self._motion.list_figures(),
+            "px_per_mm": gel.px_per_mm,
+            "rotation_deg": gel.rotation_deg,
+            "blur_px": gel.blur_px,
+            "flicker_hz": gel.flicker_hz,
+            "contrast_dn": light.get("contrast"),
+            "tremble_mm": light.get("noise_mm"),
+            "dots_missing": float(len(gel.missing)) if gel.is_found else None,
+            "lost_events": float(self.n_lost),
+        }
+
+    def _begin(self) -> None:
+        self._strokes, self._asked_us, self._said = [], self.end_us, ""
+
+    def _take_rest(self, step: Step, view: View | None) -> str:
+        is_touched = step.gesture.kind is not GestureKind.NONE
+        if is_touched and 0.0 < 1e6 * self._rest.seconds < REST_US:
+            self.restart()
+            return "The gel was touched, so the rest begins again."
+        if not step.gel.is_found or self._finder.quiet_us < _SETTLE_US:
+            return ""
+        before = self._rest.seconds
+        self._rest.take(step.packet)
+        if 1e6 * before < REST_US <= 1e6 * self._rest.seconds:
+            self._judge(self._rest.frames, view)
+            return "That is enough. Go on when you like."
+        return ""
+
+    def _tell_light(self, view: View | None) -> str:
+        """Judges light and focus now and then; returns the judgement if it has changed."""
+        if self.end_us - self._judged_us < _JUDGE_US or not self._frames:
+            return ""
+        if self._finder.quiet_us < _SETTLE_US:  # a touched gel looks worse than it is
+            return ""
+        self._judged_us = self.end_us
+        self._judge(self._frames, view)
+        line = "" if self.score is None else self.score.advice
+        if line == self._said:
+            return ""
+        self._said = line
+        return line
+
+    def _judge(self, newest: Iterable[Frame], view: View | None) -> None:
+        frames = tuple(newest)
+        if not frames:
+            return
+        seconds = 1e-6 * (frames[-1].t_us - frames[0].t_us)
+        seen = Seen(self._source, seconds, 0, 0, frames, is_video=view is not None, view=view)
+        state = examine_frames(frames, self._plan.gel).state
+        self.score = score_gel(seen, state, self._plan, planned=False)
