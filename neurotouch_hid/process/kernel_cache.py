@@ -115,12 +115,14 @@ class KernelCache:
         return Path(self.cache_path, f"{self._name}.{key}.nbc")
 
 
-class _KeptLibrary(JITCodeLibrary):
+class _KeptLibrary(JITCodeLibrary):  # type: ignore[misc]  # numba has no types
     """Machine code of a kept kernel, and the bitcode that it was compiled from.
 
     numba parses the bitcode with each kernel that it loads. Here that waits until another kernel is
     compiled that calls this one; a warm start compiles none.
     """
+
+    _shared_module: Any
 
     def __init__(self, codegen: Any, name: str, machine_code: bytes, bitcode: bytes) -> None:
         super().__init__(codegen, name)

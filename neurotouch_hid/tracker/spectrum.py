@@ -32,7 +32,7 @@ class Pattern(NamedTuple):
 
 
 class _Tables(NamedTuple):
-    """What depends on the size of the spectrum only.
+    """Tables that depend on the size of the spectrum only.
 
     Attributes:
         ring: how far each frequency is from the middle, (383, 383) int.
