@@ -16,6 +16,9 @@ from tempfile import TemporaryFile
 from typing import Any, Final
 
 import numba
+from numba.core.codegen import JITCodeLibrary, ll
+from numba.core.compiler import CompileResult, compile_result
+from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
 from neurotouch_hid.partial_file import write_whole
@@ -64,15 +67,19 @@ class KernelCache:
         self._name = f"{source.stem}.{function.__qualname__}-{line}-{state}"
 
     def load_overload(self, signature: Any, target: Any) -> Any:
-        """Returns the compiled kernel, or None; what cannot be used is removed."""
-        target.refresh()
+        """Returns the compiled kernel, or None; what cannot be used is removed.
+
+        Compiled code needs numba's runtime only. numba's own cache loads 60 modules more here,
+        which compile what is not kept; numba loads them as soon as it has to compile.
+        """
+        rtsys.initialize(target)
         path = self._find_path(signature, target.codegen())
         try:
             content = memoryview(path.read_bytes())
             if sha256(content[_DIGEST_BYTES:]).digest() == content[:_DIGEST_BYTES]:
                 *kept, parts = pickle.loads(content[_DIGEST_BYTES:])  # noqa: S301  # our own file
                 if kept == [path.name, signature]:
-                    return numba.core.compiler.CompileResult._rebuild(target, *parts)
+                    return _rebuild(target, *parts)
         except FileNotFoundError:
             return None
         except Exception:  # noqa: S110  # whatever is wrong with it, it can be compiled again
@@ -83,7 +90,7 @@ class KernelCache:
 
     def save_overload(self, signature: Any, result: Any) -> None:
         """Keeps a compiled kernel, if it can be kept."""
-        if result.library.has_dynamic_globals:  # addresses of this process
+        if result.library.has_dynamic_globals or result.reload_init:  # bound to this process
             return
         path = self._find_path(signature, result.library.codegen)
         content = dumps((path.name, signature, result._reduce()))
@@ -106,6 +113,62 @@ class KernelCache:
         machine = (platform.python_version(), numba.__version__, *codegen.magic_tuple())
         key = sha256(repr((str(signature), machine)).encode()).hexdigest()[:16]
         return Path(self.cache_path, f"{self._name}.{key}.nbc")
+
+
+class _KeptLibrary(JITCodeLibrary):  # type: ignore[misc]  # numba has no types
+    """Machine code of a kept kernel, and the bitcode that it was compiled from.
+
+    numba parses the bitcode with each kernel that it loads. Here that waits until another kernel is
+    compiled that calls this one; a warm start compiles none.
+    """
+
+    _shared_module: Any
+
+    def __init__(self, codegen: Any, name: str, machine_code: bytes, bitcode: bytes) -> None:
+        super().__init__(codegen, name)
+        self._bitcode = bitcode
+        self.enable_object_caching()
+        self._set_compiled_object(machine_code)
+        self._finalize_final_module()
+
+    def get_pointer_to_function(self, name: str) -> int:
+        # numba first looks the name up among those of the bitcode.
+        return int(self.codegen._engine.get_function_address(name))
+
+    def _get_module_for_linking(self) -> Any:
+        if self._shared_module is None:
+            self._shared_module = ll.parse_bitcode(self._bitcode)
+        return self._shared_module
+
+
+def _rebuild(
+    target: Any,
+    code: tuple[str, str, tuple[bytes, bytes]],
+    description: Any,
+    environment: Any,
+    *others: Any,
+) -> CompileResult:
+    """Returns a kernel of what ``CompileResult._reduce`` made of it, as ``_rebuild`` there does."""
+    signature, objectmode, lifted, type_annotation, reload_init, referenced_envs = others
+    name, _, parts = code
+    library = _KeptLibrary(target.codegen(), name, *parts)
+    entry_point = target.get_executable(library, description, environment)
+    for each in referenced_envs:
+        library.codegen.set_env(each.env_name, each)
+    return compile_result(
+        target_context=target,
+        typing_context=target.typing_context,
+        library=library,
+        environment=environment,
+        entry_point=entry_point,
+        fndesc=description,
+        type_annotation=type_annotation,
+        signature=signature,
+        objectmode=objectmode,
+        lifted=lifted,
+        reload_init=reload_init,
+        referenced_envs=referenced_envs,
+    )
 
 
 @cache

@@ -1,6 +1,7 @@
 """Finds a regular pattern in a picture in which the dots themselves cannot be made out."""
 
 import math
+from functools import cache
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -17,12 +18,6 @@ _CLIP: Final = (-60.0, 99.8)  # grey levels and percentile: a lamp is no pattern
 _PEAK: Final = 25.0  # times the usual strength at that frequency; pictures without dots reach 16
 _DIAGONAL: Final = 0.3  # of that peak is the true one, if the diagonal of the pattern is stronger
 
-_FAR = np.hypot(*np.mgrid[-_MIDDLE : _MIDDLE + 1, -_MIDDLE : _MIDDLE + 1])
-_RING = _FAR.astype(np.intp)
-_RINGS = [np.nonzero(np.equal(_RING, k)) for k in range(int(_RING.max()) + 1)]
-_WITHIN = np.abs(np.log(np.maximum(_FAR, 1.0) / _USUAL)) < _RATIO
-_WINDOW = np.hanning(SENSOR_HEIGHT_PX)[:, None] * np.hanning(SENSOR_WIDTH_PX)
-
 
 class Pattern(NamedTuple):
     """A square pattern of dots.
@@ -36,20 +31,48 @@ class Pattern(NamedTuple):
     blur_px: float
 
 
+class _Tables(NamedTuple):
+    """Tables that depend on the size of the spectrum only.
+
+    Attributes:
+        ring: how far each frequency is from the middle, (383, 383) int.
+        by_ring: for each such distance, the places in the flattened spectrum, int.
+        is_searched: whether a pattern of this frequency is searched, (383, 383) bool.
+        window: fades a picture out towards its edges, (260, 346) float.
+    """
+
+    ring: NDArray[np.intp]
+    by_ring: list[NDArray[np.intp]]
+    is_searched: NDArray[np.bool_]
+    window: NDArray[np.float64]
+
+
+@cache  # 6 MB, which no start needs: only a gel that is not found is searched so
+def _make_tables() -> _Tables:
+    far = np.hypot(*np.mgrid[-_MIDDLE : _MIDDLE + 1, -_MIDDLE : _MIDDLE + 1])
+    ring = far.astype(np.intp)
+    ends = np.cumsum(np.bincount(ring.ravel()))
+    by_ring = np.split(np.argsort(ring, axis=None, kind="stable"), ends[:-1])
+    is_searched = np.abs(np.log(np.maximum(far, 1.0) / _USUAL)) < _RATIO
+    window = np.hanning(SENSOR_HEIGHT_PX)[:, None] * np.hanning(SENSOR_WIDTH_PX)
+    return _Tables(ring, by_ring, is_searched, window)
+
+
 def find_pattern(pixels: NDArray[np.uint8], gel: Gel) -> Pattern | None:
     """Returns the square pattern of a gel in a picture, (260, 346) uint8; None if there is none.
 
     A square pattern has the same spectrum after a quarter turn. The blur is known from how much
     weaker the diagonal of the pattern is than its side.
     """
+    tables = _make_tables()
     pixels = gel.lighten(pixels)
     grey = pixels - float(np.median(pixels))
     grey = np.clip(grey, _CLIP[0], np.percentile(grey, _CLIP[1]))
-    spectrum = np.fft.fft2((grey - grey.mean()) * _WINDOW, (_SIZE, _SIZE))
+    spectrum = np.fft.fft2((grey - grey.mean()) * tables.window, (_SIZE, _SIZE))
     strength = np.abs(np.fft.fftshift(spectrum))[1:, 1:]
     power = strength * np.rot90(strength)
-    usual = [np.median(power[place]) for place in _RINGS]
-    peak = _WITHIN * power / np.maximum(np.array(usual)[_RING], 1e-9)
+    usual = [np.median(power.ravel()[places]) for places in tables.by_ring]
+    peak = tables.is_searched * power / np.maximum(np.array(usual)[tables.ring], 1e-9)
     row, column = np.unravel_index(peak.argmax(), peak.shape)
     if peak[row, column] < _PEAK:
         return None

@@ -50,6 +50,16 @@ from neurotouch_hid.process.kernel_cache import find_cache_trouble
 print(call(3), sum(call.stats.cache_hits.values()), find_cache_trouble())
 """
 
+LOAD = """
+import sys
+from llvmlite import binding
+parse, n_parsed = binding.parse_bitcode, []
+binding.parse_bitcode = lambda code: n_parsed.append(1) or parse(code)
+from neurotouch_hid.outer import call
+assert call(3) == 6
+print(sum(call.stats.cache_hits.values()), len(n_parsed), "numba.np.polynomial" in sys.modules)
+"""
+
 
 @pytest.fixture
 def copy(tmp_path):
@@ -65,24 +75,33 @@ def copy(tmp_path):
 
 def call_aloud(package, prepare=None, **environment):
     """Returns the value, how many kernels were found compiled, and the sentence of trouble."""
+    value, hits, trouble = say(CALL, package, prepare, **environment).split(" ", 2)
+    return int(value), int(hits), trouble
+
+
+def say(program, package, prepare=None, **environment):
     inherited = {k: v for k, v in os.environ.items() if not k.startswith("NUMBA")}
-    out = subprocess.run(
-        [sys.executable, "-c", CALL],
+    done = subprocess.run(
+        [sys.executable, "-c", program],
         cwd=package.parent,
         env={**inherited, "PYTHONPATH": str(package.parent), **environment},
         check=True,
         capture_output=True,
         text=True,
         preexec_fn=prepare,
-    ).stdout
-    value, hits, trouble = out.rstrip("\n").split(" ", 2)
-    return int(value), int(hits), trouble
+    )
+    return done.stdout.rstrip("\n")
 
 
 def call(package, **environment):
     value, hits, trouble = call_aloud(package, **environment)
     assert not trouble
     return value, hits
+
+
+def test_a_kept_kernel_is_loaded_without_what_compiles(copy):
+    assert call(copy) == (6, 0)
+    assert say(LOAD, copy) == "1 0 False"
 
 
 def find_kept(package):
