@@ -52,13 +52,15 @@ def save_profile(chance: random.Random) -> None:
     path = find_user_folder() / "own.yaml"
     text = "name: own\nversion: 1\nextends: [racing]\n"
     path.write_text(text)
-    ask("use", profile="own")
-    for content in ("extends: [", f"{text}# {chance.random()}\n"):
-        path.write_text(content)
-        with suppress(NeuroTouchError):
-            ask("reload")
-    ask("use", profile=PLAYED)
-    path.unlink()
+    try:
+        ask("use", profile="own")
+        for content in ("extends: [", f"{text}# {chance.random()}\n"):
+            path.write_text(content)
+            with suppress(NeuroTouchError):
+                ask("reload")
+        ask("use", profile=PLAYED)
+    finally:
+        path.unlink()
 
 
 def view(chance: random.Random) -> None:
@@ -100,6 +102,12 @@ def chatter(chance: random.Random) -> None:
                 line.recv(1000)
 
 
+def use_all(_: random.Random) -> None:
+    """Uses each profile once, so that every device that they need has been opened."""
+    for profile in PROFILES:
+        ask("use", profile=profile)
+
+
 def settle(_: random.Random) -> None:
     """Leaves the driver as it was at the start."""
     ask("resume")
@@ -126,7 +134,7 @@ def main() -> None:
     chance = random.Random(sys.argv[1])
     for line in sys.stdin:
         try:
-            (ACTIONS | {"settle": settle})[line.strip()](chance)
+            (ACTIONS | {"settle": settle, "use_all": use_all})[line.strip()](chance)
             print("done", flush=True)
         except (NeuroTouchError, OSError) as error:
             print(f"{line.strip()}: {error!r}", flush=True)

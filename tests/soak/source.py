@@ -148,7 +148,8 @@ class SoakSource(Closing):
         kind = chance.choice(("lose", "add", "blind", "jump", "stall", "plug in mid-gesture"))
         if kind != "plug in mid-gesture":
             self.done[kind] += 1
-        waiting = [*chance.sample(sorted(ACTIONS), 2), "settle"]
+        first = [] if self.n_cycles else ["use_all"]
+        waiting = [*first, *chance.sample(sorted(ACTIONS), 2), "settle"]
         is_asked = False
         begin = chance.randrange(len(self._tour))
         for packet in self._tour[begin : begin + DISTURBED]:
