@@ -3,11 +3,9 @@
 import asyncio
 import base64
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import asdict
+from functools import partial
 from typing import Any, Final
-
-from websockets.exceptions import ConnectionClosed
 
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.ipc import read_object
@@ -74,22 +72,12 @@ class LabelHost:
     async def serve(self, client: Client, hz: int) -> None:  # noqa: ARG002  # nothing is streamed
         """Talks with a browser, until it disconnects."""
         self._clients.add(client)
-        sender = asyncio.create_task(client.send())
         try:
             client.queue_message({"hello": True, "recording": self._describe()})
             client.queue_message({"sheet": self._describe_sheet()})
-            async for message in client.socket:
-                if not client.rate.allows():
-                    await client.socket.close(1008, "too many messages")
-                    return
-                await self._hear(client, message)
-        except ConnectionClosed:
-            pass
+            await client.talk(partial(self._hear, client))
         finally:
             self._clients.discard(client)
-            sender.cancel()
-            with suppress(asyncio.CancelledError, ConnectionClosed):
-                await sender
 
     async def _hear(self, client: Client, message: str | bytes) -> None:
         request = read_object(message)

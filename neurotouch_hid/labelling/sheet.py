@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.labelling.look_through import Moments
-from neurotouch_hid.labelling.track import MAX_CONTACTS, UNLABELLED, Run, Track, is_gesture
+from neurotouch_hid.labelling.track import UNLABELLED, Run, Track, is_gesture
 from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.recording.labels import MAX_CONTACTS
 
 _MOST_CHANGES: Final = 1000
 

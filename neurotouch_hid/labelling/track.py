@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.recording.labels import MAX_CONTACTS
 
-MAX_CONTACTS = 3
 UNLABELLED = -1
 """The kind of a moment that nobody has labelled."""
 

@@ -3,8 +3,9 @@
 import asyncio
 import json
 import time
-from collections.abc import Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Unpack
 
@@ -90,6 +91,22 @@ class Client:
         """Queues a message of any page."""
         self._words.append(json.dumps(message, separators=(",", ":")))
         self._bell.set()
+
+    async def talk(self, hear: Callable[[str | bytes], Awaitable[object]]) -> None:
+        """Sends what is queued and hands on what comes, until the browser disconnects."""
+        sender = asyncio.create_task(self.send())
+        try:
+            async for message in self.socket:
+                if not self.rate.allows():
+                    await self.socket.close(1008, "too many messages")
+                    return
+                await hear(message)
+        except ConnectionClosed:
+            pass
+        finally:
+            sender.cancel()
+            with suppress(asyncio.CancelledError, ConnectionClosed):
+                await sender
 
     async def send(self) -> None:
         """Sends queued messages until the browser disconnects."""
@@ -204,7 +221,6 @@ class Hub:
         self._look_at_profile()  # for the other browsers; this one gets the profile below
         self._clients.add(client)
         self._came.set()
-        sender = asyncio.create_task(client.send())
         try:
             client.hz = min(max(hz, 0), MOST_HZ)
             self._connect()
@@ -218,22 +234,13 @@ class Hub:
                 client.tell(situation=self._situation)
             for news in self._requests.news:
                 client.tell(**news)
-            async for message in client.socket:
-                if not client.rate.allows():
-                    await client.socket.close(1008, "too many messages")
-                    return
-                await self._hear(client, message)
-        except ConnectionClosed:
-            pass
+            await client.talk(partial(self._hear, client))
         finally:
             self._clients.discard(client)
             if client.pauses:  # nobody else goes on
                 with suppress(NeuroTouchError):
                     await self._requests.carry_out({"do": "resume"}, self._path)
             self._set_rate()
-            sender.cancel()
-            with suppress(asyncio.CancelledError, ConnectionClosed):
-                await sender
 
     async def close(self) -> None:
         """Disconnects from the driver, and ends the programs that the page has started."""

@@ -50,7 +50,8 @@ def check_scene(name: str) -> None:
     if name.endswith(FIELD_ENDING):
         if not Path(name).is_file():
             raise SourceError(
-                f"There is no file '{name}'.", hint="It is a table of displacements, a CSV file."
+                f"There is no file '{name}'.",
+                hint="Check the name. A table of displacements is a CSV file.",
             )
         return
     close = difflib.get_close_matches(name.lower(), _SCENES, 1)

@@ -168,7 +168,6 @@ function showMoment() {
     return dot;
   }));
   if (!held) showContacts();
-  showPlace();
 }
 
 const shownLabel = () => moment.label ?? moment.proposal;
