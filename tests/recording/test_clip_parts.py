@@ -4,7 +4,7 @@ import struct
 import subprocess
 import sys
 from contextlib import suppress
-from pathlib import Path
+from types import SimpleNamespace
 
 import av
 import numpy as np
@@ -37,10 +37,19 @@ def make_jpegs(tmp_path, n=3):
     return [packet.data for packet in read_packets(path)[1]]
 
 
-def find_processes():
-    """Returns the processes that this one has started; other tests may keep some of their own."""
-    tasks = Path("/proc/self/task").iterdir()
-    return {pid for task in tasks for pid in (task / "children").read_text().split()}
+@pytest.fixture
+def started(monkeypatch):
+    """Returns the processes that decode, as they are started, and no others."""
+    processes = []
+
+    class Noted(subprocess.Popen):
+        def __init__(self, *arguments, **options):
+            super().__init__(*arguments, **options)
+            processes.append(self)
+
+    known = SimpleNamespace(**{**vars(subprocess), "Popen": Noted})
+    monkeypatch.setattr(ffmpeg, "subprocess", known)
+    return processes
 
 
 def test_a_comment_behind_the_pictures_is_found(tmp_path):
@@ -165,29 +174,27 @@ def test_what_the_process_that_decodes_may_not_do(tmp_path, attempt, error):
 
 
 @pytest.mark.parametrize("what", ["os.kill(os.getpid(), 11)", "os._exit(1)", "time.sleep(60)"])
-def test_a_process_that_crashes_or_hangs_is_a_damaged_clip(tmp_path, monkeypatch, what):
+def test_a_process_that_crashes_or_hangs_is_a_damaged_clip(tmp_path, monkeypatch, started, what):
     path = write_clip(
         tmp_path / "a.mkv", [draw(k, SIZE) for k in range(3)], range(3), "ffv1", "gray"
     )
     command = [sys.executable, "-c", f"import os, time; {what}"]
     monkeypatch.setattr(ffmpeg, "make_own_command", lambda **_: command)
     monkeypatch.setattr(ffmpeg, "_LONGEST_S", 2.0)
-    before = find_processes()
     with pytest.raises(RecordingError, match="is damaged before its first picture"):
         list(Clip(path))
-    assert find_processes() <= before
+    assert [process.returncode is None for process in started] == [False]
 
 
-def test_a_reader_that_stops_early_leaves_no_process(tmp_path):
+def test_a_reader_that_stops_early_leaves_no_process(tmp_path, started):
     pictures = [np.random.default_rng(k).integers(0, 255, (480, 640)) for k in range(20)]
     pictures = [picture.astype(np.uint8) for picture in pictures]
     path = write_clip(tmp_path / "a.mkv", pictures, range(0, 160_000, 8_000), "ffv1", "gray")
-    before = find_processes()
     reading = iter(Clip(path))
     assert (next(reading).pixels == pictures[0]).all()
-    assert len(find_processes() - before) == 1
+    assert [process.poll() for process in started] == [None]
     reading.close()
-    assert find_processes() <= before
+    assert started[0].returncode is not None
 
 
 def test_a_png_with_a_wrong_checksum_is_damage(tmp_path):
