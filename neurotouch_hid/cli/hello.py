@@ -1,5 +1,6 @@
 """``neurotouch hello``: the first minutes with a camera, and one file of what it showed."""
 
+import shlex
 import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -52,8 +53,9 @@ def command(name: str, source: str | None, seed: int, force: bool, plain: bool) 
 
     You are asked for a rest and six movements. Each waits until you press Enter. Then sentences say
     what your camera has answered about real hardware, and how it differs from the simulated one.
-    NAME.hello.zip keeps a recording, what you were asked for, and the answers. Nothing is sent. The
-    pictures show what the camera sees. Nothing is written to the camera but what play writes.
+    NAME.hello.zip keeps a recording, what you were asked for, the answers, and settings of the
+    simulator for more like it. Nothing is sent. The pictures show what the camera sees. Nothing is
+    written to the camera but what play writes.
     """
     from neurotouch_hid.source.check import check_source
 
@@ -67,14 +69,16 @@ def command(name: str, source: str | None, seed: int, force: bool, plain: bool) 
         )
     from neurotouch_hid.cli.ui.keyboard import Keyboard
     from neurotouch_hid.cli.ui.voice import Voice
-    from neurotouch_hid.doctor.hello.archive import make_report, write_archive
+    from neurotouch_hid.doctor.hello.archive import make_report, make_settings, write_archive
     from neurotouch_hid.doctor.hello.camera_facts import read_davis, read_opened
     from neurotouch_hid.doctor.hello.session import Session
     from neurotouch_hid.driver.gel_settings import find_gel_file, load_gel_file
     from neurotouch_hid.gel_making.plan import make_plan
     from neurotouch_hid.profile import load_user
 
-    plan = make_plan(load_gel_file(find_gel_file(None, source)).settings)
+    gel_path = find_gel_file(None, source)
+    gel_file = load_gel_file(gel_path)
+    plan = make_plan(gel_file.settings)
     guided = is_guided(source, "recorded")
     kind = find_source_kind(source)
     with ExitStack() as stack:
@@ -105,8 +109,10 @@ def command(name: str, source: str | None, seed: int, force: bool, plain: bool) 
         report = make_report(
             session, kind, camera, is_simulated=driver.source.is_simulated, secrets=secrets
         )
+        own_gel = None if gel_path is None else gel_file
+        settings = make_settings(session, own_gel, is_simulated=driver.source.is_simulated)
         try:
-            write_archive(out, report, session.spans, path)
+            write_archive(out, report, session.spans, path, settings)
         except OSError as error:
             raise NeuroTouchError(
                 f"'{out}' cannot be written: {error.strerror}.",
@@ -114,6 +120,8 @@ def command(name: str, source: str | None, seed: int, force: bool, plain: bool) 
             ) from error
         _tell(report, voice, plain=plain)
         voice.say(f"All of it is in {out}. Nothing was sent.")
+        if settings:
+            echo(f"More recordings like it: neurotouch simulate OUT --like {shlex.quote(str(out))}")
         echo("Left out of the answers: " + "; ".join(report["left_out"]) + ".")
         echo("The recording shows what the camera saw. Look at it before you send it.")
 
