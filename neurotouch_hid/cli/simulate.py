@@ -111,8 +111,8 @@ def _list_nuisances() -> None:
     "--like",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="A file of 'neurotouch hello': all recordings are like that camera and gel. Each begins "
-    "with seven seconds of rest.",
+    help="A file of 'neurotouch hello': all recordings are like that camera and gel. The "
+    "pushes begin with seven seconds of rest, so that hello can measure them.",
 )
 @gel_option
 @click.option("--force", is_flag=True, help="Replace recordings that were made with other options.")

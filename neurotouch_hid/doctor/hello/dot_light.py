@@ -21,10 +21,12 @@ class DotLight(NamedTuple):
     Attributes:
         dot_dn: of a dot over the gel, as a sharp disc of the size that the gel's file says.
         ground_dn: of the gel between the dots.
+        peak_dn: of the brightest pixel of a dot, over the gel; the less, the more it is blurred.
     """
 
     dot_dn: float
     ground_dn: float
+    peak_dn: float
 
 
 def measure_dot_light(
@@ -45,7 +47,7 @@ def measure_dot_light(
     margin = math.ceil(_GROUND * pitch_px)
     step = np.arange(-margin, margin + 1)
     height, width = picture.shape
-    dots, grounds = [], []
+    dots, grounds, peaks = [], [], []
     for x, y in places_px[np.isfinite(places_px).all(axis=1)]:
         column, row = round(float(x)), round(float(y))
         if not (margin <= column < width - margin and margin <= row < height - margin):
@@ -55,7 +57,9 @@ def measure_dot_light(
         ground = float(np.median(part[(far >= _REACH) & (far < _GROUND)]))
         grounds.append(ground)
         dots.append(float((part[far < _REACH] - ground).sum()))
+        peaks.append(float(part[far < _REACH].max()) - ground)
     if len(dots) < _LEAST_DOTS or not gel.light:
         return None
     area = math.pi * (0.5 * gel.dot_mm * px_per_mm) ** 2
-    return DotLight(float(np.median(dots)) / area, float(np.median(grounds)))
+    dot, ground, peak = (float(np.median(each)) for each in (dots, grounds, peaks))
+    return DotLight(dot / area, ground, peak)

@@ -25,6 +25,8 @@ REST_US: Final = 5_000_000
 """Rest that gives steady figures; what comes after it may be the beginning of a touch."""
 _SETTLED_US: Final = 800_000
 """A gel without a gesture for this long has come back as far as it does at once."""
+_SAME_STROKE_US: Final = 200_000
+"""A gesture that is back after less than this is the same stroke."""
 LEAST_MM: Final = 1.5
 """A weaker gesture is no stroke."""
 _FAST_PX_S: Final = 20.0
@@ -248,7 +250,7 @@ class MotionMeter:
         self._peak_px = np.zeros((gel.n_markers, 2))
         self._kept: list[float] = []
         self._rim: list[float] = []
-        self._is_pending = False
+        self._is_pending, self._quiet_us = False, 0
         radius = np.hypot(*gel.points_mm.T)
         self._is_rim: NDArray[np.bool_] = np.asarray(radius > _RIM * radius.max())
 
@@ -274,7 +276,7 @@ class MotionMeter:
             return
         self._count_events(step)
         if step.gesture.kind is not GestureKind.NONE:
-            if not self._is_pending:
+            if not self._is_pending or self._quiet_us > _SAME_STROKE_US:
                 self._peak_px[:] = 0.0
             self._is_pending = True
             moved = np.where(markers.valid[:, None], markers.position_px - self._home_px, 0.0)
@@ -282,6 +284,7 @@ class MotionMeter:
             self._peak_px[larger] = moved[larger]
         elif self._is_pending and quiet_us >= _SETTLED_US:
             self._note_return(step)
+        self._quiet_us = quiet_us
 
     def list_figures(self) -> dict[str, float | None]:
         """Returns the figures; None for what was not seen."""

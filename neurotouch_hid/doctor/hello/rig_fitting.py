@@ -21,6 +21,9 @@ rim."""
 _GROUND_PER_BLACK: Final = 0.937
 _SEEN_PER_SHOT: Final = 0.976
 """Share of ``shot_hz`` that is measured: bright pixels fire less."""
+_PEAK: Final = 0.95
+"""Peak of a drawn dot, of that of a dot on the dome, each over the light of all of it."""
+_MOST_DN: Final = 240.0
 _LEAST_LEAK: Final = 0.05
 """Of the noise; less cannot be told from chance."""
 _USUAL_BLUR_PX: Final = 0.6
@@ -122,25 +125,18 @@ def _fit_read_noise(figures: Figures) -> float | None:
 
 
 def _fit_blur(figures: Figures, gel: Gel) -> float | None:
-    """Returns the point spread of which dots look as they do; None if they are sharp.
+    """Returns the point spread: how much less the peak of a dot is than the light of all of it.
 
-    The tracker compares the area above half of a dot's height with that of a sharp dot. Here the
-    same is done for drawn dots, to find out which blur looks like that.
+    None if white is cut off, so that nobody knows the peak.
     """
-    seen, scale = figures.get("blur_px"), figures.get("fitted_px_per_mm")
-    if not seen or scale is None:
+    dot, ground = figures.get("dot_dn"), figures.get("ground_dn")
+    peak, scale = figures.get("peak_dn"), figures.get("fitted_px_per_mm")
+    if not dot or ground is None or peak is None or scale is None or peak + ground > _MOST_DN:
         return None
     blurs = np.arange(0.0, 4.05, 0.1)
-    looks = [_look_at_blur(blur, gel.dot_mm, scale) for blur in blurs]
-    return float(np.interp(seen, looks, blurs))
-
-
-def _look_at_blur(blur_px: float, dot_mm: float, px_per_mm: float) -> float:
-    """Returns the blur that the tracker measures of a dot, px."""
-    profile, steps = marker_profile(blur_at_usual_scale(blur_px, px_per_mm), dot_mm)
-    wide = np.count_nonzero(profile > 0.5 * profile[0]) / steps  # squared, in radii
-    sharp = math.pi * (0.5 * dot_mm * px_per_mm) ** 2
-    return math.sqrt(max(sharp * (wide - 1.0), 0.0) / 4.355)
+    drawn = [measure_dot_light(*_draw_dots(each, gel, scale), scale, gel) for each in blurs]
+    shares = np.array([math.inf if each is None else each.peak_dn / each.dot_dn for each in drawn])
+    return float(np.interp(-_PEAK * peak / dot, -shares, blurs))
 
 
 def _fit_light(figures: Figures, gel: Gel, blur_px: float | None) -> dict[str, float]:
@@ -169,7 +165,8 @@ def _draw_dots(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Returns a picture of 5 x 5 dots of light 1 on a dark gel, and their places, (25, 2) px."""
     profile, steps = marker_profile(blur_at_usual_scale(blur_px, px_per_mm), gel.dot_mm)
-    pitch, radius = gel.pitch_mm * px_per_mm, 0.5 * gel.dot_mm * px_per_mm
+    radius = 0.5 * gel.dot_mm * px_per_mm
+    pitch = math.floor(gel.pitch_mm * px_per_mm) + 0.2  # so that dots are on and between pixels
     pixels = np.arange(math.ceil(6.0 * pitch) + 1.0)
     places = np.array([(x * pitch, y * pitch) for y in range(1, 6) for x in range(1, 6)])
     picture = np.zeros((len(pixels), len(pixels)))

@@ -26,9 +26,7 @@ GEL_FILE: Final = "gel.yaml"
 
 def _measured(least: float, most: float, description: str, unit: str | None = None) -> Any:
     extra = give_unit(unit) if unit else None
-    return Field(
-        default=None, ge=least, le=most, description=description, json_schema_extra=extra
-    )
+    return Field(default=None, ge=least, le=most, description=description, json_schema_extra=extra)
 
 
 _HEAD: Final = """\

@@ -258,7 +258,7 @@ class Session:
         rig, picture = self.rig, self._rest.picture
         names = ("centre_x_px", "centre_y_px", "fitted_px_per_mm", "fitted_turn_deg")
         if rig is None:
-            return dict.fromkeys((*names, "dot_dn", "ground_dn"))
+            return dict.fromkeys((*names, "dot_dn", "ground_dn", "peak_dn"))
         dots = None
         if picture is not None and self._rest_px is not None:
             dots = measure_dot_light(picture, self._rest_px, rig.px_per_mm, self._plan.gel)
@@ -268,6 +268,7 @@ class Session:
             **dict(zip(names, values, strict=True)),
             "dot_dn": None if dots is None else dots.dot_dn,
             "ground_dn": None if dots is None else dots.ground_dn,
+            "peak_dn": None if dots is None else dots.peak_dn,
         }
 
     def _begin(self) -> None:

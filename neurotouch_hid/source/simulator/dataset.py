@@ -41,7 +41,7 @@ from neurotouch_hid.source.strobe.config import StrobeConfig
 KINDS = tuple(GestureKind)[1:]
 MODEL = 1  # raised when the simulator changes, so that old files are written again
 REST_US = 600_000  # at the start of each recording, so that the gel can be found
-LONG_REST_US = 7_000_000  # the same with a rig of its own, so that ``hello`` can measure it again
+LONG_REST_US = 7_000_000  # of a user's first one with a known rig: ``hello`` can measure it again
 NONE_SHARE = 0.4  # [NT, figure of the labels]: 15,000 of 37,912 frames show no gesture
 HIDDEN_US = 350_000  # of each attack and release, below what is labelled
 MANIFEST = "dataset.json"
@@ -192,9 +192,18 @@ def plan_dataset(
 ) -> list[Recipe]:
     """Returns the recipes of a set, gels and users one after another."""
     duration_us = round(minutes * 60e6 / (len(gels) * users * len(KINDS)))
+    more = {KINDS[0]: LONG_REST_US} if like else {}
     return [
         Recipe(
-            MODEL, seed, user, kind.label, duration_us, gel, dict(nuisances or {}), gel_file, like
+            MODEL,
+            seed,
+            user,
+            kind.label,
+            duration_us + more.get(kind, 0),
+            gel,
+            dict(nuisances or {}),
+            gel_file,
+            like,
         )
         for gel in gels
         for user in range(users)
@@ -212,9 +221,7 @@ def _choose_suffix(nuisances: Mapping[str, float], rig: KnownRig | None) -> str:
     return ".mkv" if is_clip else ".aedat4"
 
 
-def simulate_recipe(
-    recipe: Recipe, gel: Gel = PAPER_GEL, rig: KnownRig | None = None
-) -> Simulator:
+def simulate_recipe(recipe: Recipe, gel: Gel = PAPER_GEL, rig: KnownRig | None = None) -> Simulator:
     """Returns the simulation of a recording with the dots of a gel, or with a rig and its gel."""
     kind = GestureKind[recipe.gesture.upper()]
     apart = 0 if recipe.gel == "half-space" else 500
@@ -222,7 +229,7 @@ def simulate_recipe(
     config = config.show(gel) if rig is None else rig.config
     config = replace(config, gel=replace(config.gel, elasticity=recipe.gel))
     rng = np.random.default_rng((recipe.seed, recipe.user + apart, kind))
-    rest_us = REST_US if rig is None else LONG_REST_US
+    rest_us = LONG_REST_US if recipe.like and kind is KINDS[0] else REST_US
     script = draw_script(recipe.name, kind, recipe.duration_us, person, rng, rest_us)
     own_seed = int(rng.integers(1 << 31))
     return Simulator(script, config, nuisances=recipe.nuisances, seed=own_seed, slice_us=SLICE_US)
