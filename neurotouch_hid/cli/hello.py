@@ -70,7 +70,12 @@ def command(name: str, source: str | None, seed: int, force: bool, plain: bool) 
     from neurotouch_hid.cli.ui.keyboard import Keyboard
     from neurotouch_hid.cli.ui.voice import Voice
     from neurotouch_hid.doctor.hello.archive import make_report, make_settings, write_archive
-    from neurotouch_hid.doctor.hello.camera_facts import read_davis, read_opened
+    from neurotouch_hid.doctor.hello.camera_facts import (
+        judge_stream,
+        read_davis,
+        read_opened,
+        read_stream,
+    )
     from neurotouch_hid.doctor.hello.session import Session
     from neurotouch_hid.driver.gel_settings import find_gel_file, load_gel_file
     from neurotouch_hid.gel_making.plan import make_plan
@@ -106,11 +111,19 @@ def command(name: str, source: str | None, seed: int, force: bool, plain: bool) 
             voice.say("Nothing was saved.")
             raise
         path = recording.finish()
+        camera |= read_stream(driver.source)
+        seconds = 1e-6 * (session.end_us - (session.begin_us or 0))
+        is_simulated = driver.source.is_simulated
         report = make_report(
-            session, kind, camera, is_simulated=driver.source.is_simulated, secrets=secrets
+            session,
+            kind,
+            camera,
+            is_simulated=is_simulated,
+            secrets=secrets,
+            stream=judge_stream(driver.source, plan.gel, seconds),
         )
         own_gel = None if gel_path is None else gel_file
-        settings = make_settings(session, own_gel, is_simulated=driver.source.is_simulated)
+        settings = make_settings(session, own_gel, camera, is_simulated=is_simulated)
         try:
             write_archive(out, report, session.spans, path, settings)
         except OSError as error:

@@ -11,6 +11,7 @@ from typing import Any, Final
 
 from neurotouch_hid import __version__
 from neurotouch_hid.doctor.bug_report import list_rules, make_cleaner
+from neurotouch_hid.doctor.finding import Finding
 from neurotouch_hid.doctor.hello.answers import answer_all, compare
 from neurotouch_hid.doctor.hello.rig_fitting import fit_rig_settings
 from neurotouch_hid.doctor.hello.rig_settings import FILE, GEL_FILE
@@ -38,6 +39,7 @@ def make_report(
     *,
     is_simulated: bool,
     secrets: Iterable[str] = (),
+    stream: Finding | None = None,
 ) -> dict[str, Any]:
     """Returns all that is known of a rig, ready for JSON and for publication.
 
@@ -47,9 +49,10 @@ def make_report(
         camera: what the camera says of itself.
         is_simulated: nothing of it comes from a sensor.
         secrets: serial numbers.
+        stream: what the doctor says of the data that came; None if it says nothing.
     """
     figures = session.list_figures()
-    answers = answer_all(session, kind, camera, is_simulated=is_simulated)
+    answers = answer_all(session, kind, camera, is_simulated=is_simulated, stream=stream)
     report = {
         "version": _VERSION,
         "program": f"neurotouch-hid {__version__}",
@@ -67,22 +70,29 @@ def make_report(
     return {**cleaned, "left_out": list(LEFT_OUT)}
 
 
-def make_settings(session: Session, gel: GelFile | None, *, is_simulated: bool) -> dict[str, str]:
+def make_settings(
+    session: Session,
+    gel: GelFile | None,
+    camera: Mapping[str, Any] | None = None,
+    *,
+    is_simulated: bool,
+) -> dict[str, str]:
     """Returns the texts with which the simulator makes more like this rig, by their names.
 
     Args:
         session: what was measured.
         gel: the gel's file; None for the gel of the paper.
+        camera: what the camera says of itself.
         is_simulated: the rig was a simulation.
 
     Returns:
         The settings, and the gel without its comments and without the part about making it. Empty
         if nothing was measured.
     """
-    seen = session.gel
-    settings = fit_rig_settings(
-        session.list_figures(), seen.layout, seen.missing, is_simulated=is_simulated
-    )
+    seen, figures = session.gel, session.list_figures()
+    if camera and camera.get("exposure_us", 0) is None:  # the driver has then assumed one
+        figures["exposure_us"] = None
+    settings = fit_rig_settings(figures, seen.layout, seen.missing, is_simulated=is_simulated)
     if settings is None:
         return {}
     texts = {FILE: settings.format()}

@@ -148,7 +148,7 @@ class RigSettings(Strict):
         return {} if self.readout_times is None else {"readout": self.readout_times}
 
 
-class MetRig(NamedTuple):
+class RigFile(NamedTuple):
     """A rig as its file describes it.
 
     Attributes:
@@ -162,7 +162,7 @@ class MetRig(NamedTuple):
     content: bytes
 
 
-def load_rig(path: Path) -> MetRig:
+def load_rig(path: Path) -> RigFile:
     """Returns the rig of a file that ``neurotouch hello`` wrote.
 
     Raises:
@@ -181,7 +181,7 @@ def load_rig(path: Path) -> MetRig:
     gel = ChosenGel(PAPER_GEL, b"")
     if GEL_FILE in parts:
         gel = parse_gel(parts[GEL_FILE], f"{name}/{GEL_FILE}")
-    return MetRig(settings, gel, parts[FILE])
+    return RigFile(settings, gel, parts[FILE])
 
 
 def _write(value: object) -> str:
