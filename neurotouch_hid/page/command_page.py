@@ -141,7 +141,7 @@ class _Host:
         number, key = request.get("seen"), request.get("press")
         if isinstance(number, int):
             self._seen[client] = number
-        elif key in [each[0] for each in self._shown["keys"]]:
+        elif isinstance(key, str) and key in [each[0] for each in self._shown["keys"]]:
             self.pressed.append(key)
         else:
             client.queue_message({"refused": "The page asks for something unknown. Load it again."})

@@ -20,6 +20,7 @@ def test_hello_is_done_at_the_page_by_keyboard(open_page, tmp_path):
     try:
         page = open_page(link)
         wait_for(page, "request", "Light and focus")
+        wait_for(page, "live", "of 9")  # what a screen reader says
         assert page.locator("#simulated").text_content() == "SIMULATED"
         check_rules(page, "a request")
         assert page.evaluate("document.activeElement.textContent") == "Done, next"

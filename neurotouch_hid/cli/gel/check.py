@@ -71,8 +71,8 @@ def command(
                 page = start_page(stack, [], open_browser=open_browser, **_FIRST)
             said = ""
             for seen in view.watch():
-                state = examine_frames(seen.frames, plan.gel).state
-                score = score_gel(seen, state, plan, planned=planned)
+                now = examine_frames(seen.frames, plan.gel).state
+                score = score_gel(seen, now, plan, planned=planned)
                 if page is not None:
                     is_simulated = seen.source.startswith("SIMULATED")
                     page.show(simulated=is_simulated, **_describe(score))

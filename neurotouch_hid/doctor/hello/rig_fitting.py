@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,7 +71,7 @@ def fit_rig_settings(
     if not known:
         return None
     has_events = figures.get("quiet_off_hz_per_px") is not None
-    camera = "events" if has_events else "pictures"
+    camera: Literal["events", "pictures"] = "events" if has_events else "pictures"
     return RigSettings(simulated=is_simulated, camera=camera, **known)
 
 

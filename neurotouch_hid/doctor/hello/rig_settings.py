@@ -38,7 +38,7 @@ _HEAD: Final = """\
 
 
 class RigSettings(Strict):
-    """What the simulator is told of one rig; a key that is missing was not measured."""
+    """Settings of the simulator for one rig; a key that is missing was not measured."""
 
     version: Literal[1] = Field(default=1, description="The version of this format.")
     simulated: bool = Field(
