@@ -1,6 +1,8 @@
 """Settings of the simulator that hello finds of a rig, and recordings like it."""
 
+import math
 import zipfile
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -23,13 +25,14 @@ from neurotouch_hid.errors import NeuroTouchError, ProfileError, RecordingError
 from neurotouch_hid.gel_making.plan import make_plan
 from neurotouch_hid.geometry import PAPER_GEL, Rig, fit_rig
 from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.messages import Step
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.profile.reading import parse_settings
 from neurotouch_hid.runtime import Pipeline
 from neurotouch_hid.source import open_source
 from neurotouch_hid.source.simulator import Simulator, dataset
 from neurotouch_hid.source.simulator.config import SimulatorConfig
-from neurotouch_hid.source.simulator.script import sequence
+from neurotouch_hid.source.simulator.script import Script, sequence
 from neurotouch_hid.source.simulator.strokes import push
 from neurotouch_hid.tracker import BlobFinder
 from neurotouch_hid.tracker.lattice import LatticeFinder
@@ -62,20 +65,34 @@ def plant() -> SimulatorConfig:
 _NUISANCES = {"readout": 20.0}
 
 
+def play(
+    script: Script,
+    config: SimulatorConfig,
+    nuisances: dict[str, float],
+    take: Callable[[Step], object],
+) -> None:
+    """Plays a script to a simulated rig, and hands over each step."""
+    pipeline = Pipeline.build(load_profile("default"), GestureConfig())
+    with Simulator(script, config, nuisances=nuisances, seed=3) as source:
+        for packet in source:
+            step = pipeline.advance(packet)
+            take(step)
+            pipeline.process_frames(step)
+
+
 def meet(config: SimulatorConfig, nuisances: dict[str, float]) -> Session:
     """Lets a scripted person rest and push a simulated rig, as hello asks for."""
     script = sequence("hello", push(0.0, 7.0), rest_us=_REST_US, gap_us=_GAP_US)
     done_us = [500_000, _REST_US - 100_000, script.strokes[0].end_us + _GAP_US - 100_000]
     session = Session(make_plan(load_gel_file(None).settings), "sim", PROMPTS[:3])
-    pipeline = Pipeline.build(load_profile("default"), GestureConfig())
-    with Simulator(script, config, nuisances=nuisances, seed=3) as source:
-        for packet in source:
-            step = pipeline.advance(packet)
-            session.take(step)
-            pipeline.process_frames(step)
-            if done_us and packet.t_end_us >= done_us[0]:
-                done_us.pop(0)
-                session.next()
+
+    def take(step: Step) -> None:
+        session.take(step)
+        if done_us and step.packet.t_end_us >= done_us[0]:
+            done_us.pop(0)
+            session.next()
+
+    play(script, config, nuisances, take)
     session.finish()
     return session
 
@@ -138,6 +155,18 @@ def test_rig_like_it_is_measured_alike():
     }
     assert differing == {}
     assert here["blur_px"] == pytest.approx(there["blur_px"], abs=0.1)
+
+
+def test_each_stroke_is_compared_with_what_it_leaves_itself():
+    """Before, the largest motion of any stroke since the gel was still was taken instead."""
+    usual = SimulatorConfig()
+    config = replace(usual, gel=replace(usual.gel, residue=0.05))
+    strokes = (push(0.0, 9.0), push(0.5 * math.pi, 6.0), push(math.pi, 6.0))
+    script = sequence("three", *strokes, rest_us=2_500_000, gap_us=200_000)
+    script = replace(script, duration_us=script.duration_us + 1_100_000)
+    session = Session(make_plan(load_gel_file(None).settings), "sim", guided=False)
+    play(script, config, {}, session.take)
+    assert session.list_figures()["kept_share"] == pytest.approx(0.05, abs=0.015)
 
 
 def write_zip(path: Path, parts: dict[str, str]) -> Path:
