@@ -9,6 +9,7 @@ import click
 
 from neurotouch_hid.cli.ui.options import Finite, gel_option
 from neurotouch_hid.cli.ui.output import echo
+from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 
 if TYPE_CHECKING:
     from neurotouch_hid.driver.gel_settings import ChosenGel
@@ -158,7 +159,9 @@ def command(
     chosen, rig = choose_gel(gel, "sim:"), None
     if like is not None:
         if camera is not None or gel is not None:
-            raise click.UsageError("--like brings its own camera and gel.")
+            raise WrongUsage(
+                "--like brings its own camera and gel.", hint="Leave out --camera and --gel."
+            )
         chosen, rig, more = _read_rig(like)
         nuisances = {**more, **nuisances}
     gels = [name for name in ELASTICITIES if elasticity in (name, "both")]

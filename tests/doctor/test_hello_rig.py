@@ -169,6 +169,14 @@ def test_each_stroke_is_compared_with_what_it_leaves_itself():
     assert session.list_figures()["kept_share"] == pytest.approx(0.05, abs=0.015)
 
 
+def test_camera_with_events_is_one_also_without_a_rest():
+    session = Session(make_plan(load_gel_file(None).settings), "sim", guided=False)
+    play(sequence("short", push(0.0, 7.0)), SimulatorConfig(), {}, session.take)
+    text = make_settings(session, None, is_simulated=True)[FILE]
+    assert "camera: events" in text
+    assert "shot_hz" not in text
+
+
 def write_zip(path: Path, parts: dict[str, str]) -> Path:
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in parts.items():

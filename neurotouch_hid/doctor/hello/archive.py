@@ -92,7 +92,13 @@ def make_settings(
     seen, figures = session.gel, session.list_figures()
     if camera and camera.get("exposure_us", 0) is None:  # the driver has then assumed one
         figures["exposure_us"] = None
-    settings = fit_rig_settings(figures, seen.layout, seen.missing, is_simulated=is_simulated)
+    settings = fit_rig_settings(
+        figures,
+        seen.layout,
+        seen.missing,
+        has_events=session.has_events,
+        is_simulated=is_simulated,
+    )
     if settings is None:
         return {}
     texts = {FILE: settings.format()}

@@ -34,7 +34,12 @@ _ROUNDING: Final = 1.0 / 12.0
 
 
 def fit_rig_settings(
-    figures: Figures, gel: Gel, missing: tuple[int, ...], *, is_simulated: bool
+    figures: Figures,
+    gel: Gel,
+    missing: tuple[int, ...],
+    *,
+    has_events: bool,
+    is_simulated: bool,
 ) -> RigSettings | None:
     """Returns the simulator's settings of a rig; None if nothing was measured.
 
@@ -45,6 +50,7 @@ def fit_rig_settings(
         figures: what was measured, as of ``Session.list_figures``.
         gel: the gel.
         missing: dots that were not seen, as places in ``Gel.points_mm``.
+        has_events: the camera sends events.
         is_simulated: the rig was a simulation.
     """
     blur_px = _fit_blur(figures, gel)
@@ -70,7 +76,6 @@ def fit_rig_settings(
     known = {name: value for name, value in found.items() if _is_possible(name, value)}
     if not known:
         return None
-    has_events = figures.get("quiet_off_hz_per_px") is not None
     camera: Literal["events", "pictures"] = "events" if has_events else "pictures"
     return RigSettings(simulated=is_simulated, camera=camera, **known)
 

@@ -116,6 +116,7 @@ class Session:
         spans: what is done.
         score: light and focus, as they were judged last; None before the first frames.
         gel: the gel as it was seen last.
+        has_events: the source sends events.
         rig: where the gel was in the canonical picture at rest; None before.
         n_prompts: number of prompts.
         begin_us, end_us: sensor time so far; None before the first slice.
@@ -133,6 +134,7 @@ class Session:
         self.spans: list[Span] = []
         self.score: GelScore | None = None
         self.gel = GelState(layout=plan.gel)
+        self.has_events = False
         self.rig: Rig | None = None
         self.begin_us: int | None = None
         self.end_us = 0
@@ -182,6 +184,7 @@ class Session:
             self.begin_us = self._asked_us = packet.t_begin_us
         self.end_us, self._step, self.gel, self._view = packet.t_end_us, step, step.gel, view
         self._frames += packet.frames
+        self.has_events |= len(packet.events) > 0
         stroke = self._finder.take(step)
         prompt = self.prompt
         if prompt is None:
