@@ -160,7 +160,7 @@ def command(
     if like is not None:
         if camera is not None or gel is not None:
             raise WrongUsage(
-                "--like brings its own camera and gel.", hint="Leave out --camera and --gel."
+                "Option --like brings its own camera and gel.", hint="Leave out --camera and --gel."
             )
         chosen, rig, more = _read_rig(like)
         nuisances = {**more, **nuisances}
