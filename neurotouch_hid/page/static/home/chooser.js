@@ -103,9 +103,11 @@ export function makeChooser(dialog, { bind, closed, isQuiet }) {
 
   return {
     setOutputs(given) {
+      const chosen = find("group-choice").value;
       groups = given;
       find("group-choice").replaceChildren(...groups.map(({ name }) =>
         element("option", { value: name, text: name })));
+      if (dialog.open && groups.length) showGroup(chosen || groups[0].name); // it came late
     },
     name: (output) => nameOutput(groups, output),
     // `instead` is the key of the binding it replaces; without it, the first one of the movement.
