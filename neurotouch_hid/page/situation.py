@@ -111,7 +111,7 @@ def _judge_other(*, waits: bool) -> Situation:
     if not _can_make_pad():
         return Situation("no_pad", f"{text} But no gamepad can be made.", "Fix: neurotouch setup")
     source = "video:" if start == "webcam" else "events:"
-    step = f"If it looks at a gel: neurotouch run --source {source} Else: neurotouch demo"
+    step = f"Without a gel: neurotouch demo. With one: neurotouch run --source {source}"
     return Situation("ready", text, step, start=start)
 
 

@@ -5,6 +5,7 @@ import time
 
 import pytest
 
+from neurotouch_hid.cli.session import _Link
 from neurotouch_hid.cli.session_window import WindowTeller, find_desktop
 from neurotouch_hid.client import ask_status
 from tests.cli.test_session import place, wait  # noqa: F401  # a fixture
@@ -69,6 +70,15 @@ def test_a_file_with_errors_is_said_once(teller):
     (sentence,) = said
     assert "no profile follows a window" in sentence
     assert "driver.yaml" in sentence
+
+
+def test_the_session_looks_at_the_file(teller):
+    _, folder, _, _ = teller
+    said = []
+    with _Link(1, lambda _: True, said.append) as link:
+        (folder / "neurotouch/driver.yaml").write_text("version: 1\napplications: game\n")
+        link.look(0.0)
+    assert "no profile follows a window" in said[0]
 
 
 def test_the_machine_s_applications_apply_to_who_has_none(teller):
