@@ -98,6 +98,8 @@ def _judge_other(*, waits: bool) -> Situation:
     from neurotouch_hid.source.video.plugged import list_webcams  # noqa: PLC0415  # as above
 
     start = _find_other_start()
+    if waits and not _can_make_pad():  # beside a service, which alone has the right
+        start = ""
     if not start:
         if not waits and list_webcams():
             text = "Webcam found, but you may not use it."
