@@ -53,7 +53,9 @@ def find_situation(*, waits: bool = False) -> Situation:
 
 
 def find_start() -> StartName:
-    """Returns the driver that can be started with the best camera that is plugged in."""
+    """Returns the driver that can move a gamepad with the best camera that is plugged in."""
+    if not _can_make_pad():
+        return ""
     from neurotouch_hid.source.davis.enumeration import find_cameras  # noqa: PLC0415  # needs USB
 
     if any(not info.reason for info in find_cameras()):

@@ -95,6 +95,8 @@ def test_in_place_of_a_simulated_gel_only_a_camera_that_can_be_used_is_offered(m
     assert find_start() == "webcam"
     machine(make_camera(), webcam="readable")
     assert find_start() == "camera"
+    machine(make_camera(), pad=False)
+    assert find_start() == ""
 
 
 def test_webcams_are_the_first_nodes_of_cameras_at_the_usb(tmp_path):
