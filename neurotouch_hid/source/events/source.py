@@ -17,11 +17,11 @@ from neurotouch_hid.source.events.enumeration import (
     EventCameraInfo,
     choose_event_camera,
     find_event_cameras,
-    list_plugged,
 )
 from neurotouch_hid.source.events.gel_place import find_region, place_gel
 from neurotouch_hid.source.events.library import Device, Library, Status, load_library
 from neurotouch_hid.source.events.models import make_configuration, make_ring
+from neurotouch_hid.source.events.plugged import list_plugged
 from neurotouch_hid.source.events.reader import ClockJumpError, PacketReader
 from neurotouch_hid.source.idle import IdleMerger
 from neurotouch_hid.source.strobe.decoder import Strobe
