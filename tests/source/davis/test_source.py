@@ -174,6 +174,44 @@ def test_a_camera_rests_while_nothing_happens_and_wakes_up_at_the_first_motion()
         assert asked(camera)[woke - 1 : woke + 1] == WAKE
 
 
+def play_motion(camera, source, stream, n):
+    """The lengths of n slices after a camera at rest has seen the first motion, in µs."""
+    source.set_activity(is_idle=True)
+    polled, lengths_us = source.poll(), []
+    for packet in polled:
+        camera.script.append(next(stream) + BURST if lengths_us else next(stream))
+        if packet is not None and (lengths_us or packet.t_end_us > 200_000):
+            lengths_us.append(packet.t_end_us - packet.t_begin_us)
+        if len(lengths_us) == n:
+            return lengths_us
+    raise AssertionError("the source has ended")
+
+
+def test_slices_come_in_parts_while_the_gel_moves():
+    camera = ScriptedCamera()
+    with open_camera(camera, slice_us=4_000, part_us=1_000) as source:
+        lengths_us = play_motion(camera, source, noise(), 40)
+    assert 1_000 in lengths_us
+    assert lengths_us[-1] == 1_000
+
+
+def test_slices_of_a_chosen_length_stay_as_they_are():
+    camera = ScriptedCamera()
+    with open_camera(camera, slice_us=4_000) as source:
+        assert 1_000 not in play_motion(camera, source, noise(), 40)
+
+
+def test_a_pipeline_that_is_behind_gets_whole_slices():
+    camera = ScriptedCamera()
+    with open_camera(camera, slice_us=4_000, part_us=1_000) as source:
+        play_motion(camera, source, stream := noise(), 40)
+        camera.script += [next(stream) + BURST for _ in range(15)]
+        while camera.script:
+            time.sleep(0.001)
+        lengths_us = [packet.t_end_us - packet.t_begin_us for packet in take(source, 8)]
+    assert lengths_us[-1] == 4_000
+
+
 def test_a_resting_camera_that_does_not_answer_but_sends_is_asked_again():
     camera, stream = ScriptedCamera(), noise()
 
