@@ -48,7 +48,7 @@ class SlicePacer:
         self._n_waiting = 0
         self._passes = True
         self._n_events = self._length_us = 0  # of the usual slice so far
-        self._calm_us = self._still_us = 0
+        self._calm_us, self._still_us = 0, MOVED_US + 1
         self._mean = self._deviation = 0.0
         self._n_heard = 0
 
@@ -65,7 +65,7 @@ class SlicePacer:
     @property
     def is_moving(self) -> bool:
         """True while more events come than the noise makes, and a little longer."""
-        return self._n_heard > 0 and self._still_us <= MOVED_US
+        return self._still_us <= MOVED_US
 
     def take(self, packet: EventPacket) -> tuple[EventPacket, ...]:
         """Returns nothing, or this slice joined with all slices that waited.
@@ -82,14 +82,14 @@ class SlicePacer:
             return ()
         n_events, length_us = self._n_events, self._length_us
         self._n_events = self._length_us = 0
-        is_noise = self._is_noise(n_events) and not packet.gap
+        is_noise = self._is_noise(n_events)
         self._still_us = self._still_us + length_us if is_noise else 0
         if not self.is_idle:
             self._calm_us = 0
             self._passes = True
             return self._release(packet)
         self._learn(n_events)
-        self._calm_us = self._calm_us + length_us if is_noise else 0
+        self._calm_us = self._calm_us + length_us if is_noise and not packet.gap else 0
         begin_us = self._waiting[0].t_begin_us if self._waiting else packet.t_begin_us
         n_next = self._n_waiting + len(packet.events) + n_events  # with one more like this
         if (
