@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from neurotouch_hid.device import check_device
 from neurotouch_hid.driver import REFERENCE, DeviceKind, Driver
 from neurotouch_hid.errors import DeviceError
-from neurotouch_hid.evaluation.speed.workload import DenseSource, load_scene
+from neurotouch_hid.evaluation.speed.workload import TOUR_US, DenseSource, load_scene
 from neurotouch_hid.messages import Step
 from neurotouch_hid.process.realtime import realtime_priority
 from neurotouch_hid.source.opening import LIVE_US
@@ -140,7 +140,8 @@ def find_dot_events(name: str, seconds: float) -> NDArray[np.int64]:
     Returns:
         (n,) int64 µs, ascending.
     """
-    packets = load_scene(name, LIVE_US, is_noisy=False).packets
+    most_us = min(TOUR_US, math.ceil(1e6 * seconds))
+    packets = load_scene(name, LIVE_US, most_us, is_noisy=False).packets
     once_us = np.concatenate([packet.events["t"] for packet in packets])
     length_us = packets[-1].t_end_us - packets[0].t_begin_us
     return np.concatenate(
