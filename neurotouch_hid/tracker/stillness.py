@@ -98,4 +98,5 @@ def _measure(
     before_px: NDArray[np.float64], now_px: NDArray[np.float64]
 ) -> tuple[int, float, float]:
     match = np.empty(len(before_px), np.int32)
-    return matching.measure_shared(before_px, now_px, _GATE_PX, _REACH_PX, match)
+    n, swing_px, bent_px = matching.measure_shared(before_px, now_px, _GATE_PX, _REACH_PX, match)
+    return int(n), float(swing_px), float(bent_px)
