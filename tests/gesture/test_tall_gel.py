@@ -70,9 +70,7 @@ def test_a_push_is_one_contact_as_far_as_the_gel_goes(gel, centre, drag, knock_m
     assert gesture.intensity_mm == pytest.approx(far_mm, rel=0.09)
 
 
-@pytest.mark.parametrize(
-    ("centre", "drag"), [((0.5, -4.0), (0.6, 7.1)), ((6.0, -6.5), (4.0, 3.7))]
-)
+@pytest.mark.parametrize(("centre", "drag"), [((0.5, -4.0), (0.6, 7.1)), ((6.0, -6.5), (4.0, 3.7))])
 def test_a_push_that_presses_deep_is_one_contact(gel, centre, drag):
     gesture, far_mm = play([centre], [(*drag, 0.0)], depth_mm=6.5)
     assert gesture.kind is GestureKind.PUSH
