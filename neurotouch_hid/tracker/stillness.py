@@ -16,11 +16,11 @@ _PAIRED: Final = 0.8  # of the dots are seen again; noise hides some, and makes 
 
 @dataclass(frozen=True, slots=True)
 class StillConfig:
-    """When a gel is still.
+    """Limits within which a gel counts as still.
 
     Attributes:
-        still_us: for so long.
-        least_frames: and in as many frames, of a camera that sends few.
+        still_us: nothing must move for this time.
+        least_frames: the least number of frames in this time, for a camera that sends few.
         max_bent_px: largest motion that neighbours share between two frames.
         max_all_bent_px: the same since the first frame: a gel that sinks back is not still.
         max_swing_px: largest motion of everything between two frames. A fan that shakes the rig
