@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 NU, CLAMP = 0.49, 31.0
-HEIGHT, ASIDE, VIEW, NEAR, STEP = 8.0, 18.0, 100.0, 9.0, 0.8
+HEIGHT, VIEW, NEAR, STEP = 20.0, 100.0, 9.0, 0.8
 
 
 def window(x, y):
@@ -78,7 +78,7 @@ def presses(points, centres, radii):
         for (cx, cy), a in zip(centres, radii, strict=True):
             r2 = (x - cx) ** 2 + (y - cy) ** 2
             depth = 1 - 0.5 * r2 / a**2 if r2 < a**2 else 0.5 * (a**2 / r2) ** 0.75
-            flow = a**2 / (2 * HEIGHT * (ASIDE**2 + r2))
+            flow = a**2 / (2 * HEIGHT * (a**2 + r2))
             row.append([depth / VIEW * x + flow * (x - cx), depth / VIEW * y + flow * (y - cy)])
         rows.append(np.transpose(row))
     return np.array(rows)

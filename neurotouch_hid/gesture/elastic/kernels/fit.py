@@ -28,8 +28,7 @@ GRADIENT_MM = 0.8  # step of finite differences; it blurs the patch's edge, as t
 DRAG_MM = 20.0  # prior width of a drag, hardly a limit
 TURN_RAD = 0.4  # prior width of a finger's turn about its centre
 PRESS_MM = 1.5  # prior width of a press
-HEIGHT_MM = 8.0  # of the gel under a finger; gel that is pressed down flows aside ...
-ASIDE_MM = 18.0  # ... most at this distance: nearer, it sticks to the finger
+HEIGHT_MM = 20.0  # height of the gel under a finger; gel that is pressed down flows aside
 OFFSET_MM = 0.2  # prior width of a shift of the whole gel, by a knock at the table
 SWAY_RAD = 0.01  # prior width of a turn of the whole gel under the camera
 SHEAR_SHARE = 0.25  # prior width of the shear of the whole gel, in largest motions ...
@@ -185,7 +184,7 @@ def build_columns(
             r2 = dx * dx + dy * dy
             far = 0.5 * ratio[i] * math.sqrt(ratio[i])
             depth = 1.0 - 0.5 * r2 / (a * a) if r2 < a * a else far
-            flow = a * a / (2.0 * HEIGHT_MM * (ASIDE_MM * ASIDE_MM + r2))
+            flow = a * a / (2.0 * HEIGHT_MM * (a * a + r2))
             press[0, i] = depth / VIEW_MM * x[i] + flow * dx
             press[1, i] = depth / VIEW_MM * y[i] + flow * dy
     for b in range(3 * k):
