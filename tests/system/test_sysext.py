@@ -68,7 +68,7 @@ def make_older(image: Path, folder: Path) -> None:
     # It is believed without a look at the source.
     for path in module.parent.glob("__pycache__/__init__.*.pyc"):
         path.unlink()
-    command = ["mksquashfs", str(content), str(folder / "older.raw"), "-all-root"]
+    command = ["mksquashfs", str(content), str(folder / "older.raw"), "-all-root", "-comp", "zstd"]
     subprocess.run([*command, *quiet], check=True)
     shutil.rmtree(content)
 
