@@ -112,6 +112,10 @@ def test_the_renewed_program_plays(seen):
 def test_removed_it_leaves_no_trace(seen):
     assert seen["uninstall"]["code"] == 0, seen["uninstall"]["err"]
     assert seen["last_refresh"]["code"] == 0, seen["last_refresh"]["err"]
-    for what in ("version", "files", "mounts", "loops", "allowed"):
+    for what in ("version", "mounts"):
         assert seen["after"][what] == seen["before"][what], what
+    left = set(seen["after"]["files"]) - set(seen["before"]["files"])
+    assert all(path.startswith("/run/user/") for path in left), "it goes at the end of the session"
+    assert not seen["after"]["allowed"]["/dev/uinput"]
+    assert "stays open to you until it is unplugged" in seen["uninstall"]["out"]
     assert not seen["after"]["failed_units"]

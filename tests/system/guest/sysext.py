@@ -141,7 +141,6 @@ def _look() -> dict[str, Any]:
         "allowed": find_allowed("/dev/uinput", find_camera() or ""),
         "usr_is_read_only": run("touch", "/usr/bin/written")["code"] != 0,
         "mounts": run("findmnt", "--noheadings", "--output=FSTYPE", "/usr")["out"].split(),
-        "loops": run("losetup", "--noheadings", "--list", "--output=BACK-FILE")["out"].split(),
         "failed_units": run("systemctl", "--failed", "--no-legend", "--plain")["out"],
     }
 
