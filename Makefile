@@ -13,7 +13,7 @@ WHEELHOUSE := .cache/wheelhouse
 EPOCH := $(shell git log -1 --format=%ct 2>/dev/null || echo 315532800)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint kernel docs pictures fuzz mutants soak room bench dist deb sysext lock try-package system-test clean
+.PHONY: help demo test test-python lint kernel docs pictures fuzz mutants soak room bench dist deb sysext lock try-package system-test clean
 
 help: ## list the tasks
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -23,6 +23,9 @@ demo: $(VENV)/.runtime ## set up, then let a simulated gel drive the pad (SECOND
 
 test: $(VENV)/.dev ## set up, then run all tests (real-kernel tests where QEMU is installed)
 	$(BIN)/pytest -n auto --no-loadscope-reorder
+
+test-python: ## the quick tests with the newest libraries that PYTHON=python3.14 can have, or SET=oldest
+	$(PYTHON) -m tests.other_python $(or $(SET),newest)
 
 lint: $(VENV)/.dev ## ruff, mypy --strict, import contracts, spelling, workflows, citation
 	$(BIN)/ruff check

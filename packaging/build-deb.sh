@@ -1,5 +1,5 @@
 #!/bin/sh
-# Builds the Debian package for the Debian it runs on, without network; the same bytes each time.
+# Builds the package for the Debian or Ubuntu it runs on, without network; the same bytes each time.
 # Use: packaging/build-deb.sh WHEEL WHEELHOUSE OUTPUT-FOLDER (make deb does)
 set -eu
 
@@ -18,7 +18,9 @@ fi
 
 : "${SOURCE_DATE_EPOCH:=$(git log -1 --format=%ct)}"
 export SOURCE_DATE_EPOCH
-version=$(basename "$wheel" | cut -d- -f2)+deb$(. /etc/os-release && echo "$VERSION_ID")
+# Debian's testing release has no number.
+release=$(. /etc/os-release && echo "$ID${VERSION_ID:-$VERSION_CODENAME}" | sed 's/^debian/deb/')
+version=$(basename "$wheel" | cut -d- -f2)+$release
 
 top=$(mktemp -d)
 trap 'rm -rf "$top"' EXIT

@@ -13,7 +13,7 @@ from pydantic_core import PydanticCustomError
 from neurotouch_hid.client import ask
 from neurotouch_hid.driver.making_settings import Making
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_bytes
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, may_be_there, read_bytes
 from neurotouch_hid.geometry import (
     PAPER_GEL,
     Gel,
@@ -338,7 +338,7 @@ def find_gel_file(
         if beside.exists():
             return beside
     own = find_gel_folder(player) / FILE
-    return own if personal and own.exists() else None
+    return own if personal and may_be_there(own) else None
 
 
 class ChosenGel(NamedTuple):
@@ -399,7 +399,7 @@ def _read_file(path: Path) -> bytes:
         ProfileError: it is missing, or cannot be read.
     """
     name = make_printable(str(path))
-    if not path.exists():
+    if not may_be_there(path):
         raise ProfileError(
             f"There is no gel file '{name}'.",
             hint=f"Give the path of a file, or a NAME: {find_gel_folder()}/NAME{SUFFIX}.",

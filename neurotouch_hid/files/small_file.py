@@ -22,6 +22,20 @@ _KINDS: Final = (
 )
 
 
+def may_be_there(path: Path) -> bool:
+    """Returns False only if there is certainly no such file; what else is wrong, reading it says.
+
+    ``Path.exists`` says no from Python 3.14 on also where nobody may look.
+    """
+    try:
+        path.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    except OSError:
+        return True
+    return True
+
+
 def read_text(path: Path, most: int) -> str:
     """Returns the text of a file, with its own ends of lines.
 

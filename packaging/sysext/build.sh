@@ -18,8 +18,8 @@ trap 'rm -rf "$top"' EXIT
 "$here/lay-out.sh" "$top" "$wheel" "$wheelhouse"
 release=$top/usr/lib/extension-release.d/extension-release.neurotouch-hid
 mkdir -p "$(dirname "$release")"
-# Any system: it needs only glibc and this Python. /etc stays as it is: 'neurotouch setup' writes the
-# rules there, which the image could not do in time for udev.
+# Any system: it needs only glibc, libusb and this Python. /etc stays as it is: 'neurotouch setup' writes
+# the rules there, which the image could not do in time for udev.
 printf 'ID=_any\nARCHITECTURE=x86-64\n' > "$release"
 chmod -R u=rwX,go=rX "$top"
 mksquashfs "$top" "$output/neurotouch-hid.raw" -noappend -all-root -no-xattrs -comp zstd -quiet \

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from neurotouch_hid.files.small_file import read_bytes, read_text
+from neurotouch_hid.files.small_file import may_be_there, read_bytes, read_text
 
 
 def refusal(path, most=100):
@@ -44,6 +44,17 @@ def test_a_missing_file_and_names_that_are_none(tmp_path):
         assert refusal(tmp_path / name) == "no file can have this name"
     (tmp_path / "loop").symlink_to("loop")
     assert refusal(tmp_path / "loop") == os.strerror(errno.ELOOP)
+
+
+def test_only_what_is_certainly_missing_is_taken_for_missing(tmp_path):
+    (tmp_path / "file").touch()
+    (tmp_path / "loop").symlink_to("loop")
+    assert may_be_there(tmp_path / "file")
+    assert not may_be_there(tmp_path / "none")
+    assert not may_be_there(tmp_path / "file/none")
+    for path in (tmp_path / ("x" * 300), tmp_path / "loop"):
+        assert may_be_there(path)
+        assert refusal(path)
 
 
 def test_what_is_no_text(tmp_path):

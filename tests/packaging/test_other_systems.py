@@ -6,6 +6,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
 
 from neurotouch_hid import __version__
 
@@ -41,6 +42,17 @@ def normalise(name: str) -> str:
 def test_version_is_that_of_the_program(file, pattern):
     found = re.search(pattern, (PACKAGING / file).read_text(), re.MULTILINE)
     assert found[1] == __version__
+
+
+@pytest.mark.parametrize(
+    ("machine", "name"), [("x86_64", "evdev-binary"), ("aarch64", "evdev"), ("riscv64", "evdev")]
+)
+def test_every_processor_gets_an_evdev_that_exists_for_it(machine, name):
+    """evdev-binary has wheels for x86-64 only, and no source: elsewhere pip would find nothing."""
+    there = {"sys_platform": "linux", "platform_machine": machine}
+    requirements = map(Requirement, PROJECT["dependencies"])
+    named = [each for each in requirements if each.name.startswith("evdev")]
+    assert [each.name for each in named if each.marker.evaluate(there)] == [name]
 
 
 def test_flake_has_every_library():

@@ -75,8 +75,16 @@ def test_pictures_and_times_are_the_same(tmp_path, ending, codec, pixels, option
 
 
 def change_edit(path, n_entry, *, lasts=None, first=None, speed=None, count=None):
-    """Changes an entry of a clip's edit list, as a program that trims does; ms and µs."""
+    """Changes an entry of a clip's edit list, as a program that trims does.
+
+    ``lasts`` is in ms, ``first`` in ticks of the track. The clip's header says how many ticks of
+    its own a second has: 1,000 with older versions of FFmpeg, those of the track with newer ones.
+    """
     data = bytearray(path.read_bytes())
+    if lasts is not None:
+        header = data.index(b"mvhd") + 4
+        assert data[header] == 0
+        lasts = lasts * struct.unpack_from(">I", data, header + 12)[0] // 1000
     at = data.index(b"elst")
     assert data[at + 4] == 0
     if count is not None:

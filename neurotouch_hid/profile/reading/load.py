@@ -1,7 +1,6 @@
 """Reads profiles and the user's file: every mistake at once, with line, column and a fix."""
 
 from collections.abc import Callable, Collection
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Generic, TypeVar
@@ -10,7 +9,12 @@ from pydantic import BaseModel, ValidationError
 
 from neurotouch_hid.errors import ProfileError, require_type
 from neurotouch_hid.files.faults import Fault, Mark, format_faults, format_path, suggest
-from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, find_real_path, read_bytes
+from neurotouch_hid.files.small_file import (
+    MAX_SETTINGS_BYTES,
+    find_real_path,
+    may_be_there,
+    read_bytes,
+)
 from neurotouch_hid.files.yaml_document import Node, find_mark, parse_document
 from neurotouch_hid.players import find_machine_folder, find_user_file
 from neurotouch_hid.printable import make_printable
@@ -146,10 +150,7 @@ def load_user(*, player: int | None = None, folder: Path | None = None) -> UserS
 def find_values(player: int | None = None, folder: Path | None = None) -> Path:
     """Returns the file whose values apply, the person's or the machine's; it need not exist."""
     own = find_user_file(player, folder)
-    with suppress(OSError):  # it may be there, and reading it says what is wrong
-        if not own.exists():
-            return find_user_file(player, find_machine_folder())
-    return own
+    return own if may_be_there(own) else find_user_file(player, find_machine_folder())
 
 
 def load_unused() -> tuple[str, ...]:
@@ -171,9 +172,8 @@ def load_settings(path: Path, model: type[Model]) -> Model:
     Raises:
         ProfileError: as ``load_profile``.
     """
-    with suppress(OSError):  # it may be there, and reading it says what is wrong
-        if not path.exists():
-            return model()
+    if not may_be_there(path):
+        return model()
     return parse_settings(_read(path), make_printable(str(path)), model)
 
 

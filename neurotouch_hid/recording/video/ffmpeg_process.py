@@ -46,11 +46,14 @@ def _limit() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the command that wants pictures
     pages = int(Path("/proc/self/statm").read_text().split()[0])
     most = pages * resource.getpagesize() + _MOST_MORE_BYTES
+    # FFmpeg copies the input to the first free number. libffi 3.5 keeps a file open: it is not 3.
+    free = os.dup(0)
+    os.close(free)
     for limit, value in (
         (resource.RLIMIT_AS, most),
         (resource.RLIMIT_CORE, 0),
         (resource.RLIMIT_FSIZE, 0),
-        (resource.RLIMIT_NOFILE, 4),  # in, out, errors, and a copy of in
+        (resource.RLIMIT_NOFILE, free + 1),
     ):
         resource.setrlimit(limit, (value, value))
 

@@ -36,11 +36,8 @@ _LEAVING_OUT = ("-not", "-path", "/var/cache/apt/*", "-not", "-path", "/var/log/
 def set_up(desk: Desk) -> dict[str, Any]:
     """``neurotouch setup`` out of the checkout, for who installs with pip; then taken back."""
     desk.camera.plug()
-    camera = wait_for(_find_camera)
+    camera = wait_for(find_camera)
     nodes = ("/dev/uinput", camera)
-
-    def allowed() -> dict[str, bool]:
-        return {n: run_as(PLAYER, "python3", "-c", _OPEN, n)["code"] == 0 for n in nodes}
 
     def setup(*options: str) -> dict[str, Any]:
         said = subprocess.run(
@@ -51,9 +48,10 @@ def set_up(desk: Desk) -> dict[str, Any]:
         )
         return {"code": said.returncode, "out": said.stdout, "err": said.stderr}
 
-    saw = {"before": allowed(), "dry_run": setup("--dry-run"), "after_dry_run": allowed()}
-    saw |= {"installed": setup("--yes"), "after": allowed()}
-    saw |= {"uninstalled": setup("--uninstall", "--yes"), "in_the_end": allowed()}
+    saw = {"before": find_allowed(*nodes), "dry_run": setup("--dry-run")}
+    saw |= {"after_dry_run": find_allowed(*nodes)}
+    saw |= {"installed": setup("--yes"), "after": find_allowed(*nodes)}
+    saw |= {"uninstalled": setup("--uninstall", "--yes"), "in_the_end": find_allowed(*nodes)}
     desk.camera.pull()
     saw["left"] = [str(path) for path in Path("/etc").rglob("*neurotouch*")]
     return saw
@@ -75,7 +73,7 @@ def install(desk: Desk) -> dict[str, Any]:
     run("cp", "-r", str(desk.results / "compiled-service"), str(_CACHE))
     run("chmod", "-R", "a+rwX", str(_CACHE))
     desk.camera.plug()
-    wait_for(_find_camera)
+    wait_for(find_camera)
     done = _install(desk)
     begun = time.monotonic()
     pad = wait_for(find_pad)
@@ -99,7 +97,7 @@ def look_at_rights(desk: Desk) -> dict[str, Any]:
 
 def _look_while_it_plays() -> dict[str, Any]:
     wait_for(lambda: run_as(PLAYER, "test", "-r", find_pad() or "")["code"] == 0, 30)
-    pid, camera = main_pid(), _find_camera() or ""
+    pid, camera = main_pid(), find_camera() or ""
     status = read_status(pid)
     return {
         "show": show("User", "Type", "NRestarts", "SubState", "StatusText", "OpenFile"),
@@ -110,10 +108,7 @@ def _look_while_it_plays() -> dict[str, Any]:
             "group": run("stat", "-c", "%G", camera)["out"].strip(),
         },
         "pad": describe_node(find_pad() or ""),
-        "player": {
-            node: run_as(PLAYER, "python3", "-c", _OPEN, node)["code"] == 0
-            for node in ("/dev/uinput", camera)
-        },
+        "player": find_allowed("/dev/uinput", camera),
         "holds": sorted({_read_link(link) for link in Path(f"/proc/{pid}/fd").iterdir()}),
     }
 
@@ -202,7 +197,7 @@ def _choose(desk: Desk) -> dict[str, Any]:
 
 def purge(desk: Desk) -> dict[str, Any]:
     """Everything taken out again, with the camera in."""
-    camera = _find_camera() if desk.camera else None
+    camera = find_camera() if desk.camera else None
     own = (
         _CACHE,
         Path("/etc/neurotouch"),
@@ -226,11 +221,16 @@ def purge(desk: Desk) -> dict[str, Any]:
     }
     if camera:
         saw |= {"uinput": describe_node("/dev/uinput"), "camera": describe_node(camera)}
-        saw["still_plugged"] = bool(_find_camera())
+        saw["still_plugged"] = bool(find_camera())
     return saw
 
 
-def _find_camera() -> str | None:
+def find_allowed(*nodes: str) -> dict[str, bool]:
+    """Which of the nodes the player may open, by path."""
+    return {node: run_as(PLAYER, "python3", "-c", _OPEN, node)["code"] == 0 for node in nodes}
+
+
+def find_camera() -> str | None:
     """The camera's node."""
     for vendor in Path("/sys/bus/usb/devices").glob("*/idVendor"):
         try:
