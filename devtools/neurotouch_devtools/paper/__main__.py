@@ -73,7 +73,7 @@ def _make(options: argparse.Namespace) -> list[str]:
     checksums = write_edition(work / "edition", parts, jobs=options.jobs, progress=_say)
     _say_bytes(checksums)
     folders = {part.folder: work / part.folder for part in HARD}
-    folders |= {part.folder: work / "edition" / part.folder for part in parts}
+    folders |= {part.folder: work / "edition" / part.folder for part in list_parts("judge")}
     evaluations = {method: _evaluate(folders, method, options.jobs) for method in METHODS}
     results = list(_list_all(evaluations))
     pictures = _draw({method: of["hard"] for method, of in evaluations.items()})
@@ -107,7 +107,7 @@ def find_differences(
 
 
 def _evaluate(folders: Mapping[str, Path], method: str, jobs: int) -> dict[str, Evaluation]:
-    """Returns the results by set: ``hard``, ``open``, ``judge``, and each part of the last one."""
+    """Returns the results by set: ``hard``, ``judge``, and each part of the latter."""
     of_part = {
         part: sorted([*folder.glob("*.aedat4"), *folder.glob("*.mkv")])
         for part, folder in folders.items()
