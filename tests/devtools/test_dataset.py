@@ -18,8 +18,8 @@ from neurotouch_devtools.dataset.__main__ import OF_EDITION
 from neurotouch_hid.recording import labels_path, read_labels
 
 TINY = (
-    Part("open/events", "tiny", 5, 1, 0.8, "solid", {"dust": 5.0}),
-    Part("open/film", "tiny", 6, 1, 0.8, "half-space", {"uvc": 60.0, "mjpeg": 70.0}, "rings"),
+    Part("open/events", "tiny", 5, 1, 0.7, "solid", {"dust": 5.0}),
+    Part("open/film", "tiny", 6, 1, 0.7, "half-space", {"uvc": 60.0, "mjpeg": 70.0}, "rings"),
 )
 
 

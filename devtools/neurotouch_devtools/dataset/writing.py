@@ -18,6 +18,7 @@ from neurotouch_hid.source.simulator.dataset import Progress, write_dataset
 
 GELS: Final = Path(__file__).parent / "gels"
 STEP: Final = 0.25  # of a part, between two lines of progress
+LEAST_S: Final = 1.0  # what is only found finished has none
 
 _LICENCE: Final = """\
 This data set is licensed under the Creative Commons Attribution 4.0 International licence,
@@ -123,9 +124,9 @@ def _make_part(folder: Path, command: str, part: Part) -> list[Path]:
     def tell(now: Progress) -> None:
         nonlocal told
         share = (now.n_done + now.share) / now.n_files
-        if share >= told + STEP and share < 1.0:
+        spent_s = time.process_time() - begun_s
+        if share >= told + STEP and share < 1.0 and spent_s >= LEAST_S:
             told = share
-            spent_s = time.process_time() - begun_s
             print(f"  {part.folder}: {share:.0%}, {spent_s:.0f} s", file=sys.stderr, flush=True)
 
     return write_dataset(
