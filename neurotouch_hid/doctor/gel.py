@@ -1,5 +1,6 @@
 """Checks the camera's data: events and frames, the gel with its markers, and its rest."""
 
+import math
 import time
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
@@ -315,13 +316,17 @@ def measure_contrast(pixels: NDArray[np.uint8]) -> float:
 
 
 def _collect(source: str, packets: Iterable[EventPacket], *, is_video: bool) -> Seen:
-    """Collects packets for five seconds, by the camera's clock or ours, whichever ends first."""
-    deadline = time.monotonic() + 2 * LOOK_S
+    """Collects packets for five seconds, by the camera's clock or ours, whichever ends first.
+
+    Our clock begins with the first packet: the simulator compiles its kernels before it.
+    """
+    deadline = math.inf
     frames: list[Frame] = []
     events = lost = 0
     begin_us = end_us = None
     for packet in packets:
-        begin_us = packet.t_begin_us if begin_us is None else begin_us
+        if begin_us is None:
+            begin_us, deadline = packet.t_begin_us, time.monotonic() + 2 * LOOK_S
         end_us = packet.t_end_us
         events += len(packet.events)
         lost += packet.gap

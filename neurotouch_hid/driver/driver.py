@@ -35,6 +35,7 @@ from neurotouch_hid.geometry import Gel
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import Step
 from neurotouch_hid.players import find_runtime_folder
+from neurotouch_hid.process.arenas import share_arenas
 from neurotouch_hid.process.realtime import realtime_priority
 from neurotouch_hid.profile import Profile
 from neurotouch_hid.runtime import LoopStats, Pipeline, Tap, run_pipeline
@@ -203,6 +204,7 @@ class Driver(Closing):
 
     def _open(self) -> None:
         options, closing = self.options, self._closing
+        share_arenas()
         chosen = self._choose()
         socket = self._listen() if options.is_listening else None
         if self._is_loaded_first():

@@ -90,7 +90,7 @@ class LabelHost:
                 client.queue_message({"moment": self._describe_moment(self._read_moment(request))})
                 return
             async with self._turn:
-                about = self._carry_out(request)
+                about = self._read_change(request)()
                 sheet = self._describe_sheet()
                 try:
                     labels = self.sheet.labels.part(0, len(self._moments) - 1)
@@ -103,28 +103,31 @@ class LabelHost:
             hint = f" {error.hint}" if error.hint else ""
             client.queue_message({"refused": f"{error.message}{hint}", "n": n})
 
-    def _carry_out(self, request: Mapping[str, Any]) -> str:
-        """Changes the sheet; returns what was done."""
+    def _read_change(self, request: Mapping[str, Any]) -> Callable[[], str]:
+        """Returns what changes the sheet as a page asks, and says what was done."""
         sheet = self.sheet
-        verbs: dict[Any, Callable[[], str]] = {
-            "confirm": lambda: sheet.accept(*_read_range(request)),
-            "confirm_rest": sheet.accept_rest,
-            "type": lambda: sheet.set_kind(*_read_range(request), _KINDS[request["kind"]]),
-            "clear": lambda: sheet.clear(*_read_range(request)),
-            "move": lambda: sheet.move_contact(
-                self._read_moment(request), _read_whole(request["index"]), *_read_place(request)
+        readers: dict[Any, Callable[[], Callable[[], str]]] = {
+            "confirm": lambda: partial(sheet.accept, *_read_range(request)),
+            "confirm_rest": lambda: sheet.accept_rest,
+            "type": lambda: partial(sheet.set_kind, *_read_range(request), _read_kind(request)),
+            "clear": lambda: partial(sheet.clear, *_read_range(request)),
+            "move": lambda: partial(
+                sheet.move_contact, *self._read_contact(request), *_read_place(request)
             ),
-            "add": lambda: sheet.add_contact(self._read_moment(request), *_read_place(request)),
-            "remove": lambda: sheet.remove_contact(
-                self._read_moment(request), _read_whole(request["index"])
+            "add": lambda: partial(
+                sheet.add_contact, self._read_moment(request), *_read_place(request)
             ),
-            "undo": sheet.undo,
-            "redo": sheet.redo,
+            "remove": lambda: partial(sheet.remove_contact, *self._read_contact(request)),
+            "undo": lambda: sheet.undo,
+            "redo": lambda: sheet.redo,
         }
         try:
-            return verbs[request.get("do")]()
+            return readers[request.get("do")]()
         except (KeyError, TypeError, ValueError, OverflowError):
             raise NeuroTouchError("The page asks for something unknown. Load it again.") from None
+
+    def _read_contact(self, request: Mapping[str, Any]) -> tuple[int, int]:
+        return self._read_moment(request), _read_whole(request["index"])
 
     def _read_moment(self, request: Mapping[str, Any]) -> int:
         try:
@@ -203,6 +206,10 @@ def _write_counts(track: Track) -> str:
 
 def _read_range(request: Mapping[str, Any]) -> tuple[int, int]:
     return _read_whole(request["first"]), _read_whole(request["last"])
+
+
+def _read_kind(request: Mapping[str, Any]) -> GestureKind:
+    return _KINDS[request["kind"]]
 
 
 def _read_whole(value: object) -> int:

@@ -1,14 +1,19 @@
 """What the doctor says of what the camera sees, on drawn gels."""
 
+from contextlib import ExitStack
+from types import SimpleNamespace
+
 import cv2
 import numpy as np
 import pytest
 
+from neurotouch_hid.doctor import gel as doctor_gel
 from neurotouch_hid.doctor.finding import CheckStatus
 from neurotouch_hid.doctor.gel import GelView
 from neurotouch_hid.geometry import NOMINAL_PX_PER_MM, PAPER_GEL, Rig
 from neurotouch_hid.messages import EVENT_DTYPE, Frame
 from neurotouch_hid.recording import RecordingWriter
+from neurotouch_hid.source import open_source
 
 CENTRE = (172.5, 129.5)
 
@@ -148,3 +153,20 @@ def test_without_camera_and_driver_nothing_can_be_said(tmp_path, monkeypatch):
     found = GelView(tmp_path / "gel.png")
     looks = (found.check_stream, found.check_markers, found.check_rest)
     assert {look().status for look in looks} == {CheckStatus.SKIPPED}
+
+
+def test_what_compiles_before_the_first_packet_takes_nothing_from_the_look(view, monkeypatch):
+    now_s = [0.0]
+
+    class Compiling(ExitStack):
+        is_simulated = False
+
+        def __iter__(self):
+            now_s[0] += 30.0
+            yield from packets
+
+    found = view(draw(gel()))
+    with open_source(found._source, speed="max") as packets:
+        monkeypatch.setattr(doctor_gel, "time", SimpleNamespace(monotonic=lambda: now_s[0]))
+        monkeypatch.setattr(doctor_gel, "open_source", lambda *_, **__: Compiling())
+        assert found.check_stream().status is CheckStatus.OK

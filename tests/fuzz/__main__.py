@@ -4,13 +4,15 @@ Every fault is kept as a file. The same seed gives the same cases; without one i
 """
 
 import argparse
+import json
 import random
 import shlex
 import subprocess
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
-from tests.fuzz.area import format_report, run_area
+from tests.fuzz.area import FAST_FOLDER, Report, format_report, run_area
 from tests.fuzz.areas import AREAS, AT_RANDOM
 
 
@@ -23,11 +25,11 @@ def main() -> int:
     for name in options.areas or AREAS:
         share = 60 * options.minutes / len(options.areas or AREAS)
         if options.guided and name not in AT_RANDOM:
-            faults += _run_guided(name, seed, share, options.folder) != 0
-            continue
-        report = run_area(
-            AREAS[name], f"{name}-{seed}", options.folder, cases=options.cases, seconds=share
-        )
+            report = _run_guided(name, seed, share, options.folder)
+        else:
+            report = run_area(
+                AREAS[name], f"{name}-{seed}", options.folder, cases=options.cases, seconds=share
+            )
         print(format_report(name, seed, report), flush=True)
         faults += len(report.faults)
     return min(faults, 1)
@@ -50,12 +52,26 @@ def _parse() -> argparse.Namespace:
     return options
 
 
-def _run_guided(name: str, seed: str, seconds: float, folder: Path) -> int:
-    words = [sys.executable, "-m", "tests.fuzz.guided", name, seed, str(seconds), str(folder)]
-    code = subprocess.run(words, check=False, stderr=subprocess.DEVNULL).returncode
-    if code not in (0, 1):
-        print(f"{name:<12} ended early, with code {code}. See why: python {shlex.join(words[1:])}")
-    return code
+def _run_guided(name: str, seed: str, seconds: float, folder: Path) -> Report:
+    """Runs an area by coverage, in as many processes as its memory needs."""
+    report, n = Report(), 0
+    with TemporaryDirectory(dir=FAST_FOLDER) as place:
+        corpus = Path(place) / "corpus"
+        corpus.mkdir()
+        while report.seconds < seconds:
+            left = str(seconds - report.seconds)
+            words = [name, f"{seed}-{n}", left, str(folder), str(corpus)]
+            command = [sys.executable, "-m", "tests.fuzz.guided", *words]
+            done = subprocess.run(
+                command, check=False, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+            )
+            if done.returncode:
+                again = f"python {shlex.join(command[1:-1])} $(mktemp -d)"
+                report.faults.append(f"ended early, with code {done.returncode}. See why: {again}")
+                break
+            report.add(Report(**json.loads(done.stdout)))
+            n += 1
+    return report
 
 
 sys.exit(main())

@@ -60,6 +60,14 @@ class Report:
     growth_bytes: int = 0
     seconds: float = 0.0
 
+    def add(self, other: "Report") -> None:
+        """Counts what another process has found."""
+        self.cases += other.cases
+        self.refused += other.refused
+        self.faults += other.faults
+        self.growth_bytes = max(self.growth_bytes, other.growth_bytes)
+        self.seconds += other.seconds
+
 
 def run_area(
     area: Area, seed: str, folder: Path, *, cases: int | None = None, seconds: float = 0.0

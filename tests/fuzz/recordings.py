@@ -230,15 +230,17 @@ def check_recording(path: Path) -> None:
         _check_slices(path)
         return
     last_us = -1
-    for events, frames in Recording(path):
+    recording = Recording(path)
+    width_px, height_px = recording.size_px
+    for events, frames in recording:
         t = events["t"]
         if len(events):
             assert (t[1:] >= t[:-1]).all(), "events out of order"
             assert t[0] >= last_us, "batches out of order"
             assert events["x"].min() >= 0, "x"
-            assert events["x"].max() < SENSOR_WIDTH_PX, "x"
+            assert events["x"].max() < width_px, "x"
             assert events["y"].min() >= 0, "y"
-            assert events["y"].max() < SENSOR_HEIGHT_PX, "y"
+            assert events["y"].max() < height_px, "y"
             assert events["p"].view(np.uint8).max() <= 1, "p"
             last_us = int(t[-1])
         for frame in frames:

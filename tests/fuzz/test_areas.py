@@ -1,5 +1,6 @@
 """A few hundred cases of each area; `make fuzz` runs as many as time allows."""
 
+import json
 import random
 import subprocess
 import sys
@@ -42,8 +43,9 @@ def test_a_fault_is_kept(tmp_path, check, fault):
 
 def test_by_coverage_it_ends_by_itself(tmp_path):
     pytest.importorskip("atheris")
+    words = ["-m", "tests.fuzz", "labels", "--guided", "--seed", "1", "--minutes", "0.03"]
     done = subprocess.run(
-        [sys.executable, "-m", "tests.fuzz.guided", "labels", "1", "2", str(tmp_path)],
+        [sys.executable, *words, "--folder", str(tmp_path)],
         capture_output=True,
         text=True,
         check=True,
@@ -51,3 +53,22 @@ def test_by_coverage_it_ends_by_itself(tmp_path):
     (line,) = done.stdout.splitlines()
     assert line.endswith("0 faults")
     assert int(line.split(" cases")[0].split()[-1]) > 200  # more than it began with
+
+
+def test_by_coverage_a_process_that_takes_much_memory_is_followed_by_another(tmp_path):
+    pytest.importorskip("atheris")
+    code = (
+        "import sys; from tests.fuzz import guided; guided.MAX_TAKEN_BYTES = 0;"
+        "sys.argv[1:] = ['labels', '1', '60', *sys.argv[1:]]; guided.main()"
+    )
+    corpus = tmp_path / "corpus"
+    corpus.mkdir()
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path), str(corpus)],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    first = json.loads(done.stdout)
+    assert first["cases"] < 200
+    assert len(list(corpus.iterdir())) >= 200  # for the next one

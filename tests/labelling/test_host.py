@@ -60,6 +60,12 @@ def test_a_wrong_request_is_refused(host, run_async, request_):
     assert (host.sheet.labels.kind == UNLABELLED).all()
 
 
+def test_a_fault_of_ours_is_not_called_a_wrong_request(host, run_async, monkeypatch):
+    monkeypatch.setattr(host.sheet, "accept", lambda first, last: {}[first, last])
+    with pytest.raises(KeyError):
+        run_async(ask(host, do="confirm", first=0, last=3))
+
+
 def test_a_change_is_on_disk_when_it_is_said_to_be_saved(host, run_async, tmp_path):
     told = run_async(ask(host, do="confirm", first=0, last=3, n=7))
     assert (told["saved"], told["n"]) == ("Confirmed.", 7)

@@ -55,6 +55,40 @@ def test_python_looks_through_what_is_old_unless_it_is_frozen():
     assert say(sys.executable, "-c", OLD_GARBAGE.format(block="freeze_gc()")) == "False"
 
 
+ARENAS = """
+import ctypes, os, sys, tempfile, threading
+from neurotouch_hid.process.arenas import share_arenas
+
+libc = ctypes.CDLL(None)
+libc.fdopen.restype = ctypes.c_void_p
+if sys.argv[1] == "shared":
+    share_arenas()
+together = threading.Barrier(6)
+
+def work():
+    parts = [bytes(4_000) for _ in range(100)]
+    together.wait()
+
+threads = [threading.Thread(target=work) for _ in range(together.parties)]
+for thread in threads:
+    thread.start()
+for thread in threads:
+    thread.join()
+with tempfile.TemporaryFile() as said:
+    stream = ctypes.c_void_p(libc.fdopen(os.dup(said.fileno()), b"w"))
+    libc.malloc_info(0, stream)
+    libc.fclose(stream)
+    said.seek(0)
+    print(said.read().count(b"<heap "))
+"""
+
+
+def test_each_thread_gets_an_arena_of_its_own_unless_they_share():
+    apart = int(say(sys.executable, "-c", ARENAS, "apart"))
+    assert apart > 2, "the C library lets threads share by itself: share_arenas may go"
+    assert int(say(sys.executable, "-c", ARENAS, "shared")) == 2
+
+
 def test_numba_alone_misses_an_update_of_an_imported_constant(tmp_path):
     """Our own cache notices it, see ``test_kernel_cache.py``."""
     (tmp_path / "plain.py").write_text(

@@ -15,6 +15,8 @@ N = 12
 STAMPS_US = [0, 9_000, 33_000, 50_000, 70_000, 107_000, 111_000, 150_000, 152_000, 200_000]
 STAMPS_US += [233_000, 999_000]
 FRAGMENTS = {"movflags": "frag_keyframe+empty_moov+default_base_moof"}
+FRAGMENTS_EDITED = {"movflags": "frag_keyframe+delay_moov"}
+"""With an edit list: the first picture comes after it was decoded."""
 
 
 def make_pictures(size_px):
@@ -54,6 +56,7 @@ def compare(path, worst=0):
         ("mp4", "libx264", "yuv420p", {"bf": "3", "g": "5"}),
         ("mp4", "libx264", "yuv420p", {"x264-params": "open-gop=1:keyint=5:bframes=3"}),
         ("mp4", "libx264", "yuv420p", {"g": "4", "muxer": FRAGMENTS}),
+        ("mp4", "libx264", "yuv420p", {"g": "4", "muxer": FRAGMENTS_EDITED}),
         ("mp4", "libx264", "yuv420p", {"g": "4", "muxer": {"movflags": "hybrid_fragmented"}}),
         ("mp4", "libx264", "yuv420p", {"muxer": {"movflags": "faststart"}}),
         ("avi", "libx264", "yuv420p", {"bf": "0"}),

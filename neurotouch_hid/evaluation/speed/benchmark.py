@@ -6,7 +6,8 @@ import resource
 import subprocess
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -44,6 +45,8 @@ PREPARED_S = 20.0
 _VIEW_SIZES = (640, 480), (1920, 1200)
 _N_VIEWS = 1_000
 _LABELLED_US = range(0, round(PREPARED_S * 1e6) + 1, 40_000)
+_MOST_S = "3600"
+"""Sensor time for which a measured process plays at most: less than a minute."""
 READY, PLAYED = "Gamepad ready", "Played "
 """The words that ``neurotouch run`` prints when the pad is ready, and at the end."""
 _READER = """
@@ -213,14 +216,15 @@ def _measure_stages(packets: list[EventPacket], options: DriverOptions) -> dict[
 
 def _measure_whole(path: Path, method: str) -> dict[str, float]:
     """Plays a recording in a separate process; returns its pace without the start, and memory."""
-    _reap(_start_run(f"file:{path}", method))  # compiles the kernels that only a file needs
-    process = _start_run(f"file:{path}", method)
-    _wait_for(READY, process)
-    ready = time.perf_counter()
-    _wait_for(PLAYED, process)
-    took_s = time.perf_counter() - ready
-    rss_mb = _read_peak_mb(process.pid)  # it still has to tidy up
-    _reap(process)
+    with _run(f"file:{path}", method) as process:  # compiles the kernels that only a file needs
+        _reap(process)
+    with _run(f"file:{path}", method) as process:
+        _wait_for(READY, process)
+        ready = time.perf_counter()
+        _wait_for(PLAYED, process)
+        took_s = time.perf_counter() - ready
+        rss_mb = _read_peak_mb(process.pid)  # it still has to tidy up
+        _reap(process)
     return {"realtime_factor": PREPARED_S / took_s, "rss_mb": rss_mb}
 
 
@@ -251,14 +255,15 @@ def _measure_start(method: str) -> dict[str, float]:
     help_cpu, reader_cpu, pad = [], [], []
     for _ in range(5):
         reader_cpu.append(_measure_reader())
-        usage = _reap(_start(["--help"]))
+        with _start("--help") as process:
+            usage = _reap(process)
         help_cpu.append(usage.ru_utime + usage.ru_stime)
         begun = time.perf_counter()
-        process = _start_run("sim:rest", method)
-        _wait_for(READY, process)
-        pad.append(time.perf_counter() - begun)
-        process.terminate()
-        _reap(process)
+        with _run("sim:rest", method) as process:
+            _wait_for(READY, process)
+            pad.append(time.perf_counter() - begun)
+            process.terminate()
+            _reap(process)
     return {
         "help_cpu": float(np.median(help_cpu)),
         "reader_cpu": min(reader_cpu),
@@ -271,18 +276,25 @@ def _measure_reader() -> float:
     return float(done.stdout)
 
 
-def _start_run(source: str, method: str) -> subprocess.Popen[str]:
-    options = ["--source", source, "--speed", "max", "--device", "memory", "--method", method]
-    return _start(["run", "--show", "nothing", *options])
+def _run(source: str, method: str) -> AbstractContextManager[subprocess.Popen[str]]:
+    # It ends by itself if nobody can end it any more.
+    options = ["--speed", "max", "--device", "memory", "--method", method, "--seconds", _MOST_S]
+    return _start("run", "--show", "nothing", "--source", source, *options)
 
 
-def _start(arguments: list[str]) -> subprocess.Popen[str]:
+@contextmanager
+def _start(*arguments: str) -> Iterator[subprocess.Popen[str]]:
+    """Starts a process of ours, which does not outlast the block."""
     command = make_own_command(*arguments)
     # With its modules compiled, as installing does it: it is the warm start that counts.
     environment = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
-    return subprocess.Popen(  # noqa: S603  # our own command
+    with subprocess.Popen(  # noqa: S603  # our own command
         command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
-    )
+    ) as process:
+        try:
+            yield process
+        finally:
+            process.kill()  # nothing, if it has been waited for
 
 
 def _wait_for(words: str, process: subprocess.Popen[str]) -> None:
