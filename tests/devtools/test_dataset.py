@@ -59,13 +59,13 @@ def test_other_tools_read_the_checksums_and_one_byte_is_found(twice):
         return done.returncode, done.stdout
 
     assert check() == (0, "")
-    path = twice[1] / "open" / "events" / "user1-push.aedat4"
+    path = twice[1] / "open" / "events" / "user1-push-solid.aedat4"
     content = bytearray(path.read_bytes())
     content[-1] ^= 1
     path.write_bytes(content)
     assert check()[0] == 1
     expected = read_checksums((twice[1] / "SHA256SUMS").read_text())
-    name = "open/events/user1-push.aedat4"
+    name = "open/events/user1-push-solid.aedat4"
     assert compare_checksums(expected, list_checksums(twice[1])) == [f"{name} has other bytes."]
 
 

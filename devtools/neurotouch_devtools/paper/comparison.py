@@ -1,7 +1,7 @@
 """Says what differs between committed results and those that have just been made.
 
-On one machine nothing should differ at all. Other processors and libraries round the last digit of a
-number in another way, so single events appear or not, and a few slices at the edges of gestures
+On one machine nothing should differ at all. Other processors and libraries round the last digit of
+a number in another way, so single events appear or not, and a few slices at the edges of gestures
 get another type. The tolerances allow for that and for no more.
 """
 
