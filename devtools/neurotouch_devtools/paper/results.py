@@ -86,7 +86,7 @@ def _count(report: Mapping[str, Any], key: str) -> int:
     if key.startswith("time_to_type_ms") or key == "type_changes":
         return int(report["time_to_type_ms"]["gestures"])
     if key == "false_gestures_per_10_min":
-        return int(round(report["at_rest_s"]))
+        return round(float(report["at_rest_s"]))
     return int(report["observations"])
 
 
